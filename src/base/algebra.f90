@@ -4,136 +4,136 @@
 !> Symmetric tensors are stored as xx, yy, zz, xy, yz, xz (the order of VTK), tensor components
 !> (shear strains are not doubled). Point physics: compiled for the CPU and for the GPU.
 module brz_algebra
-   use brz_kinds, only: rk
-   implicit none
-   private
-   public :: inverse3, determinant3, to_matrix, to_voigt, rotation_exp, rotate_voigt, double_dot
+    use brz_kinds, only: rk
+    implicit none
+    private
+    public :: inverse3, determinant3, to_matrix, to_voigt, rotation_exp, rotate_voigt, double_dot
 
 contains
 
-   !> Determinant of a 3x3 matrix.
-   !@cuf attributes(host,device) &
-   pure function determinant3(a) result(d)
-      real(rk), intent(in) :: a(3, 3)
-      real(rk) :: d
+    !> Determinant of a 3x3 matrix.
+    !@cuf attributes(host,device) &
+    pure function determinant3(a) result(d)
+        real(rk), intent(in) :: a(3, 3)
+        real(rk) :: d
 
-      d = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
-          - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) &
-          + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
-   end function determinant3
+        d = a(1, 1)*(a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2)) &
+             - a(1, 2)*(a(2, 1)*a(3, 3) - a(2, 3)*a(3, 1)) &
+             + a(1, 3)*(a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))
+    end function determinant3
 
-   !> Inverse of a 3x3 matrix by cofactors. `ok` is false, and `b` zero, where it is singular.
-   !@cuf attributes(host,device) &
-   pure subroutine inverse3(a, b, ok)
-      real(rk), intent(in) :: a(3, 3)
-      real(rk), intent(out) :: b(3, 3) !! inverse of a
-      logical, intent(out) :: ok
-      real(rk) :: d, r
+    !> Inverse of a 3x3 matrix by cofactors. `ok` is false, and `b` zero, where it is singular.
+    !@cuf attributes(host,device) &
+    pure subroutine inverse3(a, b, ok)
+        real(rk), intent(in) :: a(3, 3)
+        real(rk), intent(out) :: b(3, 3) !! inverse of a
+        logical, intent(out) :: ok
+        real(rk) :: d, r
 
-      d = determinant3(a)
-      ok = abs(d) > tiny(d)
-      r = 0
-      if (ok) r = 1/d
-      b(1, 1) = (a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2))*r
-      b(1, 2) = (a(1, 3)*a(3, 2) - a(1, 2)*a(3, 3))*r
-      b(1, 3) = (a(1, 2)*a(2, 3) - a(1, 3)*a(2, 2))*r
-      b(2, 1) = (a(2, 3)*a(3, 1) - a(2, 1)*a(3, 3))*r
-      b(2, 2) = (a(1, 1)*a(3, 3) - a(1, 3)*a(3, 1))*r
-      b(2, 3) = (a(1, 3)*a(2, 1) - a(1, 1)*a(2, 3))*r
-      b(3, 1) = (a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))*r
-      b(3, 2) = (a(1, 2)*a(3, 1) - a(1, 1)*a(3, 2))*r
-      b(3, 3) = (a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1))*r
-   end subroutine inverse3
+        d = determinant3(a)
+        ok = abs(d) > tiny(d)
+        r = 0
+        if (ok) r = 1/d
+        b(1, 1) = (a(2, 2)*a(3, 3) - a(2, 3)*a(3, 2))*r
+        b(1, 2) = (a(1, 3)*a(3, 2) - a(1, 2)*a(3, 3))*r
+        b(1, 3) = (a(1, 2)*a(2, 3) - a(1, 3)*a(2, 2))*r
+        b(2, 1) = (a(2, 3)*a(3, 1) - a(2, 1)*a(3, 3))*r
+        b(2, 2) = (a(1, 1)*a(3, 3) - a(1, 3)*a(3, 1))*r
+        b(2, 3) = (a(1, 3)*a(2, 1) - a(1, 1)*a(2, 3))*r
+        b(3, 1) = (a(2, 1)*a(3, 2) - a(2, 2)*a(3, 1))*r
+        b(3, 2) = (a(1, 2)*a(3, 1) - a(1, 1)*a(3, 2))*r
+        b(3, 3) = (a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1))*r
+    end subroutine inverse3
 
-   !> Symmetric 3x3 matrix of six components.
-   !@cuf attributes(host,device) &
-   pure subroutine to_matrix(s, m)
-      real(rk), intent(in) :: s(6) !! xx, yy, zz, xy, yz, xz
-      real(rk), intent(out) :: m(3, 3)
+    !> Symmetric 3x3 matrix of six components.
+    !@cuf attributes(host,device) &
+    pure subroutine to_matrix(s, m)
+        real(rk), intent(in) :: s(6) !! xx, yy, zz, xy, yz, xz
+        real(rk), intent(out) :: m(3, 3)
 
-      m(1, 1) = s(1)
-      m(2, 2) = s(2)
-      m(3, 3) = s(3)
-      m(1, 2) = s(4)
-      m(2, 1) = s(4)
-      m(2, 3) = s(5)
-      m(3, 2) = s(5)
-      m(1, 3) = s(6)
-      m(3, 1) = s(6)
-   end subroutine to_matrix
+        m(1, 1) = s(1)
+        m(2, 2) = s(2)
+        m(3, 3) = s(3)
+        m(1, 2) = s(4)
+        m(2, 1) = s(4)
+        m(2, 3) = s(5)
+        m(3, 2) = s(5)
+        m(1, 3) = s(6)
+        m(3, 1) = s(6)
+    end subroutine to_matrix
 
-   !> Six components of the symmetric part of a 3x3 matrix.
-   !@cuf attributes(host,device) &
-   pure subroutine to_voigt(m, s)
-      real(rk), intent(in) :: m(3, 3)
-      real(rk), intent(out) :: s(6) !! xx, yy, zz, xy, yz, xz
+    !> Six components of the symmetric part of a 3x3 matrix.
+    !@cuf attributes(host,device) &
+    pure subroutine to_voigt(m, s)
+        real(rk), intent(in) :: m(3, 3)
+        real(rk), intent(out) :: s(6) !! xx, yy, zz, xy, yz, xz
 
-      s(1) = m(1, 1)
-      s(2) = m(2, 2)
-      s(3) = m(3, 3)
-      s(4) = (m(1, 2) + m(2, 1))/2
-      s(5) = (m(2, 3) + m(3, 2))/2
-      s(6) = (m(1, 3) + m(3, 1))/2
-   end subroutine to_voigt
+        s(1) = m(1, 1)
+        s(2) = m(2, 2)
+        s(3) = m(3, 3)
+        s(4) = (m(1, 2) + m(2, 1))/2
+        s(5) = (m(2, 3) + m(3, 2))/2
+        s(6) = (m(1, 3) + m(3, 1))/2
+    end subroutine to_voigt
 
-   !> Rotation exp(w t) of the skew part of a velocity gradient, by Rodrigues' formula (exact).
-   !@cuf attributes(host,device) &
-   pure subroutine rotation_exp(l, t, q)
-      real(rk), intent(in) :: l(3, 3) !! velocity gradient dv_i/dx_j [1/s]
-      real(rk), intent(in) :: t !! time [s]
-      real(rk), intent(out) :: q(3, 3) !! rotation matrix
-      real(rk) :: x, y, z, t2, a, b
+    !> Rotation exp(w t) of the skew part of a velocity gradient, by Rodrigues' formula (exact).
+    !@cuf attributes(host,device) &
+    pure subroutine rotation_exp(l, t, q)
+        real(rk), intent(in) :: l(3, 3) !! velocity gradient dv_i/dx_j [1/s]
+        real(rk), intent(in) :: t !! time [s]
+        real(rk), intent(out) :: q(3, 3) !! rotation matrix
+        real(rk) :: x, y, z, t2, a, b
 
-      x = (l(3, 2) - l(2, 3))*t/2
-      y = (l(1, 3) - l(3, 1))*t/2
-      z = (l(2, 1) - l(1, 2))*t/2
-      t2 = x*x + y*y + z*z
-      if (t2 < 1e-4_rk) then
-         a = 1 - t2/6*(1 - t2/20*(1 - t2/42))
-         b = (1 - t2/12*(1 - t2/30*(1 - t2/56)))/2
-      else
-         a = sin(sqrt(t2))/sqrt(t2)
-         b = (1 - cos(sqrt(t2)))/t2
-      end if
-      q(1, 1) = 1 - b*(y*y + z*z)
-      q(2, 2) = 1 - b*(x*x + z*z)
-      q(3, 3) = 1 - b*(x*x + y*y)
-      q(1, 2) = b*x*y - a*z
-      q(2, 1) = b*x*y + a*z
-      q(1, 3) = b*x*z + a*y
-      q(3, 1) = b*x*z - a*y
-      q(2, 3) = b*y*z - a*x
-      q(3, 2) = b*y*z + a*x
-   end subroutine rotation_exp
+        x = (l(3, 2) - l(2, 3))*t/2
+        y = (l(1, 3) - l(3, 1))*t/2
+        z = (l(2, 1) - l(1, 2))*t/2
+        t2 = x*x + y*y + z*z
+        if (t2 < 1e-4_rk) then
+            a = 1 - t2/6*(1 - t2/20*(1 - t2/42))
+            b = (1 - t2/12*(1 - t2/30*(1 - t2/56)))/2
+        else
+            a = sin(sqrt(t2))/sqrt(t2)
+            b = (1 - cos(sqrt(t2)))/t2
+        end if
+        q(1, 1) = 1 - b*(y*y + z*z)
+        q(2, 2) = 1 - b*(x*x + z*z)
+        q(3, 3) = 1 - b*(x*x + y*y)
+        q(1, 2) = b*x*y - a*z
+        q(2, 1) = b*x*y + a*z
+        q(1, 3) = b*x*z + a*y
+        q(3, 1) = b*x*z - a*y
+        q(2, 3) = b*y*z - a*x
+        q(3, 2) = b*y*z + a*x
+    end subroutine rotation_exp
 
-   !> Tensor s turned by the rotation q: q s q^T, in place.
-   !@cuf attributes(host,device) &
-   pure subroutine rotate_voigt(q, s)
-      real(rk), intent(in) :: q(3, 3) !! rotation matrix
-      real(rk), intent(inout) :: s(6) !! xx, yy, zz, xy, yz, xz
-      real(rk) :: m(3, 3), t(3, 3)
-      integer :: i, j
+    !> Tensor s turned by the rotation q: q s q^T, in place.
+    !@cuf attributes(host,device) &
+    pure subroutine rotate_voigt(q, s)
+        real(rk), intent(in) :: q(3, 3) !! rotation matrix
+        real(rk), intent(inout) :: s(6) !! xx, yy, zz, xy, yz, xz
+        real(rk) :: m(3, 3), t(3, 3)
+        integer :: i, j
 
-      call to_matrix(s, m)
-      do j = 1, 3
-         do i = 1, 3
-            t(i, j) = q(i, 1)*m(1, j) + q(i, 2)*m(2, j) + q(i, 3)*m(3, j)
-         end do
-      end do
-      do j = 1, 3
-         do i = 1, 3
-            m(i, j) = t(i, 1)*q(j, 1) + t(i, 2)*q(j, 2) + t(i, 3)*q(j, 3)
-         end do
-      end do
-      call to_voigt(m, s)
-   end subroutine rotate_voigt
+        call to_matrix(s, m)
+        do j = 1, 3
+            do i = 1, 3
+                t(i, j) = q(i, 1)*m(1, j) + q(i, 2)*m(2, j) + q(i, 3)*m(3, j)
+            end do
+        end do
+        do j = 1, 3
+            do i = 1, 3
+                m(i, j) = t(i, 1)*q(j, 1) + t(i, 2)*q(j, 2) + t(i, 3)*q(j, 3)
+            end do
+        end do
+        call to_voigt(m, s)
+    end subroutine rotate_voigt
 
-   !> Double contraction a : b of two symmetric tensors (the shears count twice).
-   !@cuf attributes(host,device) &
-   pure function double_dot(a, b) result(c)
-      real(rk), intent(in) :: a(6), b(6)
-      real(rk) :: c
+    !> Double contraction a : b of two symmetric tensors (the shears count twice).
+    !@cuf attributes(host,device) &
+    pure function double_dot(a, b) result(c)
+        real(rk), intent(in) :: a(6), b(6)
+        real(rk) :: c
 
-      c = a(1)*b(1) + a(2)*b(2) + a(3)*b(3) + 2*(a(4)*b(4) + a(5)*b(5) + a(6)*b(6))
-   end function double_dot
+        c = a(1)*b(1) + a(2)*b(2) + a(3)*b(3) + 2*(a(4)*b(4) + a(5)*b(5) + a(6)*b(6))
+    end function double_dot
 end module brz_algebra

@@ -4,146 +4,146 @@
 !> Nothing after the deck layer reads the deck itself. Names of options stay words here; the module
 !> that uses an option turns the word into a code.
 module brz_case
-   use brz_kinds, only: dp
-   implicit none
-   private
-   public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
-             body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t
-   public :: name_len, max_plies
+    use brz_kinds, only: dp
+    implicit none
+    private
+    public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
+                 body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t
+    public :: name_len, max_plies
 
-   integer, parameter :: name_len = 32 !! longest id or option word
-   integer, parameter :: max_plies = 256 !! most plies of one body
+    integer, parameter :: name_len = 32 !! longest id or option word
+    integer, parameter :: max_plies = 256 !! most plies of one body
 
-   !> &run
-   type :: run_case_t
-      character(:), allocatable :: title
-      character(name_len) :: job = '' !! name of the deck without folder and ending
-      real(dp) :: t_end = 0 !! [s]
-      logical :: symmetry(3) = .false. !! mirror plane through the origin, normal to x, y, z
-      integer :: dimension = 3 !! 3, or 2 (plane strain in x, y), or 1 (along x)
-      character(name_len) :: backend = 'auto' !! 'cpu', 'gpu', 'auto'
-      real(dp) :: dt_max = huge(1.0_dp) !! [s]
-      real(dp) :: dt_min = 0 !! a smaller step ends the run with code 3 [s]
-      real(dp) :: energy_band = huge(1.0_dp) !! largest allowed |total/(initial+work) - 1|
-      integer :: max_steps = huge(1)
-   end type run_case_t
+    !> &run
+    type :: run_case_t
+        character(:), allocatable :: title
+        character(name_len) :: job = '' !! name of the deck without folder and ending
+        real(dp) :: t_end = 0 !! [s]
+        logical :: symmetry(3) = .false. !! mirror plane through the origin, normal to x, y, z
+        integer :: dimension = 3 !! 3, or 2 (plane strain in x, y), or 1 (along x)
+        character(name_len) :: backend = 'auto' !! 'cpu', 'gpu', 'auto'
+        real(dp) :: dt_max = huge(1.0_dp) !! [s]
+        real(dp) :: dt_min = 0 !! a smaller step ends the run with code 3 [s]
+        real(dp) :: energy_band = huge(1.0_dp) !! largest allowed |total/(initial+work) - 1|
+        integer :: max_steps = huge(1)
+    end type run_case_t
 
-   !> &air
-   type :: air_case_t
-      logical :: present = .false.
-      real(dp) :: lo(3) = 0, hi(3) = 1 !! corners of the box [m]
-      integer :: cells(3) = 1 !! 1 in a direction that is not modelled
-      character(name_len) :: bc(2, 3) = 'outflow' !! (low/high, direction): 'outflow', 'wall', 'symmetry', 'periodic'
-      real(dp) :: density = 1.225_dp !! undisturbed air [kg/m3]
-      real(dp) :: pressure = 101325 !! undisturbed air [Pa]
-      real(dp) :: gamma = 1.4_dp
-      real(dp) :: cfl = 0.5_dp
-      integer :: ramp_steps = 20 !! first steps, over which the time step grows from a tenth
-      character(name_len) :: reconstruction = 'weno3' !! 'first_order', 'weno3'
-      character(name_len) :: flux = 'steger_warming'
-      logical :: fallback = .true. !! first-order fluxes where a state would become unphysical
-   end type air_case_t
+    !> &air
+    type :: air_case_t
+        logical :: present = .false.
+        real(dp) :: lo(3) = 0, hi(3) = 1 !! corners of the box [m]
+        integer :: cells(3) = 1 !! 1 in a direction that is not modelled
+        character(name_len) :: bc(2, 3) = 'outflow' !! (low/high, direction): 'outflow', 'wall', 'symmetry', 'periodic'
+        real(dp) :: density = 1.225_dp !! undisturbed air [kg/m3]
+        real(dp) :: pressure = 101325 !! undisturbed air [Pa]
+        real(dp) :: gamma = 1.4_dp
+        real(dp) :: cfl = 0.5_dp
+        integer :: ramp_steps = 20 !! first steps, over which the time step grows from a tenth
+        character(name_len) :: reconstruction = 'weno3' !! 'first_order', 'weno3'
+        character(name_len) :: flux = 'steger_warming'
+        logical :: fallback = .true. !! first-order fluxes where a state would become unphysical
+    end type air_case_t
 
-   !> &gas: a box of gas with its own initial state
-   type :: gas_case_t
-      character(name_len) :: id = ''
-      real(dp) :: lo(3) = 0, hi(3) = 0 !! [m]
-      real(dp) :: density = 0, pressure = 0, velocity(3) = 0
-   end type gas_case_t
+    !> &gas: a box of gas with its own initial state
+    type :: gas_case_t
+        character(name_len) :: id = ''
+        real(dp) :: lo(3) = 0, hi(3) = 0 !! [m]
+        real(dp) :: density = 0, pressure = 0, velocity(3) = 0
+    end type gas_case_t
 
-   !> &charge: explosive as a balloon of hot gas; the mass is that of the whole charge
-   type :: charge_case_t
-      character(name_len) :: id = ''
-      character(name_len) :: explosive = 'tnt'
-      character(name_len) :: eos = 'ideal'
-      character(name_len) :: shape = 'sphere' !! 'sphere', 'cylinder', 'box'
-      real(dp) :: mass = 0 !! [kg]
-      real(dp) :: density = 1630 !! [kg/m3]
-      real(dp) :: energy = 4.29e6_dp !! [J/kg]
-      real(dp) :: at(3) = 0 !! centre [m]
-      real(dp) :: aspect = 1 !! cylinder: length over diameter
-      real(dp) :: sides(3) = 1 !! box: ratio of the sides
-      character(1) :: axis = 'z' !! cylinder
-   end type charge_case_t
+    !> &charge: explosive as a balloon of hot gas; the mass is that of the whole charge
+    type :: charge_case_t
+        character(name_len) :: id = ''
+        character(name_len) :: explosive = 'tnt'
+        character(name_len) :: eos = 'ideal'
+        character(name_len) :: shape = 'sphere' !! 'sphere', 'cylinder', 'box'
+        real(dp) :: mass = 0 !! [kg]
+        real(dp) :: density = 1630 !! [kg/m3]
+        real(dp) :: energy = 4.29e6_dp !! [J/kg]
+        real(dp) :: at(3) = 0 !! centre [m]
+        real(dp) :: aspect = 1 !! cylinder: length over diameter
+        real(dp) :: sides(3) = 1 !! box: ratio of the sides
+        character(1) :: axis = 'z' !! cylinder
+    end type charge_case_t
 
-   !> &material: the model and its keys; materials/ turns it into numbers
-   type :: material_case_t
-      character(name_len) :: id = ''
-      character(name_len) :: model = ''
-      integer :: line = 0 !! of the group in the deck, for messages
-      integer :: n = 0
-      character(24), allocatable :: key(:) !! keys of the model, defaults included (n)
-      real(dp), allocatable :: value(:) !! numbers; a logical is 0 or 1; 0 for a text (n)
-      character(name_len), allocatable :: word(:) !! texts (n)
-      logical, allocatable :: given(:) !! false where the value is the default (n)
-   end type material_case_t
+    !> &material: the model and its keys; materials/ turns it into numbers
+    type :: material_case_t
+        character(name_len) :: id = ''
+        character(name_len) :: model = ''
+        integer :: line = 0 !! of the group in the deck, for messages
+        integer :: n = 0
+        character(24), allocatable :: key(:) !! keys of the model, defaults included (n)
+        real(dp), allocatable :: value(:) !! numbers; a logical is 0 or 1; 0 for a text (n)
+        character(name_len), allocatable :: word(:) !! texts (n)
+        logical, allocatable :: given(:) !! false where the value is the default (n)
+    end type material_case_t
 
-   !> &body
-   type :: body_case_t
-      character(name_len) :: id = ''
-      character(name_len) :: shape = 'box' !! 'box', 'sphere', 'cylinder'
-      real(dp) :: lo(3) = 0, hi(3) = 0 !! box: corners [m]
-      real(dp) :: centre(3) = 0, radius = 0, length = 0 !! sphere, cylinder [m]
-      character(1) :: axis = 'z' !! cylinder
-      real(dp) :: spacing = 0 !! distance of the particles [m]
-      character(name_len) :: material = ''
-      integer :: material_index = 0
-      integer :: n_plies = 0
-      real(dp) :: ply_angle(max_plies) = 0 !! [deg], from the low to the high side of the stacking axis
-      character(1) :: ply_axis = 'z' !! normal of the plies
-      character(name_len) :: fix(8) = '' !! 'sides', 'all', 'x-', 'x+', 'y-', 'y+', 'z-', 'z+'
-      integer :: fix_layers = 3 !! particle layers that are held
-      real(dp) :: velocity(3) = 0 !! [m/s]
-      real(dp) :: spin(3) = 0 !! angular velocity about the centre of mass [rad/s]
-      character(name_len) :: formulation = 'bending' !! 'corrected', 'corrected_hourglass', 'bending'
-      real(dp) :: alpha = 1, beta = 2 !! artificial viscosity
-      real(dp) :: zeta = 2 !! position-based hourglass stiffness ('bending')
-      real(dp) :: zeta_viscous = 0.05_dp !! viscous hourglass force ('corrected_hourglass')
-      real(dp) :: smoothing = 1.2_dp !! smoothing length over spacing
-      real(dp) :: cfl = 0.4_dp
-   end type body_case_t
+    !> &body
+    type :: body_case_t
+        character(name_len) :: id = ''
+        character(name_len) :: shape = 'box' !! 'box', 'sphere', 'cylinder'
+        real(dp) :: lo(3) = 0, hi(3) = 0 !! box: corners [m]
+        real(dp) :: centre(3) = 0, radius = 0, length = 0 !! sphere, cylinder [m]
+        character(1) :: axis = 'z' !! cylinder
+        real(dp) :: spacing = 0 !! distance of the particles [m]
+        character(name_len) :: material = ''
+        integer :: material_index = 0
+        integer :: n_plies = 0
+        real(dp) :: ply_angle(max_plies) = 0 !! [deg], from the low to the high side of the stacking axis
+        character(1) :: ply_axis = 'z' !! normal of the plies
+        character(name_len) :: fix(8) = '' !! 'sides', 'all', 'x-', 'x+', 'y-', 'y+', 'z-', 'z+'
+        integer :: fix_layers = 3 !! particle layers that are held
+        real(dp) :: velocity(3) = 0 !! [m/s]
+        real(dp) :: spin(3) = 0 !! angular velocity about the centre of mass [rad/s]
+        character(name_len) :: formulation = 'bending' !! 'corrected', 'corrected_hourglass', 'bending'
+        real(dp) :: alpha = 1, beta = 2 !! artificial viscosity
+        real(dp) :: zeta = 2 !! position-based hourglass stiffness ('bending')
+        real(dp) :: zeta_viscous = 0.05_dp !! viscous hourglass force ('corrected_hourglass')
+        real(dp) :: smoothing = 1.2_dp !! smoothing length over spacing
+        real(dp) :: cfl = 0.4_dp
+    end type body_case_t
 
-   !> &gauge
-   type :: gauge_case_t
-      character(name_len) :: id = ''
-      real(dp) :: at(3) = 0 !! [m]
-      character(name_len) :: quantity = 'pressure' !! see the deck reference
-      character(name_len) :: body = '' !! for quantities of a solid
-      integer :: body_index = 0
-   end type gauge_case_t
+    !> &gauge
+    type :: gauge_case_t
+        character(name_len) :: id = ''
+        real(dp) :: at(3) = 0 !! [m]
+        character(name_len) :: quantity = 'pressure' !! see the deck reference
+        character(name_len) :: body = '' !! for quantities of a solid
+        integer :: body_index = 0
+    end type gauge_case_t
 
-   !> &solid: settings shared by all bodies
-   type :: solid_case_t
-      logical :: present = .false. !! at least one body
-      real(dp) :: skin = 0.3_dp !! of the neighbour list, in spacings
-   end type solid_case_t
+    !> &solid: settings shared by all bodies
+    type :: solid_case_t
+        logical :: present = .false. !! at least one body
+        real(dp) :: skin = 0.3_dp !! of the neighbour list, in spacings
+    end type solid_case_t
 
-   !> &coupling
-   type :: coupling_case_t
-      logical :: present = .false. !! air and at least one body
-      real(dp) :: spread = 1.5_dp !! depth over which a surface load is spread, in air cells
-      real(dp) :: reference_pressure = 101325 !! taken off every load, the pressure of the air at rest [Pa]
-   end type coupling_case_t
+    !> &coupling
+    type :: coupling_case_t
+        logical :: present = .false. !! air and at least one body
+        real(dp) :: spread = 1.5_dp !! depth over which a surface load is spread, in air cells
+        real(dp) :: reference_pressure = 101325 !! taken off every load, the pressure of the air at rest [Pa]
+    end type coupling_case_t
 
-   !> &output
-   type :: output_case_t
-      real(dp) :: dump_every = huge(1.0_dp) !! [s]
-      real(dp) :: history_every = 0 !! 0: every step [s]
-      real(dp) :: checkpoint_every = huge(1.0_dp) !! [s]
-      real(dp) :: report_every = 5 !! wall-clock time between progress lines [s]
-   end type output_case_t
+    !> &output
+    type :: output_case_t
+        real(dp) :: dump_every = huge(1.0_dp) !! [s]
+        real(dp) :: history_every = 0 !! 0: every step [s]
+        real(dp) :: checkpoint_every = huge(1.0_dp) !! [s]
+        real(dp) :: report_every = 5 !! wall-clock time between progress lines [s]
+    end type output_case_t
 
-   type :: case_t
-      type(run_case_t) :: run
-      type(air_case_t) :: air
-      type(gas_case_t), allocatable :: gas(:)
-      type(charge_case_t), allocatable :: charges(:)
-      type(material_case_t), allocatable :: materials(:)
-      type(body_case_t), allocatable :: bodies(:)
-      type(gauge_case_t), allocatable :: gauges(:)
-      type(solid_case_t) :: solid
-      type(coupling_case_t) :: coupling
-      type(output_case_t) :: output
-      character(:), allocatable :: echo !! the complete runnable deck with defaults marked
-   end type case_t
+    type :: case_t
+        type(run_case_t) :: run
+        type(air_case_t) :: air
+        type(gas_case_t), allocatable :: gas(:)
+        type(charge_case_t), allocatable :: charges(:)
+        type(material_case_t), allocatable :: materials(:)
+        type(body_case_t), allocatable :: bodies(:)
+        type(gauge_case_t), allocatable :: gauges(:)
+        type(solid_case_t) :: solid
+        type(coupling_case_t) :: coupling
+        type(output_case_t) :: output
+        character(:), allocatable :: echo !! the complete runnable deck with defaults marked
+    end type case_t
 end module brz_case

@@ -3,26 +3,26 @@
 !>
 !> The table feeds the scanner, its error texts, the echo, `--describe` and the reference page.
 module brz_key
-   use brz_kinds, only: dp
-   implicit none
-   private
-   public :: key_t, kind_integer, kind_real, kind_logical, kind_text, required, none
+    use brz_kinds, only: dp
+    implicit none
+    private
+    public :: key_t, kind_integer, kind_real, kind_logical, kind_text, required, none
 
-   integer, parameter :: kind_integer = 1, kind_real = 2, kind_logical = 3, kind_text = 4
-   character(*), parameter :: required = '(required)' !! default of a key that must be given
-   character(*), parameter :: none = '(none)' !! default of a key that may be absent
+    integer, parameter :: kind_integer = 1, kind_real = 2, kind_logical = 3, kind_text = 4
+    character(*), parameter :: required = '(required)' !! default of a key that must be given
+    character(*), parameter :: none = '(none)' !! default of a key that may be absent
 
-   type :: key_t
-      character(16) :: group = '' !! group without the ampersand, e.g. 'air'
-      character(24) :: key = ''
-      integer :: kind = kind_real !! one of the kinds above
-      integer :: n_min = 1, n_max = 1 !! how many values it takes
-      character(12) :: unit = '-' !! SI unit, '-' where there is none
-      character(32) :: default = none !! as it would stand in a deck, or `required`, or `none`
-      real(dp) :: lower = -huge(1.0_dp), upper = huge(1.0_dp) !! range of a number
-      logical :: open_lower = .false. !! the lower bound itself is not allowed
-      character(128) :: choices = '' !! allowed texts, separated by '|'; '' = any
-      character(200) :: meaning = '' !! one sentence
-      character(24) :: owner = '' !! &material: the model that has this key, '' = every model
-   end type key_t
+    type :: key_t
+        character(16) :: group = '' !! group without the ampersand, e.g. 'air'
+        character(24) :: key = ''
+        integer :: kind = kind_real !! one of the kinds above
+        integer :: n_min = 1, n_max = 1 !! how many values it takes
+        character(12) :: unit = '-' !! SI unit, '-' where there is none
+        character(32) :: default = none !! as it would stand in a deck, or `required`, or `none`
+        real(dp) :: lower = -huge(1.0_dp), upper = huge(1.0_dp) !! range of a number
+        logical :: open_lower = .false. !! the lower bound itself is not allowed
+        character(128) :: choices = '' !! allowed texts, separated by '|'; '' = any
+        character(200) :: meaning = '' !! one sentence
+        character(24) :: owner = '' !! &material: the model that has this key, '' = every model
+    end type key_t
 end module brz_key

@@ -4,22 +4,34 @@
 !> The type is plain data without default initialisation, so that the same bytes serve the CPU and
 !> the GPU. `par` is filled by the model's own file, which names its slots.
 module brz_material
-   use, intrinsic :: iso_c_binding, only: c_int
-   use brz_kinds, only: rk
-   implicit none
-   private
-   public :: material_t, n_par, n_hist
+    use, intrinsic :: iso_c_binding, only: c_int
+    use brz_kinds, only: rk
+    implicit none
+    private
+    public :: material_t, point_t, n_par, n_hist
 
-   integer, parameter :: n_par = 48 !! parameters of a material, derived ones included
-   integer, parameter :: n_hist = 24 !! most history variables of a material point
+    integer, parameter :: n_par = 48 !! parameters of a material, derived ones included
+    integer, parameter :: n_hist = 24 !! most history variables of a material point
 
-   type, bind(c) :: material_t
-      integer(c_int) :: model !! code of the model, see the registry
-      integer(c_int) :: n_hist !! history variables that the model uses
-      real(rk) :: density !! unloaded [kg/m3]
-      real(rk) :: shear !! shear modulus for the hourglass force [Pa]
-      real(rk) :: bulk !! bulk modulus for contact [Pa]
-      real(rk) :: c_wave !! fastest wave of the unloaded material, for the first time step [m/s]
-      real(rk) :: par(n_par) !! slots named by the model
-   end type material_t
+    type, bind(c) :: material_t
+        integer(c_int) :: model !! code of the model, see the registry
+        integer(c_int) :: n_hist !! history variables that the model uses
+        real(rk) :: density !! unloaded [kg/m3]
+        real(rk) :: shear !! shear modulus for the hourglass force [Pa]
+        real(rk) :: bulk !! bulk modulus for contact [Pa]
+        real(rk) :: c_wave !! fastest wave of the unloaded material, for the first time step [m/s]
+        real(rk) :: par(n_par) !! slots named by the model
+    end type material_t
+
+    !> One material point. A caller copies in what it keeps, calls the update, and copies out.
+    type, bind(c) :: point_t
+        real(rk) :: mu !! compression rho/rho0 - 1 [-]
+        real(rk) :: energy !! specific internal energy; the update adds the stress work [J/kg]
+        real(rk) :: stress(6) !! Cauchy stress xx, yy, zz, xy, yz, xz, tension positive [Pa]
+        real(rk) :: damage !! damage as pair forces see it, 0..1
+        real(rk) :: c_wave !! fastest wave, for the time step [m/s]
+        real(rk) :: c_bulk !! sound speed in the artificial viscosity [m/s]
+        real(rk) :: work(2) !! plastic work and work spent in damage during the step [J/kg]
+        real(rk) :: hist(n_hist) !! history, slots named by the model
+    end type point_t
 end module brz_material
