@@ -9,9 +9,18 @@ module brz_material
     implicit none
     private
     public :: material_t, point_t, n_par, n_hist
+    public :: material_ok, material_clamped, material_not_finite, material_step_too_large, &
+              material_unknown
 
-    integer, parameter :: n_par = 48 !! parameters of a material, derived ones included
+    integer, parameter :: n_par = 64 !! parameters of a material, derived ones included
     integer, parameter :: n_hist = 24 !! most history variables of a material point
+
+    ! Status of an update. Negative: done, but a limit acted. Positive: refused, point unchanged.
+    integer, parameter :: material_ok = 0
+    integer, parameter :: material_clamped = -1 !! outside the range of the model, held at its edge
+    integer, parameter :: material_not_finite = 1 !! NaN, infinity or an absurd number came in
+    integer, parameter :: material_step_too_large = 2 !! strain increment beyond the limit
+    integer, parameter :: material_unknown = 3 !! no such model
 
     type, bind(c) :: material_t
         integer(c_int) :: model !! code of the model, see the registry

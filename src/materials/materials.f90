@@ -1,0 +1,197 @@
+! SPDX-License-Identifier: MIT
+!> The registry of material models.
+!>
+!> A new model is one new file, and here its name in three places: the `use` line, the list of
+!> models, and the case of the dispatcher. (Two models of the same code do not compile.)
+module brz_materials
+    use brz_kinds, only: rk
+    use brz_case, only: material_case_t
+    use brz_errors, only: error_t, raise, exit_deck
+    use brz_key, only: key_t
+    use brz_linear_elastic, only: linear_elastic, describe_linear_elastic, update_linear_elastic
+    use brz_material, only: material_t, point_t, n_hist, material_ok, material_not_finite, &
+                            material_step_too_large, material_unknown
+    use brz_model, only: model_t, load_parameters
+    implicit none
+    private
+    public :: material_keys, make_material, start_point, update_material, history_names
+
+    ! Numbers beyond these are no state of a solid; below them no update can overflow, in real32
+    ! either. The strain of one step is the sum of |dv_i/dx_j| dt.
+    real(rk), parameter :: most_strain = 1, most_mu = 1e3_rk, most_stress = 1e16_rk, &
+                           most_energy = 1e14_rk, most_history = 1e14_rk
+
+contains
+
+    !> All models. Add a line here, ...
+    subroutine list_models(models)
+        type(model_t), allocatable, intent(out) :: models(:)
+
+        allocate (models(1))
+        call describe_linear_elastic(models(1))
+    end subroutine list_models
+
+    !> The physics of one step of one material point. ... and a line here.
+    !@cuf attributes(host,device) &
+    pure subroutine apply_model(material, dt, h, l, point, status)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: dt, h, l(3, 3)
+        type(point_t), intent(inout) :: point
+        integer, intent(out) :: status
+
+        select case (material%model)
+        case (linear_elastic); call update_linear_elastic(material, dt, l, point, status)
+        case default; status = material_unknown
+        end select
+    end subroutine apply_model
+
+    !> Move a material point over one step.
+    !>
+    !> On entry the point holds the state at step n, on exit the one at n+1: compression by the
+    !> exact exponential, Cauchy stress, energy by the trapezoid of the stress work, damage, wave
+    !> speeds and the plastic and damage work of this step. A positive status: the point is as it
+    !> was. No NaN ever comes out.
+    !@cuf attributes(host,device) &
+    pure subroutine update_material(material, dt, h, l, point, status)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: dt !! time step [s]
+        real(rk), intent(in) :: h !! smoothing length [m]
+        real(rk), intent(in) :: l(3, 3) !! velocity gradient dv_i/dx_j at mid-step [1/s]
+        type(point_t), intent(inout) :: point
+        integer, intent(out) :: status !! see brz_material
+
+        call check_input(material, dt, h, l, point, status)
+        if (status == material_ok) call apply_model(material, dt, h, l, point, status)
+    end subroutine update_material
+
+    !> Refuse what is not a number or cannot be a state of a solid.
+    !@cuf attributes(host,device) &
+    pure subroutine check_input(material, dt, h, l, point, status)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: dt, h, l(3, 3)
+        type(point_t), intent(in) :: point
+        integer, intent(out) :: status
+        real(rk) :: rate, stress, history
+        integer :: i
+
+        rate = 0
+        do i = 1, 3
+            rate = rate + abs(l(1, i)) + abs(l(2, i)) + abs(l(3, i))
+        end do
+        stress = 0
+        do i = 1, 6
+            stress = stress + abs(point%stress(i))
+        end do
+        history = 0
+        do i = 1, n_hist
+            if (i <= material%n_hist) history = history + abs(point%hist(i))
+        end do
+        status = material_ok
+        if (.not. (rate*dt <= most_strain)) status = material_step_too_large
+        if (.not. (rate <= huge(rate) .and. dt >= 0 .and. h >= 0 .and. h <= huge(h) .and. &
+                   point%mu > -1 .and. point%mu <= most_mu .and. stress <= most_stress .and. &
+                   abs(point%energy) <= most_energy .and. history <= most_history)) &
+            status = material_not_finite
+    end subroutine check_input
+
+    !> Key table of all models.
+    subroutine material_keys(keys)
+        type(key_t), allocatable, intent(out) :: keys(:)
+        type(model_t), allocatable :: models(:)
+        integer :: i, n
+
+        call list_models(models)
+        n = 0
+        do i = 1, size(models)
+            n = n + size(models(i)%keys)
+        end do
+        allocate (keys(n))
+        n = 0
+        do i = 1, size(models)
+            keys(n + 1:n + size(models(i)%keys)) = models(i)%keys
+            n = n + size(models(i)%keys)
+        end do
+    end subroutine material_keys
+
+    !> Numbers of a material from the deck.
+    subroutine make_material(input, material, err)
+        type(material_case_t), intent(in) :: input
+        type(material_t), intent(out) :: material
+        type(error_t), intent(inout) :: err
+        type(model_t), allocatable :: models(:)
+        character(:), allocatable :: names
+        character(12) :: line
+        integer :: i
+
+        call clear_material(material)
+        call list_models(models)
+        names = ''
+        do i = 1, size(models)
+            if (models(i)%name == input%model) then
+                call load_parameters(models(i), input, material, err)
+                return
+            end if
+            names = names//' '//trim(models(i)%name)
+        end do
+        write (line, '(i0)') input%line
+        call raise(err, exit_deck, "line "//trim(line)//": &material id='"//trim(input%id)// &
+                   "': there is no model '"//trim(input%model)//"'; known:"//names)
+    end subroutine make_material
+
+    subroutine clear_material(material)
+        type(material_t), intent(out) :: material
+
+        material%model = 0
+        material%n_hist = 0
+        material%density = 0
+        material%shear = 0
+        material%bulk = 0
+        material%c_wave = 0
+        material%par = 0
+    end subroutine clear_material
+
+    !> An unloaded material point; for a ply with its axes at `angle` about the stacking axis.
+    !>
+    !> Angle 0 is the axis that follows the stacking axis cyclically (x for z, y for x, z for y);
+    !> it turns right-handed about the stacking axis.
+    subroutine start_point(material, angle, axis, point)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: angle !! of the ply [rad]
+        character(1), intent(in) :: axis !! stacking axis 'x', 'y', 'z'
+        type(point_t), intent(out) :: point
+        type(model_t), allocatable :: models(:)
+        integer :: i
+
+        point%mu = 0
+        point%energy = 0
+        point%stress = 0
+        point%damage = 0
+        point%work = 0
+        point%hist = 0
+        point%c_wave = material%c_wave
+        point%c_bulk = sqrt(material%bulk/material%density)
+        call list_models(models)
+        do i = 1, size(models)
+            if (models(i)%code /= material%model) cycle
+            if (associated(models(i)%start)) call models(i)%start(material, angle, axis, point)
+        end do
+    end subroutine start_point
+
+    !> Names and units of the history of a material; an empty name: not worth a dump.
+    subroutine history_names(material, names, units)
+        type(material_t), intent(in) :: material
+        character(32), intent(out) :: names(n_hist)
+        character(12), intent(out) :: units(n_hist)
+        type(model_t), allocatable :: models(:)
+        integer :: i
+
+        names = ''
+        units = '-'
+        call list_models(models)
+        do i = 1, size(models)
+            if (models(i)%code /= material%model) cycle
+            names = models(i)%history
+            units = models(i)%history_unit
+        end do
+    end subroutine history_names
+end module brz_materials
