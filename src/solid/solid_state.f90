@@ -8,11 +8,21 @@ module brz_solid_state
     use brz_material, only: material_t
     implicit none
     private
-    public :: solid_t, body_t, ledger_t
+    public :: solid_t, body_t, ledger_t, search_t
     public :: form_corrected, form_corrected_hourglass, form_bending, lanes
+    public :: n_pair, pair_volume, pair_density, pair_c, pair_keep, pair_stress, pair_affine
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3
     integer, parameter :: lanes = 8 !! neighbour lists are padded with the particle itself to a multiple of this
+
+    ! what a pair force needs of a particle, in one contiguous row of `pair`
+    integer, parameter :: pair_volume = 1 !! [m3]
+    integer, parameter :: pair_density = 2 !! [kg/m3]
+    integer, parameter :: pair_c = 3 !! sound speed in the viscosity [m/s]
+    integer, parameter :: pair_keep = 4 !! share of the hourglass force that is left, 0..1
+    integer, parameter :: pair_stress = 4 !! + 1..9: stress times gradient correction [Pa]
+    integer, parameter :: pair_affine = 13 !! + 1..9: 'bending': dx/dX; else dv/dx [1/s]
+    integer, parameter :: n_pair = 24 !! a whole number of cache lines; also a buffer for sorting
 
     !> What one body has done with its energy so far, all in J.
     type :: ledger_t
@@ -33,8 +43,22 @@ module brz_solid_state
         real(rk) :: h = 0 !! smoothing length, constant [m]
         real(rk) :: alpha = 1, beta = 2, zeta = 2, zeta_viscous = 0
         real(rk) :: cfl = 0.4_rk
+        real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
         type(ledger_t) :: ledger
     end type body_t
+
+    !> Work arrays of the neighbour search and of the block sums, kept from one use to the next.
+    type :: search_t
+        integer :: cells(3) = 1 !! of the grid of the body at hand
+        real(dp) :: lo(3) = 0, size = 1 !! its low corner and the side of a cell [m]
+        integer, allocatable :: code(:, :) !! (cells, 3) share of an axis in the number of a cell
+        integer, allocatable :: cell(:) !! (n) cell of a particle
+        integer, allocatable :: start(:) !! first place of a cell in `order`
+        integer, allocatable :: order(:) !! (n) particles cell by cell
+        integer(int8), allocatable :: b(:) !! (n) buffer for sorting
+        real(dp), allocatable :: sums(:, :) !! (sums, blocks) partial sums of a pass
+        integer, allocatable :: bad(:) !! (blocks) first particle with an impossible state, 0: none
+    end type search_t
 
     type :: solid_t
         logical :: present = .false.
@@ -44,6 +68,7 @@ module brz_solid_state
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis
         real(dp) :: depth = 1 !! extent of the directions that are not modelled, multiplied [m or m2]
         real(dp) :: dt_last = 0 !! last time step [s]
+        real(dp) :: dt_limit = 0 !! largest stable time step times the CFL numbers, part of a checkpoint [s]
         real(dp) :: skin = 0 !! of the neighbour list [m]
         logical :: asleep = .true. !! unloaded and at rest: no steps are taken
         integer(int64) :: steps = 0, rebuilds = 0
@@ -63,11 +88,16 @@ module brz_solid_state
         real(rk), allocatable :: damage(:) !! (n) damage as pair forces see it, 0..1
         real(rk), allocatable :: c_wave(:) !! (n) fastest wave, for the time step [m/s]
         real(rk), allocatable :: c_bulk(:) !! (n) sound speed in the viscosity [m/s]
-        real(rk), allocatable :: grad(:, :) !! (9, n) 'bending': dX/dx; 'corrected_hourglass': dv/dx
+        real(rk), allocatable :: volume(:) !! (n) as pass 1 sees it [m3]
+        real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int32), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
         integer(int8), allocatable :: fixed(:) !! (n) 1: held in place
         integer(int8), allocatable :: cut(:) !! (n) 1: hourglass support lost for good
+        integer(int32), allocatable :: support(:) !! (n) neighbours in the unloaded body
+        integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block
+        character(:), allocatable :: notes !! warnings of the set-up, line by line
+        type(search_t) :: search
         ! neighbour list: entries first(i)..first(i+1)-1 of `list`, image masks apart
         integer(int64), allocatable :: first(:) !! (n+1)
         integer(int64), allocatable :: image(:) !! (n) entries from here on are mirror images

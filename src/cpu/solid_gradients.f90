@@ -1,0 +1,275 @@
+! SPDX-License-Identifier: MIT
+!> Pass 1: gradients of every particle, and its material over the step just made.
+!>
+!> Reads the neighbours' positions, velocities and volumes; writes the particle's own state and,
+!> for pass 2, its row of `pair`.
+module brz_solid_gradients
+    use brz_algebra, only: inverse3, to_matrix
+    use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms, times
+    use brz_kernel, only: kernel_scale, kernel_slope
+    use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_material, only: point_t
+    use brz_materials, only: update_material
+    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, lanes, pair_affine, &
+                               pair_c, pair_density, pair_keep, pair_stress, pair_volume, solid_t
+    implicit none
+    private
+    public :: gradient_pass
+
+    integer, parameter :: n_moment = 6, n_outer = 9
+    integer, parameter :: at_g = n_moment, at_x = n_moment + n_outer !! slots of the sums below
+    integer, parameter :: n_terms = n_moment + 2*n_outer
+
+    !> The particle whose neighbours are summed over, and the kernel.
+    type :: centre_t
+        integer :: i = 0 !! particle
+        integer :: count = 0 !! entries of its list
+        real(rk) :: scale = 0, half_over_h = 0 !! see brz_kernel
+    end type centre_t
+
+contains
+
+    !> One pass over all particles; with dt = 0 nothing is updated and only `pair` is written.
+    subroutine gradient_pass(solid, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! step just made [s]
+        real(dp) :: limit
+        integer :: k
+
+        limit = huge(limit)
+        !$omp parallel do schedule(static) reduction(min: limit)
+        do k = 1, size(solid%block, 2)
+            call gradient_block(solid, solid%bodies(solid%block(1, k)), dt, k, limit)
+        end do
+        solid%dt_limit = limit
+        if (dt > 0) call book_work(solid)
+    end subroutine gradient_pass
+
+    !> Add the work of the blocks to the ledgers of the bodies, in fixed order.
+    subroutine book_work(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: k
+
+        do k = 1, size(solid%block, 2)
+            associate (ledger => solid%bodies(solid%block(1, k))%ledger)
+                ledger%plastic = ledger%plastic + solid%search%sums(1, k)
+                ledger%damage = ledger%damage + solid%search%sums(2, k)
+            end associate
+        end do
+    end subroutine book_work
+
+    subroutine gradient_block(solid, body, dt, k, limit)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: dt
+        integer, intent(in) :: k !! block
+        real(dp), intent(inout) :: limit !! smallest time step so far [s]
+        type(centre_t) :: p
+        real(rk) :: sums(n_terms)
+        integer :: i
+
+        solid%search%sums(:, k) = 0
+        solid%search%bad(k) = 0
+        p%scale = kernel_scale(body%h, solid%dimension)
+        p%half_over_h = 1/(2*body%h)
+        do i = solid%block(2, k), solid%block(3, k)
+            p%i = i
+            p%count = int(solid%image(i) - solid%first(i))
+            if (body%formulation == form_bending) then
+                call sum_bending(solid%n, p, solid%x, solid%v, solid%x_ref, solid%volume, &
+                                 solid%list(solid%first(i)), sums)
+            else
+                call sum_plain(solid%n, p, solid%x, solid%v, solid%volume, &
+                               solid%list(solid%first(i)), sums)
+            end if
+            if (solid%image(i) < solid%first(i + 1)) call add_images(solid, p, sums)
+            call advance(solid, body, dt, p%i, k, sums, limit)
+        end do
+    end subroutine gradient_block
+
+    !> Sums over the direct neighbours: moments and velocity.
+    subroutine sum_plain(n, p, x, v, volume, list, sums)
+        integer, intent(in) :: n
+        type(centre_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, n)
+        real(rk), intent(in) :: v(3, n), volume(n)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: sums(n_terms)
+        real(rk) :: acc(lanes, at_x), r(3), dv(3), m(n_moment), g(n_outer), w
+        integer :: k, l, j, t
+
+        acc = 0
+        do k = 0, p%count - 1, lanes
+            do l = 1, lanes
+                j = list(k + l)
+                do t = 1, 3
+                    r(t) = real(x(t, p%i) - x(t, j), rk)
+                    dv(t) = v(t, p%i) - v(t, j)
+                end do
+                w = volume(j)*kernel_slope(p%scale, p%half_over_h, &
+                                           sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
+                call moment_terms(w, r, m)
+                call outer_terms(w, dv, r, g)
+                do t = 1, n_moment
+                    acc(l, t) = acc(l, t) + m(t)
+                end do
+                do t = 1, n_outer
+                    acc(l, at_g + t) = acc(l, at_g + t) + g(t)
+                end do
+            end do
+        end do
+        sums = 0
+        do t = 1, at_x
+            sums(t) = ((acc(1, t) + acc(5, t)) + (acc(2, t) + acc(6, t))) &
+                      + ((acc(3, t) + acc(7, t)) + (acc(4, t) + acc(8, t)))
+        end do
+    end subroutine sum_plain
+
+    !> Sums over the direct neighbours: moments, velocity and reference position.
+    subroutine sum_bending(n, p, x, v, x_ref, volume, list, sums)
+        integer, intent(in) :: n
+        type(centre_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, n), x_ref(3, n)
+        real(rk), intent(in) :: v(3, n), volume(n)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: sums(n_terms)
+        real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w
+        integer :: k, l, j, t
+
+        acc = 0
+        do k = 0, p%count - 1, lanes
+            do l = 1, lanes
+                j = list(k + l)
+                do t = 1, 3
+                    r(t) = real(x(t, p%i) - x(t, j), rk)
+                    dx(t) = real(x_ref(t, p%i) - x_ref(t, j), rk)
+                    dv(t) = v(t, p%i) - v(t, j)
+                end do
+                w = volume(j)*kernel_slope(p%scale, p%half_over_h, &
+                                           sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
+                call moment_terms(w, r, m)
+                call outer_terms(w, dv, r, g)
+                call outer_terms(w, dx, r, a)
+                do t = 1, n_moment
+                    acc(l, t) = acc(l, t) + m(t)
+                end do
+                do t = 1, n_outer
+                    acc(l, at_g + t) = acc(l, at_g + t) + g(t)
+                    acc(l, at_x + t) = acc(l, at_x + t) + a(t)
+                end do
+            end do
+        end do
+        do t = 1, n_terms
+            sums(t) = ((acc(1, t) + acc(5, t)) + (acc(2, t) + acc(6, t))) &
+                      + ((acc(3, t) + acc(7, t)) + (acc(4, t) + acc(8, t)))
+        end do
+    end subroutine sum_bending
+
+    !> Add the mirror images to the sums: marked components of x, v, X change sign.
+    subroutine add_images(solid, p, sums)
+        type(solid_t), intent(in) :: solid
+        type(centre_t), intent(in) :: p
+        real(rk), intent(inout) :: sums(n_terms)
+        real(rk) :: r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w, s
+        integer(int64) :: k
+        integer :: j, t
+
+        do k = solid%image(p%i), solid%first(p%i + 1) - 1
+            j = solid%list(k)
+            do t = 1, 3
+                s = merge(-1, 1, btest(solid%mask(k), t - 1))
+                r(t) = real(solid%x(t, p%i) - s*solid%x(t, j), rk)
+                dx(t) = real(solid%x_ref(t, p%i) - s*solid%x_ref(t, j), rk)
+                dv(t) = solid%v(t, p%i) - s*solid%v(t, j)
+            end do
+            w = solid%volume(j)*kernel_slope(p%scale, p%half_over_h, &
+                                             sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
+            call moment_terms(w, r, m)
+            call outer_terms(w, dv, r, g)
+            call outer_terms(w, dx, r, a)
+            sums(1:at_g) = sums(1:at_g) + m
+            sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
+            sums(at_x + 1:) = sums(at_x + 1:) + a
+        end do
+    end subroutine add_images
+
+    !> From the sums to the new state of particle i and its row of `pair`.
+    subroutine advance(solid, body, dt, i, k, sums, limit)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: dt
+        integer, intent(in) :: i, k !! particle and its block
+        real(rk), intent(inout) :: sums(n_terms)
+        real(dp), intent(inout) :: limit
+        real(rk) :: b(3, 3), h(3, 3), l(3, 3), s(3, 3), t(3, 3), rate
+        integer :: weak, c
+
+        do c = solid%dimension + 1, 3
+            sums(c) = 1
+            sums(at_x + 4*c - 3) = 1
+        end do
+        call correction(sums, b, weak)
+        call times(reshape(sums(at_g + 1:at_x), [3, 3]), b, h)
+        if (dt > 0) then
+            call midstep_gradient(h, real(dt, rk), l)
+            call update_particle(solid, body, real(dt, rk), l, i, k)
+        end if
+        rate = abs(h(1, 1) + h(2, 2) + h(3, 3))
+        limit = min(limit, real(body%cfl*body%h &
+                                /(solid%c_wave(i) + 0.6_rk*body%beta*body%h*rate), dp))
+        solid%pair(pair_density, i) = solid%materials(body%material)%density*(1 + solid%mu(i))
+        solid%pair(pair_volume, i) = solid%mass(i)/solid%pair(pair_density, i)
+        solid%pair(pair_c, i) = solid%c_bulk(i)
+        call to_matrix(solid%stress(:, i), s)
+        call times(s, b, t)
+        solid%pair(pair_stress + 1:pair_stress + 9, i) = reshape(t, [9])
+        if (body%formulation == form_bending) then
+            if (weak /= 0) solid%cut(i) = 1
+            call times(reshape(sums(at_x + 1:), [3, 3]), b, s)
+            call invert_or_cut(s, h, solid%cut(i))
+        end if
+        solid%pair(pair_keep, i) = (1 - solid%damage(i))*(1 - solid%cut(i))
+        solid%pair(pair_affine + 1:pair_affine + 9, i) = reshape(h, [9])
+    end subroutine advance
+
+    !> Deformation dx/dX from dX/dx. Where that is singular the hourglass support ends.
+    subroutine invert_or_cut(a, f, cut)
+        real(rk), intent(in) :: a(3, 3)
+        real(rk), intent(out) :: f(3, 3)
+        integer(int8), intent(inout) :: cut
+        logical :: ok
+
+        call inverse3(a, f, ok)
+        if (.not. ok) cut = 1
+    end subroutine invert_or_cut
+
+    !> Material update of particle i; its work goes to the sums of the block.
+    subroutine update_particle(solid, body, dt, l, i, k)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(rk), intent(in) :: dt, l(3, 3)
+        integer, intent(in) :: i, k
+        type(point_t) :: point
+        integer :: status
+
+        point%mu = solid%mu(i)
+        point%energy = solid%energy(i)
+        point%stress = solid%stress(:, i)
+        point%damage = solid%damage(i)
+        point%c_wave = solid%c_wave(i)
+        point%c_bulk = solid%c_bulk(i)
+        point%work = 0
+        point%hist(:solid%n_hist) = solid%hist(:, i)
+        call update_material(solid%materials(body%material), dt, body%h, l, point, status)
+        if (status /= 0 .and. solid%search%bad(k) == 0) solid%search%bad(k) = i
+        solid%mu(i) = point%mu
+        solid%energy(i) = point%energy
+        solid%stress(:, i) = point%stress
+        solid%damage(i) = point%damage
+        solid%c_wave(i) = point%c_wave
+        solid%c_bulk(i) = point%c_bulk
+        solid%hist(:, i) = point%hist(:solid%n_hist)
+        solid%search%sums(1, k) = solid%search%sums(1, k) + point%work(1)*solid%mass(i)
+        solid%search%sums(2, k) = solid%search%sums(2, k) + point%work(2)*solid%mass(i)
+    end subroutine update_particle
+end module brz_solid_gradients

@@ -1,0 +1,193 @@
+! SPDX-License-Identifier: MIT
+!> Neighbour lists: who is within reach of a particle, itself or as a mirror image.
+!>
+!> A list depends on `x_built` and the order of the particles alone: rebuilt from them it is the
+!> same, entry by entry. Images of a particle follow its direct neighbours; i may be a neighbour of
+!> its own image. Both parts are padded with i itself, whose pair with i is exactly nothing.
+module brz_solid_neighbours
+    use brz_cell_grid, only: cell_span, fill_cells, lay_grid
+    use brz_kinds, only: dp, int32, int64, int8
+    use brz_particle_order, only: reorder_particles
+    use brz_solid_state, only: body_t, lanes, solid_t
+    implicit none
+    private
+    public :: build_neighbours, needs_rebuild
+
+contains
+
+    !> Build the list. With `sort`, the particles are first brought into the order of the cells
+    !> at their present positions; without, the list of the positions `x_built` is restored.
+    subroutine build_neighbours(solid, sort)
+        type(solid_t), intent(inout) :: solid
+        logical, intent(in) :: sort
+        integer :: b
+
+        if (sort) then
+            do b = 1, size(solid%bodies)
+                call lay_grid(solid%search, solid%x, solid%bodies(b), reach(solid, b))
+                call fill_cells(solid%search, solid%x, solid%bodies(b))
+            end do
+            call reorder_particles(solid)
+            solid%x_built(:, :) = solid%x
+        end if
+        do b = 1, size(solid%bodies)
+            call lay_grid(solid%search, solid%x_built, solid%bodies(b), reach(solid, b))
+            call fill_cells(solid%search, solid%x_built, solid%bodies(b))
+            call count_body(solid, solid%bodies(b), reach(solid, b))
+            call make_room(solid, solid%first(solid%bodies(b)%last + 1) - 1)
+            call fill_body(solid, solid%bodies(b), reach(solid, b))
+        end do
+    end subroutine build_neighbours
+
+    !> True when a particle has moved more than half the skin since the list was built.
+    logical function needs_rebuild(solid)
+        type(solid_t), intent(in) :: solid
+        real(dp) :: far, d(3)
+        integer :: i
+
+        far = 0
+        !$omp parallel do schedule(static) private(d) reduction(max: far)
+        do i = 1, solid%n
+            d = solid%x(:, i) - solid%x_built(:, i)
+            far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
+        end do
+        needs_rebuild = far > (solid%skin/2)**2
+    end function needs_rebuild
+
+    !> Length of a pair in the list [m].
+    pure real(dp) function reach(solid, b)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+
+        reach = 2*real(solid%bodies(b)%h, dp) + solid%skin
+    end function reach
+
+    !> Lengths of the lists of a body, as running sums in `first` and `image`.
+    subroutine count_body(solid, body, reach)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: reach !! [m]
+        integer(int64) :: at, last
+        integer :: i, m
+        integer(int32) :: none(1)
+
+        if (body%first == 1) solid%first(1) = 1
+        !$omp parallel do schedule(static) private(m, last, none)
+        do i = body%first, body%last
+            last = 0
+            call search(solid, i, 0, reach, .false., none, last)
+            solid%image(i) = round_up(last)
+            last = 0
+            do m = 1, 7
+                if (image_in_reach(solid, i, m, reach)) &
+                    call search(solid, i, m, reach, .false., none, last)
+            end do
+            solid%first(i + 1) = round_up(last)
+        end do
+        do i = body%first, body%last
+            at = solid%first(i)
+            last = solid%image(i)
+            solid%image(i) = at + last
+            solid%first(i + 1) = at + last + solid%first(i + 1)
+        end do
+    end subroutine count_body
+
+    !> Next multiple of the lanes.
+    pure integer(int64) function round_up(n)
+        integer(int64), intent(in) :: n
+
+        round_up = (n + lanes - 1)/lanes*lanes
+    end function round_up
+
+    !> Lengthen the list, with something to spare, keeping what it holds.
+    subroutine make_room(solid, n)
+        type(solid_t), intent(inout) :: solid
+        integer(int64), intent(in) :: n
+        integer(int32), allocatable :: list(:)
+        integer(int8), allocatable :: mask(:)
+        integer(int64) :: have
+
+        have = 0
+        if (allocated(solid%list)) have = size(solid%list, kind=int64)
+        if (have >= n) return
+        allocate (list(n + n/8), mask(n + n/8))
+        if (have > 0) list(:have) = solid%list
+        if (have > 0) mask(:have) = solid%mask
+        call move_alloc(list, solid%list)
+        call move_alloc(mask, solid%mask)
+    end subroutine make_room
+
+    subroutine fill_body(solid, body, reach)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: reach !! [m]
+        integer(int64) :: at, next
+        integer :: i, m
+
+        !$omp parallel do schedule(static) private(m, at, next)
+        do i = body%first, body%last
+            at = solid%first(i) - 1
+            call search(solid, i, 0, reach, .true., solid%list, at)
+            solid%list(at + 1:solid%image(i) - 1) = i
+            solid%mask(solid%first(i):solid%image(i) - 1) = 0
+            at = solid%image(i) - 1
+            do m = 1, 7
+                if (.not. image_in_reach(solid, i, m, reach)) cycle
+                next = at
+                call search(solid, i, m, reach, .true., solid%list, next)
+                solid%mask(at + 1:next) = int(m, int8)
+                at = next
+            end do
+            solid%list(at + 1:solid%first(i + 1) - 1) = i
+            solid%mask(at + 1:solid%first(i + 1) - 1) = 0
+        end do
+    end subroutine fill_body
+
+    !> True where the planes of the mask m exist and particle i is near all of them.
+    pure logical function image_in_reach(solid, i, m, reach)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i, m
+        real(dp), intent(in) :: reach !! [m]
+        integer :: a
+
+        image_in_reach = .true.
+        do a = 1, 3
+            if (.not. btest(m, a - 1)) cycle
+            image_in_reach = image_in_reach .and. solid%mirror(a) .and. solid%x_built(a, i) < reach
+        end do
+    end function image_in_reach
+
+    !> Append to `list`, or only count, the particles near the image of i in the planes of m.
+    pure subroutine search(solid, i, m, reach, keep, list, last)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        integer, intent(in) :: m !! planes, bits 0..2; 0: i itself
+        real(dp), intent(in) :: reach !! [m]
+        logical, intent(in) :: keep !! false: only count
+        integer(int32), intent(inout) :: list(*)
+        integer(int64), intent(inout) :: last !! last entry that is filled
+        real(dp) :: x(3), d(3)
+        integer :: a, j, k, c, c1, c2, c3, lo(3), hi(3)
+
+        x = solid%x_built(:, i)
+        do a = 1, 3
+            if (btest(m, a - 1)) x(a) = -x(a)
+        end do
+        call cell_span(solid%search, x, reach, lo, hi)
+        do c3 = lo(3), hi(3)
+            do c2 = lo(2), hi(2)
+                do c1 = lo(1), hi(1)
+                    c = solid%search%code(c1, 1) + solid%search%code(c2, 2) + solid%search%code(c3, 3)
+                    do k = solid%search%start(c), solid%search%start(c + 1) - 1
+                        j = solid%search%order(k)
+                        d = solid%x_built(:, j) - x
+                        if (d(1)*d(1) + d(2)*d(2) + d(3)*d(3) >= reach*reach) cycle
+                        if (m == 0 .and. j == i) cycle
+                        last = last + 1
+                        if (keep) list(last) = j
+                    end do
+                end do
+            end do
+        end do
+    end subroutine search
+end module brz_solid_neighbours

@@ -1,0 +1,161 @@
+! SPDX-License-Identifier: MIT
+!> The time step of the solids: staggered leapfrog with two neighbour passes.
+!>
+!> start_solid once, or resume_solid after a restart; then solid_step again and again.
+module brz_solid_step
+    use brz_errors, only: error_t, exit_numerical, raise
+    use brz_kinds, only: dp, int8, int64, rk
+    use brz_solid_forces, only: force_pass
+    use brz_solid_gradients, only: gradient_pass
+    use brz_solid_neighbours, only: build_neighbours, needs_rebuild
+    use brz_solid_state, only: form_bending, solid_t
+    implicit none
+    private
+    public :: start_solid, resume_solid, solid_time_step, solid_step, velocity_at_step
+
+    real(dp), parameter :: growth = 1.05_dp !! most that a time step may exceed the last one
+    real(rk), parameter :: intact_share = 0.5_rk !! fewer intact neighbours end the hourglass force
+
+contains
+
+    !> Sort the particles, build their lists and find the first accelerations and time step.
+    subroutine start_solid(solid, err)
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        integer :: i
+
+        if (.not. solid%present) return
+        call build_neighbours(solid, sort=.true.)
+        do i = 1, solid%n
+            solid%support(i) = count_intact(solid, i)
+        end do
+        call gradient_pass(solid, 0.0_dp)
+        call force_pass(solid, 0.0_dp)
+        call report_bad(solid, err)
+    end subroutine start_solid
+
+    !> After a restart: what a checkpoint does not hold follows from what it holds.
+    subroutine resume_solid(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b, i
+
+        if (.not. solid%present) return
+        call build_neighbours(solid, sort=.false.)
+        do b = 1, size(solid%bodies)
+            do i = solid%bodies(b)%first, solid%bodies(b)%last
+                solid%volume(i) = solid%mass(i)/(solid%materials(solid%bodies(b)%material)%density &
+                                                 *(1 + solid%mu(i)))
+            end do
+        end do
+    end subroutine resume_solid
+
+    !> Largest allowed time step: the CFL limit, and at most 5 % more than the last step [s].
+    pure real(dp) function solid_time_step(solid) result(dt)
+        type(solid_t), intent(in) :: solid
+
+        dt = solid%dt_limit
+        if (solid%dt_last > 0) dt = min(dt, growth*solid%dt_last)
+    end function solid_time_step
+
+    !> One time step under the present `load`.
+    subroutine solid_step(solid, dt, err)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+
+        call kick_and_drift(solid, dt)
+        solid%dt_last = dt
+        solid%steps = solid%steps + 1
+        if (needs_rebuild(solid)) then
+            call build_neighbours(solid, sort=.true.)
+            solid%rebuilds = solid%rebuilds + 1
+            call end_support(solid)
+        end if
+        call gradient_pass(solid, dt)
+        call force_pass(solid, dt)
+        call report_bad(solid, err)
+    end subroutine solid_step
+
+    !> Velocity by the mean of the last and this time step, then position.
+    subroutine kick_and_drift(solid, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt
+        real(rk) :: mean, v(3)
+        real(dp) :: work
+        integer :: i, k
+
+        mean = real((solid%dt_last + dt)/2, rk)
+        !$omp parallel do schedule(static) private(i, v, work)
+        do k = 1, size(solid%block, 2)
+            work = 0
+            do i = solid%block(2, k), solid%block(3, k)
+                if (solid%fixed(i) == 1) cycle
+                v = solid%v(:, i)
+                solid%v(:, i) = v + mean*solid%a(:, i) + real(dt, rk)*solid%load(:, i)/solid%mass(i)
+                solid%x(:, i) = solid%x(:, i) + dt*solid%v(:, i)
+                work = work + dt*dot_product(solid%load(:, i), v + solid%v(:, i))/2
+            end do
+            solid%search%sums(1, k) = work
+        end do
+        do k = 1, size(solid%block, 2)
+            associate (ledger => solid%bodies(solid%block(1, k))%ledger)
+                ledger%load = ledger%load + solid%search%sums(1, k)
+            end associate
+        end do
+    end subroutine kick_and_drift
+
+    !> Velocity of a particle at the step itself [m/s].
+    pure function velocity_at_step(solid, i) result(v)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        real(rk) :: v(3)
+
+        v = solid%v(:, i) + real(solid%dt_last/2, rk)*solid%a(:, i)
+    end function velocity_at_step
+
+    !> Neighbours of a particle within reach of the list that still carry load.
+    pure integer function count_intact(solid, i) result(n)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        integer(int64) :: k
+
+        n = 0
+        do k = solid%first(i), solid%first(i + 1) - 1
+            if (solid%list(k) == i .and. solid%mask(k) == 0) cycle
+            if (solid%damage(solid%list(k)) < 1 - intact_share) n = n + 1
+        end do
+    end function count_intact
+
+    !> End the stiff hourglass force for good where half of the intact neighbours are gone.
+    subroutine end_support(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: i, k
+
+        !$omp parallel do schedule(static) private(i)
+        do k = 1, size(solid%block, 2)
+            if (solid%bodies(solid%block(1, k))%formulation /= form_bending) cycle
+            do i = solid%block(2, k), solid%block(3, k)
+                if (solid%cut(i) == 1) cycle
+                if (count_intact(solid, i) < intact_share*solid%support(i)) solid%cut(i) = 1_int8
+            end do
+        end do
+    end subroutine end_support
+
+    !> Raise an error for the first particle with an impossible state.
+    subroutine report_bad(solid, err)
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+        character(400) :: text
+        integer :: i, k
+
+        if (all(solid%search%bad == 0)) return
+        k = findloc(solid%search%bad > 0, .true., 1)
+        i = solid%search%bad(k)
+        write (text, '(a, i0, 3a, 3(es11.3), a, 3(es11.3), a, es11.3, a, 6(es11.3), a, i0, a)') &
+            'particle ', solid%id(i), " of body '", trim(solid%bodies(solid%block(1, k))%id), &
+            "' has an impossible state: at", solid%x(:, i), ' m, velocity', solid%v(:, i), &
+            ' m/s, compression', solid%mu(i), ', stress', solid%stress(:, i), ' Pa, solid step ', &
+            solid%steps, '; try a smaller cfl or another formulation for this body'
+        call raise(err, exit_numerical, trim(text))
+    end subroutine report_bad
+end module brz_solid_step

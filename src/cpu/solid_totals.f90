@@ -1,0 +1,76 @@
+! SPDX-License-Identifier: MIT
+!> Sums over a body: mass, momentum, energy, all in real64 and in a fixed order.
+module brz_solid_totals
+    use brz_kinds, only: dp
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: solid_totals, solid_totals_t
+
+    !> Of what is modelled (a half or a quarter where symmetry planes cut), at the time of the step.
+    type :: solid_totals_t
+        real(dp) :: mass = 0 !! [kg]
+        real(dp) :: centre(3) = 0 !! mass centre [m]
+        real(dp) :: momentum(3) = 0 !! [N s]
+        real(dp) :: angular(3) = 0 !! angular momentum about the origin [N m s]
+        real(dp) :: kinetic = 0, internal = 0 !! [J]
+        real(dp) :: hourglass = 0 !! energy held by the hourglass force [J]
+        real(dp) :: damage = 0 !! mean over the mass
+    end type solid_totals_t
+
+    integer, parameter :: n_sum = 13
+
+contains
+
+    !> Totals of body b, or of all bodies with b = 0.
+    subroutine solid_totals(solid, b, totals)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        type(solid_totals_t), intent(out) :: totals
+        real(dp) :: part(n_sum), sums(n_sum)
+        integer :: k
+
+        sums = 0
+        !$omp parallel do ordered schedule(static, 1) private(part)
+        do k = 1, size(solid%block, 2)
+            if (b /= 0 .and. solid%block(1, k) /= b) cycle
+            call sum_block(solid, solid%block(2, k), solid%block(3, k), part)
+            !$omp ordered
+            sums = sums + part
+            !$omp end ordered
+        end do
+        totals%mass = sums(1)
+        totals%centre = sums(2:4)/max(sums(1), tiny(1.0_dp))
+        totals%momentum = sums(5:7)
+        totals%angular = sums(8:10)
+        totals%kinetic = sums(11)
+        totals%internal = sums(12)
+        totals%damage = sums(13)/max(sums(1), tiny(1.0_dp))
+        if (b == 0) totals%hourglass = sum(solid%bodies%ledger%hourglass)
+        if (b /= 0) totals%hourglass = solid%bodies(b)%ledger%hourglass
+    end subroutine solid_totals
+
+    subroutine sum_block(solid, first, last, part)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: first, last
+        real(dp), intent(out) :: part(n_sum)
+        real(dp) :: x(3), v(3), m
+        integer :: i
+
+        part = 0
+        do i = first, last
+            m = solid%mass(i)
+            x = solid%x(:, i)
+            v = solid%v(:, i) + solid%dt_last/2*solid%a(:, i)
+            part(1) = part(1) + m
+            part(2:4) = part(2:4) + m*x
+            part(5:7) = part(5:7) + m*v
+            part(8) = part(8) + m*(x(2)*v(3) - x(3)*v(2))
+            part(9) = part(9) + m*(x(3)*v(1) - x(1)*v(3))
+            part(10) = part(10) + m*(x(1)*v(2) - x(2)*v(1))
+            part(11) = part(11) + m*dot_product(v, v)/2
+            part(12) = part(12) + m*solid%energy(i)
+            part(13) = part(13) + m*solid%damage(i)
+        end do
+    end subroutine sum_block
+end module brz_solid_totals

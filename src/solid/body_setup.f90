@@ -1,0 +1,293 @@
+! SPDX-License-Identifier: MIT
+!> From the bodies of the deck to particles.
+!>
+!> `set_up_solid` fills everything but the neighbour list and the accelerations; `start_solid`
+!> (brz_solid_step) does that.
+module brz_body_setup
+    use brz_body_shape, only: inside, lay_shape, particle_volume, point_of, shape_t
+    use brz_case, only: body_case_t, case_t
+    use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_kinds, only: dp, int8, rk
+    use brz_material, only: point_t
+    use brz_materials, only: make_material, start_point
+    use brz_solid_arrays, only: allocate_solid
+    use brz_solid_state, only: body_t, form_bending, form_corrected, form_corrected_hourglass, &
+                               solid_t
+    implicit none
+    private
+    public :: set_up_solid
+
+    real(dp), parameter :: anisotropy = 0.02_dp !! larger differences of the spacings are reported
+
+contains
+
+    !> Materials, bodies and particles of a case.
+    subroutine set_up_solid(case, solid, err)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(out) :: solid
+        type(error_t), intent(inout) :: err
+        type(shape_t), allocatable :: shapes(:)
+        integer :: b, m
+
+        solid%notes = ''
+        solid%present = case%solid%present .and. size(case%bodies) > 0
+        if (.not. solid%present) return
+        allocate (solid%materials(size(case%materials)))
+        do m = 1, size(case%materials)
+            call make_material(case%materials(m), solid%materials(m), err)
+        end do
+        if (failed(err)) return
+        allocate (solid%bodies(size(case%bodies)), shapes(size(case%bodies)))
+        call lay_bodies(case, solid, shapes, err)
+        if (failed(err)) return
+        solid%n_hist = maxval(solid%materials(solid%bodies%material)%n_hist)
+        call allocate_solid(solid)
+        do b = 1, size(solid%bodies)
+            call fill_body(case%bodies(b), shapes(b), solid, solid%bodies(b))
+            call move_body(case%bodies(b), shapes(b), solid, solid%bodies(b))
+            call hold_body(case%bodies(b), shapes(b), solid, solid%bodies(b))
+        end do
+        solid%asleep = .not. any(abs(solid%v) > 0)
+    end subroutine set_up_solid
+
+    !> Lattices, ranges of particles and settings of all bodies.
+    subroutine lay_bodies(case, solid, shapes, err)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(inout) :: solid
+        type(shape_t), intent(out) :: shapes(:)
+        type(error_t), intent(inout) :: err
+        real(dp) :: middle(3)
+        integer :: a, b, n
+
+        solid%dimension = case%run%dimension
+        solid%mirror = case%run%symmetry
+        solid%mirror(solid%dimension + 1:) = .false.
+        middle = 0
+        if (case%air%present) middle = (case%air%lo + case%air%hi)/2
+        do a = solid%dimension + 1, 3
+            if (case%air%present) solid%depth = solid%depth*(case%air%hi(a) - case%air%lo(a))
+        end do
+        solid%skin = case%solid%skin*minval(case%bodies%spacing)
+        n = 0
+        do b = 1, size(shapes)
+            call lay_shape(case%bodies(b), solid%dimension, solid%mirror, solid%depth, middle, &
+                           shapes(b))
+            call settle(case%bodies(b), solid%bodies(b), err)
+            solid%bodies(b)%first = n + 1
+            n = n + count_points(case%bodies(b), shapes(b))
+            solid%bodies(b)%last = n
+            if (solid%bodies(b)%last < solid%bodies(b)%first) call raise(err, exit_deck, &
+                "&body id='"//trim(case%bodies(b)%id)//"' holds no particle: it lies beyond a "// &
+                'symmetry plane, or is smaller than its spacing')
+            call judge_spacing(case%bodies(b), shapes(b), solid%notes)
+        end do
+        solid%n = n
+    end subroutine lay_bodies
+
+    !> Copy the settings of a body from the deck.
+    subroutine settle(input, body, err)
+        type(body_case_t), intent(in) :: input
+        type(body_t), intent(inout) :: body
+        type(error_t), intent(inout) :: err
+
+        body%id = input%id
+        body%material = input%material_index
+        body%spacing = input%spacing
+        body%h = real(input%smoothing*input%spacing, rk)
+        body%alpha = real(input%alpha, rk)
+        body%beta = real(input%beta, rk)
+        body%zeta = real(input%zeta, rk)
+        body%zeta_viscous = real(input%zeta_viscous, rk)
+        body%cfl = real(input%cfl, rk)
+        select case (input%formulation)
+        case ('corrected')
+            body%formulation = form_corrected
+        case ('corrected_hourglass')
+            body%formulation = form_corrected_hourglass
+        case ('bending')
+            body%formulation = form_bending
+        case default
+            call raise(err, exit_deck, "&body id='"//trim(input%id)// &
+                       "': unknown formulation '"//trim(input%formulation)//"'")
+        end select
+    end subroutine settle
+
+    integer function count_points(input, shape) result(n)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        integer :: i, j, k
+
+        if (input%shape == 'box') then
+            n = product(shape%n)
+            if (any(shape%hi(:shape%dimension) <= shape%lo(:shape%dimension))) n = 0
+            return
+        end if
+        n = 0
+        do k = 1, shape%n(3)
+            do j = 1, shape%n(2)
+                do i = 1, shape%n(1)
+                    if (inside(input, shape%dimension, point_of(shape, [i, j, k]))) n = n + 1
+                end do
+            end do
+        end do
+    end function count_points
+
+    !> Report a box whose sides are no whole number of spacings.
+    subroutine judge_spacing(input, shape, notes)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        character(:), allocatable, intent(inout) :: notes
+        character(12) :: d(3)
+        real(dp) :: s(shape%dimension)
+
+        s = shape%spacing(:shape%dimension)
+        if (maxval(s) <= (1 + anisotropy)*minval(s)) return
+        write (d, '(es12.5)') shape%spacing
+        notes = notes//"body '"//trim(input%id)//"': its sides are no whole number of spacings; "// &
+            'layers are '//d(1)//', '//d(2)//', '//d(3)//' m apart'//new_line('a')
+    end subroutine judge_spacing
+
+    !> Place the particles of a body on its lattice, unloaded and at rest.
+    subroutine fill_body(input, shape, solid, body)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        type(point_t) :: point
+        real(dp) :: x(3), volume
+        integer :: i, j, k, n, ply
+
+        volume = particle_volume(input, shape)
+        ply = -1
+        n = body%first - 1
+        do k = 1, shape%n(3)
+            do j = 1, shape%n(2)
+                do i = 1, shape%n(1)
+                    x = point_of(shape, [i, j, k])
+                    if (.not. inside(input, shape%dimension, x)) cycle
+                    n = n + 1
+                    solid%id(n) = n
+                    solid%x(:, n) = x
+                    solid%x_ref(:, n) = x
+                    solid%volume(n) = real(volume, rk)
+                    solid%mass(n) = real(volume*solid%materials(body%material)%density, rk)
+                    solid%ply(n) = ply_of(input, shape, x)
+                    if (solid%ply(n) /= ply) then
+                        ply = solid%ply(n)
+                        call start_point(solid%materials(body%material), ply_angle(input, ply), &
+                                         input%ply_axis, point)
+                    end if
+                    solid%mu(n) = point%mu
+                    solid%energy(n) = point%energy
+                    solid%stress(:, n) = point%stress
+                    solid%hist(:, n) = point%hist(:solid%n_hist)
+                    solid%damage(n) = point%damage
+                    solid%c_wave(n) = point%c_wave
+                    solid%c_bulk(n) = point%c_bulk
+                end do
+            end do
+        end do
+    end subroutine fill_body
+
+    !> Ply of a particle, by its centroid; 0 without plies.
+    pure integer function ply_of(input, shape, x) result(ply)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        real(dp), intent(in) :: x(3)
+        integer :: a
+
+        ply = 0
+        if (input%n_plies < 1) return
+        a = max(1, index('xyz', input%ply_axis))
+        ply = 1 + int(input%n_plies*(x(a) - shape%full_lo(a))/(shape%full_hi(a) - shape%full_lo(a)))
+        ply = max(1, min(ply, input%n_plies))
+    end function ply_of
+
+    pure real(rk) function ply_angle(input, ply)
+        type(body_case_t), intent(in) :: input
+        integer, intent(in) :: ply
+
+        ply_angle = 0
+        if (ply > 0) ply_angle = real(input%ply_angle(ply)*acos(-1.0_dp)/180, rk)
+    end function ply_angle
+
+    !> Initial velocity, and spin about the centre of mass of the whole (uncut) body.
+    subroutine move_body(input, shape, solid, body)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp) :: centre(3), r(3), w(3), v(3)
+        integer :: i
+
+        w = input%spin
+        centre = 0
+        do i = body%first, body%last
+            centre = centre + solid%x(:, i)/(body%last - body%first + 1)
+        end do
+        where (shape%on_plane) centre = 0
+        do i = body%first, body%last
+            r = solid%x(:, i) - centre
+            v = input%velocity + [w(2)*r(3) - w(3)*r(2), w(3)*r(1) - w(1)*r(3), w(1)*r(2) - w(2)*r(1)]
+            v(solid%dimension + 1:) = 0
+            solid%v(:, i) = real(v, rk)
+        end do
+    end subroutine move_body
+
+    !> Hold the layers named in the deck.
+    subroutine hold_body(input, shape, solid, body)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        logical :: held(2, 3)
+        integer :: a, i, f
+        real(dp) :: deep(3)
+
+        held = .false.
+        do f = 1, size(input%fix)
+            call mark_faces(trim(input%fix(f)), shape, held)
+        end do
+        deep = input%fix_layers*shape%spacing
+        do i = body%first, body%last
+            do a = 1, solid%dimension
+                if (held(1, a) .and. solid%x(a, i) < lowest(shape, a) + deep(a)) solid%fixed(i) = 1
+                if (held(2, a) .and. solid%x(a, i) > shape%full_hi(a) - deep(a)) solid%fixed(i) = 1
+            end do
+            if (any(input%fix == 'all')) solid%fixed(i) = 1_int8
+            if (solid%fixed(i) == 1) solid%v(:, i) = 0
+        end do
+    end subroutine hold_body
+
+    pure real(dp) function lowest(shape, a)
+        type(shape_t), intent(in) :: shape
+        integer, intent(in) :: a
+
+        lowest = shape%full_lo(a)
+        if (shape%on_plane(a)) lowest = 0
+    end function lowest
+
+    !> Add the faces that a word of the key `fix` names. A face on a symmetry plane is no face.
+    subroutine mark_faces(word, shape, held)
+        character(*), intent(in) :: word
+        type(shape_t), intent(in) :: shape
+        logical, intent(inout) :: held(2, 3) !! (low/high, direction)
+        real(dp) :: side(3)
+        integer :: a, thin
+
+        if (word == 'sides') then
+            side = shape%full_hi - shape%full_lo
+            where (shape%on_plane) side = 2*(shape%hi - shape%lo)
+            thin = shape%dimension
+            do a = shape%dimension, 1, -1
+                if (side(a) < (1 - 1e-9_dp)*side(thin)) thin = a
+            end do
+            held(:, :shape%dimension) = .true.
+            if (shape%dimension > 1) held(:, thin) = .false.
+        else if (len(word) == 2) then
+            a = index('xyz', word(1:1))
+            if (a > 0) held(merge(1, 2, word(2:2) == '-'), a) = .true.
+        end if
+        held(1, :) = held(1, :) .and. .not. shape%on_plane
+    end subroutine mark_faces
+end module brz_body_setup

@@ -1,0 +1,136 @@
+! SPDX-License-Identifier: MIT
+!> Cells over the particles of one body, numbered along a Morton curve so that near is near in memory.
+!>
+!> The grid covers the body, or its middle part when fragments fly far; what lies outside counts
+!> as being in the outermost cells, which keeps neighbours in neighbouring cells.
+module brz_cell_grid
+    use brz_kinds, only: dp
+    use brz_solid_state, only: body_t, search_t
+    implicit none
+    private
+    public :: lay_grid, fill_cells, cell_span
+
+    integer, parameter :: cells_per_particle = 2 !! most cells, empty ones included
+
+contains
+
+    !> Choose the cells for one body: `size` is the reach of the list.
+    subroutine lay_grid(s, x, body, size)
+        type(search_t), intent(inout) :: s
+        real(dp), intent(in) :: x(:, :) !! (3, n) [m]
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: size !! side of a cell [m]
+        real(dp) :: lo(3), hi(3)
+        integer :: a, most
+
+        do a = 1, 3
+            lo(a) = minval(x(a, body%first:body%last))
+            hi(a) = maxval(x(a, body%first:body%last))
+            s%cells(a) = int(min((hi(a) - lo(a))/size, 1e6_dp)) + 1
+        end do
+        s%size = size
+        most = max(512, cells_per_particle*(body%last - body%first + 1))
+        do while (product(real(padded(s%cells), dp)) > most)
+            a = maxloc(s%cells, 1)
+            s%cells(a) = max(1, s%cells(a)/2)
+            lo(a) = sum(x(a, body%first:body%last))/(body%last - body%first + 1) - s%cells(a)*size/2
+        end do
+        s%lo = lo
+        call number_cells(s)
+    end subroutine lay_grid
+
+    !> Smallest powers of two that hold n.
+    elemental integer function padded(n)
+        integer, intent(in) :: n
+
+        padded = 1
+        do while (padded < n)
+            padded = 2*padded
+        end do
+    end function padded
+
+    !> Share of each axis in the number of a cell: its bits interleaved with those of the others.
+    subroutine number_cells(s)
+        type(search_t), intent(inout) :: s
+        integer :: a, c, level, place(0:31, 3), p, bits(3)
+
+        if (allocated(s%code)) then
+            if (size(s%code, 1) < maxval(s%cells)) deallocate (s%code)
+        end if
+        if (.not. allocated(s%code)) allocate (s%code(0:2*maxval(s%cells) - 1, 3))
+        bits = trailz(padded(s%cells))
+        p = 0
+        do level = 0, maxval(bits) - 1
+            do a = 1, 3
+                if (level >= bits(a)) cycle
+                place(level, a) = p
+                p = p + 1
+            end do
+        end do
+        do a = 1, 3
+            do c = 0, s%cells(a) - 1
+                s%code(c, a) = 0
+                do level = 0, bits(a) - 1
+                    if (btest(c, level)) s%code(c, a) = ibset(s%code(c, a), place(level, a))
+                end do
+            end do
+        end do
+        if (allocated(s%start)) then
+            if (size(s%start) < 2**p + 1) deallocate (s%start)
+        end if
+        if (.not. allocated(s%start)) allocate (s%start(0:2**p))
+    end subroutine number_cells
+
+    !> Sort the particles of a body into the cells; equal cells keep the order of the particles.
+    subroutine fill_cells(s, x, body)
+        type(search_t), intent(inout) :: s
+        real(dp), intent(in) :: x(:, :) !! (3, n) [m]
+        type(body_t), intent(in) :: body
+        integer :: i, c, n, lo(3)
+
+        s%start = 0
+        do i = body%first, body%last
+            lo = place(s, x(:, i))
+            c = s%code(lo(1), 1) + s%code(lo(2), 2) + s%code(lo(3), 3)
+            s%cell(i) = c
+            s%start(c) = s%start(c) + 1
+        end do
+        n = body%first
+        do c = 0, ubound(s%start, 1)
+            i = s%start(c)
+            s%start(c) = n
+            n = n + i
+        end do
+        do i = body%first, body%last
+            c = s%cell(i)
+            s%order(s%start(c)) = i
+            s%start(c) = s%start(c) + 1
+        end do
+        do c = ubound(s%start, 1), 1, -1
+            s%start(c) = s%start(c - 1)
+        end do
+        s%start(0) = body%first
+    end subroutine fill_cells
+
+    !> Cell of a point along each axis, held inside the grid.
+    pure function place(s, x) result(c)
+        type(search_t), intent(in) :: s
+        real(dp), intent(in) :: x(3)
+        integer :: c(3)
+        integer :: a
+
+        do a = 1, 3
+            c(a) = int(max(0.0_dp, min((x(a) - s%lo(a))/s%size, real(s%cells(a) - 1, dp))))
+        end do
+    end function place
+
+    !> Cells lo..hi along each axis that hold everything within a reach of a point.
+    pure subroutine cell_span(s, x, reach, lo, hi)
+        type(search_t), intent(in) :: s
+        real(dp), intent(in) :: x(3), reach !! [m]
+        integer, intent(out) :: lo(3), hi(3)
+
+        lo = place(s, x - reach)
+        hi = place(s, x + reach)
+    end subroutine cell_span
+end module brz_cell_grid

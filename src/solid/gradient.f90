@@ -1,0 +1,199 @@
+! SPDX-License-Identifier: MIT
+!> Corrected gradients of one particle: pair terms, correction matrix, velocity gradient.
+!>
+!> With w = V_j F_ij, M = sum w x_ij (x) x_ij and B = M^-1, the gradient of a field u is
+!> sum w u_ij (x) x_ij B: exact for linear fields on any arrangement of particles. Point physics.
+!>
+!> Source: docs/solid.md section 3; Randles & Libersky 1996, Bonet & Lok 1999
+module brz_gradient
+    use brz_algebra, only: inverse3
+    use brz_kinds, only: rk
+    implicit none
+    private
+    public :: moment_terms, outer_terms, correction, times, midstep_gradient
+
+    real(rk), parameter :: weakest = 0.15_rk !! smaller eigenvalues of M are not inverted in full
+
+contains
+
+    !> Terms of a pair in the moment matrix M.
+    !@cuf attributes(host,device) &
+    pure subroutine moment_terms(w, r, m)
+        real(rk), intent(in) :: w !! V_j F_ij
+        real(rk), intent(in) :: r(3) !! x_ij [m]
+        real(rk), intent(out) :: m(6) !! xx, yy, zz, xy, yz, xz
+        real(rk) :: x, y, z
+
+        x = w*r(1)
+        y = w*r(2)
+        z = w*r(3)
+        m(1) = x*r(1)
+        m(2) = y*r(2)
+        m(3) = z*r(3)
+        m(4) = x*r(2)
+        m(5) = y*r(3)
+        m(6) = x*r(3)
+    end subroutine moment_terms
+
+    !> Terms w u (x) r of a pair in the sum of a vector field.
+    !@cuf attributes(host,device) &
+    pure subroutine outer_terms(w, u, r, g)
+        real(rk), intent(in) :: w !! V_j F_ij
+        real(rk), intent(in) :: u(3) !! difference of the field over the pair
+        real(rk), intent(in) :: r(3) !! x_ij [m]
+        real(rk), intent(out) :: g(9) !! column by column
+        real(rk) :: x, y, z
+
+        x = w*u(1)
+        y = w*u(2)
+        z = w*u(3)
+        g(1) = x*r(1)
+        g(2) = y*r(1)
+        g(3) = z*r(1)
+        g(4) = x*r(2)
+        g(5) = y*r(2)
+        g(6) = z*r(2)
+        g(7) = x*r(3)
+        g(8) = y*r(3)
+        g(9) = z*r(3)
+    end subroutine outer_terms
+
+    !> Correction B: the inverse of M, tamed where the neighbours leave a direction unsupported.
+    !@cuf attributes(host,device) &
+    pure subroutine correction(m, b, weak)
+        real(rk), intent(in) :: m(6) !! moment matrix, xx, yy, zz, xy, yz, xz
+        real(rk), intent(out) :: b(3, 3)
+        integer, intent(out) :: weak !! 1 where a direction is unsupported, else 0
+        real(rk) :: a(3, 3), norm
+        logical :: ok
+        integer :: i, j
+
+        call fill_symmetric(m, a)
+        call inverse3(a, b, ok)
+        norm = 0
+        do j = 1, 3
+            do i = 1, 3
+                norm = norm + b(i, j)*b(i, j)
+            end do
+        end do
+        weak = 0
+        if (ok .and. norm <= 1/weakest**2) return
+        weak = 1
+        call tamed_inverse(a, b)
+    end subroutine correction
+
+    !@cuf attributes(host,device) &
+    pure subroutine fill_symmetric(m, a)
+        real(rk), intent(in) :: m(6)
+        real(rk), intent(out) :: a(3, 3)
+
+        a(1, 1) = m(1)
+        a(2, 2) = m(2)
+        a(3, 3) = m(3)
+        a(1, 2) = m(4)
+        a(2, 1) = m(4)
+        a(2, 3) = m(5)
+        a(3, 2) = m(5)
+        a(1, 3) = m(6)
+        a(3, 1) = m(6)
+    end subroutine fill_symmetric
+
+    !> Inverse by eigenvalues l: 1/l above the limit, l/limit^2 below, which goes to 0 with l.
+    !@cuf attributes(host,device) &
+    pure subroutine tamed_inverse(a, b)
+        real(rk), intent(inout) :: a(3, 3) !! symmetric, destroyed
+        real(rk), intent(out) :: b(3, 3)
+        real(rk) :: q(3, 3), l(3)
+        integer :: i, j, sweep
+
+        do j = 1, 3
+            do i = 1, 3
+                q(i, j) = 0
+            end do
+            q(j, j) = 1
+        end do
+        do sweep = 1, 8
+            call rotate_away(a, q, 1, 2)
+            call rotate_away(a, q, 1, 3)
+            call rotate_away(a, q, 2, 3)
+        end do
+        do i = 1, 3
+            l(i) = a(i, i)/weakest**2
+            if (a(i, i) > weakest) l(i) = 1/a(i, i)
+            l(i) = max(l(i), 0.0_rk)
+        end do
+        do j = 1, 3
+            do i = 1, 3
+                b(i, j) = l(1)*q(i, 1)*q(j, 1) + l(2)*q(i, 2)*q(j, 2) + l(3)*q(i, 3)*q(j, 3)
+            end do
+        end do
+    end subroutine tamed_inverse
+
+    !> One Jacobi rotation: makes a(i, j) vanish and turns the eigenvectors q with it.
+    !@cuf attributes(host,device) &
+    pure subroutine rotate_away(a, q, i, j)
+        real(rk), intent(inout) :: a(3, 3), q(3, 3)
+        integer, intent(in) :: i, j
+        real(rk) :: half, t, c, s, u, w
+        integer :: k
+
+        if (abs(a(i, j)) <= tiny(1.0_rk)) return
+        half = (a(j, j) - a(i, i))/(2*a(i, j))
+        t = sign(1.0_rk, half)/(abs(half) + sqrt(half*half + 1))
+        c = 1/sqrt(t*t + 1)
+        s = t*c
+        do k = 1, 3
+            u = a(k, i)
+            w = a(k, j)
+            a(k, i) = c*u - s*w
+            a(k, j) = s*u + c*w
+        end do
+        do k = 1, 3
+            u = a(i, k)
+            w = a(j, k)
+            a(i, k) = c*u - s*w
+            a(j, k) = s*u + c*w
+            u = q(k, i)
+            w = q(k, j)
+            q(k, i) = c*u - s*w
+            q(k, j) = s*u + c*w
+        end do
+    end subroutine rotate_away
+
+    !> Product c = a b of 3x3 matrices.
+    !@cuf attributes(host,device) &
+    pure subroutine times(a, b, c)
+        real(rk), intent(in) :: a(3, 3), b(3, 3)
+        real(rk), intent(out) :: c(3, 3)
+        integer :: i, j
+
+        do j = 1, 3
+            do i = 1, 3
+                c(i, j) = a(i, 1)*b(1, j) + a(i, 2)*b(2, j) + a(i, 3)*b(3, j)
+            end do
+        end do
+    end subroutine times
+
+    !> Velocity gradient in the middle of the step, L = H (I - dt/2 H)^-1.
+    !>
+    !> H is the gradient of the mid-step velocity with respect to the positions just reached; left
+    !> as it is it would inflate a spinning body at the rate w^2 dt/2 (Hughes & Winget 1980).
+    !@cuf attributes(host,device) &
+    pure subroutine midstep_gradient(h, dt, l)
+        real(rk), intent(in) :: h(3, 3) !! dv/dx at the new positions [1/s]
+        real(rk), intent(in) :: dt !! [s]
+        real(rk), intent(out) :: l(3, 3) !! [1/s]
+        real(rk) :: a(3, 3), b(3, 3)
+        logical :: ok
+        integer :: i, j
+
+        do j = 1, 3
+            do i = 1, 3
+                a(i, j) = -dt/2*h(i, j)
+            end do
+            a(j, j) = 1 + a(j, j)
+        end do
+        call inverse3(a, b, ok)
+        call times(h, b, l)
+    end subroutine midstep_gradient
+end module brz_gradient

@@ -1,0 +1,45 @@
+! SPDX-License-Identifier: MIT
+!> Wendland C2 kernel W = a (1 - q/2)^4 (2 q + 1), q = r/h, support 2 h.
+!>
+!> Only its slope enters the pair sums, as F = -W'/r >= 0, so that grad_i W = -F x_ij. The same
+!> polynomial serves in 1-D, 2-D and 3-D; the normalisation differs. Point physics.
+!>
+!> Source: Wendland 1995; docs/solid.md section 2
+module brz_kernel
+    use brz_kinds, only: rk
+    implicit none
+    private
+    public :: kernel_scale, kernel_slope
+
+contains
+
+    !> Factor of the slope: F = scale (1 - q/2)^3, from the integral of the kernel being 1.
+    !@cuf attributes(host,device) &
+    pure function kernel_scale(h, dimension) result(scale)
+        real(rk), intent(in) :: h !! smoothing length [m]
+        integer, intent(in) :: dimension !! 1, 2 or 3
+        real(rk) :: scale !! [m^-(dimension+2)]
+        real(rk), parameter :: pi = 3.14159265358979324_rk
+
+        if (dimension == 1) then
+            scale = 15/(4*h**3)
+        else if (dimension == 2) then
+            scale = 35/(4*pi*h**4)
+        else
+            scale = 105/(16*pi*h**5)
+        end if
+    end function kernel_scale
+
+    !> Slope F = -W'/r at the distance r; 0 beyond the support.
+    !@cuf attributes(host,device) &
+    pure function kernel_slope(scale, half_over_h, r) result(f)
+        real(rk), intent(in) :: scale !! from kernel_scale
+        real(rk), intent(in) :: half_over_h !! 1/(2 h) [1/m]
+        real(rk), intent(in) :: r !! [m]
+        real(rk) :: f
+        real(rk) :: c
+
+        c = max(1 - half_over_h*r, 0.0_rk)
+        f = scale*c*c*c
+    end function kernel_slope
+end module brz_kernel

@@ -1,0 +1,92 @@
+! SPDX-License-Identifier: MIT
+!> Forces between two particles: stress, artificial viscosity, two kinds of hourglass force.
+!>
+!> Every force here changes sign when the particles change places: momentum is conserved to
+!> rounding whatever the state of the material. w = V_i V_j F_ij, x_ij = x_i - x_j. Point physics.
+!>
+!> Source: docs/solid.md section 4
+module brz_pair_force
+    use brz_kinds, only: rk
+    implicit none
+    private
+    public :: stress_force, viscous_force, hourglass_viscous, hourglass_stiff
+
+contains
+
+    !> Force of the stress, -w (T_i + T_j) x_ij with T = stress times gradient correction.
+    !@cuf attributes(host,device) &
+    pure subroutine stress_force(w, ti, tj, r, f)
+        real(rk), intent(in) :: w
+        real(rk), intent(in) :: ti(9), tj(9) !! T of the two particles [Pa]
+        real(rk), intent(in) :: r(3) !! x_ij [m]
+        real(rk), intent(out) :: f(3) !! on i [N]
+
+        f(1) = -w*((ti(1) + tj(1))*r(1) + (ti(4) + tj(4))*r(2) + (ti(7) + tj(7))*r(3))
+        f(2) = -w*((ti(2) + tj(2))*r(1) + (ti(5) + tj(5))*r(2) + (ti(8) + tj(8))*r(3))
+        f(3) = -w*((ti(3) + tj(3))*r(1) + (ti(6) + tj(6))*r(2) + (ti(9) + tj(9))*r(3))
+    end subroutine stress_force
+
+    !> Factor u of Monaghan's viscosity: force u x_ij on i, heat -u/2 v_ij.x_ij for each particle.
+    !@cuf attributes(host,device) &
+    pure function viscous_force(w, h, r2, vr, linear, quadratic) result(u)
+        real(rk), intent(in) :: w
+        real(rk), intent(in) :: h !! smoothing length [m]
+        real(rk), intent(in) :: r2 !! |x_ij|^2 [m2]
+        real(rk), intent(in) :: vr !! v_ij.x_ij [m2/s]
+        real(rk), intent(in) :: linear !! alpha rho_ij c_ij [kg/(m2 s)]
+        real(rk), intent(in) :: quadratic !! beta rho_ij [kg/m3]
+        real(rk) :: u
+        real(rk) :: phi
+
+        phi = h*min(vr, 0.0_rk)/(r2 + 0.01_rk*h*h)
+        u = w*(quadratic*phi - linear)*phi
+    end function viscous_force
+
+    !> Viscous hourglass force: resists the part of v_ij that the mean velocity gradient misses.
+    !@cuf attributes(host,device) &
+    pure subroutine hourglass_viscous(z, hi, hj, dv, r, f, heat)
+        real(rk), intent(in) :: z !! zeta (rho_i c_i + rho_j c_j) h w
+        real(rk), intent(in) :: hi(9), hj(9) !! velocity gradients at the new positions [1/s]
+        real(rk), intent(in) :: dv(3), r(3) !! v_ij, x_ij
+        real(rk), intent(out) :: f(3) !! on i [N]
+        real(rk), intent(out) :: heat !! power that becomes heat in i [W]
+        real(rk) :: d(3), e(3)
+
+        d(1) = dv(1) - (hi(1)*r(1) + hi(4)*r(2) + hi(7)*r(3))
+        d(2) = dv(2) - (hi(2)*r(1) + hi(5)*r(2) + hi(8)*r(3))
+        d(3) = dv(3) - (hi(3)*r(1) + hi(6)*r(2) + hi(9)*r(3))
+        e(1) = dv(1) - (hj(1)*r(1) + hj(4)*r(2) + hj(7)*r(3))
+        e(2) = dv(2) - (hj(2)*r(1) + hj(5)*r(2) + hj(8)*r(3))
+        e(3) = dv(3) - (hj(3)*r(1) + hj(6)*r(2) + hj(9)*r(3))
+        f(1) = -z*(d(1) + e(1))/2
+        f(2) = -z*(d(2) + e(2))/2
+        f(3) = -z*(d(3) + e(3))/2
+        heat = z*(d(1)*dv(1) + d(2)*dv(2) + d(3)*dv(3))/2
+    end subroutine hourglass_viscous
+
+    !> Stiff hourglass force: pulls x_ij towards the image of X_ij under the mean deformation.
+    !>
+    !> With the corrected gradient, sum_j V_j F_ij (F_i X_ij - x_ij) (x) x_ij = 0: no torque. A
+    !> pair that left the stretches 1/1.6..1.6 is no longer held.
+    !@cuf attributes(host,device) &
+    pure subroutine hourglass_stiff(z, fi, fj, x_ref, r, f)
+        real(rk), intent(in) :: z !! 2 zeta G w times what damage leaves of it
+        real(rk), intent(in) :: fi(9), fj(9) !! deformation dx/dX of the two particles
+        real(rk), intent(in) :: x_ref(3) !! X_ij [m]
+        real(rk), intent(in) :: r(3) !! x_ij [m]
+        real(rk), intent(out) :: f(3) !! on i [N]
+        real(rk), parameter :: most = 1.6_rk**2
+        real(rk) :: a, b, y, x(3)
+
+        x(1) = x_ref(1)/2
+        x(2) = x_ref(2)/2
+        x(3) = x_ref(3)/2
+        a = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
+        b = 4*(x(1)*x(1) + x(2)*x(2) + x(3)*x(3))
+        y = z
+        if (a > most*b .or. b > most*a) y = 0
+        f(1) = y*((fi(1) + fj(1))*x(1) + (fi(4) + fj(4))*x(2) + (fi(7) + fj(7))*x(3) - r(1))
+        f(2) = y*((fi(2) + fj(2))*x(1) + (fi(5) + fj(5))*x(2) + (fi(8) + fj(8))*x(3) - r(2))
+        f(3) = y*((fi(3) + fj(3))*x(1) + (fi(6) + fj(6))*x(2) + (fi(9) + fj(9))*x(3) - r(3))
+    end subroutine hourglass_stiff
+end module brz_pair_force

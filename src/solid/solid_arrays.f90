@@ -1,0 +1,83 @@
+! SPDX-License-Identifier: MIT
+!> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
+module brz_solid_arrays
+    use brz_kinds, only: dp
+    use brz_solid_state, only: n_pair, solid_t
+    implicit none
+    private
+    public :: allocate_solid, bytes_per_particle
+
+    integer, parameter :: block_size = 128 !! most particles of a block
+    integer, parameter :: n_sum = 8 !! sums that a pass may keep per block
+
+contains
+
+    !> Allocate for solid%n particles with solid%n_hist history variables; bodies must be known.
+    subroutine allocate_solid(solid)
+        type(solid_t), intent(inout) :: solid
+
+        associate (n => solid%n)
+            allocate (solid%x(3, n), solid%x_ref(3, n), solid%x_built(3, n), source=0.0_dp)
+            allocate (solid%v(3, n), solid%a(3, n), solid%load(3, n), solid%mass(n), solid%mu(n), &
+                      solid%energy(n), solid%stress(6, n), solid%hist(solid%n_hist, n), &
+                      solid%damage(n), solid%c_wave(n), solid%c_bulk(n), solid%volume(n), &
+                      solid%pair(n_pair, n))
+            allocate (solid%id(n), solid%ply(n), solid%support(n), solid%fixed(n), solid%cut(n))
+            allocate (solid%first(n + 1), solid%image(n))
+            allocate (solid%search%cell(n), solid%search%order(n), solid%search%b(n))
+        end associate
+        call clear(solid)
+        call cut_blocks(solid)
+    end subroutine allocate_solid
+
+    subroutine clear(solid)
+        type(solid_t), intent(inout) :: solid
+
+        solid%v = 0
+        solid%a = 0
+        solid%load = 0
+        solid%mass = 0
+        solid%mu = 0
+        solid%energy = 0
+        solid%stress = 0
+        solid%hist = 0
+        solid%damage = 0
+        solid%c_wave = 0
+        solid%c_bulk = 0
+        solid%volume = 0
+        solid%pair = 0
+        solid%id = 0
+        solid%ply = 0
+        solid%support = 0
+        solid%fixed = 0
+        solid%cut = 0
+        solid%first = 1
+        solid%image = 1
+    end subroutine clear
+
+    !> Cut the bodies into blocks of particles: the unit of work and of every sum, so that sums do
+    !> not depend on the number of threads.
+    subroutine cut_blocks(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b, i, n
+
+        n = sum((solid%bodies%last - solid%bodies%first + block_size)/block_size)
+        allocate (solid%block(3, n), solid%search%sums(n_sum, n), solid%search%bad(n))
+        n = 0
+        do b = 1, size(solid%bodies)
+            do i = solid%bodies(b)%first, solid%bodies(b)%last, block_size
+                n = n + 1
+                solid%block(:, n) = [b, i, min(i + block_size - 1, solid%bodies(b)%last)]
+            end do
+        end do
+    end subroutine cut_blocks
+
+    !> Memory per particle without neighbour lists [B].
+    real(dp) function bytes_per_particle(solid) result(bytes)
+        type(solid_t), intent(in) :: solid
+
+        bytes = (storage_size(solid%x)*9 + storage_size(solid%v)*(22 + solid%n_hist + n_pair) &
+                 + storage_size(solid%id)*5 + storage_size(solid%fixed)*3 &
+                 + storage_size(solid%first)*2)/8.0_dp
+    end function bytes_per_particle
+end module brz_solid_arrays
