@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: MIT
+# Brisance. `make help` lists the targets and the variables.
+VERSION := 0.1.0
+.DEFAULT_GOAL := all
+.DELETE_ON_ERROR:
+.SUFFIXES:
+
+# --- what to build: each choice has a build folder and a binary of its own -------------------
+FC        := gfortran
+PRECISION ?= double
+OPT       ?= -O3 -fno-math-errno -fno-trapping-math
+ARCH      := $(if $(PORTABLE),x86-64-v2,native)
+KIND      := $(if $(DEBUG),-debug)$(if $(PORTABLE),-portable)$(if $(filter mixed,$(PRECISION)),-mixed)
+BUILD     ?= build
+B         := $(BUILD)/cpu$(KIND)
+BIN       := bin/brisance$(KIND)
+
+HDF5_CFLAGS = $(shell pkg-config --cflags hdf5-serial)
+HDF5_LIBS   = $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5
+WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals
+FAST     := $(OPT) -march=$(ARCH) -flto=auto
+CHECKED  := -Og -g -fcheck=all -ffpe-trap=invalid,zero,overflow -fbacktrace
+FFLAGS    = -std=f2018 -fopenmp $(if $(DEBUG),$(CHECKED),$(FAST)) $(WARN) \
+            $(if $(filter mixed,$(PRECISION)),-DBRZ_MIXED) $(EXTRA_FFLAGS)
+COMPILE   = $(FC) $(FFLAGS) $(HDF5_CFLAGS) -J$(B)/mod
+Q        := $(if $(V),,@)
+say       = $(if $(V),,@echo '  $(1)')
+
+# --- sources: whatever is there ----------------------------------------------------------------
+SRC  := $(sort $(shell find src -name '*.f90' -o -name '*.F90'))
+MAIN := $(wildcard src/main.f90)
+OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)))) $(B)/obj/version.o
+LIB  := $(B)/libbrisance.a
+SAVE := scripts/write_if_changed.sh
+
+.PHONY: all lib clean help FORCE
+all: $(if $(MAIN),$(BIN),lib) ## build bin/brisance
+lib: $(LIB) ## build everything but the main program
+
+$(BIN): $(B)/obj/src/main.o $(LIB)
+	@mkdir -p $(@D)
+	$(call say,link $@)
+	+$(Q)$(FC) $(FFLAGS) -o $@ $^ $(HDF5_LIBS)
+$(LIB): $(OBJ)
+	@rm -f $@
+	$(Q)gcc-ar rcs $@ $(OBJ)
+$(B)/obj/%.o: %.f90 $(B)/command
+	@mkdir -p $(@D) $(B)/mod
+	$(call say,compile $<)
+	$(Q)$(COMPILE) -c $< -o $@
+$(B)/obj/%.o: %.F90 $(B)/command
+	@mkdir -p $(@D) $(B)/mod
+	$(call say,compile $<)
+	$(Q)$(COMPILE) -c $< -o $@
+$(B)/obj/version.o: $(B)/version.f90 $(B)/command
+	@mkdir -p $(@D) $(B)/mod
+	$(call say,compile $<)
+	$(Q)$(COMPILE) -c $< -o $@
+$(B)/version.f90: FORCE
+	@scripts/version.py --version '$(VERSION)' --compiler "$$($(FC) --version | head -n 1)" \
+	    --flags '$(strip $(FFLAGS))' --precision $(PRECISION) | $(SAVE) $@
+
+# Files that change when the command or the list of sources does, and the rules of dependence.
+SCANNED = $(SRC) $(B)/version.f90
+$(B)/command: FORCE
+	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
+	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@
+$(B)/sources: FORCE
+	@echo '$(SCANNED)' | $(SAVE) $@
+$(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
+	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5 \
+	    $(SCANNED) > $@
+NO_BUILD := clean help
+ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
+include $(B)/depend.mk
+endif
+
+clean: ## remove everything that make has made, except .venv
+	rm -rf build bin out gpu
+help: ## show this list
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@echo 'Variables: DEBUG=1 (checks), PORTABLE=1 (any x86-64-v2), PRECISION=mixed, OPT=..., BUILD=folder, V=1'

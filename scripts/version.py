@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Print the source of module brz_version: what was built, by what, from which commit.
+
+usage: version.py --version TEXT --compiler TEXT --flags TEXT --precision TEXT
+"""
+
+import argparse
+import subprocess
+
+
+def commit():
+    """Short hash of the commit, with a + if tracked files differ from it; '' outside git."""
+    try:
+        name = subprocess.run(
+            ["git", "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"],
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return "unknown"
+    return name.stdout.strip()
+
+
+def literal(text):
+    """The text as a Fortran constant, cut into pieces that fit the line length."""
+    pieces = [text[i : i + 60].replace("'", "''") for i in range(0, max(len(text), 1), 60)]
+    return " &\n        //".join(f"'{piece}'" for piece in pieces)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    for name in ("version", "compiler", "flags", "precision"):
+        parser.add_argument(f"--{name}", required=True)
+    args = vars(parser.parse_args())
+    args["commit"] = commit()
+    print("! SPDX-License-Identifier: MIT")
+    print("!> What was built. Written by scripts/version.py: do not edit.")
+    print("module brz_version\n    implicit none\n    private")
+    for name in ("version", "commit", "compiler", "flags", "precision"):
+        print(f"    character(*), parameter, public :: {name} = &\n        {literal(args[name])}")
+    print("end module brz_version")
+
+
+if __name__ == "__main__":
+    main()
