@@ -111,21 +111,20 @@ contains
     pure subroutine rotate_voigt(q, s)
         real(rk), intent(in) :: q(3, 3) !! rotation matrix
         real(rk), intent(inout) :: s(6) !! xx, yy, zz, xy, yz, xz
-        real(rk) :: m(3, 3), t(3, 3)
-        integer :: i, j
+        real(rk) :: t(3, 3)
+        integer :: i
 
-        call to_matrix(s, m)
-        do j = 1, 3
-            do i = 1, 3
-                t(i, j) = q(i, 1)*m(1, j) + q(i, 2)*m(2, j) + q(i, 3)*m(3, j)
-            end do
+        do i = 1, 3
+            t(i, 1) = q(i, 1)*s(1) + q(i, 2)*s(4) + q(i, 3)*s(6)
+            t(i, 2) = q(i, 1)*s(4) + q(i, 2)*s(2) + q(i, 3)*s(5)
+            t(i, 3) = q(i, 1)*s(6) + q(i, 2)*s(5) + q(i, 3)*s(3)
         end do
-        do j = 1, 3
-            do i = 1, 3
-                m(i, j) = t(i, 1)*q(j, 1) + t(i, 2)*q(j, 2) + t(i, 3)*q(j, 3)
-            end do
+        do i = 1, 3
+            s(i) = t(i, 1)*q(i, 1) + t(i, 2)*q(i, 2) + t(i, 3)*q(i, 3)
         end do
-        call to_voigt(m, s)
+        s(4) = t(1, 1)*q(2, 1) + t(1, 2)*q(2, 2) + t(1, 3)*q(2, 3)
+        s(5) = t(2, 1)*q(3, 1) + t(2, 2)*q(3, 2) + t(2, 3)*q(3, 3)
+        s(6) = t(1, 1)*q(3, 1) + t(1, 2)*q(3, 2) + t(1, 3)*q(3, 3)
     end subroutine rotate_voigt
 
     !> Double contraction a : b of two symmetric tensors (the shears count twice).

@@ -4,11 +4,12 @@
 !> Point physics: compiled for the CPU and for the GPU.
 module brz_kinematics
     use brz_kinds, only: rk
+    use brz_algebra, only: rotation_exp
     implicit none
     private
-    public :: volume_step, multiply, transposed, exp_minus_1, exp_symmetric, polar_rotation
+    public :: volume_step, turn_axes, transposed, exp_minus_1, polar_rotation
 
-    real(rk), parameter :: thinnest = -0.999_rk !! smallest mu: debris, the volume grew a thousandfold
+    real(rk), parameter :: thinnest = -0.999_rk !! least mu: debris, grown a thousandfold
 
 contains
 
@@ -47,6 +48,42 @@ contains
             y = exp(x) - 1
         end if
     end function exp_minus_1
+
+    !> Turn the axes of a material over one step.
+    !>
+    !> f is the deformation gradient times the rotation to the axes of the unloaded material; its
+    !> polar rotation is that of the axes now. f_new = exp(w dt/2) exp(d dt) exp(w dt/2) f: exact
+    !> for a pure rotation and for a pure stretch, and reversible. `only_spin`: f forgets the
+    !> stretch, the axes turn with w.
+    !@cuf attributes(host,device) &
+    pure subroutine turn_axes(only_spin, l, dt, f, middle, last, ok)
+        logical, intent(in) :: only_spin
+        real(rk), intent(in) :: l(3, 3) !! velocity gradient at mid-step [1/s]
+        real(rk), intent(in) :: dt !! [s]
+        real(rk), intent(inout) :: f(3, 3)
+        real(rk), intent(out) :: middle(3, 3) !! axes at mid-step
+        real(rk), intent(out) :: last(3, 3) !! axes at the end of the step
+        logical, intent(out) :: ok
+        real(rk) :: q(3, 3), e(3, 3), t(3, 3), r(3, 3)
+        logical :: fine
+
+        call rotation_exp(l, dt/2, q)
+        call multiply(q, f, t)
+        if (only_spin) then
+            call polar_rotation(t, middle, ok)
+            call multiply(q, middle, last)
+            call multiply(q, middle, f)
+        else
+            call exp_symmetric(l, dt/2, e)
+            call multiply(e, t, r)
+            call polar_rotation(r, middle, fine)
+            call multiply(e, r, t)
+            call polar_rotation(t, r, ok)
+            ok = ok .and. fine
+            call multiply(q, r, last)
+            call multiply(q, t, f)
+        end if
+    end subroutine turn_axes
 
     !> c = a b for 3x3 matrices.
     !@cuf attributes(host,device) &

@@ -7,11 +7,14 @@ module brz_materials
     use brz_kinds, only: rk
     use brz_case, only: material_case_t
     use brz_errors, only: error_t, raise, exit_deck
+    use brz_gruneisen, only: gruneisen, describe_gruneisen, update_gruneisen
     use brz_key, only: key_t
     use brz_linear_elastic, only: linear_elastic, describe_linear_elastic, update_linear_elastic
     use brz_material, only: material_t, point_t, n_hist, material_ok, material_not_finite, &
                             material_step_too_large, material_unknown
     use brz_model, only: model_t, load_parameters
+    use brz_orthotropic_ply, only: orthotropic_ply, describe_orthotropic_ply, &
+                                   update_orthotropic_ply
     implicit none
     private
     public :: material_keys, make_material, start_point, update_material, history_names
@@ -27,8 +30,10 @@ contains
     subroutine list_models(models)
         type(model_t), allocatable, intent(out) :: models(:)
 
-        allocate (models(1))
+        allocate (models(3))
         call describe_linear_elastic(models(1))
+        call describe_gruneisen(models(2))
+        call describe_orthotropic_ply(models(3))
     end subroutine list_models
 
     !> The physics of one step of one material point. ... and a line here.
@@ -41,6 +46,8 @@ contains
 
         select case (material%model)
         case (linear_elastic); call update_linear_elastic(material, dt, l, point, status)
+        case (gruneisen); call update_gruneisen(material, dt, l, point, status)
+        case (orthotropic_ply); call update_orthotropic_ply(material, dt, h, l, point, status)
         case default; status = material_unknown
         end select
     end subroutine apply_model

@@ -17,11 +17,11 @@ module brz_model
         integer :: code = 0 !! what `material%model` holds
         character(24) :: name = '' !! what the deck calls it
         type(key_t), allocatable :: keys(:)
-        integer :: n_hist = 0 !! history variables in use
+        integer :: n_hist = 0 !! history in use
         character(32) :: history(n_hist) = '' !! names of the slots worth a dump, '' for the others
         character(12) :: history_unit(n_hist) = '-'
         procedure(derive_i), pointer, nopass :: derive => null()
-        procedure(start_i), pointer, nopass :: start => null() !! null: an unloaded point is all zero
+        procedure(start_i), pointer, nopass :: start => null() !! null: all zero
     end type model_t
 
     abstract interface

@@ -1,0 +1,387 @@
+! SPDX-License-Identifier: MIT
+!> Orthotropic ply of a fibre composite with failure by modes.
+!>
+!> Deck:    &material model='orthotropic_ply'
+!> Method:  strain summed up in axes that turn with the material, stress from the total strain,
+!>          five failure modes (ply_failure.f90), optional equation of state for impact
+!> Source:  criteria of Chang & Chang and of Hou et al. 2000; volumetric split of Anderson 1994
+!> History: deformation gradient (9), strain (6), damage by mode (5)
+module brz_orthotropic_ply
+    use brz_kinds, only: dp, rk
+    use brz_algebra, only: rotate_voigt, to_voigt
+    use brz_key, only: key_t, none, required
+    use brz_kinematics, only: volume_step, transposed, turn_axes
+    use brz_material, only: material_t, point_t, material_ok, material_clamped, &
+                            material_step_too_large, n_hist, n_par
+    use brz_mie_gruneisen, only: hugoniot_excess, pressure_step, hugoniot_limit, eos_density, &
+                                 eos_c0, eos_s1, eos_gamma, eos_mu_max
+    use brz_model, only: model_t, real_key, switch_key, text_key
+    use brz_ply_failure, only: ply_stress, grow_damage, total_damage, n_modes, fibre_tension, &
+                               fibre_compression, matrix_cracking, matrix_crushing, delamination, &
+                               fabric_woven, p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, p_nu23, &
+                               p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, p_yc, p_zt, p_s12, p_s13, &
+                               p_s23, p_shear_weight, p_fabric, p_axes, p_degradation, p_time, &
+                               p_limit, p_retain, p_pressure, p_slope, p_gamma, p_energy, n_keys, &
+                               p_c11, p_c22, p_c33, p_c12, p_c23, p_c13, p_bulk, p_rubble, &
+                               p_inverse, p_eos
+    implicit none
+    private
+    public :: orthotropic_ply, describe_orthotropic_ply, update_orthotropic_ply
+
+    integer, parameter :: orthotropic_ply = 3 !! code of the model
+    character(*), parameter :: name = 'orthotropic_ply'
+    integer, parameter :: axes_polar = 1, axes_spin = 2, pressure_anderson = 2
+    ! history: last slot before the deformation gradient, the strain, the damage
+    integer, parameter :: h_gradient = 0, h_strain = 9, h_damage = 15
+    real(rk), parameter :: wild = 1 !! strain beyond which the axes only spin
+
+contains
+
+    subroutine describe_orthotropic_ply(model)
+        type(model_t), intent(inout) :: model
+
+        model%code = orthotropic_ply
+        model%name = name
+        allocate (model%keys(n_keys))
+        call describe_stiffness(model)
+        call describe_strength(model)
+        call describe_options(model)
+        model%n_hist = h_damage + n_modes
+        model%history(h_damage + fibre_tension) = 'damage_fibre_tension'
+        model%history(h_damage + fibre_compression) = 'damage_fibre_compression'
+        model%history(h_damage + matrix_cracking) = 'damage_matrix_cracking'
+        model%history(h_damage + matrix_crushing) = 'damage_matrix_crushing'
+        model%history(h_damage + delamination) = 'damage_delamination'
+        model%derive => derive
+        model%start => start
+    end subroutine describe_orthotropic_ply
+
+    subroutine describe_stiffness(model)
+        type(model_t), intent(inout) :: model
+
+        model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
+                                         'unloaded density', 0.0_dp, open_lower=.true.)
+        model%keys(p_e1) = modulus('e1', "Young's modulus along the fibres")
+        model%keys(p_e2) = modulus('e2', "Young's modulus across the fibres, in the ply")
+        model%keys(p_e3) = modulus('e3', "Young's modulus normal to the ply")
+        model%keys(p_nu12) = real_key(name, 'nu12', '-', required, &
+                                      'strain in 2 by tension in 1, major ratio')
+        model%keys(p_nu13) = real_key(name, 'nu13', '-', required, &
+                                      'strain in 3 by tension in 1, major ratio')
+        model%keys(p_nu23) = real_key(name, 'nu23', '-', required, &
+                                      'strain in 3 by tension in 2, major ratio')
+        model%keys(p_g12) = modulus('g12', 'shear modulus in the ply')
+        model%keys(p_g13) = modulus('g13', 'shear modulus between fibre and normal')
+        model%keys(p_g23) = modulus('g23', 'shear modulus between 2 and the normal')
+    end subroutine describe_stiffness
+
+    subroutine describe_strength(model)
+        type(model_t), intent(inout) :: model
+
+        model%keys(p_xt) = strength('xt', 'tensile strength along the fibres')
+        model%keys(p_xc) = strength('xc', 'compressive strength along the fibres')
+        model%keys(p_yt) = strength('yt', 'tensile strength across the fibres')
+        model%keys(p_yc) = strength('yc', 'compressive strength across the fibres')
+        model%keys(p_zt) = strength('zt', 'tensile strength normal to the ply')
+        model%keys(p_s12) = strength('s12', 'shear strength in the ply')
+        model%keys(p_s13) = strength('s13', 'shear strength between fibre and normal')
+        model%keys(p_s23) = strength('s23', 'shear strength between 2 and the normal')
+        model%keys(p_energy + fibre_tension) = toughness('gft', 'fibre tension')
+        model%keys(p_energy + fibre_compression) = toughness('gfc', 'fibre compression')
+        model%keys(p_energy + matrix_cracking) = toughness('gmt', 'matrix cracking')
+        model%keys(p_energy + matrix_crushing) = toughness('gmc', 'matrix crushing')
+        model%keys(p_energy + delamination) = toughness('gdl', 'delamination')
+    end subroutine describe_strength
+
+    subroutine describe_options(model)
+        type(model_t), intent(inout) :: model
+
+        model%keys(p_shear_weight) = real_key(name, 'shear_weight', '-', '1', &
+            'weight of the shear stress in the criterion of the fibres', 0.0_dp, 1.0_dp)
+        model%keys(p_fabric) = text_key(name, 'fabric', 'ud', 'ud|woven', &
+            'one fibre direction, or two (2 fails as fibre too)')
+        model%keys(p_axes) = text_key(name, 'axes', 'polar', 'polar|spin', &
+            'axes turn with the polar rotation, or with the spin')
+        model%keys(p_degradation) = text_key(name, 'degradation', 'compliance', &
+            'compliance|zeroing', 'how damage lowers the stiffness')
+        model%keys(p_time) = real_key(name, 'relaxation_time', 's', none, &
+            'a failed mode lets go in this time; absent: h over wave speed', 0.0_dp, &
+            open_lower=.true.)
+        model%keys(p_limit) = real_key(name, 'damage_limit', '-', '0.999', &
+            'largest damage of a mode', 0.0_dp, 0.999999_dp, open_lower=.true.)
+        model%keys(p_retain) = switch_key(name, 'retain_bulk', '.true.', &
+            'crushed material still resists a loss of volume')
+        model%keys(p_pressure) = text_key(name, 'pressure', 'linear', 'linear|anderson', &
+            'pressure of the stiffness, or corrected by a shock Hugoniot')
+        model%keys(p_slope) = real_key(name, 'hugoniot_slope', '-', '1.5', &
+            "pressure='anderson': slope of the Hugoniot", 0.0_dp)
+        model%keys(p_gamma) = real_key(name, 'gruneisen_gamma', '-', '0.85', &
+            "pressure='anderson': Grueneisen's gamma", 0.0_dp)
+    end subroutine describe_options
+
+    pure function modulus(key, meaning) result(row)
+        character(*), intent(in) :: key, meaning
+        type(key_t) :: row
+
+        row = real_key(name, key, 'Pa', required, meaning, 0.0_dp, open_lower=.true.)
+    end function modulus
+
+    pure function strength(key, meaning) result(row)
+        character(*), intent(in) :: key, meaning
+        type(key_t) :: row
+
+        row = real_key(name, key, 'Pa', none, meaning//'; absent: never reached', 0.0_dp, &
+                       open_lower=.true.)
+    end function strength
+
+    pure function toughness(key, mode) result(row)
+        character(*), intent(in) :: key, mode
+        type(key_t) :: row
+
+        row = real_key(name, key, 'J/m2', none, 'fracture energy of '//mode// &
+                       '; absent: the stress relaxes in time instead', 0.0_dp, open_lower=.true.)
+    end function toughness
+
+    !> Stiffness, moduli and inverse strengths.
+    subroutine derive(material, given, fault)
+        type(material_t), intent(inout) :: material
+        logical, intent(in) :: given(:)
+        character(:), allocatable, intent(out) :: fault
+        integer :: i
+
+        call derive_stiffness(material%par, fault)
+        if (allocated(fault)) return
+        if (any(given(p_energy + 1:p_energy + n_modes) .and. &
+                .not. given([p_xt, p_xc, p_yt, p_yc, p_zt]))) then
+            fault = 'a fracture energy needs the strength of its mode (xt, xc, yt, yc, zt)'
+            return
+        end if
+        do i = 1, 8
+            if (given(p_xt + i - 1)) material%par(p_inverse + i) = 1/material%par(p_xt + i - 1)
+        end do
+        material%density = material%par(p_density)
+        material%bulk = material%par(p_bulk)
+        ! as stiff as an isotropic plate (nu = 0.3) of the stiffer in-plane modulus
+        material%shear = max(material%par(p_e1), material%par(p_e2))/2.6_rk
+        material%c_wave = sqrt(maxval(material%par(p_c11:p_c33))/material%density)
+        material%par(p_eos:p_eos + 7) = 0
+        material%par(p_eos + eos_density - 1) = material%density
+        material%par(p_eos + eos_c0 - 1) = sqrt(material%bulk/material%density)
+        material%par(p_eos + eos_s1 - 1) = material%par(p_slope)
+        material%par(p_eos + eos_gamma - 1) = material%par(p_gamma)
+        material%par(p_eos + eos_mu_max - 1) = &
+            hugoniot_limit(material%par(p_slope), 0.0_rk, 0.0_rk)
+    end subroutine derive
+
+    !> The six normal stiffnesses and the two bulk moduli; refuses what is not positive definite.
+    subroutine derive_stiffness(par, fault)
+        real(rk), intent(inout) :: par(:)
+        character(:), allocatable, intent(inout) :: fault
+        real(dp) :: e1, e2, e3, nu12, nu13, nu23, nu21, nu31, nu32, dl
+
+        e1 = par(p_e1)
+        e2 = par(p_e2)
+        e3 = par(p_e3)
+        nu12 = par(p_nu12)
+        nu13 = par(p_nu13)
+        nu23 = par(p_nu23)
+        nu21 = nu12*e2/e1
+        nu31 = nu13*e3/e1
+        nu32 = nu23*e3/e2
+        dl = 1 - nu12*nu21 - nu23*nu32 - nu13*nu31 - 2*nu21*nu32*nu13
+        if (nu12*nu21 >= 1) then
+            fault = 'nu12 must be below sqrt(e1/e2): the stiffness is not positive definite'
+        else if (nu13*nu31 >= 1) then
+            fault = 'nu13 must be below sqrt(e1/e3): the stiffness is not positive definite'
+        else if (nu23*nu32 >= 1) then
+            fault = 'nu23 must be below sqrt(e2/e3): the stiffness is not positive definite'
+        else if (dl <= 0) then
+            fault = 'nu12, nu13, nu23 are too large together: the stiffness is not '// &
+                    'positive definite'
+        end if
+        if (allocated(fault)) return
+        par(p_c11) = real(e1*(1 - nu23*nu32)/dl, rk)
+        par(p_c22) = real(e2*(1 - nu13*nu31)/dl, rk)
+        par(p_c33) = real(e3*(1 - nu12*nu21)/dl, rk)
+        par(p_c12) = real(e1*(nu21 + nu31*nu23)/dl, rk)
+        par(p_c13) = real(e1*(nu31 + nu21*nu32)/dl, rk)
+        par(p_c23) = real(e2*(nu32 + nu12*nu31)/dl, rk)
+        par(p_bulk) = (par(p_c11) + par(p_c22) + par(p_c33) &
+                       + 2*(par(p_c12) + par(p_c13) + par(p_c23)))/9
+        par(p_rubble) = real(1/(1/e1 + 1/e2 + 1/e3 - 2*(nu12/e1 + nu13/e1 + nu23/e2)), rk)
+    end subroutine derive_stiffness
+
+    !> Axes of an unloaded ply: 3 along the stacking axis, 1 turned by `angle` about it.
+    subroutine start(material, angle, axis, point)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: angle !! [rad]
+        character(1), intent(in) :: axis
+        type(point_t), intent(inout) :: point
+        real(rk) :: r(3, 3)
+        integer :: i, j, k
+
+        k = index('xyz', axis)
+        i = modulo(k, 3) + 1
+        j = modulo(k + 1, 3) + 1
+        r = 0
+        r(i, 1) = cos(angle)
+        r(j, 1) = sin(angle)
+        r(i, 2) = -sin(angle)
+        r(j, 2) = cos(angle)
+        r(k, 3) = 1
+        point%hist(1:material%n_hist) = 0
+        point%hist(h_gradient + 1:h_gradient + 9) = reshape(r, [9])
+    end subroutine start
+
+    !> One step of one material point; see `update_material` for the contract.
+    !@cuf attributes(host,device) &
+    pure subroutine update_orthotropic_ply(material, dt, h, l, point, status)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: dt, h !! time step [s], smoothing length [m]
+        real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
+        type(point_t), intent(inout) :: point
+        integer, intent(out) :: status
+        real(rk) :: f(3, 3), middle(3, 3), last(3, 3), e0(6), e1(6), d(6), s0(6), s1(6)
+        real(rk) :: damage(n_modes), mu, dv, v_mid, work, loss
+        integer :: i
+        logical :: ok, grown
+
+        call load_history(point%hist, f, e0, damage)
+        call turn_axes(only_spin(material%par, e0, damage), l, dt, f, middle, last, ok)
+        status = material_step_too_large
+        if (.not. ok) return
+        call to_voigt(l, d)
+        call rotate_back(middle, d)
+        do i = 1, 3
+            e1(i) = e0(i) + d(i)*dt
+            e1(i + 3) = e0(i + 3) + 2*d(i + 3)*dt
+        end do
+        call ply_stress(material%par, e0, damage, s0)
+        call ply_stress(material%par, e1, damage, s1)
+        call grow_damage(material%par, dt, h, s0, s1, e1, damage, grown)
+        if (grown) call ply_stress(material%par, e1, damage, s1)
+        work = 0
+        loss = 0
+        do i = 1, 6
+            work = work + (s0(i) + s1(i))/2*(e1(i) - e0(i))
+            loss = loss + (s0(i)*e1(i) - s1(i)*e0(i))/2
+        end do
+        point%damage = total_damage(damage)
+        if (.not. point%damage > 0) loss = 0
+        mu = point%mu
+        call volume_step(material%density, l, dt, mu, dv, v_mid)
+        call add_excess(material, mu, dv, work*v_mid, damage, s1, point, status)
+        if (status > 0) return
+        call rotate_voigt(last, s1)
+        do i = 1, 6
+            point%stress(i) = s1(i)
+        end do
+        point%work(1) = 0
+        point%work(2) = loss*v_mid
+        call store_history(f, e1, damage, point%hist)
+    end subroutine update_orthotropic_ply
+
+    !> New compression, energy and wave speeds; the excess of a shock pressure over the linear law.
+    !>
+    !> The excess p_EOS(mu, e) - K' ln(1 + mu) acts in compression only.
+    !@cuf attributes(host,device) &
+    pure subroutine add_excess(material, mu, dv, work, damage, s, point, status)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: mu !! compression at the end of the step
+        real(rk), intent(in) :: dv, work !! change of volume [m3/kg], stress work [J/kg]
+        real(rk), intent(in) :: damage(n_modes)
+        real(rk), intent(inout) :: s(6) !! stress in the axes of the ply [Pa]
+        type(point_t), intent(inout) :: point
+        integer, intent(out) :: status
+        real(rk) :: a, b, slope, p_old, p, energy, stiffest, crushed
+        logical :: clamped, ok
+
+        status = material_ok
+        energy = point%energy + work
+        slope = 0
+        if (int(material%par(p_pressure)) == pressure_anderson) then
+            call hugoniot_excess(material%par(p_eos), point%mu, a, b, slope, clamped)
+            p_old = a + b*material%density*point%energy
+            call hugoniot_excess(material%par(p_eos), mu, a, b, slope, clamped)
+            call pressure_step(material%density, a, b, -huge(a), dv, p_old, energy, p, ok)
+            if (clamped) status = material_clamped
+            if (.not. ok) status = material_step_too_large
+            if (.not. ok) return
+            s(1) = s(1) - p
+            s(2) = s(2) - p
+            s(3) = s(3) - p
+        end if
+        point%mu = mu
+        point%energy = energy
+        crushed = 1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))
+        stiffest = max(material%par(p_c11), material%par(p_c22), material%par(p_c33))
+        stiffest = (stiffest + crushed*material%par(p_rubble))/max(1 + mu, 0.5_rk)
+        point%c_wave = sqrt((stiffest + max(slope, 0.0_rk))/material%density)
+        point%c_bulk = sqrt((material%par(p_bulk) + max(slope, 0.0_rk))/material%density)
+    end subroutine add_excess
+
+    !> Do the axes just spin? By choice, where fibres are broken, or at wild strains.
+    !@cuf attributes(host,device) &
+    pure function only_spin(par, strain, damage) result(spin)
+        real(rk), intent(in) :: par(n_par), strain(6), damage(n_modes)
+        logical :: spin
+        integer :: i
+
+        spin = int(par(p_axes)) == axes_spin .or. damage(fibre_tension) > 0 &
+               .or. damage(fibre_compression) > 0
+        if (int(par(p_fabric)) == fabric_woven) &
+            spin = spin .or. damage(matrix_cracking) > 0 .or. damage(matrix_crushing) > 0
+        do i = 1, 6
+            spin = spin .or. abs(strain(i)) > wild
+        end do
+    end function only_spin
+
+    !> Symmetric tensor in the axes r: r^T s r, in place.
+    !@cuf attributes(host,device) &
+    pure subroutine rotate_back(r, s)
+        real(rk), intent(in) :: r(3, 3)
+        real(rk), intent(inout) :: s(6)
+        real(rk) :: t(3, 3)
+
+        call transposed(r, t)
+        call rotate_voigt(t, s)
+    end subroutine rotate_back
+
+    !@cuf attributes(host,device) &
+    pure subroutine load_history(hist, f, strain, damage)
+        real(rk), intent(in) :: hist(n_hist)
+        real(rk), intent(out) :: f(3, 3), strain(6), damage(n_modes)
+        integer :: i
+
+        do i = 1, 3
+            f(i, 1) = hist(h_gradient + i)
+            f(i, 2) = hist(h_gradient + 3 + i)
+            f(i, 3) = hist(h_gradient + 6 + i)
+        end do
+        do i = 1, 6
+            strain(i) = hist(h_strain + i)
+        end do
+        do i = 1, n_modes
+            damage(i) = hist(h_damage + i)
+        end do
+    end subroutine load_history
+
+    !@cuf attributes(host,device) &
+    pure subroutine store_history(f, strain, damage, hist)
+        real(rk), intent(in) :: f(3, 3), strain(6), damage(n_modes)
+        real(rk), intent(inout) :: hist(n_hist)
+        integer :: i
+
+        do i = 1, 3
+            hist(h_gradient + i) = f(i, 1)
+            hist(h_gradient + 3 + i) = f(i, 2)
+            hist(h_gradient + 6 + i) = f(i, 3)
+        end do
+        do i = 1, 6
+            hist(h_strain + i) = strain(i)
+        end do
+        do i = 1, n_modes
+            hist(h_damage + i) = damage(i)
+        end do
+    end subroutine store_history
+end module brz_orthotropic_ply
