@@ -133,6 +133,7 @@ contains
         own = pair(:, p%i)
         acc = 0
         do k = 0, p%count - 1, lanes
+            !GCC$ unroll 1
             do l = 1, lanes
                 j = list(k + l)
                 do t = 1, 3
@@ -172,13 +173,17 @@ contains
         own = pair(:, p%i)
         acc = 0
         do k = 0, p%count - 1, lanes
+            !GCC$ unroll 1
             do l = 1, lanes
                 j = list(k + l)
                 do t = 1, 3
                     r(t) = real(x(t, p%i) - x(t, j), rk)
                     dv(t) = v(t, p%i) - v(t, j)
                 end do
-                do t = 1, pair_affine + 9
+                do t = 1, pair_affine
+                    other(t) = pair(t, j)
+                end do
+                do t = pair_affine + 1, pair_affine + 9
                     other(t) = pair(t, j)
                 end do
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
@@ -213,6 +218,7 @@ contains
         own = pair(:, p%i)
         acc = 0
         do k = 0, p%count - 1, lanes
+            !GCC$ unroll 1
             do l = 1, lanes
                 j = list(k + l)
                 do t = 1, 3
@@ -220,7 +226,10 @@ contains
                     dx(t) = real(x_ref(t, p%i) - x_ref(t, j), rk)
                     dv(t) = v(t, p%i) - v(t, j)
                 end do
-                do t = 1, pair_affine + 9
+                do t = 1, pair_affine
+                    other(t) = pair(t, j)
+                end do
+                do t = pair_affine + 1, pair_affine + 9
                     other(t) = pair(t, j)
                 end do
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)

@@ -100,6 +100,7 @@ contains
 
         acc = 0
         do k = 0, p%count - 1, lanes
+            !GCC$ unroll 1
             do l = 1, lanes
                 j = list(k + l)
                 do t = 1, 3
@@ -138,6 +139,7 @@ contains
 
         acc = 0
         do k = 0, p%count - 1, lanes
+            !GCC$ unroll 1
             do l = 1, lanes
                 j = list(k + l)
                 do t = 1, 3
@@ -201,7 +203,7 @@ contains
         integer, intent(in) :: i, k !! particle and its block
         real(rk), intent(inout) :: sums(n_terms)
         real(dp), intent(inout) :: limit
-        real(rk) :: b(3, 3), h(3, 3), l(3, 3), s(3, 3), t(3, 3), rate
+        real(rk) :: b(3, 3), h(3, 3), l(3, 3), s(3, 3), rate
         integer :: weak, c
 
         do c = solid%dimension + 1, 3
@@ -209,7 +211,7 @@ contains
             sums(at_x + 4*c - 3) = 1
         end do
         call correction(sums, b, weak)
-        call times(reshape(sums(at_g + 1:at_x), [3, 3]), b, h)
+        call times(sums(at_g + 1), b, h)
         if (dt > 0) then
             call midstep_gradient(h, real(dt, rk), l)
             call update_particle(solid, body, real(dt, rk), l, i, k)
@@ -221,16 +223,22 @@ contains
         solid%pair(pair_volume, i) = solid%mass(i)/solid%pair(pair_density, i)
         solid%pair(pair_c, i) = solid%c_bulk(i)
         call to_matrix(solid%stress(:, i), s)
-        call times(s, b, t)
-        solid%pair(pair_stress + 1:pair_stress + 9, i) = reshape(t, [9])
+        call times(s, b, solid%pair(pair_stress + 1, i))
         if (body%formulation == form_bending) then
             if (weak /= 0) solid%cut(i) = 1
-            call times(reshape(sums(at_x + 1:), [3, 3]), b, s)
+            call times(sums(at_x + 1), b, s)
             call invert_or_cut(s, h, solid%cut(i))
         end if
+        call copy_matrix(h, solid%pair(pair_affine + 1, i))
         solid%pair(pair_keep, i) = (1 - solid%damage(i))*(1 - solid%cut(i))
-        solid%pair(pair_affine + 1:pair_affine + 9, i) = reshape(h, [9])
     end subroutine advance
+
+    pure subroutine copy_matrix(a, b)
+        real(rk), intent(in) :: a(3, 3)
+        real(rk), intent(out) :: b(3, 3)
+
+        b = a
+    end subroutine copy_matrix
 
     !> Deformation dx/dX from dX/dx. Where that is singular the hourglass support ends.
     subroutine invert_or_cut(a, f, cut)
