@@ -90,7 +90,7 @@ contains
         real(rk), intent(in) :: f(n_terms)
         real(rk) :: v(3), held
 
-        solid%volume(i) = solid%pair(pair_volume, i)
+        solid%volume(i) = solid%mass(i)/solid%pair(pair_density, i)
         solid%energy(i) = solid%energy(i) + dt*f(at_heat)/solid%mass(i)
         held = solid%fixed(i)
         solid%a(:, i) = (1 - held)*f(1:3)/solid%mass(i)

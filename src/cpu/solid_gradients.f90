@@ -220,7 +220,7 @@ contains
         limit = min(limit, real(body%cfl*body%h &
                                 /(solid%c_wave(i) + 0.6_rk*body%beta*body%h*rate), dp))
         solid%pair(pair_density, i) = solid%materials(body%material)%density*(1 + solid%mu(i))
-        solid%pair(pair_volume, i) = solid%mass(i)/solid%pair(pair_density, i)
+        solid%pair(pair_volume, i) = solid%volume(i)
         solid%pair(pair_c, i) = solid%c_bulk(i)
         call to_matrix(solid%stress(:, i), s)
         call times(s, b, solid%pair(pair_stress + 1, i))
