@@ -5,6 +5,7 @@
 !> that uses an option turns the word into a code.
 module brz_case
     use brz_kinds, only: dp
+    use brz_text, only: string_t
     implicit none
     private
     public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
@@ -144,6 +145,7 @@ module brz_case
         type(solid_case_t) :: solid
         type(coupling_case_t) :: coupling
         type(output_case_t) :: output
+        type(string_t), allocatable :: warnings(:) !! what can be run but may not be meant
         character(:), allocatable :: echo !! the complete runnable deck with defaults marked
     end type case_t
 end module brz_case

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> One row of the key table: everything that is known of one key of the deck.
 !>
+!> A row without key describes its group, or, with an owner, that model.
 !> The table feeds the scanner, its error texts, the echo, `--describe` and the reference page.
 module brz_key
     use brz_kinds, only: dp
@@ -21,6 +22,7 @@ module brz_key
         character(32) :: default = none !! as it would stand in a deck, or `required`, or `none`
         real(dp) :: lower = -huge(1.0_dp), upper = huge(1.0_dp) !! range of a number
         logical :: open_lower = .false. !! the lower bound itself is not allowed
+        integer :: longest = 32 !! most characters of a text
         character(128) :: choices = '' !! allowed texts, separated by '|'; '' = any
         character(200) :: meaning = '' !! one sentence
         character(24) :: owner = '' !! &material: the model that has this key, '' = every model

@@ -1,0 +1,198 @@
+! SPDX-License-Identifier: MIT
+!> Geometry of the air, of boxes of gas and of charges.
+module brz_check_air
+    use brz_case, only: case_t, charge_case_t
+    use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
+    use brz_get, only: is_usable
+    use brz_kinds, only: dp
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: check_air, check_gas, check_charges, check_corners, point_text, box_text
+    public :: charge_half_sides
+
+    real(dp), parameter :: least_cells = 3, good_cells = 8 !! cells across the radius of a charge
+    character(*), parameter :: axes = 'xyz'
+
+contains
+
+    subroutine check_air(deck, case)
+        type(deck_t), intent(inout) :: deck
+        type(case_t), intent(in) :: case
+        integer :: g, i
+
+        g = find_group(deck, 'air')
+        if (g == 0) return
+        call check_corners(deck, g, case%air%lo, case%air%hi)
+        if (.not. is_usable(deck%groups(g), 'cells')) return
+        if (product(real(case%air%cells, dp)) > real(huge(1), dp)) &
+            call complain(deck, g, 'cells', to_text(product(real(case%air%cells, dp)))// &
+                          ' cells are more than '//to_text(huge(1))//', the most that can be counted')
+        do i = case%run%dimension + 1, 3
+            if (case%air%cells(i) == 1) cycle
+            call complain(deck, g, 'cells', 'dimension='//to_text(case%run%dimension)// &
+                          ' of &run asks for 1 cell along '//axes(i:i)//', found '// &
+                          to_text(case%air%cells(i)))
+        end do
+        if (deck%groups(g)%bad) return
+        do i = 1, 3
+            if (.not. case%run%symmetry(i)) cycle
+            if (abs(case%air%lo(i)) <= 1e-9_dp*(case%air%hi(i) - case%air%lo(i))) cycle
+            call complain(deck, g, 'box', 'with symmetry along '//axes(i:i)//' the box must start at '// &
+                          axes(i:i)//'=0, found '//to_text(case%air%lo(i)))
+        end do
+    end subroutine check_air
+
+    subroutine check_gas(deck, case)
+        type(deck_t), intent(inout) :: deck
+        type(case_t), intent(in) :: case
+        integer :: g, k
+
+        k = 0
+        do g = 1, deck%n
+            if (deck%groups(g)%name /= 'gas') cycle
+            k = k + 1
+            if (.not. case%air%present) then
+                call complain(deck, g, 'id', 'a box of gas needs &air')
+                cycle
+            end if
+            call check_corners(deck, g, case%gas(k)%lo, case%gas(k)%hi)
+            if (deck%groups(g)%bad .or. air_bad(deck)) cycle
+            if (any(case%gas(k)%hi <= case%air%lo .or. case%gas(k)%lo >= case%air%hi)) &
+                call complain(deck, g, 'box', 'the box lies outside the air, '//air_text(case))
+        end do
+    end subroutine check_gas
+
+    subroutine check_charges(deck, case)
+        type(deck_t), intent(inout) :: deck
+        type(case_t), intent(in) :: case
+        integer :: g, k
+
+        k = 0
+        do g = 1, deck%n
+            if (deck%groups(g)%name /= 'charge') cycle
+            k = k + 1
+            if (.not. case%air%present) then
+                call complain(deck, g, 'id', 'a charge needs &air around it')
+                cycle
+            end if
+            if (deck%groups(g)%bad .or. air_bad(deck)) cycle
+            if (any(case%charges(k)%at < case%air%lo .or. case%charges(k)%at > case%air%hi)) then
+                call complain(deck, g, 'at', 'its centre '//point_text(case%charges(k)%at)// &
+                              ' lies outside the air, '//air_text(case))
+            else if (case%run%dimension == 3) then
+                call check_charge_size(deck, g, case, case%charges(k))
+            end if
+        end do
+    end subroutine check_charges
+
+    !> Enough cells across the charge, and all of it inside the air.
+    subroutine check_charge_size(deck, g, case, charge)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(charge_case_t), intent(in) :: charge
+        real(dp) :: half(3), dx(3), n
+        integer :: i
+
+        call charge_half_sides(charge, half)
+        dx = (case%air%hi - case%air%lo)/case%air%cells
+        n = minval(half/dx)
+        if (n < least_cells) then
+            call complain(deck, g, 'mass', 'only '//cells_text(n)//' cells lie across its radius of '// &
+                          cells_text(1000*minval(half))//' mm; at least 3 are needed, 8 are good: use '// &
+                          'smaller cells or a larger mass')
+        else if (n < good_cells) then
+            call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))//'only '// &
+                             cells_text(n)//' cells lie across its radius; 8 or more are good')
+        end if
+        do i = 1, 3
+            if (charge%at(i) + half(i) <= case%air%hi(i) .and. &
+                (case%run%symmetry(i) .or. charge%at(i) - half(i) >= case%air%lo(i))) cycle
+            call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                             'it reaches beyond the air along '//axes(i:i)//'; that part is lost')
+        end do
+    end subroutine check_charge_size
+
+    !> Half the extent of a charge along x, y, z [m].
+    pure subroutine charge_half_sides(charge, half)
+        type(charge_case_t), intent(in) :: charge
+        real(dp), intent(out) :: half(3)
+        real(dp), parameter :: pi = acos(-1.0_dp)
+        real(dp) :: volume
+        integer :: axis
+
+        volume = charge%mass/charge%density
+        select case (charge%shape)
+        case ('cylinder')
+            ! pi r^2 * 2 r aspect
+            half = (volume/(2*pi*charge%aspect))**(1.0_dp/3)
+            axis = index(axes, charge%axis)
+            half(axis) = half(axis)*charge%aspect
+        case ('box')
+            half = charge%sides*(volume/product(charge%sides))**(1.0_dp/3)/2
+        case default
+            half = (3*volume/(4*pi))**(1.0_dp/3)
+        end select
+    end subroutine charge_half_sides
+
+    !> The upper corner of a box must lie beyond the lower one.
+    subroutine check_corners(deck, g, lo, hi)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        real(dp), intent(in) :: lo(3), hi(3)
+        integer :: i
+
+        if (.not. is_usable(deck%groups(g), 'box')) return
+        do i = 1, 3
+            if (hi(i) > lo(i)) cycle
+            call complain(deck, g, 'box', 'the box ends at '//axes(i:i)//'='//to_text(hi(i))// &
+                          ', which is not beyond its start '//to_text(lo(i))// &
+                          '; write x0,x1, y0,y1, z0,z1')
+        end do
+    end subroutine check_corners
+
+    logical function air_bad(deck)
+        type(deck_t), intent(in) :: deck
+
+        air_bad = deck%groups(find_group(deck, 'air'))%bad
+    end function air_bad
+
+    pure function air_text(case) result(text)
+        type(case_t), intent(in) :: case
+        character(:), allocatable :: text
+
+        text = 'which is '//box_text(case%air%lo, case%air%hi)
+    end function air_text
+
+    !> 'x 0.0..1.0, y 0.0..1.0, z 0.0..2.0'.
+    pure function box_text(lo, hi) result(text)
+        real(dp), intent(in) :: lo(3), hi(3)
+        character(:), allocatable :: text
+        integer :: i
+
+        text = ''
+        do i = 1, 3
+            if (i > 1) text = text//', '
+            text = text//axes(i:i)//' '//to_text(lo(i))//'..'//to_text(hi(i))
+        end do
+    end function box_text
+
+    !> '(0.0, 0.0, 0.4)'.
+    pure function point_text(x) result(text)
+        real(dp), intent(in) :: x(3)
+        character(:), allocatable :: text
+
+        text = '('//to_text(x(1))//', '//to_text(x(2))//', '//to_text(x(3))//')'
+    end function point_text
+
+    !> A number with one decimal.
+    pure function cells_text(n) result(text)
+        real(dp), intent(in) :: n
+        character(:), allocatable :: text
+        character(24) :: buffer
+
+        write (buffer, '(f20.1)') min(n, 1e15_dp)
+        text = trim(adjustl(buffer))
+    end function cells_text
+end module brz_check_air

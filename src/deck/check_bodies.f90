@@ -1,0 +1,234 @@
+! SPDX-License-Identifier: MIT
+!> Bodies: their material, their shape, and where they lie.
+module brz_check_bodies
+    use brz_case, only: body_case_t, case_t
+    use brz_check_air, only: box_text, check_corners
+    use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
+    use brz_get, only: is_given, is_usable
+    use brz_kinds, only: dp
+    use brz_text, only: nearest, to_text
+    implicit none
+    private
+    public :: check_bodies, body_box, reference_hint
+
+    character(*), parameter :: axes = 'xyz'
+    real(dp), parameter :: slack = 1e-9_dp !! relative rounding of positions in the deck
+
+contains
+
+    !> Check all bodies, find their materials, and cut boxes at the planes of symmetry.
+    subroutine check_bodies(deck, case)
+        type(deck_t), intent(inout) :: deck
+        type(case_t), intent(inout) :: case
+        integer :: g, k
+
+        k = 0
+        do g = 1, deck%n
+            if (deck%groups(g)%name /= 'body') cycle
+            k = k + 1
+            call find_material(deck, g, case, case%bodies(k))
+            call check_shape(deck, g, case%bodies(k))
+            if (deck%groups(g)%bad) cycle
+            call check_size(deck, g, case%run%dimension, case%bodies(k))
+            if (.not. deck%groups(g)%bad) call cut_body(deck, g, case, case%bodies(k))
+            if (.not. deck%groups(g)%bad) call check_in_air(deck, g, case, case%bodies(k))
+            if (.not. deck%groups(g)%bad) call check_overlap(deck, g, case, k)
+        end do
+    end subroutine check_bodies
+
+    subroutine find_material(deck, g, case, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(body_case_t), intent(inout) :: body
+        integer :: i
+
+        if (.not. is_usable(deck%groups(g), 'material')) return
+        do i = 1, size(case%materials)
+            if (case%materials(i)%id == body%material) body%material_index = i
+            if (body%material_index > 0) return
+        end do
+        call complain(deck, g, 'material', "there is no &material with id='"//trim(body%material)//"'"// &
+                      reference_hint(trim(body%material), case%materials%id))
+    end subroutine find_material
+
+    !> '; did you mean ...' or the ids that exist.
+    pure function reference_hint(id, ids) result(text)
+        character(*), intent(in) :: id
+        character(*), intent(in) :: ids(:)
+        character(:), allocatable :: text
+        integer :: i
+
+        i = nearest(id, ids)
+        if (i > 0) then
+            text = "; did you mean '"//trim(ids(i))//"'?"
+            return
+        end if
+        text = '; there is none'
+        if (size(ids) > 0) text = '; there are:'
+        do i = 1, min(size(ids), 10)
+            text = text//" '"//trim(ids(i))//"'"
+        end do
+    end function reference_hint
+
+    !> Keys that the shape needs, and keys that belong to another shape.
+    subroutine check_shape(deck, g, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(body_case_t), intent(in) :: body
+        character(8), parameter :: all(5) = [character(8) :: 'box', 'centre', 'radius', 'length', 'axis']
+        integer :: n_needed, i
+        logical :: needed
+
+        if (.not. is_usable(deck%groups(g), 'shape')) return
+        n_needed = 0
+        do i = 1, size(all)
+            select case (body%shape)
+            case ('box')
+                needed = i == 1
+            case ('sphere')
+                needed = i == 2 .or. i == 3
+            case default
+                needed = i > 1
+            end select
+            if (needed .and. .not. is_usable(deck%groups(g), trim(all(i)))) then
+                n_needed = n_needed + 1
+                call need_key(deck, g, body, trim(all(i)))
+            else if (.not. needed .and. is_given(deck%groups(g), trim(all(i)))) then
+                call complain(deck, g, trim(all(i)), "key '"//trim(all(i))//"' has no place with shape='"// &
+                              trim(body%shape)//"'; take it out or change the shape")
+            end if
+        end do
+        if (body%shape == 'box') call check_corners(deck, g, body%lo, body%hi)
+    end subroutine check_shape
+
+    !> A key that is missing for this shape; one that is there but wrong has its message already.
+    subroutine need_key(deck, g, body, key)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(body_case_t), intent(in) :: body
+        character(*), intent(in) :: key
+
+        if (is_given(deck%groups(g), key)) return
+        call complain(deck, g, key, "key '"//key//"' is missing: shape='"//trim(body%shape)//"' needs it")
+    end subroutine need_key
+
+    !> At least one particle across, and no more particles than can be counted.
+    subroutine check_size(deck, g, dimension, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g, dimension
+        type(body_case_t), intent(in) :: body
+        real(dp) :: lo(3), hi(3), n(3)
+        integer :: axis
+
+        call body_box(body, lo, hi)
+        n = 1
+        n(:dimension) = (hi(:dimension) - lo(:dimension))/body%spacing
+        if (any(n < 1 - slack)) then
+            call complain(deck, g, 'spacing', 'spacing '//to_text(body%spacing)//' m is larger than the body, which is '// &
+                          box_text(lo, hi)//'; three particles across are the least that bend right')
+        else if (product(n) > real(huge(1), dp)) then
+            call complain(deck, g, 'spacing', 'about '//to_text(real(nint(product(n)/1e9_dp), dp))// &
+                          'e9 particles are more than '//to_text(huge(1))//'; use a larger spacing')
+        end if
+        axis = index(axes, body%ply_axis)
+        if (deck%groups(g)%bad .or. body%n_plies == 0) return
+        if (n(axis) < body%n_plies*(1 - 1e-6_dp)) &
+            call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                             to_text(body%n_plies)//' plies, but only '//to_text(nint(n(axis)))// &
+                             ' layers of particles along '//body%ply_axis//': not every ply is present')
+    end subroutine check_size
+
+    !> Planes of symmetry: a box is cut, and nothing may lie wholly behind one.
+    subroutine cut_body(deck, g, case, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(body_case_t), intent(inout) :: body
+        real(dp) :: lo(3), hi(3), tolerance
+        integer :: i
+
+        call body_box(body, lo, hi)
+        do i = 1, 3
+            if (.not. case%run%symmetry(i)) cycle
+            tolerance = slack*(hi(i) - lo(i))
+            if (hi(i) <= tolerance) then
+                call complain(deck, g, 'id', 'the body lies behind the plane of symmetry '//axes(i:i)//'=0; '// &
+                              'only the positive side is modelled')
+            else if (lo(i) < tolerance) then
+                if (body%shape == 'box') body%lo(i) = 0
+                if (lo(i) < -tolerance .and. abs(lo(i) + hi(i)) > tolerance) &
+                    call warn_cut(deck, g, i, 'is not symmetric about it, but its mirror image is')
+                if (abs(body%velocity(i)) > 0) &
+                    call warn_cut(deck, g, i, 'moves away from it or through it')
+            end if
+        end do
+    end subroutine cut_body
+
+    subroutine warn_cut(deck, g, i, what)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g, i
+        character(*), intent(in) :: what
+
+        call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))//'the plane of symmetry '// &
+                         axes(i:i)//'=0 cuts the body, which '//what)
+    end subroutine warn_cut
+
+    subroutine check_in_air(deck, g, case, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(body_case_t), intent(in) :: body
+        real(dp) :: lo(3), hi(3), tolerance(3)
+        integer :: d
+
+        if (.not. case%air%present) return
+        if (deck%groups(find_group(deck, 'air'))%bad) return
+        call body_box(body, lo, hi)
+        where (case%run%symmetry) lo = max(lo, 0.0_dp)
+        tolerance = slack*(case%air%hi - case%air%lo)
+        d = case%run%dimension
+        if (any(hi(:d) <= case%air%lo(:d) .or. lo(:d) >= case%air%hi(:d))) then
+            call complain(deck, g, 'id', 'the body, '//box_text(lo, hi)//', lies outside the air, which is '// &
+                          box_text(case%air%lo, case%air%hi))
+        else if (any(lo(:d) < case%air%lo(:d) - tolerance(:d) .or. &
+                     hi(:d) > case%air%hi(:d) + tolerance(:d))) then
+            call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                             'part of the body lies outside the air and feels none')
+        end if
+    end subroutine check_in_air
+
+    !> Boxes that share space are seldom meant.
+    subroutine check_overlap(deck, g, case, k)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g, k
+        type(case_t), intent(in) :: case
+        real(dp) :: gap
+        integer :: i
+
+        if (case%bodies(k)%shape /= 'box') return
+        gap = 1e-6_dp*case%bodies(k)%spacing
+        do i = 1, k - 1
+            if (case%bodies(i)%shape /= 'box') cycle
+            if (any(case%bodies(k)%lo > case%bodies(i)%hi - gap)) cycle
+            if (any(case%bodies(i)%lo > case%bodies(k)%hi - gap)) cycle
+            call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                             "it overlaps the body '"//trim(case%bodies(i)%id)//"'")
+        end do
+    end subroutine check_overlap
+
+    !> Corners of the smallest box around a body [m].
+    pure subroutine body_box(body, lo, hi)
+        type(body_case_t), intent(in) :: body
+        real(dp), intent(out) :: lo(3), hi(3)
+        real(dp) :: half(3)
+
+        lo = body%lo
+        hi = body%hi
+        if (body%shape == 'box') return
+        half = body%radius
+        if (body%shape == 'cylinder') half(index(axes, body%axis)) = body%length/2
+        lo = body%centre - half
+        hi = body%centre + half
+    end subroutine body_box
+end module brz_check_bodies

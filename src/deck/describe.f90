@@ -1,0 +1,191 @@
+! SPDX-License-Identifier: MIT
+!> The key table in words: `--describe [group]` and the reference page of the manual.
+module brz_describe
+    use brz_complete, only: list_owners
+    use brz_errors, only: error_t, exit_deck, raise
+    use brz_key, only: key_t, kind_integer, kind_logical, kind_real, none, required
+    use brz_key_text, only: choice_text, default_text, group_hint, group_known, &
+                            group_repeats, range_text, same_value_count, unit_text
+    use brz_text, only: lower, printable
+    implicit none
+    private
+    public :: describe, describe_markdown
+
+    character(*), parameter :: lf = new_line('a')
+
+contains
+
+    !> Text about one group, or about all where `group` is empty.
+    subroutine describe(keys, group, text, err)
+        type(key_t), intent(in) :: keys(:)
+        character(*), intent(in) :: group !! with or without ampersand
+        character(:), allocatable, intent(out) :: text
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: wanted
+        integer :: i
+
+        text = ''
+        wanted = lower(trim(adjustl(group)))
+        if (index(wanted, '&') == 1) wanted = wanted(2:)
+        if (wanted /= '' .and. .not. group_known(keys, wanted)) then
+            call raise(err, exit_deck, "unknown group '"//printable(group, 32)//"'"// &
+                       group_hint(keys, wanted))
+            return
+        end if
+        do i = 1, size(keys)
+            if (any(keys(:i - 1)%group == keys(i)%group)) cycle
+            if (wanted /= '' .and. keys(i)%group /= wanted) cycle
+            call describe_group(keys, trim(keys(i)%group), text)
+        end do
+    end subroutine describe
+
+    subroutine describe_group(keys, group, text)
+        type(key_t), intent(in) :: keys(:)
+        character(*), intent(in) :: group
+        character(:), allocatable, intent(inout) :: text
+        character(len(keys%owner)) :: owner
+        integer :: i
+
+        if (text /= '') text = text//lf
+        text = text//'&'//group//'  '//group_meaning(keys, group, '')//lf
+        owner = ''
+        do i = 1, size(keys)
+            if (keys(i)%group /= group) cycle
+            if (keys(i)%owner /= owner) then
+                owner = keys(i)%owner
+                text = text//"  with model='"//trim(owner)//"'  "//group_meaning(keys, group, trim(owner))//lf
+            end if
+            if (keys(i)%key == '') cycle
+            text = text//'  '//keys(i)%key//kind_name(keys(i))
+            if (range_text(keys(i)) /= '') text = text//' '//range_text(keys(i))
+            text = text//unit_text(keys(i))//', '//default_words(keys(i))//lf
+            text = text//repeat(' ', 26)//trim(keys(i)%meaning)//lf
+            if (choices(keys, keys(i)) /= '') text = text//repeat(' ', 26)//'One of: '//choices(keys, keys(i))//lf
+        end do
+    end subroutine describe_group
+
+    !> The reference page: a table per group.
+    subroutine describe_markdown(keys, text)
+        type(key_t), intent(in) :: keys(:)
+        character(:), allocatable, intent(out) :: text
+        integer :: i
+
+        text = '# Deck reference'//lf//lf// &
+               'Written by `brisance --describe --markdown` from the key table: change the table, '// &
+               'not this page.'//lf//lf// &
+               'A deck is a text file of namelist groups in SI units. `&` as the first character of a '// &
+               'line opens a group, `/` closes it, `!` starts a comment; text between groups is '// &
+               'comment. Values are separated by commas, texts stand in quotes, `3*0.0` is three '// &
+               'zeros. Groups that carry an `id` may stand many times.'//lf
+        do i = 1, size(keys)
+            if (any(keys(:i - 1)%group == keys(i)%group)) cycle
+            call markdown_group(keys, trim(keys(i)%group), text)
+        end do
+    end subroutine describe_markdown
+
+    subroutine markdown_group(keys, group, text)
+        type(key_t), intent(in) :: keys(:)
+        character(*), intent(in) :: group
+        character(:), allocatable, intent(inout) :: text
+        character(len(keys%owner)) :: owner
+        logical :: header
+        integer :: i
+
+        text = text//lf//'## &'//group//lf//lf//group_meaning(keys, group, '')//lf
+        owner = ''
+        header = .true.
+        do i = 1, size(keys)
+            if (keys(i)%group /= group) cycle
+            if (keys(i)%owner /= owner) then
+                owner = keys(i)%owner
+                header = .true.
+                text = text//lf//"### model='"//trim(owner)//"'"//lf
+                if (group_meaning(keys, group, trim(owner)) /= '') &
+                    text = text//lf//group_meaning(keys, group, trim(owner))//lf
+            end if
+            if (keys(i)%key == '') cycle
+            if (header) text = text//lf//'| key | values | unit | default | meaning |'//lf// &
+                               '|---|---|---|---|---|'//lf
+            header = .false.
+            call markdown_row(keys, keys(i), text)
+        end do
+    end subroutine markdown_group
+
+    subroutine markdown_row(keys, row, text)
+        type(key_t), intent(in) :: keys(:)
+        type(key_t), intent(in) :: row
+        character(:), allocatable, intent(inout) :: text
+
+        text = text//'| `'//trim(row%key)//'` | '//kind_name(row)
+        if (range_text(row) /= '') text = text//' '//range_text(row)
+        text = text//' | '//trim(row%unit)//' | '
+        select case (row%default)
+        case (required)
+            text = text//'required'
+        case (none)
+            text = text//''
+        case default
+            text = text//'`'//default_text(row)//'`'
+        end select
+        text = text//' | '//trim(row%meaning)
+        if (choices(keys, row) /= '') text = text//' One of: '//choices(keys, row)//'.'
+        text = text//' |'//lf
+    end subroutine markdown_row
+
+    !> What the row without key says of a group or of a model.
+    pure function group_meaning(keys, group, owner) result(text)
+        type(key_t), intent(in) :: keys(:)
+        character(*), intent(in) :: group, owner
+        character(:), allocatable :: text
+        integer :: i
+
+        text = ''
+        do i = 1, size(keys)
+            if (keys(i)%group /= group .or. keys(i)%key /= '' .or. keys(i)%owner /= owner) cycle
+            text = trim(keys(i)%meaning)
+        end do
+        if (owner == '' .and. group_repeats(keys, group)) text = text//' May stand many times.'
+    end function group_meaning
+
+    !> 'real', '3 integers', '1 to 6 texts'.
+    pure function kind_name(row) result(text)
+        type(key_t), intent(in) :: row
+        character(:), allocatable :: text
+
+        select case (row%kind)
+        case (kind_integer)
+            text = 'integer'
+        case (kind_real)
+            text = 'real'
+        case (kind_logical)
+            text = 'logical'
+        case default
+            text = 'text'
+        end select
+        if (row%n_max > 1) text = same_value_count(row)//' '//text//'s'
+    end function kind_name
+
+    pure function default_words(row) result(text)
+        type(key_t), intent(in) :: row
+        character(:), allocatable :: text
+
+        select case (row%default)
+        case (required)
+            text = 'required'
+        case (none)
+            text = 'optional'
+        case default
+            text = 'default '//default_text(row)
+        end select
+    end function default_words
+
+    !> The words that a key can take; for a model those that the table knows.
+    pure function choices(keys, row) result(text)
+        type(key_t), intent(in) :: keys(:)
+        type(key_t), intent(in) :: row
+        character(:), allocatable :: text
+
+        text = choice_text(row)
+        if (row%key == 'model' .and. row%owner == '') text = list_owners(keys, trim(row%group))
+    end function choices
+end module brz_describe

@@ -1,0 +1,238 @@
+! SPDX-License-Identifier: MIT
+!> Components of the case from the groups of the deck, one procedure per group.
+module brz_fill_case
+    use brz_case, only: air_case_t, body_case_t, case_t, charge_case_t, gas_case_t, gauge_case_t, &
+                        run_case_t
+    use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_group, group_t
+    use brz_get, only: get, is_usable
+    use brz_kinds, only: dp
+    use brz_layup, only: parse_layup
+    implicit none
+    private
+    public :: fill_run, fill_air, fill_gas, fill_charge, fill_body, fill_gauge, fill_settings
+
+contains
+
+    subroutine fill_run(deck, run)
+        type(deck_t), intent(inout) :: deck
+        type(run_case_t), intent(inout) :: run
+        character(200) :: title
+        character(8) :: axes(3)
+        integer :: g, i, n
+
+        call name_job(deck, run)
+        run%title = ''
+        g = find_group(deck, 'run')
+        if (g == 0) return
+        associate (group => deck%groups(g))
+            title = ''
+            call get(group, 'title', title)
+            run%title = trim(title)
+            call get(group, 't_end', run%t_end)
+            call get(group, 'symmetry', axes, n)
+            do i = 1, n
+                run%symmetry(index('xyz', axes(i) (1:1))) = .true.
+            end do
+            call get(group, 'dimension', run%dimension)
+            call get(group, 'backend', run%backend)
+            call get(group, 'dt_max', run%dt_max)
+            call get(group, 'dt_min', run%dt_min)
+            call get(group, 'energy_band', run%energy_band)
+            call get(group, 'max_steps', run%max_steps)
+            if (run%dt_min > run%dt_max) call add_error(deck, entry_line(group, 'dt_min'), &
+                                                        '&run: dt_min is larger than dt_max')
+            if (any(run%symmetry(run%dimension + 1:))) &
+                call add_error(deck, entry_line(group, 'symmetry'), &
+                               '&run: a plane of symmetry lies in a direction that is not modelled '// &
+                               '(see dimension)')
+        end associate
+    end subroutine fill_run
+
+    !> The name of the deck without folder and ending.
+    subroutine name_job(deck, run)
+        type(deck_t), intent(inout) :: deck
+        type(run_case_t), intent(inout) :: run
+        integer :: first, last
+
+        first = index(deck%file, '/', back=.true.) + 1
+        last = index(deck%file(first:), '.', back=.true.) + first - 2
+        if (last < first) last = len(deck%file)
+        run%job = deck%file(first:last)
+        if (last - first + 1 > len(run%job)) &
+            call add_warning(deck, 0, "the name of the deck is long: the job is called '"// &
+                             trim(run%job)//"'")
+    end subroutine name_job
+
+    subroutine fill_air(deck, g, case)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(inout) :: case
+
+        associate (group => deck%groups(g), air => case%air)
+            air%present = .true.
+            call get_box(group, air%lo, air%hi)
+            call get(group, 'cells', air%cells)
+            call get(group, 'density', air%density)
+            call get(group, 'pressure', air%pressure)
+            call get(group, 'gamma', air%gamma)
+            call get(group, 'cfl', air%cfl)
+            call get(group, 'ramp_steps', air%ramp_steps)
+            call get(group, 'reconstruction', air%reconstruction)
+            call get(group, 'flux', air%flux)
+            call get(group, 'fallback', air%fallback)
+        end associate
+        call fill_boundaries(deck, g, case)
+    end subroutine fill_air
+
+    !> One word for all six faces, or six; planes of symmetry take the low faces.
+    subroutine fill_boundaries(deck, g, case)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(inout) :: case
+        character(len(case%air%bc)) :: word(6)
+        integer :: i, n
+
+        associate (group => deck%groups(g), bc => case%air%bc)
+            call get(group, 'bc', word, n)
+            if (n == 1) word = word(1)
+            if (n == 1 .or. n == 6) bc = reshape(word, [2, 3])
+            if (n > 1 .and. n < 6) call complain(deck, g, 'bc', 'give one word for all faces, or six: x low, x high, '// &
+                                                 'y low, y high, z low, z high')
+            do i = 1, 3
+                if (.not. case%run%symmetry(i)) cycle
+                if (n == 6 .and. bc(1, i) /= 'symmetry') &
+                    call complain(deck, g, 'bc', 'the low face of a plane of symmetry of &run must be '// &
+                                  "'symmetry', not '"//trim(bc(1, i))//"'")
+                bc(1, i) = 'symmetry'
+            end do
+            do i = 1, 3
+                if ((bc(1, i) == 'periodic') .neqv. (bc(2, i) == 'periodic')) &
+                    call complain(deck, g, 'bc', "'periodic' must stand at both faces of a direction")
+            end do
+        end associate
+    end subroutine fill_boundaries
+
+    subroutine fill_gas(group, gas)
+        type(group_t), intent(in) :: group
+        type(gas_case_t), intent(inout) :: gas
+
+        gas%id = group%id
+        call get_box(group, gas%lo, gas%hi)
+        call get(group, 'density', gas%density)
+        call get(group, 'pressure', gas%pressure)
+        call get(group, 'velocity', gas%velocity)
+    end subroutine fill_gas
+
+    subroutine fill_charge(group, charge)
+        type(group_t), intent(in) :: group
+        type(charge_case_t), intent(inout) :: charge
+
+        charge%id = group%id
+        call get(group, 'mass', charge%mass)
+        call get(group, 'explosive', charge%explosive)
+        call get(group, 'eos', charge%eos)
+        call get(group, 'shape', charge%shape)
+        call get(group, 'at', charge%at)
+        call get(group, 'density', charge%density)
+        call get(group, 'energy', charge%energy)
+        call get(group, 'aspect', charge%aspect)
+        call get(group, 'sides', charge%sides)
+        call get(group, 'axis', charge%axis)
+    end subroutine fill_charge
+
+    subroutine fill_body(deck, g, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(body_case_t), intent(inout) :: body
+        integer :: n
+
+        associate (group => deck%groups(g))
+            body%id = group%id
+            call get(group, 'shape', body%shape)
+            call get_box(group, body%lo, body%hi)
+            call get(group, 'centre', body%centre)
+            call get(group, 'radius', body%radius)
+            call get(group, 'length', body%length)
+            call get(group, 'axis', body%axis)
+            call get(group, 'spacing', body%spacing)
+            call get(group, 'material', body%material)
+            call get(group, 'ply_axis', body%ply_axis)
+            call get(group, 'fix', body%fix, n)
+            call get(group, 'fix_layers', body%fix_layers)
+            call get(group, 'velocity', body%velocity)
+            call get(group, 'spin', body%spin)
+            call get(group, 'formulation', body%formulation)
+            call get(group, 'alpha', body%alpha)
+            call get(group, 'beta', body%beta)
+            call get(group, 'zeta', body%zeta)
+            call get(group, 'zeta_viscous', body%zeta_viscous)
+            call get(group, 'smoothing', body%smoothing)
+            call get(group, 'cfl', body%cfl)
+        end associate
+        call fill_plies(deck, g, body)
+    end subroutine fill_body
+
+    subroutine fill_plies(deck, g, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(body_case_t), intent(inout) :: body
+        character(2048) :: layup
+        character(:), allocatable :: message
+
+        if (.not. is_usable(deck%groups(g), 'plies')) return
+        layup = ''
+        call get(deck%groups(g), 'plies', layup)
+        call parse_layup(trim(layup), body%ply_angle, body%n_plies, message)
+        if (message /= '') call complain(deck, g, 'plies', 'plies: '//message)
+    end subroutine fill_plies
+
+    subroutine fill_gauge(group, gauge)
+        type(group_t), intent(in) :: group
+        type(gauge_case_t), intent(inout) :: gauge
+
+        gauge%id = group%id
+        call get(group, 'at', gauge%at)
+        call get(group, 'quantity', gauge%quantity)
+        call get(group, 'body', gauge%body)
+    end subroutine fill_gauge
+
+    !> &solid, &coupling and &output; they follow the groups that they depend on.
+    subroutine fill_settings(deck, case)
+        type(deck_t), intent(in) :: deck
+        type(case_t), intent(inout) :: case
+        integer :: g
+
+        case%solid%present = size(case%bodies) > 0
+        case%coupling%present = case%air%present .and. case%solid%present
+        case%coupling%reference_pressure = case%air%pressure
+        do g = 1, deck%n
+            associate (group => deck%groups(g))
+                select case (group%name)
+                case ('solid')
+                    call get(group, 'skin', case%solid%skin)
+                case ('coupling')
+                    call get(group, 'spread', case%coupling%spread)
+                    call get(group, 'reference_pressure', case%coupling%reference_pressure)
+                case ('output')
+                    call get(group, 'dump_every', case%output%dump_every)
+                    call get(group, 'history_every', case%output%history_every)
+                    call get(group, 'checkpoint_every', case%output%checkpoint_every)
+                    call get(group, 'report_every', case%output%report_every)
+                end select
+            end associate
+        end do
+    end subroutine fill_settings
+
+    !> Corners from 'box': x0, x1, y0, y1, z0, z1.
+    subroutine get_box(group, lo, hi)
+        type(group_t), intent(in) :: group
+        real(dp), intent(inout) :: lo(3), hi(3)
+        real(dp) :: box(6)
+
+        if (.not. is_usable(group, 'box')) return
+        box = 0
+        call get(group, 'box', box)
+        lo = box(1:5:2)
+        hi = box(2:6:2)
+    end subroutine get_box
+end module brz_fill_case

@@ -1,0 +1,111 @@
+! SPDX-License-Identifier: MIT
+!> Values of a converted group by key. A key that is absent or in error leaves its variable alone.
+module brz_get
+    use brz_deck, only: find_entry, group_t
+    use brz_kinds, only: dp
+    implicit none
+    private
+    public :: get, is_given, is_usable
+
+    interface get
+        module procedure :: get_real, get_reals, get_integer, get_integers, get_logical
+        module procedure :: get_text, get_texts
+    end interface get
+
+contains
+
+    !> True if the key has a value without errors, given or default.
+    pure logical function is_usable(group, key)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+        integer :: e
+
+        is_usable = .false.
+        e = find_entry(group, key)
+        if (e > 0) is_usable = .not. group%entries(e)%bad
+    end function is_usable
+
+    !> True if the key stands in the deck, with a value other than the default.
+    pure logical function is_given(group, key)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+        integer :: e
+
+        is_given = .false.
+        e = find_entry(group, key)
+        if (e > 0) is_given = .not. group%entries(e)%default
+    end function is_given
+
+    subroutine get_real(group, key, value)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+        real(dp), intent(inout) :: value
+
+        if (is_usable(group, key)) value = group%entries(find_entry(group, key))%number(1)
+    end subroutine get_real
+
+    subroutine get_reals(group, key, values)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+        real(dp), intent(inout) :: values(:)
+        integer :: e, n
+
+        if (.not. is_usable(group, key)) return
+        e = find_entry(group, key)
+        n = min(size(values), size(group%entries(e)%number))
+        values(:n) = group%entries(e)%number(:n)
+    end subroutine get_reals
+
+    subroutine get_integer(group, key, value)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+        integer, intent(inout) :: value
+
+        if (is_usable(group, key)) value = nint(group%entries(find_entry(group, key))%number(1))
+    end subroutine get_integer
+
+    subroutine get_integers(group, key, values)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+        integer, intent(inout) :: values(:)
+        integer :: e, n
+
+        if (.not. is_usable(group, key)) return
+        e = find_entry(group, key)
+        n = min(size(values), size(group%entries(e)%number))
+        values(:n) = nint(group%entries(e)%number(:n))
+    end subroutine get_integers
+
+    subroutine get_logical(group, key, value)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+        logical, intent(inout) :: value
+
+        if (is_usable(group, key)) value = nint(group%entries(find_entry(group, key))%number(1)) /= 0
+    end subroutine get_logical
+
+    subroutine get_text(group, key, value)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+        character(*), intent(inout) :: value
+
+        if (is_usable(group, key)) value = group%entries(find_entry(group, key))%word(1)%s
+    end subroutine get_text
+
+    !> Texts of a list; n says how many there are.
+    subroutine get_texts(group, key, values, n)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+        character(*), intent(inout) :: values(:)
+        integer, intent(out) :: n
+        integer :: e, i
+
+        n = 0
+        if (.not. is_usable(group, key)) return
+        e = find_entry(group, key)
+        n = min(size(values), size(group%entries(e)%word))
+        do i = 1, n
+            values(i) = group%entries(e)%word(i)%s
+        end do
+    end subroutine get_texts
+end module brz_get
