@@ -3,6 +3,7 @@
 VERSION := 0.1.0
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
+.SECONDARY:
 .SUFFIXES:
 
 # --- what to build: each choice has a build folder and a binary of its own -------------------
@@ -30,7 +31,7 @@ say       = $(if $(V),,@echo '  $(1)')
 SRC  := $(sort $(shell find src -name '*.f90' -o -name '*.F90'))
 MAIN := $(wildcard src/main.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)))) $(B)/obj/version.o
-LIB  := $(B)/libbrisance.a
+LIB  := $(B)/brisance.o
 SAVE := scripts/write_if_changed.sh
 
 .PHONY: all lib clean help FORCE
@@ -40,10 +41,11 @@ lib: $(LIB) ## build everything but the main program
 $(BIN): $(B)/obj/src/main.o $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)
-	+$(Q)$(FC) $(FFLAGS) -o $@ $^ $(HDF5_LIBS)
+	+$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
+# One object for all: link-time optimisation is done once, and the tests run the same code as $(BIN).
 $(LIB): $(OBJ)
-	@rm -f $@
-	$(Q)gcc-ar rcs $@ $(OBJ)
+	$(call say,optimise $@)
+	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG),,-flinker-output=nolto-rel) -o $@ $(OBJ)
 $(B)/obj/%.o: %.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
@@ -60,15 +62,24 @@ $(B)/version.f90: FORCE
 	@scripts/version.py --version '$(VERSION)' --compiler "$$($(FC) --version | head -n 1)" \
 	    --flags '$(strip $(FFLAGS))' --precision $(PRECISION) | $(SAVE) $@
 
+# --- tests: one executable for each of tests/unit and tests/verify -----------------------------
+PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf))
+include tests/pfstub/pfunit.mk
+
+.PHONY: unit verify
+unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
+	@mkdir -p build/log
+	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
+
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) $(B)/version.f90
+SCANNED = $(SRC) $(B)/version.f90 $(PF)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
 	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@
 $(B)/sources: FORCE
 	@echo '$(SCANNED)' | $(SAVE) $@
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
-	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5 \
+	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
 NO_BUILD := clean help
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
@@ -78,5 +89,5 @@ endif
 clean: ## remove everything that make has made, except .venv
 	rm -rf build bin out gpu
 help: ## show this list
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z][a-z %:-]*:.*## / {sub(": %", "", $$1); printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
 	@echo 'Variables: DEBUG=1 (checks), PORTABLE=1 (any x86-64-v2), PRECISION=mixed, OPT=..., BUILD=folder, V=1'
