@@ -1,0 +1,244 @@
+! SPDX-License-Identifier: MIT
+!> Small dealings with the file system that Fortran lacks: folders, renaming, removal, listing.
+!>
+!> C library calls of 64-bit Linux. Failures are reported with the reason that the system gives.
+module brz_files
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int8_t, &
+                                           c_int16_t, c_int64_t, c_null_char, c_ptr, c_size_t
+    use brz_errors, only: error_t, raise, exit_io
+    implicit none
+    private
+    public :: file_exists, is_folder, make_folder, rename_file, remove_file, sync_file, list_folder
+    public :: write_text_file, read_text_file, name_len
+
+    integer, parameter :: name_len = 255 !! longest name of a file without its folder
+
+    !> One entry of a folder, as 64-bit Linux lays it out.
+    type, bind(c) :: dirent_t
+        integer(c_int64_t) :: inode, offset
+        integer(c_int16_t) :: length
+        integer(c_int8_t) :: kind
+        character(c_char) :: name(name_len + 1)
+    end type dirent_t
+
+    interface
+        integer(c_int) function c_mkdir(path, mode) bind(c, name='mkdir')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+            integer(c_int), value :: mode
+        end function c_mkdir
+        integer(c_int) function c_rename(from, to) bind(c, name='rename')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: from(*), to(*)
+        end function c_rename
+        integer(c_int) function c_unlink(path) bind(c, name='unlink')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+        end function c_unlink
+        type(c_ptr) function c_opendir(path) bind(c, name='opendir')
+            import :: c_char, c_ptr
+            character(c_char), intent(in) :: path(*)
+        end function c_opendir
+        type(c_ptr) function c_readdir(folder) bind(c, name='readdir')
+            import :: c_ptr
+            type(c_ptr), value :: folder
+        end function c_readdir
+        integer(c_int) function c_closedir(folder) bind(c, name='closedir')
+            import :: c_int, c_ptr
+            type(c_ptr), value :: folder
+        end function c_closedir
+        integer(c_int) function c_open(path, flags) bind(c, name='open')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+            integer(c_int), value :: flags
+        end function c_open
+        integer(c_int) function c_fsync(descriptor) bind(c, name='fsync')
+            import :: c_int
+            integer(c_int), value :: descriptor
+        end function c_fsync
+        integer(c_int) function c_close(descriptor) bind(c, name='close')
+            import :: c_int
+            integer(c_int), value :: descriptor
+        end function c_close
+        type(c_ptr) function c_errno() bind(c, name='__errno_location')
+            import :: c_ptr
+        end function c_errno
+        type(c_ptr) function c_strerror(number) bind(c, name='strerror')
+            import :: c_int, c_ptr
+            integer(c_int), value :: number
+        end function c_strerror
+        integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
+            import :: c_ptr, c_size_t
+            type(c_ptr), value :: text
+        end function c_strlen
+    end interface
+
+contains
+
+    !> True for a file that can be found, and for a folder.
+    logical function file_exists(path)
+        character(*), intent(in) :: path
+
+        inquire (file=path, exist=file_exists)
+    end function file_exists
+
+    !> True for a folder that can be listed.
+    logical function is_folder(path)
+        character(*), intent(in) :: path
+        type(c_ptr) :: folder
+        integer(c_int) :: status
+
+        folder = c_opendir(path//c_null_char)
+        is_folder = c_associated(folder)
+        if (is_folder) status = c_closedir(folder)
+    end function is_folder
+
+    !> Make a folder with all the folders above it; no error if it is there.
+    subroutine make_folder(path, err)
+        character(*), intent(in) :: path
+        type(error_t), intent(inout) :: err
+        integer, parameter :: everyone = int(o'777') ! the umask takes away what it must
+        integer(c_int) :: status
+        integer :: i
+
+        do i = 2, len_trim(path)
+            if (path(i:i) == '/' .and. i < len_trim(path)) then
+                status = c_mkdir(path(:i - 1)//c_null_char, int(everyone, c_int))
+            end if
+        end do
+        if (is_folder(trim(path))) return
+        status = c_mkdir(trim(path)//c_null_char, int(everyone, c_int))
+        if (status /= 0) call raise(err, exit_io, trim(path)//': cannot make the folder: '//reason())
+    end subroutine make_folder
+
+    !> Give a file a new name in one indivisible step; a file that has the name is replaced.
+    subroutine rename_file(from, to, err)
+        character(*), intent(in) :: from, to
+        type(error_t), intent(inout) :: err
+
+        if (c_rename(from//c_null_char, to//c_null_char) /= 0) &
+            call raise(err, exit_io, to//': cannot rename '//from//' to it: '//reason())
+    end subroutine rename_file
+
+    !> Remove a file; silent if it is not there.
+    subroutine remove_file(path)
+        character(*), intent(in) :: path
+        integer(c_int) :: status
+
+        status = c_unlink(path//c_null_char)
+    end subroutine remove_file
+
+    !> Wait until a file is on the disk: on some file systems a full disk shows only here.
+    subroutine sync_file(path, err)
+        character(*), intent(in) :: path
+        type(error_t), intent(inout) :: err
+        integer(c_int), parameter :: read_only = 0
+        integer(c_int) :: descriptor, status
+
+        descriptor = c_open(path//c_null_char, read_only)
+        status = descriptor
+        if (descriptor >= 0) status = c_fsync(descriptor)
+        if (status < 0) call raise(err, exit_io, path//': cannot bring it to the disk: '//reason())
+        if (descriptor >= 0) status = c_close(descriptor)
+    end subroutine sync_file
+
+    !> Names of the entries of a folder that begin and end with the given texts, unsorted.
+    subroutine list_folder(path, begin, end, names)
+        character(*), intent(in) :: path
+        character(*), intent(in) :: begin, end !! '' takes every name
+        character(name_len), allocatable, intent(out) :: names(:)
+        type(c_ptr) :: folder, entry
+        integer(c_int) :: status
+        character(name_len) :: name
+
+        allocate (names(0))
+        folder = c_opendir(path//c_null_char)
+        if (.not. c_associated(folder)) return
+        do
+            entry = c_readdir(folder)
+            if (.not. c_associated(entry)) exit
+            call entry_name(entry, name)
+            if (len_trim(name) < len(begin) + len(end)) cycle
+            if (index(name, begin) /= 1) cycle
+            if (name(len_trim(name) - len(end) + 1:len_trim(name)) == end) names = [names, name]
+        end do
+        status = c_closedir(folder)
+    end subroutine list_folder
+
+    subroutine entry_name(entry, name)
+        type(c_ptr), intent(in) :: entry
+        character(*), intent(out) :: name
+        type(dirent_t), pointer :: item
+        integer :: i
+
+        call c_f_pointer(entry, item)
+        name = ''
+        do i = 1, len(name)
+            if (item%name(i) == c_null_char) exit
+            name(i:i) = item%name(i)
+        end do
+    end subroutine entry_name
+
+    !> Write a text to a file under a temporary name, then give it its name: never half a file.
+    subroutine write_text_file(path, text, err)
+        character(*), intent(in) :: path
+        character(*), intent(in) :: text !! with its line ends
+        type(error_t), intent(inout) :: err
+        character(200) :: why
+        integer :: unit, io, io_close
+
+        open (newunit=unit, file=path//'.tmp', access='stream', form='unformatted', &
+              status='replace', action='write', iostat=io, iomsg=why)
+        if (io == 0) then
+            write (unit, iostat=io, iomsg=why) text
+            close (unit, iostat=io_close)
+            if (io == 0 .and. io_close /= 0) why = 'it could not be closed'
+            io = max(abs(io), abs(io_close))
+        end if
+        if (io /= 0) then
+            call remove_file(path//'.tmp')
+            call raise(err, exit_io, path//': cannot write it: '//trim(why))
+        else
+            call rename_file(path//'.tmp', path, err)
+        end if
+    end subroutine write_text_file
+
+    !> The whole of a file, byte for byte.
+    subroutine read_text_file(path, text, err)
+        character(*), intent(in) :: path
+        character(:), allocatable, intent(out) :: text
+        type(error_t), intent(inout) :: err
+        character(200) :: why
+        integer :: unit, io, bytes
+
+        open (newunit=unit, file=path, access='stream', form='unformatted', status='old', &
+              action='read', iostat=io, iomsg=why)
+        if (io == 0) then
+            inquire (unit=unit, size=bytes)
+            allocate (character(bytes) :: text)
+            if (bytes > 0) read (unit, iostat=io, iomsg=why) text
+            close (unit)
+        end if
+        if (io /= 0) then
+            text = ''
+            call raise(err, exit_io, path//': cannot read it: '//trim(why))
+        end if
+    end subroutine read_text_file
+
+    !> What the system says about the call that failed last.
+    function reason() result(text)
+        character(:), allocatable :: text
+        integer(c_int), pointer :: number
+        character(c_char), pointer :: letters(:)
+        type(c_ptr) :: message
+        integer :: i
+
+        call c_f_pointer(c_errno(), number)
+        message = c_strerror(number)
+        call c_f_pointer(message, letters, [c_strlen(message)])
+        allocate (character(size(letters)) :: text)
+        do i = 1, size(letters)
+            text(i:i) = letters(i)
+        end do
+    end function reason
+end module brz_files

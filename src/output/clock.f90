@@ -1,0 +1,105 @@
+! SPDX-License-Identifier: MIT
+!> The clock of a run: simulated time, wall-clock time, and what is due when.
+!>
+!> Output never changes the time step: an output that is due at t is written at the end of the
+!> first step that reaches t. So results do not depend on what is written. What is due next
+!> follows from the time alone (whole multiples of the interval), so a run that continues from a
+!> checkpoint, with the same intervals or others, needs no memory of it.
+module brz_clock
+    use brz_case, only: case_t
+    use brz_kinds, only: dp, int64
+    implicit none
+    private
+    public :: clock_t, ticker_t, start_clock, resume_clock, tick, elapsed_seconds, walltime_is_up
+
+    real(dp), parameter :: slack = 1e-9_dp !! rounding that an interval forgives, in intervals
+
+    !> Something that happens at whole multiples of an interval.
+    type :: ticker_t
+        real(dp) :: every = huge(1.0_dp) !! [s]; 0: at every step; huge: at the start only
+        integer(int64) :: next = 0 !! due at next*every
+    end type ticker_t
+
+    type :: clock_t
+        real(dp) :: time = 0 !! [s]
+        real(dp) :: dt = 0 !! last time step [s]
+        real(dp) :: t_end = 0 !! [s]
+        integer :: cycle = 0 !! steps done
+        integer :: dump_number = 0 !! of the next dump
+        integer :: checkpoint_number = 0 !! of the next checkpoint
+        real(dp) :: dump_time = -huge(1.0_dp) !! of the last dump [s]
+        type(ticker_t) :: dump, history, checkpoint
+        integer(int64) :: wall_start = 0 !! count of the system clock
+        real(dp) :: walltime = huge(1.0_dp) !! wall-clock time that the run may take [s]
+    end type clock_t
+
+contains
+
+    !> Set the clock to the start of a scene. Dumps and histories are due at once.
+    subroutine start_clock(case, clock, walltime)
+        type(case_t), intent(in) :: case
+        type(clock_t), intent(out) :: clock
+        real(dp), intent(in), optional :: walltime !! [s]
+
+        clock%t_end = case%run%t_end
+        clock%dump%every = case%output%dump_every
+        clock%history%every = case%output%history_every
+        clock%checkpoint%every = case%output%checkpoint_every
+        clock%checkpoint%next = 1
+        if (present(walltime)) clock%walltime = walltime
+        call system_clock(clock%wall_start)
+    end subroutine start_clock
+
+    !> After `time` was read from a checkpoint: what was due until then has been done.
+    subroutine resume_clock(clock)
+        type(clock_t), intent(inout) :: clock
+
+        call pass(clock%dump, clock%time)
+        call pass(clock%history, clock%time)
+        call pass(clock%checkpoint, clock%time)
+    end subroutine resume_clock
+
+    !> True if something is due at `time`, or overdue; then its next time is set.
+    logical function tick(ticker, time)
+        type(ticker_t), intent(inout) :: ticker
+        real(dp), intent(in) :: time !! [s]
+
+        if (ticker%next == 0) then
+            tick = .true.
+        else if (ticker%every > huge(1.0_dp)/2) then
+            tick = .false.
+        else
+            tick = time >= (ticker%next - slack)*ticker%every
+        end if
+        if (tick) call pass(ticker, time)
+    end function tick
+
+    !> Set the first multiple after `time`.
+    pure subroutine pass(ticker, time)
+        type(ticker_t), intent(inout) :: ticker
+        real(dp), intent(in) :: time !! [s]
+
+        ticker%next = 1
+        if (ticker%every > 0 .and. ticker%every < huge(1.0_dp)/2) &
+            ticker%next = floor(time/ticker%every + slack, int64) + 1
+    end subroutine pass
+
+    !> Wall-clock time since the start [s].
+    real(dp) function elapsed_seconds(clock)
+        type(clock_t), intent(in) :: clock
+        integer(int64) :: now, rate
+
+        call system_clock(now, rate)
+        elapsed_seconds = real(now - clock%wall_start, dp)/real(rate, dp)
+    end function elapsed_seconds
+
+    !> True if the run must write its last checkpoint now to keep its wall-clock limit.
+    logical function walltime_is_up(clock, reserve)
+        type(clock_t), intent(in) :: clock
+        real(dp), intent(in) :: reserve !! time that a step and a checkpoint may take [s]
+
+        walltime_is_up = .false.
+        if (clock%walltime < huge(1.0_dp)/2) &
+            walltime_is_up = elapsed_seconds(clock) + reserve >= clock%walltime
+    end function walltime_is_up
+end module brz_clock

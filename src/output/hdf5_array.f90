@@ -1,0 +1,281 @@
+! SPDX-License-Identifier: MIT
+!> Named arrays in HDF5 files: scalars and arrays of up to 4 dimensions, of five kinds.
+!>
+!> Arrays keep their Fortran order: a(nx, ny, nz) is [nz, ny, nx] to a reader in C or Python.
+module brz_hdf5_array
+    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
+    use brz_errors, only: error_t, failed, raise, exit_io
+    use brz_hdf5_file, only: h5_t, h5_fail, h5_plain, h5_packed, h5_checked
+    use brz_kinds, only: int8, int32, int64, real32, real64
+    use hdf5, only: hid_t, hsize_t, h5pcreate_f, h5pclose_f, h5pset_chunk_f, h5pset_shuffle_f, &
+                    h5pset_deflate_f, h5pset_fletcher32_f, h5pset_create_inter_group_f, &
+                    h5p_dataset_create_f, h5p_link_create_f, h5screate_f, h5screate_simple_f, &
+                    h5sclose_f, h5s_scalar_f, h5sget_simple_extent_dims_f, &
+                    h5sget_simple_extent_ndims_f, h5dcreate_f, h5dopen_f, h5dwrite_f, h5dread_f, &
+                    h5dclose_f, h5dget_space_f, h5kind_to_type, h5_integer_kind, h5_real_kind
+    implicit none
+    private
+    public :: h5_write, h5_read, h5_shape
+
+    integer(hsize_t), parameter :: chunk_elements = 131072 !! about a megabyte of real64
+    integer(hsize_t), parameter :: worth_packing = 256 !! elements
+
+    !> Write a scalar or an array as a new entry of the file, with the groups above it.
+    interface h5_write
+        module procedure write_real64, write_real32, write_int64, write_int32, write_int8
+    end interface h5_write
+
+    !> Read into a scalar or an array that has the shape of what is in the file.
+    interface h5_read
+        module procedure read_real64, read_real32, read_int64, read_int32, read_int8
+    end interface h5_read
+
+contains
+
+    !> Shape of an array in the file, in Fortran order.
+    subroutine h5_shape(file, name, dims, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        integer(int64), allocatable, intent(out) :: dims(:)
+        type(error_t), intent(inout) :: err
+        integer(hid_t) :: set, space
+        integer :: status
+
+        allocate (dims(0))
+        if (failed(err)) return
+        call h5dopen_f(file%id, name, set, status)
+        if (status /= 0) then
+            call h5_fail(file, "cannot find '"//name//"'", err)
+            return
+        end if
+        call h5dget_space_f(set, space, status)
+        call space_shape(space, dims)
+        call h5sclose_f(space, status)
+        call h5dclose_f(set, status)
+    end subroutine h5_shape
+
+    subroutine space_shape(space, dims)
+        integer(hid_t), intent(in) :: space
+        integer(int64), allocatable, intent(out) :: dims(:)
+        integer(hsize_t), allocatable :: now(:), most(:)
+        integer :: n, status
+
+        call h5sget_simple_extent_ndims_f(space, n, status)
+        allocate (now(n), most(n))
+        if (n > 0) call h5sget_simple_extent_dims_f(space, now, most, status)
+        dims = int(now, int64)
+    end subroutine space_shape
+
+    !> Write the elements at `data` as a new array.
+    subroutine write_elements(file, name, data, dims, type, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        type(c_ptr), intent(in) :: data
+        integer(int64), intent(in) :: dims(:)
+        integer(hid_t), intent(in) :: type
+        type(error_t), intent(inout) :: err
+        integer(hid_t) :: space, create, link, set
+        integer :: status, closed
+
+        if (failed(err)) return
+        if (size(dims) == 0) then
+            call h5screate_f(h5s_scalar_f, space, status)
+        else
+            call h5screate_simple_f(size(dims), int(dims, hsize_t), space, status)
+        end if
+        call h5pcreate_f(h5p_dataset_create_f, create, status)
+        call set_filter(file%filter, int(dims, hsize_t), create)
+        call h5pcreate_f(h5p_link_create_f, link, status)
+        call h5pset_create_inter_group_f(link, 1, status)
+        call h5dcreate_f(file%id, name, type, space, set, status, dcpl_id=create, lcpl_id=link)
+        if (status == 0) then
+            if (product(dims) > 0) call h5dwrite_f(set, type, data, status)
+            if (status /= 0) call h5_fail(file, "cannot write '"//name//"'", err)
+            call h5dclose_f(set, closed)
+            if (closed /= 0) call h5_fail(file, "cannot write '"//name//"'", err)
+        else
+            call h5_fail(file, "cannot make '"//name//"'", err)
+        end if
+        call h5pclose_f(link, status)
+        call h5pclose_f(create, status)
+        call h5sclose_f(space, status)
+    end subroutine write_elements
+
+    !> Chunks and filters of a new array.
+    subroutine set_filter(filter, dims, create)
+        integer, intent(in) :: filter
+        integer(hsize_t), intent(in) :: dims(:)
+        integer(hid_t), intent(in) :: create !! creation properties
+        integer(hsize_t) :: chunk(size(dims)), pieces
+        integer :: i, status
+
+        if (filter == h5_plain .or. size(dims) == 0 .or. product(dims) == 0) return
+        if (filter == h5_packed .and. product(dims) < worth_packing) return
+        chunk = dims
+        do i = size(dims), 1, -1 ! the last index varies slowest: whole rows stay together
+            if (product(chunk) <= chunk_elements) exit
+            pieces = min(dims(i), product(chunk)/chunk_elements + 1)
+            chunk(i) = (dims(i) + pieces - 1)/pieces
+        end do
+        call h5pset_chunk_f(create, size(dims), chunk, status)
+        if (filter == h5_checked) then
+            call h5pset_fletcher32_f(create, status)
+        else
+            call h5pset_shuffle_f(create, status)
+            call h5pset_deflate_f(create, 1, status)
+        end if
+    end subroutine set_filter
+
+    !> Read an array of known shape to `data`.
+    subroutine read_elements(file, name, data, dims, type, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        type(c_ptr), intent(inout) :: data
+        integer(int64), intent(in) :: dims(:)
+        integer(hid_t), intent(in) :: type
+        type(error_t), intent(inout) :: err
+        integer(int64), allocatable :: there(:)
+        integer(hid_t) :: set
+        integer :: status
+
+        call h5_shape(file, name, there, err)
+        if (failed(err)) return
+        if (size(there) /= size(dims)) then
+            call raise(err, exit_io, file%path//": '"//name//"' has another number of dimensions")
+        else if (any(there /= dims)) then
+            call raise(err, exit_io, file%path//": '"//name//"' is "//shape_text(there)// &
+                       ', expected '//shape_text(dims))
+        end if
+        if (failed(err) .or. product(dims) == 0) return
+        call h5dopen_f(file%id, name, set, status)
+        call h5dread_f(set, type, data, status)
+        if (status /= 0) call h5_fail(file, "cannot read '"//name//"', it may be damaged", err)
+        call h5dclose_f(set, status)
+    end subroutine read_elements
+
+    !> A shape as text.
+    pure function shape_text(dims) result(text)
+        integer(int64), intent(in) :: dims(:)
+        character(:), allocatable :: text
+        character(20) :: number
+        integer :: i
+
+        text = '('
+        do i = 1, size(dims)
+            write (number, '(i0)') dims(i)
+            if (i > 1) text = text//', '
+            text = text//trim(number)
+        end do
+        text = text//')'
+    end function shape_text
+
+    subroutine write_real64(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        real(real64), intent(in), target, contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+
+        call write_elements(file, name, c_loc(a), shape(a, int64), &
+                            h5kind_to_type(real64, h5_real_kind), err)
+    end subroutine write_real64
+
+    subroutine write_real32(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        real(real32), intent(in), target, contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+
+        call write_elements(file, name, c_loc(a), shape(a, int64), &
+                            h5kind_to_type(real32, h5_real_kind), err)
+    end subroutine write_real32
+
+    subroutine write_int64(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        integer(int64), intent(in), target, contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+
+        call write_elements(file, name, c_loc(a), shape(a, int64), &
+                            h5kind_to_type(int64, h5_integer_kind), err)
+    end subroutine write_int64
+
+    subroutine write_int32(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        integer(int32), intent(in), target, contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+
+        call write_elements(file, name, c_loc(a), shape(a, int64), &
+                            h5kind_to_type(int32, h5_integer_kind), err)
+    end subroutine write_int32
+
+    subroutine write_int8(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        integer(int8), intent(in), target, contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+
+        call write_elements(file, name, c_loc(a), shape(a, int64), &
+                            h5kind_to_type(int8, h5_integer_kind), err)
+    end subroutine write_int8
+
+    subroutine read_real64(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        real(real64), intent(inout), target, contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+        type(c_ptr) :: data
+
+        data = c_loc(a)
+        call read_elements(file, name, data, shape(a, int64), &
+                           h5kind_to_type(real64, h5_real_kind), err)
+    end subroutine read_real64
+
+    subroutine read_real32(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        real(real32), intent(inout), target, contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+        type(c_ptr) :: data
+
+        data = c_loc(a)
+        call read_elements(file, name, data, shape(a, int64), &
+                           h5kind_to_type(real32, h5_real_kind), err)
+    end subroutine read_real32
+
+    subroutine read_int64(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        integer(int64), intent(inout), target, contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+        type(c_ptr) :: data
+
+        data = c_loc(a)
+        call read_elements(file, name, data, shape(a, int64), &
+                           h5kind_to_type(int64, h5_integer_kind), err)
+    end subroutine read_int64
+
+    subroutine read_int32(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        integer(int32), intent(inout), target, contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+        type(c_ptr) :: data
+
+        data = c_loc(a)
+        call read_elements(file, name, data, shape(a, int64), &
+                           h5kind_to_type(int32, h5_integer_kind), err)
+    end subroutine read_int32
+
+    subroutine read_int8(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        integer(int8), intent(inout), target, contiguous :: a(..)
+        type(error_t), intent(inout) :: err
+        type(c_ptr) :: data
+
+        data = c_loc(a)
+        call read_elements(file, name, data, shape(a, int64), &
+                           h5kind_to_type(int8, h5_integer_kind), err)
+    end subroutine read_int8
+end module brz_hdf5_array
