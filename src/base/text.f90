@@ -58,7 +58,7 @@ contains
         real(real64) :: back
         integer :: digits, status
 
-        do digits = 1, 17
+        do digits = merge(17, 1, abs(x) > 1e307_real64), 17 ! rounding up must not overflow
             write (buffer, scientific(digits)) x
             read (buffer, *, iostat=status) back
             if (status /= 0) exit
@@ -74,7 +74,7 @@ contains
         real(real32) :: back
         integer :: digits, status
 
-        do digits = 1, 9
+        do digits = merge(9, 1, abs(x) > 1e37_real32), 9 ! rounding up must not overflow
             write (buffer, scientific(digits)) x
             read (buffer, *, iostat=status) back
             if (status /= 0) exit
@@ -121,7 +121,7 @@ contains
         integer, intent(in) :: power
         character(:), allocatable :: text
 
-        if (power < -3 .or. power > 7) then
+        if (power < -3 .or. power > 5) then
             text = digits(1:1)
             if (len(digits) > 1) text = text//'.'//digits(2:)
             text = text//'e'//int32_text(power)

@@ -6,7 +6,8 @@ module brz_build_case
     use brz_check_air, only: check_air, check_charges, check_gas
     use brz_check_gauges, only: check_gauges
     use brz_complete, only: ensure_group, parse_defaults
-    use brz_deck, only: add_error, add_warning, deck_t, entry_t, find_entry, find_group, group_label, &
+    use brz_deck, only: add_error, add_warning, deck_t, entry_t, find_entry, find_group, &
+         group_label, &
                         group_t, max_shown, report_errors
     use brz_echo, only: echo_deck
     use brz_errors, only: error_t, failed
@@ -22,7 +23,8 @@ contains
 
     !> Fill a case from a deck. Raises all errors of the deck together, those of `read_deck` too.
     subroutine build_case(deck, keys, case, err)
-        type(deck_t), intent(inout) :: deck !! settings that are absent are added with their defaults
+        type(deck_t), &
+             intent(inout) :: deck !! settings that are absent are added with their defaults
         type(key_t), intent(in) :: keys(:)
         type(case_t), intent(out) :: case
         type(error_t), intent(inout) :: err
@@ -57,7 +59,8 @@ contains
         if (find_group(deck, 'run') == 0) &
             call add_error(deck, 0, "the group &run is missing; write at least &run t_end=1e-3 /")
         if (find_group(deck, 'air') == 0 .and. find_group(deck, 'body') == 0) &
-            call add_error(deck, 0, 'neither &air nor &body is there: nothing to compute; add one of them')
+            call add_error(deck, 0, 'neither &air nor &body is there: nothing to compute; add '// &
+            'one of them')
     end subroutine check_presence
 
     !> Groups of settings that the scene uses but the deck leaves out.
@@ -167,7 +170,8 @@ contains
                 if (any(case%bodies%material == deck%groups(g)%id)) cycle
                 call no_effect(deck, g, 'no body is made of it')
             case ('coupling')
-                if (.not. case%coupling%present) call no_effect(deck, g, 'it needs both &air and &body')
+                if (.not. case%coupling%present) call no_effect(deck, g, &
+                     'it needs both &air and &body')
             case ('solid')
                 if (.not. case%solid%present) call no_effect(deck, g, 'there is no &body')
             end select
@@ -179,7 +183,8 @@ contains
         integer, intent(in) :: g
         character(*), intent(in) :: why
 
-        call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))//'has no effect: '//why)
+        call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                         'has no effect: '//why)
     end subroutine no_effect
 
     !> The warnings as texts of the case, in the order in which they were found.

@@ -27,7 +27,8 @@ contains
         if (.not. is_usable(deck%groups(g), 'cells')) return
         if (product(real(case%air%cells, dp)) > real(huge(1), dp)) &
             call complain(deck, g, 'cells', to_text(product(real(case%air%cells, dp)))// &
-                          ' cells are more than '//to_text(huge(1))//', the most that can be counted')
+                          ' cells are more than '//to_text(huge(1))// &
+                          ', the most that can be counted')
         do i = case%run%dimension + 1, 3
             if (case%air%cells(i) == 1) cycle
             call complain(deck, g, 'cells', 'dimension='//to_text(case%run%dimension)// &
@@ -38,7 +39,8 @@ contains
         do i = 1, 3
             if (.not. case%run%symmetry(i)) cycle
             if (abs(case%air%lo(i)) <= 1e-9_dp*(case%air%hi(i) - case%air%lo(i))) cycle
-            call complain(deck, g, 'box', 'with symmetry along '//axes(i:i)//' the box must start at '// &
+            call complain(deck, g, 'box', 'with symmetry along '//axes(i:i)// &
+                          ' the box must start at '// &
                           axes(i:i)//'=0, found '//to_text(case%air%lo(i)))
         end do
     end subroutine check_air
@@ -99,8 +101,10 @@ contains
         dx = (case%air%hi - case%air%lo)/case%air%cells
         n = minval(half/dx)
         if (n < least_cells) then
-            call complain(deck, g, 'mass', 'only '//cells_text(n)//' cells lie across its radius of '// &
-                          cells_text(1000*minval(half))//' mm; at least 3 are needed, 8 are good: use '// &
+            call complain(deck, g, 'mass', 'only '//cells_text(n)// &
+                          ' cells lie across its radius of '// &
+                          cells_text(1000*minval(half))// &
+                          ' mm; at least 3 are needed, 8 are good: use '// &
                           'smaller cells or a larger mass')
         else if (n < good_cells) then
             call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))//'only '// &

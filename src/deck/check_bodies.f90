@@ -48,7 +48,8 @@ contains
             if (case%materials(i)%id == body%material) body%material_index = i
             if (body%material_index > 0) return
         end do
-        call complain(deck, g, 'material', "there is no &material with id='"//trim(body%material)//"'"// &
+        call complain(deck, g, 'material', "there is no &material with id='"// &
+                      trim(body%material)//"'"// &
                       reference_hint(trim(body%material), case%materials%id))
     end subroutine find_material
 
@@ -76,7 +77,8 @@ contains
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(body_case_t), intent(in) :: body
-        character(8), parameter :: all(5) = [character(8) :: 'box', 'centre', 'radius', 'length', 'axis']
+        character(8), parameter :: all(5) = [character(8) :: 'box', 'centre', 'radius', 'length', &
+                                             'axis']
         integer :: n_needed, i
         logical :: needed
 
@@ -95,7 +97,8 @@ contains
                 n_needed = n_needed + 1
                 call need_key(deck, g, body, trim(all(i)))
             else if (.not. needed .and. is_given(deck%groups(g), trim(all(i)))) then
-                call complain(deck, g, trim(all(i)), "key '"//trim(all(i))//"' has no place with shape='"// &
+                call complain(deck, g, trim(all(i)), "key '"//trim(all(i))// &
+                              "' has no place with shape='"// &
                               trim(body%shape)//"'; take it out or change the shape")
             end if
         end do
@@ -110,7 +113,8 @@ contains
         character(*), intent(in) :: key
 
         if (is_given(deck%groups(g), key)) return
-        call complain(deck, g, key, "key '"//key//"' is missing: shape='"//trim(body%shape)//"' needs it")
+        call complain(deck, g, key, "key '"//key//"' is missing: shape='"//trim(body%shape)// &
+                      "' needs it")
     end subroutine need_key
 
     !> At least one particle across, and no more particles than can be counted.
@@ -125,10 +129,13 @@ contains
         n = 1
         n(:dimension) = (hi(:dimension) - lo(:dimension))/body%spacing
         if (any(n < 1 - slack)) then
-            call complain(deck, g, 'spacing', 'spacing '//to_text(body%spacing)//' m is larger than the body, which is '// &
-                          box_text(lo, hi)//'; three particles across are the least that bend right')
+            call complain(deck, g, 'spacing', 'spacing '//to_text(body%spacing)// &
+                          ' m is larger than the body, which is '// &
+                          box_text(lo, hi)//'; three particles across are the least that bend '// &
+                          'right')
         else if (product(n) > real(huge(1), dp)) then
-            call complain(deck, g, 'spacing', 'about '//to_text(real(nint(product(n)/1e9_dp), dp))// &
+            call complain(deck, g, 'spacing', 'about '//to_text(real(nint(product(n)/1e9_dp), &
+                 dp))// &
                           'e9 particles are more than '//to_text(huge(1))//'; use a larger spacing')
         end if
         axis = index(axes, body%ply_axis)
@@ -136,7 +143,8 @@ contains
         if (n(axis) < body%n_plies*(1 - 1e-6_dp)) &
             call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
                              to_text(body%n_plies)//' plies, but only '//to_text(nint(n(axis)))// &
-                             ' layers of particles along '//body%ply_axis//': not every ply is present')
+                             ' layers of particles along '//body%ply_axis// &
+                             ': not every ply is present')
     end subroutine check_size
 
     !> Planes of symmetry: a box is cut, and nothing may lie wholly behind one.
@@ -153,7 +161,8 @@ contains
             if (.not. case%run%symmetry(i)) cycle
             tolerance = slack*(hi(i) - lo(i))
             if (hi(i) <= tolerance) then
-                call complain(deck, g, 'id', 'the body lies behind the plane of symmetry '//axes(i:i)//'=0; '// &
+                call complain(deck, g, 'id', 'the body lies behind the plane of symmetry '// &
+                              axes(i:i)//'=0; '// &
                               'only the positive side is modelled')
             else if (lo(i) < tolerance) then
                 if (body%shape == 'box') body%lo(i) = 0
@@ -170,7 +179,8 @@ contains
         integer, intent(in) :: g, i
         character(*), intent(in) :: what
 
-        call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))//'the plane of symmetry '// &
+        call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                         'the plane of symmetry '// &
                          axes(i:i)//'=0 cuts the body, which '//what)
     end subroutine warn_cut
 
@@ -189,7 +199,8 @@ contains
         tolerance = slack*(case%air%hi - case%air%lo)
         d = case%run%dimension
         if (any(hi(:d) <= case%air%lo(:d) .or. lo(:d) >= case%air%hi(:d))) then
-            call complain(deck, g, 'id', 'the body, '//box_text(lo, hi)//', lies outside the air, which is '// &
+            call complain(deck, g, 'id', 'the body, '//box_text(lo, hi)// &
+                          ', lies outside the air, which is '// &
                           box_text(case%air%lo, case%air%hi))
         else if (any(lo(:d) < case%air%lo(:d) - tolerance(:d) .or. &
                      hi(:d) > case%air%hi(:d) + tolerance(:d))) then

@@ -60,7 +60,8 @@ contains
                           "' is that of a body: add body='...'")
         else if (of_air .and. gauge%body_index > 0) then
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
-                          "' is that of the air: take body out, or measure a velocity or displacement")
+                          "' is that of the air: take body out, or measure a velocity or "// &
+                          "displacement")
         else if (gauge%body_index == 0 .and. .not. case%air%present) then
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
                           "' needs &air; for a body add body='...'")
@@ -91,7 +92,8 @@ contains
         end if
         d = case%run%dimension
         if (any(gauge%at(:d) < lo(:d) - slack(:d) .or. gauge%at(:d) > hi(:d) + slack(:d))) &
-            call complain(deck, g, 'at', 'the gauge at '//point_text(gauge%at)//' lies outside '//where// &
+            call complain(deck, g, 'at', 'the gauge at '//point_text(gauge%at)// &
+                          ' lies outside '//where// &
                           box_text(lo, hi))
     end subroutine check_place
 end module brz_check_gauges

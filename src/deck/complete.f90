@@ -11,7 +11,8 @@ module brz_complete
     use brz_values, only: convert_entry, same_values
     implicit none
     private
-    public :: convert_group, complete_group, parse_defaults, check_repeats, group_owner, ensure_group
+    public :: convert_group, complete_group, parse_defaults, check_repeats, group_owner, &
+         ensure_group
     public :: list_owners
 
 contains
@@ -52,7 +53,8 @@ contains
     subroutine take_id(deck, g)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
-        character(*), parameter :: allowed = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'// &
+        character(*), &
+             parameter :: allowed = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'// &
                                              '0123456789_-.+'
         integer :: e
 
@@ -95,7 +97,8 @@ contains
         if (e == 0) return
         if (find_row(keys, trim(deck%groups(g)%name), 'model', '') == 0) return
         owner = group_owner(deck%groups(g))
-        if (any(keys%group == deck%groups(g)%name .and. keys%owner == owner .and. owner /= '')) return
+        if (any(keys%group == deck%groups(g)%name .and. keys%owner == owner .and. &
+                owner /= '')) return
         deck%groups(g)%bad = .true.
         deck%groups(g)%entries(e)%bad = .true.
         i = nearest(owner, pack(keys%owner, keys%group == deck%groups(g)%name))
@@ -157,7 +160,8 @@ contains
                 if (group%entries(m)%bad) return
             end if
             hint = key_hint(keys, trim(group%name), owner, trim(entry%key))
-            if (index(entry%key, '(') > 0) hint = '; give all values of a key in one list, without index'
+            if (index(entry%key, '(') > 0) hint = '; give all values of a key in one list, '// &
+                 'without index'
             call add_error(deck, entry%line, group_label(group)//"unknown key '"// &
                            printable(trim(entry%key), 32)//"'"//hint, entry%set)
         end associate
@@ -177,7 +181,8 @@ contains
             call entry_from_text(keys(i), trim(keys(i)%default), defaults(i), message)
             defaults(i)%row = i
             if (message /= '') call raise(err, exit_internal, 'key table: default of &'// &
-                                          trim(keys(i)%group)//' '//trim(keys(i)%key)//': '//message)
+                                          trim(keys(i)%group)//' '//trim(keys(i)%key)//': '// &
+                                          message)
         end do
     end subroutine parse_defaults
 
@@ -235,14 +240,18 @@ contains
             if (repeats) then
                 if (deck%groups(g)%id == '') cycle
                 first = find_group(deck, trim(deck%groups(g)%name), deck%groups(g)%id)
-                if (first < g) call add_error(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                if (first < g) call add_error(deck, deck%groups(g)%line, &
+                                              group_label(deck%groups(g))// &
                                               'this id is taken by the group at line '// &
                                               to_text(deck%groups(first)%line)//'; choose another')
             else
                 first = find_group(deck, trim(deck%groups(g)%name))
-                if (first < g) call add_error(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
-                                              'this group may stand once, and stands already at line '// &
-                                              to_text(deck%groups(first)%line)//'; put the keys together')
+                if (first < g) call add_error(deck, deck%groups(g)%line, &
+                                              group_label(deck%groups(g))// &
+                                              'this group may stand once, and stands already '// &
+                                              'at line '// &
+                                              to_text(deck%groups(first)%line)// &
+                                              '; put the keys together')
             end if
             if (first < g) deck%groups(g)%bad = .true.
         end do

@@ -37,23 +37,30 @@ contains
 
         keys = [keys, &
                 key_t(group=g, meaning='The run as a whole. Required.'), &
-                key_t(group=g, key='title', kind=kind_text, longest=200, meaning='Title of the scene, for logs and pictures.'), &
-                key_t(group=g, key='t_end', unit='s', default=required, lower=zero, open_lower=.true., &
+                key_t(group=g, key='title', kind=kind_text, longest=200, &
+                      meaning='Title of the scene, for logs and pictures.'), &
+                key_t(group=g, key='t_end', unit='s', default=required, lower=zero, &
+                      open_lower=.true., &
                       meaning='Time at which the run ends.'), &
                 key_t(group=g, key='symmetry', kind=kind_text, n_max=3, choices='x|y|z', &
-                      meaning='Mirror planes through the origin, normal to these axes; only the positive side is modelled.'), &
-                key_t(group=g, key='dimension', kind=kind_integer, default='3', lower=one, upper=3*one, &
+                      meaning='Mirror planes through the origin, normal to these axes; only '// &
+                      'the positive side is modelled.'), &
+                key_t(group=g, key='dimension', kind=kind_integer, default='3', lower=one, &
+                      upper=3*one, &
                       meaning='3; or 2: plane strain in x and y; or 1: along x.'), &
-                key_t(group=g, key='backend', kind=kind_text, default='auto', choices='auto|cpu|gpu', &
+                key_t(group=g, key='backend', kind=kind_text, default='auto', &
+                      choices='auto|cpu|gpu', &
                       meaning='Where to compute; auto takes a GPU if there is one.'), &
                 key_t(group=g, key='dt_max', unit='s', lower=zero, open_lower=.true., &
                       meaning='Largest time step; no limit if absent.'), &
                 key_t(group=g, key='dt_min', unit='s', default='0.0', lower=zero, &
                       meaning='A smaller time step ends the run with exit code 3.'), &
                 key_t(group=g, key='energy_band', lower=zero, open_lower=.true., &
-                      meaning='Largest allowed relative error of the total energy; a larger one ends the run with '// &
+                      meaning='Largest allowed relative error of the total energy; a larger '// &
+                      'one ends the run with '// &
                       'exit code 3. No limit if absent.'), &
-                key_t(group=g, key='max_steps', kind=kind_integer, lower=zero, upper=real(huge(1), dp), &
+                key_t(group=g, key='max_steps', kind=kind_integer, lower=zero, &
+                      upper=real(huge(1), dp), &
                       meaning='The run ends after so many steps; no limit if absent.')]
     end subroutine run_keys
 
@@ -62,31 +69,43 @@ contains
         character(*), parameter :: g = 'air'
 
         keys = [keys, &
-                key_t(group=g, meaning='The air: a box of equal cells. Without it no fluid is computed.'), &
+                key_t(group=g, meaning='The air: a box of equal cells. Without it no fluid is '// &
+                'computed.'), &
                 key_t(group=g, key='box', n_min=6, n_max=6, unit='m', default=required, &
                       meaning='Corners of the box: x0, x1, y0, y1, z0, z1.'), &
-                key_t(group=g, key='cells', kind=kind_integer, n_min=3, n_max=3, default=required, lower=one, &
-                      upper=1e6_dp, meaning='Cells in x, y, z; 1 in a direction that is not modelled.'), &
+                key_t(group=g, key='cells', kind=kind_integer, n_min=3, n_max=3, &
+                      default=required, lower=one, &
+                      upper=1e6_dp, meaning='Cells in x, y, z; 1 in a direction that is not '// &
+                      'modelled.'), &
                 key_t(group=g, key='bc', kind=kind_text, n_max=6, default='outflow', &
                       choices='outflow|wall|symmetry|periodic', &
-                      meaning='Boundaries: one word for all, or six: x low, x high, y low, y high, z low, z high. '// &
+                      meaning='Boundaries: one word for all, or six: x low, x high, y low, y '// &
+                      'high, z low, z high. '// &
                       'A plane of symmetry of &run overrides it.'), &
-                key_t(group=g, key='density', unit='kg/m3', default='1.225', lower=zero, open_lower=.true., &
+                key_t(group=g, key='density', unit='kg/m3', default='1.225', lower=zero, &
+                      open_lower=.true., &
                       meaning='Density of the undisturbed air.'), &
-                key_t(group=g, key='pressure', unit='Pa', default='101325.0', lower=zero, open_lower=.true., &
+                key_t(group=g, key='pressure', unit='Pa', default='101325.0', lower=zero, &
+                      open_lower=.true., &
                       meaning='Pressure of the undisturbed air.'), &
-                key_t(group=g, key='gamma', default='1.4', lower=one, open_lower=.true., upper=5*one, &
+                key_t(group=g, key='gamma', default='1.4', lower=one, open_lower=.true., &
+                      upper=5*one, &
                       meaning='Ratio of the specific heats.'), &
                 key_t(group=g, key='cfl', default='0.5', lower=zero, open_lower=.true., upper=one, &
                       meaning='Time step of the air over its limit of stability.'), &
-                key_t(group=g, key='ramp_steps', kind=kind_integer, default='20', lower=zero, upper=1e6_dp, &
-                      meaning='First steps, over which the time step grows from a tenth to the whole.'), &
-                key_t(group=g, key='reconstruction', kind=kind_text, default='weno3', choices='weno3|first_order', &
+                key_t(group=g, key='ramp_steps', kind=kind_integer, default='20', lower=zero, &
+                      upper=1e6_dp, &
+                      meaning='First steps, over which the time step grows from a tenth to '// &
+                      'the whole.'), &
+                key_t(group=g, key='reconstruction', kind=kind_text, default='weno3', &
+                      choices='weno3|first_order', &
                       meaning='Reconstruction of the split fluxes at the faces.'), &
-                key_t(group=g, key='flux', kind=kind_text, default='steger_warming', choices='steger_warming', &
+                key_t(group=g, key='flux', kind=kind_text, default='steger_warming', &
+                      choices='steger_warming', &
                       meaning='Splitting of the fluxes.'), &
                 key_t(group=g, key='fallback', kind=kind_logical, default='.true.', &
-                      meaning='First-order fluxes at faces where a state would become unphysical; they are counted.')]
+                      meaning='First-order fluxes at faces where a state would become '// &
+                      'unphysical; they are counted.')]
     end subroutine air_keys
 
     subroutine gas_keys(keys)
@@ -94,15 +113,20 @@ contains
         character(*), parameter :: g = 'gas'
 
         keys = [keys, &
-                key_t(group=g, meaning='A box of gas with an initial state of its own; later ones cover earlier ones.'), &
-                key_t(group=g, key='id', kind=kind_text, default=required, meaning='Name of the box of gas.'), &
+                key_t(group=g, meaning='A box of gas with an initial state of its own; later '// &
+                'ones cover earlier ones.'), &
+                key_t(group=g, key='id', kind=kind_text, default=required, &
+                      meaning='Name of the box of gas.'), &
                 key_t(group=g, key='box', n_min=6, n_max=6, unit='m', default=required, &
                       meaning='Corners: x0, x1, y0, y1, z0, z1.'), &
-                key_t(group=g, key='density', unit='kg/m3', default=required, lower=zero, open_lower=.true., &
+                key_t(group=g, key='density', unit='kg/m3', default=required, lower=zero, &
+                      open_lower=.true., &
                       meaning='Initial density.'), &
-                key_t(group=g, key='pressure', unit='Pa', default=required, lower=zero, open_lower=.true., &
+                key_t(group=g, key='pressure', unit='Pa', default=required, lower=zero, &
+                      open_lower=.true., &
                       meaning='Initial pressure.'), &
-                key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', default='0.0, 0.0, 0.0', &
+                key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', &
+                      default='0.0, 0.0, 0.0', &
                       meaning='Initial velocity.')]
     end subroutine gas_keys
 
@@ -112,25 +136,34 @@ contains
 
         keys = [keys, &
                 key_t(group=g, meaning='An explosive charge, as a balloon of hot gas.'), &
-                key_t(group=g, key='id', kind=kind_text, default=required, meaning='Name of the charge.'), &
-                key_t(group=g, key='mass', unit='kg', default=required, lower=zero, open_lower=.true., &
-                      meaning='Mass of the whole charge, also of the parts behind planes of symmetry.'), &
+                key_t(group=g, key='id', kind=kind_text, default=required, &
+                      meaning='Name of the charge.'), &
+                key_t(group=g, key='mass', unit='kg', default=required, lower=zero, &
+                      open_lower=.true., &
+                      meaning='Mass of the whole charge, also of the parts behind planes of '// &
+                      'symmetry.'), &
                 key_t(group=g, key='explosive', kind=kind_text, default='tnt', choices='tnt', &
                       meaning='Explosive.'), &
                 key_t(group=g, key='eos', kind=kind_text, default='ideal', choices='ideal', &
                       meaning='Equation of state of the products: that of the air.'), &
-                key_t(group=g, key='shape', kind=kind_text, default='sphere', choices='sphere|cylinder|box', &
+                key_t(group=g, key='shape', kind=kind_text, default='sphere', &
+                      choices='sphere|cylinder|box', &
                       meaning='Shape.'), &
-                key_t(group=g, key='at', n_min=3, n_max=3, unit='m', default=required, meaning='Centre.'), &
-                key_t(group=g, key='density', unit='kg/m3', default='1630.0', lower=zero, open_lower=.true., &
+                key_t(group=g, key='at', n_min=3, n_max=3, unit='m', default=required, &
+                      meaning='Centre.'), &
+                key_t(group=g, key='density', unit='kg/m3', default='1630.0', lower=zero, &
+                      open_lower=.true., &
                       meaning='Density of the explosive.'), &
-                key_t(group=g, key='energy', unit='J/kg', default='4.29e6', lower=zero, open_lower=.true., &
+                key_t(group=g, key='energy', unit='J/kg', default='4.29e6', lower=zero, &
+                      open_lower=.true., &
                       meaning='Energy set free by detonation.'), &
                 key_t(group=g, key='aspect', default='1.0', lower=zero, open_lower=.true., &
                       meaning='Cylinder: length over diameter.'), &
-                key_t(group=g, key='sides', n_min=3, n_max=3, default='1.0, 1.0, 1.0', lower=zero, open_lower=.true., &
+                key_t(group=g, key='sides', n_min=3, n_max=3, default='1.0, 1.0, 1.0', &
+                      lower=zero, open_lower=.true., &
                       meaning='Box: ratio of the sides.'), &
-                key_t(group=g, key='axis', kind=kind_text, default='z', choices='x|y|z', meaning='Cylinder: its axis.')]
+                key_t(group=g, key='axis', kind=kind_text, default='z', choices='x|y|z', &
+                      meaning='Cylinder: its axis.')]
     end subroutine charge_keys
 
     subroutine material_group_keys(keys)
@@ -150,31 +183,45 @@ contains
         character(*), parameter :: g = 'body'
 
         keys = [keys, &
-                key_t(group=g, meaning='A solid body of particles on a lattice. Without one no solid is computed.'), &
-                key_t(group=g, key='id', kind=kind_text, default=required, meaning='Name of the body.'), &
-                key_t(group=g, key='shape', kind=kind_text, default='box', choices='box|sphere|cylinder', &
+                key_t(group=g, meaning='A solid body of particles on a lattice. Without one '// &
+                'no solid is computed.'), &
+                key_t(group=g, key='id', kind=kind_text, default=required, &
+                      meaning='Name of the body.'), &
+                key_t(group=g, key='shape', kind=kind_text, default='box', &
+                      choices='box|sphere|cylinder', &
                       meaning='Shape; planes of symmetry cut it.'), &
                 key_t(group=g, key='box', n_min=6, n_max=6, unit='m', &
                       meaning='Box: corners x0, x1, y0, y1, z0, z1.'), &
-                key_t(group=g, key='centre', n_min=3, n_max=3, unit='m', meaning='Sphere, cylinder: centre.'), &
-                key_t(group=g, key='radius', unit='m', lower=zero, open_lower=.true., meaning='Sphere, cylinder: radius.'), &
-                key_t(group=g, key='length', unit='m', lower=zero, open_lower=.true., meaning='Cylinder: length.'), &
-                key_t(group=g, key='axis', kind=kind_text, default='z', choices='x|y|z', meaning='Cylinder: its axis.'), &
-                key_t(group=g, key='spacing', unit='m', default=required, lower=zero, open_lower=.true., &
+                key_t(group=g, key='centre', n_min=3, n_max=3, unit='m', &
+                      meaning='Sphere, cylinder: centre.'), &
+                key_t(group=g, key='radius', unit='m', lower=zero, open_lower=.true., &
+                      meaning='Sphere, cylinder: radius.'), &
+                key_t(group=g, key='length', unit='m', lower=zero, open_lower=.true., &
+                      meaning='Cylinder: length.'), &
+                key_t(group=g, key='axis', kind=kind_text, default='z', choices='x|y|z', &
+                      meaning='Cylinder: its axis.'), &
+                key_t(group=g, key='spacing', unit='m', default=required, lower=zero, &
+                      open_lower=.true., &
                       meaning='Distance of the particles.'), &
-                key_t(group=g, key='material', kind=kind_text, default=required, meaning='Id of its &material.'), &
+                key_t(group=g, key='material', kind=kind_text, default=required, &
+                      meaning='Id of its &material.'), &
                 key_t(group=g, key='plies', kind=kind_text, unit='deg', longest=2048, &
-                      meaning="Angles of the plies from the low to the high side, such as '0/45/-45/90', '7*(0/90)' or "// &
+                      meaning="Angles of the plies from the low to the high side, such as "// &
+                      "'0/45/-45/90', '7*(0/90)' or "// &
                       "'[0/90]s' (mirrored)."), &
                 key_t(group=g, key='ply_axis', kind=kind_text, default='z', choices='x|y|z', &
                       meaning='Normal of the plies.'), &
-                key_t(group=g, key='fix', kind=kind_text, n_max=8, choices='sides|all|x-|x+|y-|y+|z-|z+', &
+                key_t(group=g, key='fix', kind=kind_text, n_max=8, &
+                      choices='sides|all|x-|x+|y-|y+|z-|z+', &
                       meaning='Faces that are held; sides: the four around the ply axis.'), &
-                key_t(group=g, key='fix_layers', kind=kind_integer, default='3', lower=one, upper=1000*one, &
+                key_t(group=g, key='fix_layers', kind=kind_integer, default='3', lower=one, &
+                      upper=1000*one, &
                       meaning='Layers of particles that are held at such a face.'), &
-                key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', default='0.0, 0.0, 0.0', &
+                key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', &
+                      default='0.0, 0.0, 0.0', &
                       meaning='Initial velocity.'), &
-                key_t(group=g, key='spin', n_min=3, n_max=3, unit='rad/s', default='0.0, 0.0, 0.0', &
+                key_t(group=g, key='spin', n_min=3, n_max=3, unit='rad/s', &
+                      default='0.0, 0.0, 0.0', &
                       meaning='Initial angular velocity about the centre of mass.')]
     end subroutine body_keys
 
@@ -185,7 +232,8 @@ contains
         keys = [keys, &
                 key_t(group=g, key='formulation', kind=kind_text, default='bending', &
                       choices='bending|corrected_hourglass|corrected', &
-                      meaning='bending: what bends and may break; corrected_hourglass: what fragments or flows; '// &
+                      meaning='bending: what bends and may break; corrected_hourglass: what '// &
+                      'fragments or flows; '// &
                       'corrected: neither hourglass force.'), &
                 key_t(group=g, key='alpha', default='1.0', lower=zero, upper=10*one, &
                       meaning='Linear artificial viscosity.'), &
@@ -207,14 +255,17 @@ contains
 
         keys = [keys, &
                 key_t(group=g, meaning='A gauge: the history of one quantity at one point.'), &
-                key_t(group=g, key='id', kind=kind_text, default=required, meaning='Name of the gauge.'), &
+                key_t(group=g, key='id', kind=kind_text, default=required, &
+                      meaning='Name of the gauge.'), &
                 key_t(group=g, key='at', n_min=3, n_max=3, unit='m', default=required, &
                       meaning='Point; a gauge in a body moves with the nearest particle.'), &
                 key_t(group=g, key='quantity', kind=kind_text, default='pressure', &
-                      choices='pressure|overpressure|density|speed|velocity_x|velocity_y|velocity_z|'// &
-                      'displacement_x|displacement_y|displacement_z', &
-                      meaning='What is measured; displacements need a body, velocities are those of the body if one is given.'), &
-                key_t(group=g, key='body', kind=kind_text, meaning='Id of the body that is measured; absent: the air.')]
+                      choices='pressure|overpressure|density|speed|velocity_x|velocity_y|'// &
+                      'velocity_z|displacement_x|displacement_y|displacement_z', &
+                      meaning='What is measured; displacements need a body, velocities are '// &
+                      'those of the body if one is given.'), &
+                key_t(group=g, key='body', kind=kind_text, &
+                      meaning='Id of the body that is measured; absent: the air.')]
     end subroutine gauge_keys
 
     subroutine settings_keys(keys)
@@ -225,16 +276,20 @@ contains
                 key_t(group='solid', key='skin', default='0.3', lower=zero, upper=2*one, &
                       meaning='Skin of the neighbour list over the spacing of the particles.'), &
                 key_t(group='coupling', meaning='How air and bodies meet.'), &
-                key_t(group='coupling', key='spread', default='1.5', lower=zero, open_lower=.true., upper=10*one, &
-                      meaning='Depth over which a surface load is spread into a body, in air cells.'), &
+                key_t(group='coupling', key='spread', default='1.5', lower=zero, &
+                      open_lower=.true., upper=10*one, &
+                      meaning='Depth over which a surface load is spread into a body, in air '// &
+                      'cells.'), &
                 key_t(group='coupling', key='reference_pressure', unit='Pa', lower=zero, &
-                      meaning='Pressure taken off every load; that of the undisturbed air if absent.'), &
+                      meaning='Pressure taken off every load; that of the undisturbed air if '// &
+                      'absent.'), &
                 key_t(group='output', meaning='What is written, and how often.'), &
                 key_t(group='output', key='dump_every', unit='s', lower=zero, open_lower=.true., &
                       meaning='Time between dumps; only the first and the last if absent.'), &
                 key_t(group='output', key='history_every', unit='s', default='0.0', lower=zero, &
                       meaning='Time between rows of the histories; 0: every step.'), &
-                key_t(group='output', key='checkpoint_every', unit='s', lower=zero, open_lower=.true., &
+                key_t(group='output', key='checkpoint_every', unit='s', lower=zero, &
+                      open_lower=.true., &
                       meaning='Time between checkpoints; none if absent.'), &
                 key_t(group='output', key='report_every', unit='s', default='5.0', lower=zero, &
                       meaning='Wall-clock time between lines of the log.')]

@@ -207,7 +207,8 @@ contains
         e = find_entry(deck%groups(g), key)
         if (e > 0) set = deck%groups(g)%entries(e)%set
         deck%groups(g)%bad = .true.
-        call add_error(deck, entry_line(deck%groups(g), key), group_label(deck%groups(g))//text, set)
+        call add_error(deck, entry_line(deck%groups(g), key), group_label(deck%groups(g))//text, &
+                       set)
     end subroutine complain
 
     !> Append an empty group. The caller has made sure that there is room.

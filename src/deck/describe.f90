@@ -53,14 +53,16 @@ contains
             if (keys(i)%group /= group) cycle
             if (keys(i)%owner /= owner) then
                 owner = keys(i)%owner
-                text = text//"  with model='"//trim(owner)//"'  "//group_meaning(keys, group, trim(owner))//lf
+                text = text//"  with model='"//trim(owner)//"'  "// &
+                     group_meaning(keys, group, trim(owner))//lf
             end if
             if (keys(i)%key == '') cycle
             text = text//'  '//keys(i)%key//kind_name(keys(i))
             if (range_text(keys(i)) /= '') text = text//' '//range_text(keys(i))
             text = text//unit_text(keys(i))//', '//default_words(keys(i))//lf
             text = text//repeat(' ', 26)//trim(keys(i)%meaning)//lf
-            if (choices(keys, keys(i)) /= '') text = text//repeat(' ', 26)//'One of: '//choices(keys, keys(i))//lf
+            if (choices(keys, keys(i)) /= '') text = text//repeat(' ', 26)//'One of: '// &
+                 choices(keys, keys(i))//lf
         end do
     end subroutine describe_group
 
@@ -71,11 +73,15 @@ contains
         integer :: i
 
         text = '# Deck reference'//lf//lf// &
-               'Written by `brisance --describe --markdown` from the key table: change the table, '// &
+               'Written by `brisance --describe --markdown` from the key table: change the '// &
+               'table, '// &
                'not this page.'//lf//lf// &
-               'A deck is a text file of namelist groups in SI units. `&` as the first character of a '// &
-               'line opens a group, `/` closes it, `!` starts a comment; text between groups is '// &
-               'comment. Values are separated by commas, texts stand in quotes, `3*0.0` is three '// &
+               'A deck is a text file of namelist groups in SI units. `&` as the first '// &
+               'character of a '// &
+               'line opens a group, `/` closes it, `!` starts a comment; text between groups '// &
+               'is '// &
+               'comment. Values are separated by commas, texts stand in quotes, `3*0.0` is '// &
+               'three '// &
                'zeros. Groups that carry an `id` may stand many times.'//lf
         do i = 1, size(keys)
             if (any(keys(:i - 1)%group == keys(i)%group)) cycle

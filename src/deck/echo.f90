@@ -17,7 +17,7 @@ module brz_echo
 
 contains
 
-    !> The echo of a deck without errors: groups in the order of the table, objects in that of the deck.
+    !> The echo of a deck without errors: groups in the order of the table.
     subroutine echo_deck(deck, keys, text)
         type(deck_t), intent(in) :: deck
         type(key_t), intent(in) :: keys(:)

@@ -41,9 +41,11 @@ contains
                     call add_value(deck, g, e, empty_like(token))
             case (token_word, token_quoted)
                 if (e > 0) call add_value(deck, g, e, token)
-                if (e == 0) call complain(deck, g, told, token, "belongs to no key: write key=value")
+                if (e == 0) call complain(deck, g, told, token, &
+                                          "belongs to no key: write key=value")
             case (token_stray)
-                call complain(deck, g, told, token, 'has no place here: write key=value, key=value ... /')
+                call complain(deck, g, told, token, 'has no place here: write key=value, '// &
+                     'key=value ... /')
             case (token_open_quote)
                 call add_error(deck, token%line, group_label(deck%groups(g))// &
                                'the quote of a text is not closed on this line: '// &
@@ -85,7 +87,7 @@ contains
         end associate
     end subroutine start_entry
 
-    !> Append a value to an entry, as often as its repeat count says; more than is kept is counted only.
+    !> Append a value as often as its repeat count says; more than is kept is counted only.
     subroutine add_value(deck, g, e, token)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g, e
@@ -121,7 +123,7 @@ contains
         call move_alloc(grown%raw, entry%raw)
     end subroutine make_room
 
-    !> Tell once per group of what cannot be read; after that the first fault is the one that counts.
+    !> Tell once per group of what cannot be read; the first fault is the one that counts.
     subroutine complain(deck, g, told, token, what)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
@@ -161,7 +163,8 @@ contains
         if (index(' !'//achar(9)//achar(10), reader%c) > 0) return
         deck%groups(g)%bad = .true.
         call add_error(deck, reader%line, group_label(deck%groups(g))//"'"// &
-                       printable(reader%c, 1)//"' stands right behind the '/' that closes the group; "// &
+                       printable(reader%c, 1)//"' stands right behind the '/' that closes the "// &
+                       "group; "// &
                        "write fractions as numbers, and put a text that holds '/' in quotes")
     end subroutine check_behind_slash
 end module brz_entries

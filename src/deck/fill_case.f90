@@ -43,7 +43,8 @@ contains
                                                         '&run: dt_min is larger than dt_max')
             if (any(run%symmetry(run%dimension + 1:))) &
                 call add_error(deck, entry_line(group, 'symmetry'), &
-                               '&run: a plane of symmetry lies in a direction that is not modelled '// &
+                               '&run: a plane of symmetry lies in a direction that is not '// &
+                               'modelled '// &
                                '(see dimension)')
         end associate
     end subroutine fill_run
@@ -96,18 +97,22 @@ contains
             call get(group, 'bc', word, n)
             if (n == 1) word = word(1)
             if (n == 1 .or. n == 6) bc = reshape(word, [2, 3])
-            if (n > 1 .and. n < 6) call complain(deck, g, 'bc', 'give one word for all faces, or six: x low, x high, '// &
+            if (n > 1 .and. n < 6) call complain(deck, g, 'bc', &
+                                                 'give one word for all faces, or six: x low, '// &
+                                                 'x high, '// &
                                                  'y low, y high, z low, z high')
             do i = 1, 3
                 if (.not. case%run%symmetry(i)) cycle
                 if (n == 6 .and. bc(1, i) /= 'symmetry') &
-                    call complain(deck, g, 'bc', 'the low face of a plane of symmetry of &run must be '// &
+                    call complain(deck, g, 'bc', 'the low face of a plane of symmetry of &run '// &
+                    'must be '// &
                                   "'symmetry', not '"//trim(bc(1, i))//"'")
                 bc(1, i) = 'symmetry'
             end do
             do i = 1, 3
                 if ((bc(1, i) == 'periodic') .neqv. (bc(2, i) == 'periodic')) &
-                    call complain(deck, g, 'bc', "'periodic' must stand at both faces of a direction")
+                    call complain(deck, g, 'bc', "'periodic' must stand at both faces of a "// &
+                    "direction")
             end do
         end associate
     end subroutine fill_boundaries

@@ -81,7 +81,8 @@ contains
         character(*), intent(in) :: key
         logical, intent(inout) :: value
 
-        if (is_usable(group, key)) value = nint(group%entries(find_entry(group, key))%number(1)) /= 0
+        if (is_usable(group, key)) value = nint(group%entries(find_entry(group, &
+             key))%number(1)) /= 0
     end subroutine get_logical
 
     subroutine get_text(group, key, value)

@@ -27,7 +27,8 @@ contains
         message = ''
         call parse_list(text, 0, i, angles, n, message)
         if (message == '' .and. i <= len_trim(text)) call complain(text, i, message)
-        if (message == '' .and. any(abs(angles(:n)) > 360)) message = 'an angle is beyond 360 degrees'
+        if (message == '' .and. any(abs(angles(:n)) > 360)) message = 'an angle is beyond 360 '// &
+             'degrees'
         if (message /= '') n = 0
     end subroutine parse_layup
 
@@ -72,7 +73,8 @@ contains
                 times = -1
                 if (number >= 1 .and. number <= size(angles)) times = nint(number)
                 if (times < 1 .or. abs(number - times) > 0) then
-                    message = 'a count of plies must be an integer from 1 to '//to_text(size(angles))
+                    message = 'a count of plies must be an integer from 1 to '// &
+                         to_text(size(angles))
                     return
                 end if
             else
@@ -185,6 +187,7 @@ contains
         else
             message = "'"//printable(text(i:i), 1)//"' at place "//to_text(i)//' is not understood'
         end if
-        message = message//": write angles with '/' between them, such as '0/45/-45/90' or '7*(0/90)'"
+        message = message//": write angles with '/' between them, such as '0/45/-45/90' or "// &
+             "'7*(0/90)'"
     end subroutine complain
 end module brz_layup

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> `--set group.key=value` and `--set group(id).key=value`: values of the command line over the deck.
+!> `--set group.key=value` and `--set group(id).key=value`: the command line over the deck.
 module brz_overrides
     use brz_deck, only: add_entry, add_error, add_group, deck_t, entry_t, find_entry, find_group
     use brz_complete, only: group_owner
@@ -81,7 +81,8 @@ contains
             g = deck%n
         else if (id /= '') then
             g = find_group(deck, group, id)
-            if (g == 0) call add_error(deck, 0, 'the deck has no &'//group//" with id='"//id//"'", i)
+            if (g == 0) call add_error(deck, 0, 'the deck has no &'//group//" with id='"//id// &
+                                       "'", i)
         else
             g = find_group(deck, group)
             n = count(deck%groups(:deck%n)%name == group)

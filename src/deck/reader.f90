@@ -172,7 +172,7 @@ contains
         end select
     end subroutine control_character
 
-    !> Skip the text between groups up to the next '&' that starts a line, and read the name behind it.
+    !> Skip the text between groups up to an '&' that starts a line, and read the name behind it.
     subroutine find_group_start(reader, name, line, found)
         type(reader_t), intent(inout) :: reader
         character(32), intent(out) :: name !! in lower case, cut where longer

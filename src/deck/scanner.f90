@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Reads a deck against the key table, with errors that an engineer can act on.
 !>
-!> A deck is free text with namelist groups: '&' at the start of a line opens a group, '/' closes it,
-!> '!' starts a comment. Errors are collected in the deck: `build_case` (or `report_errors`) raises
+!> A deck is free text with namelist groups: '&' at the start of a line opens a group, '/'
+!> closes it, '!' starts a comment. Errors are collected in the deck: `build_case` (or `report_errors`) raises
 !> them all together, so that one look at the deck repairs them all.
 module brz_scanner
     use brz_complete, only: check_repeats, complete_group, convert_group, parse_defaults
@@ -20,8 +20,8 @@ module brz_scanner
 
 contains
 
-    !> Read a deck file. Raises an error only where there is nothing to read at all, or where the key
-    !> table is wrong; all other errors wait in the deck for `build_case`.
+    !> Read a deck file. Raises an error only where there is nothing to read at all, or where
+    !> the key table is wrong; all other errors wait in the deck for `build_case`.
     subroutine read_deck(file, keys, overrides, deck, err)
         character(*), intent(in) :: file
         type(key_t), intent(in) :: keys(:) !! the key table, models included
@@ -76,7 +76,8 @@ contains
         call check_end(reader, deck)
         if (deck%n == 0) then
             if (deck%n_errors == 0) call add_error(deck, 0, 'has no group; a group starts with '// &
-                                                   "'&' as the first character of a line, for example "// &
+                                                   "'&' as the first character of a line, for "// &
+                                                   "example "// &
                                                    "&run title='...', t_end=1e-3 /")
             call report_errors(deck, err)
             return
@@ -135,7 +136,8 @@ contains
         type(deck_t), intent(inout) :: deck
 
         if (reader%bad_byte >= 0) then
-            call add_error(deck, reader%line, 'this is not a plain text file: here stands a byte of code '// &
+            call add_error(deck, reader%line, 'this is not a plain text file: here stands a '// &
+                 'byte of code '// &
                            to_text(reader%bad_byte))
         else if (reader%read_failed) then
             call add_error(deck, reader%line, 'the file cannot be read from here on')

@@ -54,7 +54,8 @@ contains
         if (row%n_max == 1 .or. entry%n /= 1) return
         if (.not. allocated(entry%raw)) return
         if (scan(entry%raw(1)%text, ',;') > 0) &
-            text = ': '//shown(entry%raw(1))//'; put commas between the values, quotes around each text'
+            text = ': '//shown(entry%raw(1))//'; put commas between the values, quotes around '// &
+            'each text'
     end function only_word
 
     pure function count_text(n) result(text)
@@ -105,30 +106,37 @@ contains
         type(raw_t), intent(in) :: raw
         type(string_t), intent(inout) :: word
         character(:), allocatable, intent(inout) :: problem
-        type(string_t), allocatable :: parts(:)
         integer :: i
 
         word%s = raw%text
-        if (.not. raw%quoted .and. .not. bare) then
-            problem = shown(raw)//"; put it in quotes: '"//printable(raw%text, 40)//"'"
-            return
-        end if
         if (len(raw%text) > row%longest) then
-            problem = "'"//printable(raw%text, 40)//"', which is longer than "// &
-                      to_text(row%longest)//' characters'
+            problem = shown(raw)//', which is longer than '//to_text(row%longest)//' characters'
             return
         end if
         do i = 1, len(word%s)
             if (iachar(word%s(i:i)) < 32) word%s(i:i) = ' '
         end do
-        if (row%choices == '') return
-        word%s = lower(trim(adjustl(word%s)))
-        call split(trim(row%choices), '|', parts)
-        do i = 1, size(parts)
-            if (parts(i)%s == word%s) return
-        end do
-        problem = "'"//printable(raw%text, 40)//"'"//choice_hint(row, word%s)
+        if (row%choices /= '') then
+            word%s = lower(trim(adjustl(word%s)))
+            if (.not. is_choice(row, word%s)) problem = shown(raw)//choice_hint(row, word%s)
+        end if
+        if (problem == '' .and. .not. raw%quoted .and. .not. bare) &
+            problem = shown(raw)//' without quotes'
     end subroutine convert_text
+
+    pure logical function is_choice(row, word)
+        type(key_t), intent(in) :: row
+        character(*), intent(in) :: word
+        type(string_t), allocatable :: parts(:)
+        integer :: i
+
+        call split(trim(row%choices), '|', parts)
+        is_choice = .true.
+        do i = 1, size(parts)
+            if (parts(i)%s == word) return
+        end do
+        is_choice = .false.
+    end function is_choice
 
     subroutine convert_logical(raw, number, problem)
         type(raw_t), intent(in) :: raw
@@ -161,8 +169,10 @@ contains
             if (is_real(raw%text)) problem = problem//'; write it without point and exponent'
             return
         end if
-        read (raw%text, *, iostat=status) number
-        if (status /= 0 .or. .not. abs(number) <= huge(1)) &
+        status = 0
+        if (len(raw%text) > 20) status = 1
+        if (status == 0) read (raw%text, *, iostat=status) number
+        if (status /= 0 .or. abs(number) > huge(1)) &
             problem = shown(raw)//', which is too large: the largest integer is '//to_text(huge(1))
     end subroutine convert_integer
 
@@ -179,10 +189,11 @@ contains
             problem = shown(raw)//', which is not a finite number'
         else if (.not. is_real(raw%text)) then
             problem = shown(raw)
-        else
+        else if (magnitude(raw%text) > 306) then
+            problem = shown(raw)//', which is too large for a real number'
+        else if (magnitude(raw%text) > -306) then
             read (raw%text, *, iostat=status) number
-            if (status /= 0 .or. .not. ieee_is_finite(number)) &
-                problem = shown(raw)//', which is too large for a real number'
+            if (status /= 0 .or. .not. ieee_is_finite(number)) problem = shown(raw)
         end if
         if (problem /= '') number = 0
     end subroutine convert_real
@@ -236,6 +247,25 @@ contains
         end if
         is_real = i > len(text)
     end function is_real
+
+    !> Power of ten of the first digit of a real number that is not zero; -1000 for zero.
+    pure integer function magnitude(text) result(power)
+        character(*), intent(in) :: text
+        integer :: e, first, point, status
+
+        power = -1000
+        e = scan(text, 'eEdD')
+        if (e == 0) e = len(text) + 1
+        first = scan(text(:e - 1), '123456789')
+        if (first == 0) return
+        point = index(text(:e - 1), '.')
+        if (point == 0) point = e
+        power = 0
+        ! seven digits of the exponent are enough to see that it is too much
+        if (e < len(text)) read (text(e + 1:min(len(text), e + 8)), *, iostat=status) power
+        power = power + point - first
+        if (point > first) power = power - 1
+    end function magnitude
 
     !> Move i behind the digits that begin there and count them in n.
     pure subroutine skip_digits(text, i, n)
