@@ -2,14 +2,16 @@
 !> Small dealings with the file system that Fortran lacks: folders, renaming, removal, listing.
 !>
 !> C library calls of 64-bit Linux. Failures are reported with the reason that the system gives.
+!> Text is written by C as well: the run-time library of gfortran 12 keeps quiet about a full disk.
 module brz_files
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int8_t, &
-                                           c_int16_t, c_int64_t, c_null_char, c_ptr, c_size_t
-    use brz_errors, only: error_t, raise, exit_io
+                                           c_int16_t, c_int64_t, c_loc, c_null_char, c_ptr, &
+                                           c_size_t
+    use brz_errors, only: error_t, failed, raise, exit_io
     implicit none
     private
     public :: file_exists, is_folder, make_folder, rename_file, remove_file, sync_file, list_folder
-    public :: write_text_file, read_text_file, name_len
+    public :: write_text_file, append_text, read_text_file, name_len
 
     integer, parameter :: name_len = 255 !! longest name of a file without its folder
 
@@ -60,6 +62,19 @@ module brz_files
             import :: c_int
             integer(c_int), value :: descriptor
         end function c_close
+        type(c_ptr) function c_fopen(path, mode) bind(c, name='fopen')
+            import :: c_char, c_ptr
+            character(c_char), intent(in) :: path(*), mode(*)
+        end function c_fopen
+        integer(c_size_t) function c_fwrite(data, bytes, n, file) bind(c, name='fwrite')
+            import :: c_ptr, c_size_t
+            type(c_ptr), value :: data, file
+            integer(c_size_t), value :: bytes, n
+        end function c_fwrite
+        integer(c_int) function c_fclose(file) bind(c, name='fclose')
+            import :: c_int, c_ptr
+            type(c_ptr), value :: file
+        end function c_fclose
         type(c_ptr) function c_errno() bind(c, name='__errno_location')
             import :: c_ptr
         end function c_errno
@@ -184,24 +199,38 @@ contains
         character(*), intent(in) :: path
         character(*), intent(in) :: text !! with its line ends
         type(error_t), intent(inout) :: err
-        character(200) :: why
-        integer :: unit, io, io_close
 
-        open (newunit=unit, file=path//'.tmp', access='stream', form='unformatted', &
-              status='replace', action='write', iostat=io, iomsg=why)
-        if (io == 0) then
-            write (unit, iostat=io, iomsg=why) text
-            close (unit, iostat=io_close)
-            if (io == 0 .and. io_close /= 0) why = 'it could not be closed'
-            io = max(abs(io), abs(io_close))
-        end if
-        if (io /= 0) then
-            call remove_file(path//'.tmp')
-            call raise(err, exit_io, path//': cannot write it: '//trim(why))
-        else
-            call rename_file(path//'.tmp', path, err)
-        end if
+        if (failed(err)) return
+        call put_text(path//'.tmp', 'wb', text, err)
+        if (.not. failed(err)) call rename_file(path//'.tmp', path, err)
+        if (failed(err)) call remove_file(path//'.tmp')
     end subroutine write_text_file
+
+    !> Append a text to a file; the file is made if it is not there.
+    subroutine append_text(path, text, err)
+        character(*), intent(in) :: path
+        character(*), intent(in) :: text !! with its line ends
+        type(error_t), intent(inout) :: err
+
+        if (.not. failed(err)) call put_text(path, 'ab', text, err)
+    end subroutine append_text
+
+    subroutine put_text(path, mode, text, err)
+        character(*), intent(in) :: path, mode !! mode as in C's fopen
+        character(*), intent(in), target :: text
+        type(error_t), intent(inout) :: err
+        type(c_ptr) :: file
+        logical :: good
+
+        file = c_fopen(path//c_null_char, mode//c_null_char)
+        good = c_associated(file)
+        if (good) then
+            good = c_fwrite(c_loc(text), 1_c_size_t, len(text, c_size_t), file) == len(text)
+            if (.not. good) call raise(err, exit_io, path//': cannot write it: '//reason())
+            good = c_fclose(file) == 0
+        end if
+        if (.not. good) call raise(err, exit_io, path//': cannot write it: '//reason())
+    end subroutine put_text
 
     !> The whole of a file, byte for byte.
     subroutine read_text_file(path, text, err)

@@ -6,21 +6,22 @@
 !> checkpoint and continued: it then equals that of an uninterrupted run byte for byte. For this
 !> the rows up to a checkpoint must be on the disk before it: flush first, checkpoint then.
 module brz_history
-    use brz_errors, only: error_t, failed, raise, exit_io
-    use brz_files, only: file_exists, read_text_file, write_text_file
+    use brz_errors, only: error_t, failed, raise, exit_internal, exit_io
+    use brz_files, only: append_text, file_exists, read_text_file, write_text_file
     use brz_kinds, only: dp
     implicit none
     private
     public :: history_t, open_history, append_row, flush_history, close_history
 
     integer, parameter :: number_width = 24 !! of es24.16e3
+    integer, parameter :: buffer_size = 65536 !! or one row, if that is longer
     character(*), parameter :: line_end = new_line('a')
 
     type :: history_t
         character(:), allocatable :: path
-        integer :: unit = -1 !! -1: not open
-        integer :: columns = 0
-        character(:), allocatable :: row !! buffer of one row
+        integer :: columns = 0 !! 0: not open
+        character(:), allocatable :: buffer !! rows that are not in the file yet
+        integer :: filled = 0 !! part of the buffer that holds rows
     end type history_t
 
 contains
@@ -34,8 +35,6 @@ contains
         type(error_t), intent(inout) :: err
         real(dp), intent(in), optional :: resume_at !! time of the checkpoint [s]
         character(:), allocatable :: header
-        character(200) :: why
-        integer :: io
         logical :: there
 
         call close_history(history, err)
@@ -47,16 +46,11 @@ contains
             call write_text_file(path, header, err)
         end if
         if (failed(err)) return
-        open (newunit=history%unit, file=path, form='formatted', access='stream', status='old', &
-              position='append', action='write', iostat=io, iomsg=why)
-        if (io /= 0) then
-            history%unit = -1
-            call raise(err, exit_io, path//': cannot open it: '//trim(why))
-            return
-        end if
         history%path = path
         history%columns = size(names)
-        history%row = repeat(' ', (number_width + 1)*size(names))
+        history%filled = 0
+        if (allocated(history%buffer)) deallocate (history%buffer)
+        allocate (character(max(buffer_size, (number_width + 1)*size(names))) :: history%buffer)
     end subroutine open_history
 
     !> The row of names.
@@ -104,36 +98,38 @@ contains
         type(history_t), intent(inout) :: history
         real(dp), intent(in) :: values(:) !! (columns)
         type(error_t), intent(inout) :: err
-        character(200) :: why
-        integer :: io
+        integer :: length
 
-        write (history%row, '(*(es24.16e3, :, ","))') values
-        write (history%unit, '(a)', iostat=io, iomsg=why) trim(history%row)
-        if (io /= 0) call raise(err, exit_io, history%path//': cannot write to it: '//trim(why))
+        if (size(values) /= history%columns) then
+            call raise(err, exit_internal, history%path//': a row has another number of columns')
+            return
+        end if
+        length = (number_width + 1)*history%columns
+        if (history%filled + length > len(history%buffer)) call flush_history(history, err)
+        if (failed(err)) return
+        associate (row => history%buffer(history%filled + 1:history%filled + length))
+            write (row, '(*(es24.16e3, :, ","))') values
+            row(length:length) = line_end
+        end associate
+        history%filled = history%filled + length
     end subroutine append_row
 
     !> Bring the rows so far to the file.
     subroutine flush_history(history, err)
-        type(history_t), intent(in) :: history
+        type(history_t), intent(inout) :: history
         type(error_t), intent(inout) :: err
-        character(200) :: why
-        integer :: io
 
-        if (history%unit == -1) return
-        flush (history%unit, iostat=io, iomsg=why)
-        if (io /= 0) call raise(err, exit_io, history%path//': cannot write to it: '//trim(why))
+        if (history%filled == 0) return
+        call append_text(history%path, history%buffer(:history%filled), err)
+        history%filled = 0
     end subroutine flush_history
 
-    !> Close the file; silent if it is not open.
+    !> Bring the last rows to the file and forget it; silent if it is not open.
     subroutine close_history(history, err)
         type(history_t), intent(inout) :: history
         type(error_t), intent(inout) :: err
-        character(200) :: why
-        integer :: io
 
-        if (history%unit == -1) return
-        close (history%unit, iostat=io, iomsg=why)
-        if (io /= 0) call raise(err, exit_io, history%path//': cannot write to it: '//trim(why))
-        history%unit = -1
+        call flush_history(history, err)
+        history%columns = 0
     end subroutine close_history
 end module brz_history
