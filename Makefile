@@ -66,10 +66,43 @@ $(B)/version.f90: FORCE
 PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf))
 include tests/pfstub/pfunit.mk
 
-.PHONY: unit verify
+.PHONY: unit verify python lint format check-docs gpu-check setup test demo bench
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
 	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
+
+# --- what users and CI call ---------------------------------------------------------------------
+PY     := .venv/bin/python
+FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90')
+PARTS  := all unit verify python lint check-docs gpu-check
+setup: ## install what is missing
+	@scripts/setup.sh
+test: setup ## build and run every test
+	@$(PY) scripts/run_tests.py $(PARTS)
+demo: setup ## a coarse blast on a CFRP plate, with pictures
+	@$(MAKE) --no-print-directory all
+	$(BIN) run inputs/demo.nml
+	$(PY) -m post report out/demo
+bench: $(BIN) ## measure the speed on this machine
+	$(BIN) run inputs/bench.nml
+python: all ## tests of the Python tools and of the whole program
+	@$(PY) -m pytest --junitxml=build/log/python.xml $(ARGS)
+lint: ## format, linters, the rules of the house
+	@bad=0; $(PY) scripts/format.py --check $(FORMAT) || bad=1; \
+	.venv/bin/fortitude check -q --output-format concise src tests || bad=1; \
+	.venv/bin/ruff check -q --output-format concise . || bad=1; \
+	.venv/bin/ruff format -q --check . || bad=1; \
+	$(PY) scripts/structure.py . || bad=1; exit $$bad
+format: ## format all sources
+	@$(PY) scripts/format.py $(FORMAT)
+	@.venv/bin/ruff format -q .
+	@.venv/bin/ruff check -q --fix .
+check-docs: all ## is docs/deck_reference.md what the program says?
+	@if [ -f docs/deck_reference.md ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
+	else echo 'skipped: there is no docs/deck_reference.md'; fi
+gpu-check: ## compile all point physics as CUDA Fortran for the GPU
+	@$(PY) scripts/gpu_check.py --work build/gpu/double $(SRC)
+	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
 SCANNED = $(SRC) $(B)/version.f90 $(PF)
@@ -81,7 +114,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help
+NO_BUILD := clean help setup test demo lint format gpu-check
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif

@@ -16,7 +16,9 @@ import sys
 from pathlib import Path
 
 USE = re.compile(r"^\s*use\s*(?:,\s*(?P<nature>\w+)\s*)?(?:::)?\s*\b(?P<name>[a-z]\w*)", re.I)
-MODULE = re.compile(r"^\s*module\s+(?!(?:procedure|subroutine|function)\b)([a-z]\w*)\s*(?:!.*)?$", re.I)
+MODULE = re.compile(
+    r"^\s*module\s+(?!(?:procedure|subroutine|function)\b)([a-z]\w*)\s*(?:!.*)?$", re.I
+)
 SUBMODULE = re.compile(r"^\s*submodule\s*\(\s*(\w+)(?:\s*:\s*(\w+))?\s*\)\s*(\w+)", re.I)
 INTRINSIC = {"iso_c_binding", "iso_fortran_env", "ieee_arithmetic", "ieee_exceptions"}
 INTRINSIC |= {"ieee_features", "omp_lib"}
@@ -70,7 +72,9 @@ def main():
             inside.append(f"{args.modules}/{name}")
         rules.append(f"{object_of(path, args)}: {' '.join(inside)}".rstrip())
     used = {name for needs in needs_of.values() for name in needs}
-    rules += [f"{args.modules}/{n}: {object_of(owner[n], args)} ;" for n in sorted(owner) if n in used]
+    rules += [
+        f"{args.modules}/{n}: {object_of(owner[n], args)} ;" for n in sorted(owner) if n in used
+    ]
     if faults:
         sys.exit("\n".join(faults))
     print("\n".join(rules))

@@ -37,7 +37,7 @@ program driver
     if (tap /= '') call write_tap(tap, tests, outcomes)
     flush (unit)
     if (.not. all(outcomes%status == passed .or. outcomes%status == disabled .or. &
-                  outcomes%status == not_chosen)) stop 2, quiet=.true.
+                  outcomes%status == not_chosen)) stop 2, quiet = .true.
 
 contains
 
@@ -73,7 +73,7 @@ contains
                 call next(k, tap)
             case default
                 write (output_unit, '(a)') 'options: [-v] [-f TEXT] [-o FILE] [-x FILE] [-t FILE]'
-                stop 2, quiet=.true.
+                stop 2, quiet = .true.
             end select
         end do
     end subroutine read_options

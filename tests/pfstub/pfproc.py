@@ -177,7 +177,9 @@ class Translator:
         if name.lower() == "assertfail":
             positional = len(given)
         if positional != count:
-            raise Refused(f"@{name} takes {count} argument(s), then keywords; here are {positional}")
+            raise Refused(
+                f"@{name} takes {count} argument(s), then keywords; here are {positional}"
+            )
         file = self.path.name
         self.out += [
             f'#line {number} "{self.path.as_posix()}"',

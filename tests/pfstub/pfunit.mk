@@ -24,7 +24,7 @@ $(B)/obj/%.o: $(B)/%.F90 $(PF_MODULES) $(B)/command
 	$(Q)$(COMPILE) $(PF_FLAGS) -c $< -o $@
 # The list of suites of a folder, kept when it does not change.
 $(B)/tests/%/suites.inc: FORCE
-	@printf 'ADD_TEST_SUITE(%s_suite)\n' $(basename $(notdir $(filter tests/$*/%,$(PF)))) | $(SAVE) $@
+	@{ :; $(foreach name,$(basename $(notdir $(filter tests/$*/%,$(PF)))),echo 'ADD_TEST_SUITE($(name)_suite)';) } | $(SAVE) $@
 $(B)/tests/%/driver.o: $(PF_DRIVER) $(B)/tests/%/suites.inc $(PF_MODULES)
 	@$(FC) $(FFLAGS) -I$(B)/mod $(PF_FLAGS) -D_TEST_SUITES='"$(abspath $(word 2,$^))"' -c $< -o $@
 define pf_run

@@ -32,17 +32,19 @@ TAIL_ARGS = """        character(*), intent(in), optional :: message
 
 
 def flat(name, rank, kind):
-    wide = f"{'int' if kind[0] == 'i' else 'real'}({name}, {'int64' if kind[0] == 'i' else 'real64'})"
+    wide = (
+        f"{'int' if kind[0] == 'i' else 'real'}({name}, {'int64' if kind[0] == 'i' else 'real64'})"
+    )
     return f"[{wide}]" if rank == 0 else f"reshape({wide}, [size({name})])"
 
 
-def comparison(name, op, pair, ranks):
+def comparison(name, op, pair, ranks, strict=True):
     real = pair[0][0] == "r"
     tolerant = real and name in ("assertEqual", "assertRelativelyEqual")
     label = f"{op}_{pair[0]}{pair[1]}_{ranks[0]}{ranks[1]}"
     args = "expected, actual, " + ("tolerance, " if tolerant else "") + "message, location"
     lines = [f"    subroutine {label}({args})"]
-    for what, kind, rank in zip(("expected", "actual"), pair, ranks):
+    for what, kind, rank in zip(("expected", "actual"), pair, ranks, strict=True):
         lines.append(f"        {KINDS[kind]}, intent(in) :: {what}{DIMS[rank]}")
     if tolerant:
         lines.append(f"        {KINDS[pair[1]]}, intent(in), optional :: tolerance")
@@ -50,7 +52,10 @@ def comparison(name, op, pair, ranks):
     if tolerant:
         lines.append("        real(real64) :: bound\n\n        bound = 0")
         lines.append("        if (present(tolerance)) bound = tolerance")
-    sides = [f"{flat(w, r, k)}, shape({w})" for w, k, r in zip(("expected", "actual"), pair, ranks)]
+    sides = [
+        f"{flat(w, r, k)}, shape({w})"
+        for w, k, r in zip(("expected", "actual"), pair, ranks, strict=True)
+    ]
     core = "compare_reals" if real else "compare_integers"
     extra = (" bound," if tolerant else "") + " message=message, location=location)"
     lines.append(f"        call {core}({op}, {sides[0]}, &\n            {sides[1]},{extra}")
@@ -104,7 +109,9 @@ def all_assertions():
         ("assertAny", "any(actual)", "expected one to be true"),
         ("assertNone", ".not. any(actual)", "expected none to be true"),
     ):
-        found[name] = [condition(name, f"{name}_{r}", logical + DIMS[r], test, text) for r in (1, 2)]
+        found[name] = [
+            condition(name, f"{name}_{r}", logical + DIMS[r], test, text) for r in (1, 2)
+        ]
     for name, call in (("assertIsNan", "ieee_is_nan"), ("assertIsFinite", "ieee_is_finite")):
         found[name] = []
         for kind in ("r4", "r8"):

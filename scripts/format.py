@@ -1,0 +1,71 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Format Fortran sources with fprettify, or show what it would change.
+
+usage: format.py [--check] FILE...
+
+fprettify settles indentation and white space. Only the indentation of continuation lines is left
+as it was written, relative to the first line of the statement: fprettify aligns them with
+brackets and shifts the statement to the left where that does not fit.
+"""
+
+import difflib
+import io
+import logging
+import re
+import sys
+from pathlib import Path
+
+import fprettify
+
+CONTINUED = re.compile(r"^(?:[^'\"!]|'[^']*'|\"[^\"]*\")*&\s*(?:!.*)?$")
+
+
+def indent_of(line):
+    return len(line) - len(line.lstrip())
+
+
+def formatted(text, name):
+    """The text as fprettify wants it, continuation lines at their own indentation."""
+    out = io.StringIO()
+    fprettify.reformat_ffile(
+        io.StringIO(text), out, indent_size=4, llength=1000, whitespace=2, orig_filename=name
+    )
+    old, new = text.splitlines(), out.getvalue().splitlines()
+    if len(old) != len(new):
+        return out.getvalue()
+    continued, shift = False, 0
+    for place, line in enumerate(old):
+        comment = line.lstrip().startswith("!") and not line.lstrip().startswith("!$")
+        if continued and line.strip() and not comment:
+            new[place] = " " * max(indent_of(line) + shift, 0) + new[place].lstrip()
+        elif not comment:
+            shift = indent_of(new[place]) - indent_of(line)
+        if not comment and line.strip() and not line.lstrip().startswith("#"):
+            continued = bool(CONTINUED.match(line))
+    return "\n".join(new) + "\n"
+
+
+def main():
+    check = "--check" in sys.argv
+    logging.disable(logging.CRITICAL)
+    changed = 0
+    for name in sys.argv[1:]:
+        if name == "--check":
+            continue
+        text = Path(name).read_text(encoding="utf-8")
+        better = formatted(text, name)
+        if better == text:
+            continue
+        changed += 1
+        if check:
+            pair = text.splitlines(keepends=True), better.splitlines(keepends=True)
+            sys.stdout.writelines(difflib.unified_diff(*pair, name, "make format"))
+        else:
+            Path(name).write_text(better, encoding="utf-8")
+    if check and changed:
+        sys.exit(f"{changed} file(s) not formatted: run make format")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Run the parts of the test suite, one make target each, and print the sum in the last line.
+
+usage: run_tests.py PART...
+
+A part that leaves build/log/PART.xml (JUnit) is counted test by test; any other part counts as
+one test. A part that ends badly without a failed test in its XML counts as one failure more. A
+line 'skipped: why' of a part without XML makes it a skipped test.
+"""
+
+import os
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree as xml
+from pathlib import Path
+
+LOG = Path("build/log")
+TAIL = 60
+
+
+def count_xml(path):
+    """Numbers of passed, failed and skipped tests in a JUnit file."""
+    cases = list(xml.parse(path).iter("testcase"))
+    bad = sum(c.find("failure") is not None or c.find("error") is not None for c in cases)
+    skipped = sum(c.find("skipped") is not None for c in cases)
+    return len(cases) - bad - skipped, bad, skipped
+
+
+def run_part(part):
+    """Run one target; (passed, failed, skipped)."""
+    report, log = LOG / f"{part}.xml", LOG / f"{part}.log"
+    report.unlink(missing_ok=True)
+    command = [os.environ.get("MAKE", "make"), "--no-print-directory", part]
+    command.insert(1, f"-j{len(os.sched_getaffinity(0))}")
+    start = time.monotonic()
+    with log.open("w", encoding="utf-8") as out:
+        code = subprocess.run(command, stdout=out, stderr=subprocess.STDOUT, check=False).returncode
+    text = log.read_text(encoding="utf-8", errors="replace")
+    try:
+        passed, failed, skipped = count_xml(report)
+    except (OSError, xml.ParseError):
+        skipped = int(code == 0 and "skipped: " in text)
+        passed, failed = int(code == 0 and not skipped), 0
+    if code and not failed:
+        failed = 1
+    seconds = time.monotonic() - start
+    print(f"{part:<12} {passed:5} passed, {failed} failed, {skipped} skipped {seconds:8.1f} s")
+    if failed:
+        print("\n".join(["", *text.splitlines()[-TAIL:], f"(all of it: {log})", ""]))
+    elif "skipped: " in text:
+        print("\n".join(line for line in text.splitlines() if "skipped: " in line))
+    sys.stdout.flush()
+    return passed, failed, skipped
+
+
+def main():
+    LOG.mkdir(parents=True, exist_ok=True)
+    for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
+        os.environ.pop(name, None)
+    counts = [run_part(part) for part in sys.argv[1:]]
+    passed, failed, skipped = (sum(column) for column in zip(*counts, strict=True))
+    print(f"\n{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else ""))
+    sys.exit(failed > 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Check the house rules that no other linter knows.
+
+usage: structure.py ROOT      (ROOT holds src/, tests/, ...)
+
+Layers: base < deck < materials < {air, solid} < coupling < {cpu, gpu} < output < step < main; a
+file uses only its own folder and what is to the left. Point physics (files with `!@cuf`) uses
+only base, plain data and other point physics; a material model may describe itself to the deck as
+well. Sizes: files 400 lines, procedures 80, arguments 8. Also: the licence line, the module name,
+`use` with `only`.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+LAYERS = [{"base"}, {"deck"}, {"materials"}, {"air", "solid"}, {"coupling"}, {"cpu", "gpu"}]
+LAYERS += [{"output"}, {"step"}, {"main"}]
+RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
+MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 400, 80, 8
+LICENCE = "SPDX-License-Identifier: MIT"
+
+USE = re.compile(r"^\s*use\b\s*(?:,\s*\w+\s*::\s*|::\s*|\s)(\w+)\s*(.*)$", re.I)
+MODULE = re.compile(r"^\s*module\s+(?!procedure\b)(\w+)\s*$", re.I)
+BEGIN = re.compile(
+    r"^\s*(?!end\b)(?:[\w(),=*: ]+?\s)??(subroutine|function)\s+(\w+)\s*(?:\(([^)]*)\))?", re.I
+)
+END = re.compile(r"^\s*end\s*(?:subroutine|function)\b", re.I)
+INTERFACE = re.compile(r"^\s*(end\s+|abstract\s+)?interface\b", re.I)
+
+
+def statements(text):
+    """(line number, statement) with comments cut off and continuation lines joined."""
+    whole, start = "", 0
+    for number, line in enumerate(text.splitlines(), 1):
+        bare = re.sub(r"'[^']*'|\"[^\"]*\"", lambda m: "_" * len(m[0]), line).split("!")[0].rstrip()
+        if not bare.strip() or bare.lstrip().startswith("#"):
+            continue
+        start = start or number
+        whole += bare.strip().removeprefix("&").removesuffix("&") + " "
+        if not bare.endswith("&"):
+            yield start, number, whole.strip()
+            whole, start = "", 0
+
+
+class Source:
+    """One Fortran file: what it is called, uses and holds."""
+
+    def __init__(self, path, root):
+        self.path = path
+        self.name = path.relative_to(root)
+        text = path.read_text(encoding="utf-8")
+        self.lines = text.splitlines()
+        self.marked = any(line.lstrip().startswith("!@cuf") for line in self.lines)
+        self.statements = list(statements(text))
+        self.plain = not any(s.lower() == "contains" for _, _, s in self.statements)
+        self.uses, self.modules, self.faults = {}, [], []
+        parts = self.name.parts
+        self.layer = "main" if len(parts) == 2 else parts[1]
+        self.in_src = parts[0] == "src"
+        for first, _, statement in self.statements:
+            if found := MODULE.match(statement):
+                self.modules.append(found[1].lower())
+            elif found := USE.match(statement):
+                self.uses.setdefault(found[1].lower(), first)
+                if "only" not in found[2].lower() and found[1].lower() not in ("funit", "pfunit"):
+                    self.fault(first, f"use {found[1]} without only")
+
+    def fault(self, line, text):
+        self.faults.append(f"{self.name}:{line}: {text}")
+
+    def check_sizes(self):
+        if not self.lines or LICENCE not in self.lines[0]:
+            self.fault(1, f"the first line must be '! {LICENCE}'")
+        if len(self.lines) > MAX_FILE:
+            self.fault(1, f"{len(self.lines)} lines; at most {MAX_FILE}")
+        opened, in_interface = [], False
+        for first, last, statement in self.statements:
+            if found := INTERFACE.match(statement):
+                in_interface = "end" not in (found[1] or "").lower()
+            elif END.match(statement) and opened:
+                name, start = opened.pop()
+                if last - start + 1 > MAX_PROCEDURE:
+                    self.fault(
+                        start, f"{name} has {last - start + 1} lines; at most {MAX_PROCEDURE}"
+                    )
+            elif not in_interface and (found := BEGIN.match(statement)):
+                opened.append((found[2], first))
+                count = len([a for a in (found[3] or "").split(",") if a.strip()])
+                if count > MAX_ARGUMENTS:
+                    self.fault(first, f"{found[2]} has {count} arguments; at most {MAX_ARGUMENTS}")
+            elif in_interface and END.match(statement):
+                continue
+
+    def check_layers(self, owner):
+        stem = self.path.stem.lower()
+        if self.layer != "main" and self.modules != [f"brz_{stem}"]:
+            self.fault(1, f"the file must hold module brz_{stem} alone")
+        if self.layer not in RANK:
+            self.fault(1, f"src/{self.layer} is no layer")
+            return
+        for module, line in self.uses.items():
+            other = owner.get(module)
+            if other is None or other is self:
+                continue
+            if RANK[other.layer] > RANK[self.layer] or (
+                other.layer != self.layer and RANK[other.layer] == RANK[self.layer]
+            ):
+                self.fault(line, f"{self.layer} must not use {module} of {other.layer}")
+            free = other.layer == "base" or other.marked or other.plain
+            if self.marked and not free and self.layer != "materials":
+                self.fault(line, f"point physics must not use {module}: it holds host code")
+
+
+def main():
+    root = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
+    files = [p for d in ("src", "tests") for p in sorted((root / d).rglob("*"))]
+    sources = [Source(p, root) for p in files if p.suffix in (".f90", ".F90", ".pf")]
+    owner = {m: s for s in sources if s.in_src for m in s.modules}
+    for source in sources:
+        source.check_sizes()
+        if source.in_src:
+            source.check_layers(owner)
+    faults = [fault for source in sources for fault in source.faults]
+    for path in sorted((root / "scripts").glob("*")) + sorted(root.glob("post/**/*.py")):
+        if path.suffix in (".py", ".sh"):
+            head = path.read_text(encoding="utf-8").splitlines()[:2]
+            if not any(LICENCE in line for line in head):
+                faults.append(f"{path.relative_to(root)}:1: no line '# {LICENCE}'")
+    if faults:
+        sys.exit("\n".join(faults))
+    print(f"{len(sources)} Fortran files keep the rules of the house")
+
+
+if __name__ == "__main__":
+    main()
