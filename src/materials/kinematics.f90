@@ -152,7 +152,7 @@ contains
         real(rk), intent(in) :: f(3, 3)
         real(rk), intent(out) :: r(3, 3)
         logical, intent(out) :: ok
-        real(rk), parameter :: enough = 1e-8_rk + 10*epsilon(1.0_rk) !! its square is below rounding
+        real(rk), parameter :: enough = 1e-8_rk + 30*epsilon(1.0_rk) !! its square is below rounding
         integer, parameter :: most = 20
         real(rk) :: c(3, 3), d, change
         integer :: i, j, n

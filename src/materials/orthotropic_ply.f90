@@ -258,7 +258,7 @@ contains
         end do
         call ply_stress(material%par, e0, damage, s0)
         call ply_stress(material%par, e1, damage, s1)
-        call grow_damage(material%par, dt, h, s0, s1, e1, damage, grown)
+        call grow_damage(material%par, dt, h, s0, s1, damage, grown)
         if (grown) call ply_stress(material%par, e1, damage, s1)
         work = 0
         loss = 0

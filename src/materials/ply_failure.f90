@@ -206,28 +206,29 @@ contains
     !> line between the stresses; then it tends to 1 with its relaxation time, or follows the
     !> softening line of its fracture energy.
     !@cuf attributes(host,device) &
-    pure subroutine grow_damage(par, dt, h, s_old, s_trial, strain, damage, grown)
+    pure subroutine grow_damage(par, dt, h, s_old, s_trial, damage, grown)
         real(rk), intent(in) :: par(n_par)
         real(rk), intent(in) :: dt, h !! time step [s], smoothing length [m]
         real(rk), intent(in) :: s_old(6) !! stress at the start of the step [Pa]
         real(rk), intent(in) :: s_trial(6) !! stress at its end with the damage of the start [Pa]
-        real(rk), intent(in) :: strain(6) !! at its end
         real(rk), intent(inout) :: damage(n_modes)
         logical, intent(out) :: grown
-        real(rk) :: before, rest, intact(6)
+        real(rk) :: before, rest, f
         integer :: mode
 
         grown = .false.
         do mode = 1, n_modes
             before = damage(mode)
             if (before >= par(p_limit)) cycle
+            f = 0
+            if (before <= 0 .or. par(p_energy + mode) > 0) f = criterion(par, mode, s_trial)
             if (par(p_energy + mode) > 0) then
-                call intact_stress(par, strain, intact)
-                damage(mode) = max(before, softening(par, h, mode, criterion(par, mode, intact)))
+                f = sqrt(max(f, 0.0_rk))/(1 - before)
+                damage(mode) = max(before, softening(par, h, mode, f))
             else
                 rest = dt
-                if (.not. before > 0) then
-                    if (criterion(par, mode, s_trial) < 1) cycle
+                if (before <= 0) then
+                    if (f < 1) cycle
                     rest = dt*(1 - crossing(par, mode, s_old, s_trial))
                 end if
                 damage(mode) = 1 - (1 - before)*exp(-rest/relaxation(par, dt, h, mode))
@@ -282,18 +283,19 @@ contains
 
     !> Damage on the line of linear softening that spends the fracture energy over h.
     !>
-    !> With r the overstress of the undamaged stress and r_f = 2 Gf E/(X^2 h) where nothing is
-    !> left. Where h is too large for the energy (r_f near 1) more than Gf is spent.
+    !> r is the stress over the strength, as it would be without the damage of this mode, and
+    !> r_end = 2 Gf E/(X^2 h) where nothing is left. Where h is too large for the energy (r_end
+    !> near 1) more than Gf is spent.
     !@cuf attributes(host,device) &
-    pure function softening(par, h, mode, f) result(d)
+    pure function softening(par, h, mode, r) result(d)
         real(rk), intent(in) :: par(n_par), h
         integer, intent(in) :: mode
-        real(rk), intent(in) :: f !! criterion on the undamaged stress
-        real(rk) :: d, r, r_end
+        real(rk), intent(in) :: r
+        real(rk) :: d, r_end
         real(rk), parameter :: steepest = 1.05_rk
 
         d = 0
-        if (f <= 1) return
+        if (r <= 1) return
         select case (mode)
         case (fibre_tension); r_end = par(p_e1)*par(i_xt)**2
         case (fibre_compression); r_end = par(p_e1)*par(i_xc)**2
@@ -302,7 +304,6 @@ contains
         case default; r_end = par(p_e3)*par(i_zt)**2
         end select
         r_end = max(steepest, 2*par(p_energy + mode)*r_end/max(h, tiny(h)))
-        r = sqrt(f)
         d = min(1.0_rk, r_end*(r - 1)/(r*(r_end - 1)))
     end function softening
 
