@@ -18,9 +18,9 @@ module brz_orthotropic_ply
     use brz_model, only: model_t, real_key, switch_key, text_key
     use brz_ply_failure, only: ply_stress, grow_damage, total_damage, n_modes, fibre_tension, &
                                fibre_compression, matrix_cracking, matrix_crushing, delamination, &
-                               fabric_woven, p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, p_nu23, &
+                               p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, p_nu23, &
                                p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, p_yc, p_zt, p_s12, p_s13, &
-                               p_s23, p_shear_weight, p_fabric, p_axes, p_degradation, p_time, &
+                               p_s23, p_shear_weight, p_woven, p_axes, p_degradation, p_time, &
                                p_limit, p_retain, p_pressure, p_slope, p_gamma, p_energy, n_keys, &
                                p_c11, p_c22, p_c33, p_c12, p_c23, p_c13, p_bulk, p_rubble, &
                                p_inverse, p_eos
@@ -98,8 +98,8 @@ contains
 
         model%keys(p_shear_weight) = real_key(name, 'shear_weight', '-', '1', &
             'weight of the shear stress in the criterion of the fibres', 0.0_dp, 1.0_dp)
-        model%keys(p_fabric) = text_key(name, 'fabric', 'ud', 'ud|woven', &
-            'one fibre direction, or two (2 fails as fibre too)')
+        model%keys(p_woven) = switch_key(name, 'woven', '.false.', &
+            'a fabric: direction 2 is a fibre direction and fails as one')
         model%keys(p_axes) = text_key(name, 'axes', 'polar', 'polar|spin', &
             'axes turn with the polar rotation, or with the spin')
         model%keys(p_degradation) = text_key(name, 'degradation', 'compliance', &
@@ -108,7 +108,7 @@ contains
             'a failed mode lets go in this time; absent: h over wave speed', 0.0_dp, &
             open_lower=.true.)
         model%keys(p_limit) = real_key(name, 'damage_limit', '-', '0.999', &
-            'largest damage of a mode', 0.0_dp, 0.999999_dp, open_lower=.true.)
+            'largest damage of a mode', 0.0_dp, 0.99999_dp, open_lower=.true.)
         model%keys(p_retain) = switch_key(name, 'retain_bulk', '.true.', &
             'crushed material still resists a loss of volume')
         model%keys(p_pressure) = text_key(name, 'pressure', 'linear', 'linear|anderson', &
@@ -246,7 +246,7 @@ contains
         integer :: i
         logical :: ok, grown
 
-        call load_history(point%hist, f, e0, damage)
+        call load_history(point%hist, material%par(p_limit), f, e0, damage)
         call turn_axes(only_spin(material%par, e0, damage), l, dt, f, middle, last, ok)
         status = material_step_too_large
         if (.not. ok) return
@@ -329,7 +329,7 @@ contains
 
         spin = int(par(p_axes)) == axes_spin .or. damage(fibre_tension) > 0 &
                .or. damage(fibre_compression) > 0
-        if (int(par(p_fabric)) == fabric_woven) &
+        if (par(p_woven) > 0) &
             spin = spin .or. damage(matrix_cracking) > 0 .or. damage(matrix_crushing) > 0
         do i = 1, 6
             spin = spin .or. abs(strain(i)) > wild
@@ -348,8 +348,8 @@ contains
     end subroutine rotate_back
 
     !@cuf attributes(host,device) &
-    pure subroutine load_history(hist, f, strain, damage)
-        real(rk), intent(in) :: hist(n_hist)
+    pure subroutine load_history(hist, limit, f, strain, damage)
+        real(rk), intent(in) :: hist(n_hist), limit !! history, largest damage
         real(rk), intent(out) :: f(3, 3), strain(6), damage(n_modes)
         integer :: i
 
@@ -362,7 +362,7 @@ contains
             strain(i) = hist(h_strain + i)
         end do
         do i = 1, n_modes
-            damage(i) = hist(h_damage + i)
+            damage(i) = min(max(hist(h_damage + i), 0.0_rk), limit)
         end do
     end subroutine load_history
 

@@ -20,7 +20,7 @@ module brz_ply_failure
                                   p_nu13 = 6, p_nu23 = 7, p_g12 = 8, p_g13 = 9, p_g23 = 10, &
                                   p_xt = 11, p_xc = 12, p_yt = 13, p_yc = 14, p_zt = 15, &
                                   p_s12 = 16, p_s13 = 17, p_s23 = 18, p_shear_weight = 19, &
-                                  p_fabric = 20, p_axes = 21, p_degradation = 22, p_time = 23, &
+                                  p_woven = 20, p_axes = 21, p_degradation = 22, p_time = 23, &
                                   p_limit = 24, p_retain = 25, p_pressure = 26, p_slope = 27, &
                                   p_gamma = 28
     integer, parameter, public :: p_energy = 28 !! + mode: fracture energy [J/m2]
@@ -34,7 +34,6 @@ module brz_ply_failure
     integer, parameter, public :: p_eos = 50 !! first slot of the equation of state
 
     ! Values of the options, the places of their words in the deck.
-    integer, parameter, public :: fabric_ud = 1, fabric_woven = 2
     integer, parameter, public :: by_compliance = 1, by_zeroing = 2
 
     ! places in the block of inverse strengths
@@ -57,17 +56,17 @@ contains
 
         call intact_stress(par, strain, stress)
         if (damage(1) + damage(2) + damage(3) + damage(4) + damage(5) <= 0) return
-        call weights(par, damage, pull, push, shear)
+        call intact_parts(par, damage, pull, push, shear)
         if (int(par(p_degradation)) == by_compliance) then
             call soften_compliance(par, strain, pull, push, stress)
         else
-            stress(1) = stress(1)*(1 - merge(pull(1), push(1), stress(1) > 0))
-            stress(2) = stress(2)*(1 - merge(pull(2), push(2), stress(2) > 0))
-            stress(3) = stress(3)*(1 - merge(pull(3), push(3), stress(3) > 0))
+            stress(1) = stress(1)*merge(pull(1), push(1), stress(1) > 0)
+            stress(2) = stress(2)*merge(pull(2), push(2), stress(2) > 0)
+            stress(3) = stress(3)*merge(pull(3), push(3), stress(3) > 0)
         end if
-        stress(4) = stress(4)*(1 - shear(1))
-        stress(5) = stress(5)*(1 - shear(2))
-        stress(6) = stress(6)*(1 - shear(3))
+        stress(4) = stress(4)*shear(1)
+        stress(5) = stress(5)*shear(2)
+        stress(6) = stress(6)*shear(3)
         if (par(p_retain) > 0) then
             crushed = 1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))
             crushed = crushed*par(p_rubble)*max(0.0_rk, -(strain(1) + strain(2) + strain(3)))
@@ -91,12 +90,13 @@ contains
         stress(6) = par(p_g13)*strain(6)
     end subroutine intact_stress
 
-    !> How much of each stress component is lost: in tension, in compression, in shear.
+    !> How much of each stress component is left: in tension, in compression, in shear.
     !>
-    !> In a unidirectional ply broken fibres take everything in tension along; in a fabric 'matrix
-    !> cracking' and 'crushing' are the failure of the second fibre direction.
+    !> These are products of (1 - damage), which real32 keeps apart from zero. In a unidirectional
+    !> ply broken fibres take everything in tension along; in a fabric 'matrix cracking' and
+    !> 'crushing' are the failure of the second fibre direction.
     !@cuf attributes(host,device) &
-    pure subroutine weights(par, damage, pull, push, shear)
+    pure subroutine intact_parts(par, damage, pull, push, shear)
         real(rk), intent(in) :: par(n_par), damage(n_modes)
         real(rk), intent(out) :: pull(3), push(3) !! 11, 22, 33
         real(rk), intent(out) :: shear(3) !! 12, 23, 13
@@ -107,27 +107,27 @@ contains
         mt = 1 - damage(matrix_cracking)
         mc = 1 - damage(matrix_crushing)
         dl = 1 - damage(delamination)
-        pull(1) = 1 - ft
-        push(1) = 1 - fc
-        push(2) = 1 - mc
-        push(3) = 0
-        shear(3) = 1 - ft*fc*dl
-        if (int(par(p_fabric)) == fabric_woven) then
-            pull(2) = 1 - mt
-            pull(3) = 1 - ft*mt*dl
-            shear(1) = 1 - ft*fc*mt*mc
-            shear(2) = 1 - mt*mc*dl
+        pull(1) = ft
+        push(1) = fc
+        push(2) = mc
+        push(3) = 1
+        shear(3) = ft*fc*dl
+        if (par(p_woven) > 0) then
+            pull(2) = mt
+            pull(3) = ft*mt*dl
+            shear(1) = ft*fc*mt*mc
+            shear(2) = mt*mc*dl
         else
-            pull(2) = 1 - ft*mt
-            pull(3) = 1 - ft*dl
-            shear(1) = 1 - ft*fc*mt
+            pull(2) = ft*mt
+            pull(3) = ft*dl
+            shear(1) = ft*fc*mt
             shear(2) = shear(3)
         end if
-    end subroutine weights
+    end subroutine intact_parts
 
-    !> Normal stresses from the compliance S_ii/(1 - w_i), open where in tension.
+    !> Normal stresses from the compliance S_ii/part_i, where the part depends on the sign.
     !>
-    !> Which weight counts depends on the sign of the result: a few passes settle it, since the
+    !> Which part counts depends on the sign of the result: a few passes settle it, since the
     !> relation is that of a convex energy.
     !@cuf attributes(host,device) &
     pure subroutine soften_compliance(par, strain, pull, push, stress)
@@ -145,9 +145,9 @@ contains
             open1 = stress(1) > 0
             open2 = stress(2) > 0
             open3 = stress(3) > 0
-            a11 = 1/(1 - merge(pull(1), push(1), open1))
-            a22 = par(p_e1)/(par(p_e2)*(1 - merge(pull(2), push(2), open2)))
-            a33 = par(p_e1)/(par(p_e3)*(1 - merge(pull(3), push(3), open3)))
+            a11 = 1/merge(pull(1), push(1), open1)
+            a22 = par(p_e1)/(par(p_e2)*merge(pull(2), push(2), open2))
+            a33 = par(p_e1)/(par(p_e3)*merge(pull(3), push(3), open3))
             c11 = a22*a33 - b23*b23
             c22 = a11*a33 - b13*b13
             c33 = a11*a22 - b12*b12
@@ -172,7 +172,7 @@ contains
         real(rk) :: f, weight
         logical :: woven
 
-        woven = int(par(p_fabric)) == fabric_woven
+        woven = par(p_woven) > 0
         weight = par(p_shear_weight)
         f = 0
         select case (mode)
