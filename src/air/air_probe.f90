@@ -1,0 +1,95 @@
+! SPDX-License-Identifier: MIT
+!> The gas at a point, for gauges.
+module brz_air_probe
+    use brz_kinds, only: dp, rk
+    use brz_air_state, only: air_t, wall_t
+    use brz_gas, only: to_primitive
+    implicit none
+    private
+    public :: gas_state_at
+
+    integer, parameter :: reach = 3 !! cells to look around if the eight nearest hold only solid
+
+contains
+
+    !> Density, velocity and pressure at a point, trilinear between the gas cells around it.
+    !>
+    !> Solid cells are left out and the weights of the others made to sum to one. Where all eight
+    !> are solid the nearest gas cell within three counts; zero if there is none. Within half a cell
+    !> of the boundary, and beyond it, the value of the last cell continues.
+    subroutine gas_state_at(air, wall, point, state)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        real(dp), intent(in) :: point(3) !! [m]
+        real(dp), intent(out) :: state(5) !! density, velocity, pressure
+        real(dp) :: x(3), weight, total
+        integer :: low(3), cell(3), m, d
+
+        x = min(max((point - air%lo)/air%dx + 0.5_dp, 1.0_dp), real(air%n, dp))
+        low = min(floor(x), max(air%n - 1, 1))
+        x = x - low
+        state = 0
+        total = 0
+        do m = 0, 7
+            weight = 1
+            do d = 1, 3
+                cell(d) = low(d) + ibits(m, d - 1, 1)
+                weight = weight*merge(x(d), 1 - x(d), btest(m, d - 1))
+            end do
+            if (.not. weight > 0) cycle
+            if (holds_solid(wall, cell)) cycle
+            state = state + weight*primitive_of(air, cell)
+            total = total + weight
+        end do
+        if (total > 0) then
+            state = state/total
+        else
+            call nearest_gas(air, wall, low + nint(x), state)
+        end if
+    end subroutine gas_state_at
+
+    !> True if a cell holds solid.
+    pure logical function holds_solid(wall, cell)
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: cell(3)
+
+        holds_solid = .false.
+        if (wall%present) holds_solid = wall%solid(cell(1), cell(2), cell(3)) /= 0
+    end function holds_solid
+
+    !> Primitive state of a cell.
+    pure function primitive_of(air, cell) result(state)
+        type(air_t), intent(in) :: air
+        integer, intent(in) :: cell(3)
+        real(dp) :: state(5)
+        real(rk) :: w(5)
+
+        call to_primitive(air%gamma, air%u(cell(1), cell(2), cell(3), :), w)
+        state = w
+    end function primitive_of
+
+    !> State of the gas cell nearest to a solid one; zero if none is in reach.
+    subroutine nearest_gas(air, wall, centre, state)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: centre(3) !! cell
+        real(dp), intent(out) :: state(5)
+        integer :: i, j, k, cell(3)
+        real(dp) :: distance, least
+
+        state = 0
+        least = huge(least)
+        do k = max(1, centre(3) - reach), min(air%n(3), centre(3) + reach)
+            do j = max(1, centre(2) - reach), min(air%n(2), centre(2) + reach)
+                do i = max(1, centre(1) - reach), min(air%n(1), centre(1) + reach)
+                    cell = [i, j, k]
+                    if (holds_solid(wall, cell)) cycle
+                    distance = sum(((cell - centre)*air%dx)**2)
+                    if (distance >= least) cycle
+                    least = distance
+                    state = primitive_of(air, cell)
+                end do
+            end do
+        end do
+    end subroutine nearest_gas
+end module brz_air_probe

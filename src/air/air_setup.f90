@@ -1,0 +1,227 @@
+! SPDX-License-Identifier: MIT
+!> From the deck to the air at time zero: grid, undisturbed gas, boxes of gas, charges.
+module brz_air_setup
+    use brz_kinds, only: dp, int8, rk
+    use brz_air_state, only: air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall, charge_report_t, n_ghost
+    use brz_case, only: case_t, charge_case_t, gas_case_t
+    use brz_charge_shape, only: filled_part, make_shape, shape_t
+    use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_gas, only: to_conserved
+    use brz_grid_lines, only: n_blocks
+    implicit none
+    private
+    public :: set_up_air, make_grid, time_step_ramp
+
+    real(dp), parameter :: on_plane = 1e-6_dp !! how exactly a plane must halve a charge, in half sides
+
+contains
+
+    !> Allocate the air and fill it with what the deck says.
+    subroutine set_up_air(case, air, err)
+        type(case_t), intent(in) :: case
+        type(air_t), intent(out) :: air
+        type(error_t), intent(inout) :: err
+        integer :: d, s, m
+
+        air%present = case%air%present
+        if (.not. air%present) return
+        air%gamma = real(case%air%gamma, rk)
+        air%rho_rest = real(case%air%density, rk)
+        air%p_rest = real(case%air%pressure, rk)
+        air%fallback = case%air%fallback
+        if (case%air%reconstruction == 'first_order') air%order = 1
+        do d = 1, 3
+            do s = 1, 2
+                call boundary_code(case%air%bc(s, d), air%bc(s, d), err)
+            end do
+            if (any(air%bc(:, d) == bc_periodic) .and. .not. all(air%bc(:, d) == bc_periodic)) &
+                call raise(err, exit_deck, "&air: bc='periodic' must stand at both ends of a direction")
+        end do
+        if (failed(err)) return
+        call make_grid(case%air%lo, case%air%hi, case%air%cells, air)
+        if (allocated(case%gas)) then
+            do m = 1, size(case%gas)
+                call fill_box(air, case%gas(m))
+            end do
+        end if
+        if (.not. allocated(case%charges)) return
+        allocate (air%charge(size(case%charges)))
+        do m = 1, size(case%charges)
+            call place_charge(air, case%charges(m), air%charge(m), err)
+        end do
+    end subroutine set_up_air
+
+    !> Factor on the time step: it grows from a tenth to one over the first steps, because the
+    !> speeds that a balloon of hot gas will cause are not there yet.
+    pure real(dp) function time_step_ramp(step, ramp_steps)
+        integer, intent(in) :: step !! steps done so far
+        integer, intent(in) :: ramp_steps !! 0: no ramp
+
+        time_step_ramp = 1
+        if (step < ramp_steps) time_step_ramp = 0.1_dp + 0.9_dp*step/ramp_steps
+    end function time_step_ramp
+
+    !> Code of a boundary condition.
+    subroutine boundary_code(word, code, err)
+        character(*), intent(in) :: word
+        integer, intent(out) :: code
+        type(error_t), intent(inout) :: err
+
+        select case (word)
+        case ('outflow')
+            code = bc_outflow
+        case ('wall')
+            code = bc_wall
+        case ('symmetry')
+            code = bc_symmetry
+        case ('periodic')
+            code = bc_periodic
+        case default
+            code = 0
+            call raise(err, exit_deck, "&air: unknown bc '"//trim(word) &
+                //"'; use 'outflow', 'wall', 'symmetry' or 'periodic'")
+        end select
+    end subroutine boundary_code
+
+    !> Allocate all arrays for a box of cells, with the gas at rest.
+    subroutine make_grid(lo, hi, cells, air)
+        real(dp), intent(in) :: lo(3), hi(3) !! corners of the box [m]
+        integer, intent(in) :: cells(3) !! 1: direction not modelled
+        type(air_t), intent(inout) :: air !! its gas and its boundaries are set
+        integer :: n(3), g(3), c, blocks
+        real(rk) :: rest(5)
+
+        air%present = .true.
+        air%n = cells
+        air%g = merge(n_ghost, 0, cells > 1)
+        air%lo = lo
+        air%dx = (hi - lo)/cells
+        n = air%n
+        g = air%g
+        allocate (air%u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5))
+        allocate (air%u_start(n(1), n(2), n(3), 5), source=0.0_rk)
+        allocate (air%rate(n(1), n(2), n(3), 5), source=0.0_rk)
+        call to_conserved(air%gamma, [air%rho_rest, 0.0_rk, 0.0_rk, 0.0_rk, air%p_rest], rest)
+        do c = 1, 5
+            air%u(:, :, :, c) = rest(c)
+        end do
+        blocks = max(n_blocks(n, 1), n_blocks(n, 2), n_blocks(n, 3))
+        allocate (air%edge(5, blocks), source=0.0_dp)
+        allocate (air%row_sum(5, n(2)*n(3)), source=0.0_dp)
+        allocate (air%suspect(blocks), source=0)
+        allocate (air%lowered(0:n(1), 0:n(2), 0:n(3)), source=0_int8)
+        allocate (air%repair(4, 0), air%bad(3, 0))
+    end subroutine make_grid
+
+    !> Give the cells whose centre lies in a box of gas its state.
+    subroutine fill_box(air, gas)
+        type(air_t), intent(inout) :: air
+        type(gas_case_t), intent(in) :: gas
+        integer :: i, j, k
+        real(dp) :: x(3)
+        real(rk) :: q(5)
+
+        call to_conserved(air%gamma, real([gas%density, gas%velocity, gas%pressure], rk), q)
+        do k = 1, air%n(3)
+            do j = 1, air%n(2)
+                do i = 1, air%n(1)
+                    x = air%lo + ([i, j, k] - 0.5_dp)*air%dx
+                    if (all(x >= gas%lo .and. x <= gas%hi .or. air%n == 1)) air%u(i, j, k, :) = q
+                end do
+            end do
+        end do
+    end subroutine fill_box
+
+    !> Put a charge into the air as a balloon of hot gas at rest.
+    !>
+    !> Cells that its surface cuts are mixed by volume. The density is scaled so that the mass, and
+    !> with it the energy, is exact: the whole charge, or what symmetry planes leave of it.
+    subroutine place_charge(air, charge, report, err)
+        type(air_t), intent(inout) :: air
+        type(charge_case_t), intent(in) :: charge
+        type(charge_report_t), intent(out) :: report
+        type(error_t), intent(inout) :: err
+        type(shape_t) :: shape
+        real(dp) :: share, filled, depth
+        integer :: lo(3), hi(3)
+
+        depth = product(air%dx*air%n, mask=air%n == 1)
+        call make_shape(charge, air%n > 1, depth, shape, err)
+        if (failed(err)) return
+        call share_inside(air, charge, shape, share, err)
+        if (failed(err)) return
+        lo = 1
+        hi = air%n
+        where (air%n > 1)
+            lo = max(1, floor((shape%at - shape%half - air%lo)/air%dx))
+            hi = min(air%n, ceiling((shape%at + shape%half - air%lo)/air%dx) + 1)
+        end where
+        call pour(air, shape, lo, hi, [0.0_rk, 0.0_rk], filled)
+        if (.not. filled > 0) then
+            call raise(err, exit_deck, "&charge id='"//trim(charge%id)//"' fills no cell; use smaller cells")
+            return
+        end if
+        report%mass = share*charge%mass
+        report%radius = minval(shape%half)
+        report%cells = minval(merge(shape%half/air%dx, huge(1.0_dp), air%n > 1))
+        report%scale = report%mass/(charge%density*filled)
+        call pour(air, shape, lo, hi, real(report%scale*charge%density*[1.0_dp, charge%energy], rk), filled)
+    end subroutine place_charge
+
+    !> Fill a shape with gas of a density and energy (mix, do not replace); a density of 0 only
+    !> measures the volume.
+    subroutine pour(air, shape, lo, hi, density, filled)
+        type(air_t), intent(inout) :: air
+        type(shape_t), intent(in) :: shape
+        integer, intent(in) :: lo(3), hi(3) !! range of cells to look at
+        real(rk), intent(in) :: density(2) !! mass and energy per volume [kg/m3, J/m3]
+        real(dp), intent(out) :: filled !! volume [m3]
+        integer :: i, j, k
+        real(dp) :: part
+
+        filled = 0
+        do k = lo(3), hi(3)
+            do j = lo(2), hi(2)
+                do i = lo(1), hi(1)
+                    part = filled_part(shape, air%lo + ([i, j, k] - 0.5_dp)*air%dx, air%dx)
+                    if (.not. part > 0) cycle
+                    filled = filled + part*product(air%dx)
+                    if (.not. density(1) > 0) cycle
+                    air%u(i, j, k, :) = real(1 - part, rk)*air%u(i, j, k, :)
+                    air%u(i, j, k, 1) = air%u(i, j, k, 1) + real(part, rk)*density(1)
+                    air%u(i, j, k, 5) = air%u(i, j, k, 5) + real(part, rk)*density(2)
+                end do
+            end do
+        end do
+    end subroutine pour
+
+    !> Part of a charge that lies in the box: a symmetry plane through its centre leaves a half.
+    subroutine share_inside(air, charge, shape, share, err)
+        type(air_t), intent(in) :: air
+        type(charge_case_t), intent(in) :: charge
+        type(shape_t), intent(in) :: shape
+        real(dp), intent(out) :: share
+        type(error_t), intent(inout) :: err
+        real(dp) :: plane, depth
+        integer :: d, s
+
+        share = 1
+        do d = 1, 3
+            if (air%n(d) == 1) cycle
+            do s = 1, 2
+                plane = air%lo(d)
+                if (s == 2) plane = air%lo(d) + air%n(d)*air%dx(d)
+                depth = shape%at(d) - plane
+                if (s == 2) depth = -depth
+                if (depth >= shape%half(d)*(1 - on_plane)) cycle
+                if (air%bc(s, d) == bc_symmetry .and. abs(depth) <= on_plane*shape%half(d)) then
+                    share = share/2
+                else
+                    call raise(err, exit_deck, "&charge id='"//trim(charge%id)//"' reaches out of the box of " &
+                        //"&air; move it, or put a symmetry plane through its centre")
+                    return
+                end if
+            end do
+        end do
+    end subroutine share_inside
+end module brz_air_setup

@@ -1,0 +1,251 @@
+! SPDX-License-Identifier: MIT
+!> A-posteriori fallback: the faces of a cell that would lose nearly all its density or pressure
+!> take the first-order flux.
+!>
+!> It runs after the rates of a stage are complete and before they are used, in the order of the
+!> grid and by one thread: few faces fall back, and the result must not depend on threads. A flux is
+!> replaced for both its cells, on walls too, so nothing is lost.
+module brz_air_repair
+    use brz_kinds, only: dp, int8, rk
+    use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic, lines_per_block, wall_t
+    use brz_air_faces, only: flux_at
+    use brz_air_sweep, only: stage_t
+    use brz_air_walls, only: image_of
+    use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
+    implicit none
+    private
+    public :: repair
+
+    integer, parameter :: passes = 3 !! a repaired cell may push its neighbour over the edge
+
+contains
+
+    !> Repair the rates of a stage where the sweeps found suspects. `status` is set if in vain.
+    subroutine repair(air, wall, last, stage, status)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        integer, intent(in) :: last !! direction of the last sweep, whose blocks hold the suspects
+        type(stage_t), intent(in) :: stage
+        integer, intent(inout) :: status
+        integer :: pass, m, n_bad, n_faces, before
+
+        n_faces = 0
+        call find_suspects(air, wall, last, stage, n_bad)
+        if (air%fallback .and. air%order /= 1) then
+            do pass = 1, passes
+                before = n_faces
+                do m = 1, n_bad
+                    call lower_faces(air, wall, stage, air%bad(:, m), n_faces)
+                end do
+                if (n_faces == before) exit
+                call find_bad_neighbours(air, wall, stage, stage%floor, n_faces, n_bad)
+            end do
+        end if
+        if (n_faces > 0) call find_bad_neighbours(air, wall, stage, 0.0_rk, n_faces, n_bad)
+        do m = 1, n_bad
+            if (status == air_ok) call judge(air, stage, air%bad(:, m), status)
+        end do
+        do m = 1, n_faces
+            air%lowered(air%repair(1, m), air%repair(2, m), air%repair(3, m)) = 0
+        end do
+        air%fallback_faces = air%fallback_faces + n_faces
+    end subroutine repair
+
+    !> List the bad gas cells in the blocks that have suspects.
+    subroutine find_suspects(air, wall, last, stage, n_bad)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: last !! direction of the last sweep
+        type(stage_t), intent(in) :: stage
+        integer, intent(out) :: n_bad
+        integer :: b, i, line, cell(3)
+
+        n_bad = 0
+        do b = 1, n_blocks(air%n, last)
+            if (air%suspect(b) == 0) cycle
+            do line = (b - 1)*lines_per_block + 1, min(b*lines_per_block, n_lines(air%n, last))
+                call first_cell_of(air%n, last, line, cell)
+                do i = 1, air%n(last)
+                    cell(last) = i
+                    call add_if_bad(air, wall, stage, stage%floor, cell, n_bad)
+                end do
+            end do
+        end do
+    end subroutine find_suspects
+
+    !> List the bad gas cells next to the faces that fell back.
+    subroutine find_bad_neighbours(air, wall, stage, floor, n_faces, n_bad)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(in) :: wall
+        type(stage_t), intent(in) :: stage
+        real(rk), intent(in) :: floor !! least ratio of new to old
+        integer, intent(in) :: n_faces !! faces that fell back
+        integer, intent(out) :: n_bad
+        integer :: d, m, s, cell(3)
+
+        n_bad = 0
+        do m = 1, n_faces
+            d = air%repair(4, m)
+            do s = 0, 1
+                cell = air%repair(1:3, m)
+                cell(d) = cell(d) + s
+                if (air%bc(1, d) == bc_periodic) cell(d) = image_of(air, d, cell(d))
+                if (cell(d) < 1 .or. cell(d) > air%n(d)) cycle
+                call add_if_bad(air, wall, stage, floor, cell, n_bad)
+            end do
+        end do
+    end subroutine find_bad_neighbours
+
+    !> Add a gas cell to the list of bad ones if its Euler step is.
+    subroutine add_if_bad(air, wall, stage, floor, cell, n_bad)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(in) :: wall
+        type(stage_t), intent(in) :: stage
+        real(rk), intent(in) :: floor !! least ratio of new to old
+        integer, intent(in) :: cell(3)
+        integer, intent(inout) :: n_bad
+        real(rk) :: old(5), new(5)
+
+        if (wall%present) then
+            if (wall%solid(cell(1), cell(2), cell(3)) == 1) return
+        end if
+        old = air%u(cell(1), cell(2), cell(3), :)
+        new = old + stage%dt*air%rate(cell(1), cell(2), cell(3), :)
+        if (new(1) > floor*old(1) .and. inner(new)*old(1) > floor*inner(old)*new(1)) return
+        n_bad = n_bad + 1
+        call grow(air%bad, n_bad)
+        air%bad(:, n_bad) = cell
+    end subroutine add_if_bad
+
+    !> Internal energy per volume times density.
+    pure real(rk) function inner(q)
+        real(rk), intent(in) :: q(5) !! conserved variables
+
+        inner = q(5)*q(1) - 0.5_rk*(q(2)*q(2) + q(3)*q(3) + q(4)*q(4))
+    end function inner
+
+    !> Give up on a cell that still has no positive density, or is not a number.
+    subroutine judge(air, stage, cell, status)
+        type(air_t), intent(inout) :: air
+        type(stage_t), intent(in) :: stage
+        integer, intent(in) :: cell(3)
+        integer, intent(inout) :: status
+        real(rk) :: new(5)
+
+        new = air%u(cell(1), cell(2), cell(3), :) + stage%dt*air%rate(cell(1), cell(2), cell(3), :)
+        if (new(1) > 0 .and. abs(inner(new)) <= huge(1.0_rk)) return
+        status = air_unphysical
+        air%bad_cell = cell
+        air%bad_state = new
+    end subroutine judge
+
+    !> Give the faces of a cell the first-order flux, unless they have it already.
+    subroutine lower_faces(air, wall, stage, cell, n_faces)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        type(stage_t), intent(in) :: stage
+        integer, intent(in) :: cell(3)
+        integer, intent(inout) :: n_faces
+        integer :: d, s, low(3), bits
+
+        do d = 1, 3
+            if (air%n(d) == 1) cycle
+            do s = -1, 0
+                low = cell
+                low(d) = low(d) + s
+                if (low(d) == 0 .and. air%bc(1, d) == bc_periodic) low(d) = air%n(d)
+                bits = air%lowered(low(1), low(2), low(3))
+                if (btest(bits, d - 1)) cycle
+                air%lowered(low(1), low(2), low(3)) = int(ibset(bits, d - 1), int8)
+                n_faces = n_faces + 1
+                call grow(air%repair, n_faces)
+                air%repair(:, n_faces) = [low, d]
+                call lower_face(air, wall, stage, d, low)
+            end do
+        end do
+    end subroutine lower_faces
+
+    !> Replace the flux through one face in the rates, the impulses and the outflow.
+    subroutine lower_face(air, wall, stage, d, low)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        type(stage_t), intent(in) :: stage
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: low(3) !! cell below the face
+        real(rk) :: f(5), df(5), p, dp_star, speed
+        real(dp) :: area
+        integer :: m, high(3)
+
+        high = low
+        high(d) = high(d) + 1
+        if (air%bc(1, d) == bc_periodic) high(d) = image_of(air, d, high(d))
+        call flux_at(air, wall, air%order, d, low, f, p, speed)
+        call flux_at(air, wall, 1, d, low, df, dp_star, speed)
+        df = df - f
+        dp_star = dp_star - p
+        area = product(air%dx)/air%dx(d)
+        call change(air, wall, d, low, -df, -dp_star, speed)
+        call change(air, wall, d, high, df, dp_star, speed)
+        if (wall%present) call change_impulse(wall, d, low, high, real(stage%share*area, rk)*dp_star)
+        if (air%bc(1, d) == bc_periodic) return
+        do m = 1, 5
+            if (low(d) == 0) air%outflow(turned(m, d)) = air%outflow(turned(m, d)) - stage%share*area*df(m)
+            if (low(d) == air%n(d)) air%outflow(turned(m, d)) = air%outflow(turned(m, d)) + stage%share*area*df(m)
+        end do
+    end subroutine lower_face
+
+    !> Add a change of flux into a cell to its rate; the load of a wall is not kept in the ledger.
+    subroutine change(air, wall, d, cell, df, push, speed)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: cell(3)
+        real(rk), intent(in) :: df(5) !! what flows in, per area and time, normal momentum in slot 2
+        real(rk), intent(in) :: push !! the part of it that is pressure on the wall [Pa]
+        real(rk), intent(in) :: speed !! velocity of the wall [m/s]
+        real(rk) :: f(5)
+        integer :: m
+
+        if (cell(d) < 1 .or. cell(d) > air%n(d)) return
+        f = df
+        if (wall%present) then
+            if (wall%solid(cell(1), cell(2), cell(3)) == 1) then
+                f(2) = f(2) - push
+                f(5) = f(5) - push*speed
+            end if
+        end if
+        do m = 1, 5
+            air%rate(cell(1), cell(2), cell(3), turned(m, d)) = &
+                air%rate(cell(1), cell(2), cell(3), turned(m, d)) + f(m)*real(1/air%dx(d), rk)
+        end do
+    end subroutine change
+
+    !> Add to the impulse of the wall face between two cells, if it is one.
+    subroutine change_impulse(wall, d, low, high, impulse)
+        type(wall_t), intent(inout) :: wall
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: low(3), high(3) !! cells below and above
+        real(rk), intent(in) :: impulse !! [N s]
+        integer :: f
+
+        do f = 1, wall%n_faces
+            if (wall%face(4, f) /= d) cycle
+            if ((wall%face(5, f) > 0 .and. all(wall%face(1:3, f) == low)) &
+                .or. (wall%face(5, f) < 0 .and. all(wall%face(1:3, f) == high))) then
+                if (impulse /= 0) wall%impulse(f) = wall%impulse(f) + impulse
+            end if
+        end do
+    end subroutine change_impulse
+
+    !> Make a table with at least n columns, keeping its content.
+    subroutine grow(table, n)
+        integer, allocatable, intent(inout) :: table(:, :)
+        integer, intent(in) :: n
+        integer, allocatable :: longer(:, :)
+
+        if (size(table, 2) >= n) return
+        allocate (longer(size(table, 1), 2*n + 64))
+        longer(:, 1:size(table, 2)) = table
+        call move_alloc(longer, table)
+    end subroutine grow
+end module brz_air_repair

@@ -1,0 +1,123 @@
+! SPDX-License-Identifier: MIT
+!> One time step of the air: three Runge-Kutta stages of sweeps (SSP-RK3 of Shu and Osher).
+module brz_air_step
+    use brz_kinds, only: dp, rk
+    use brz_air_state, only: air_ok, air_t, bc_periodic, lines_per_block, wall_t
+    use brz_air_faces, only: typical_scale
+    use brz_air_ghosts, only: fill_ghosts
+    use brz_air_repair, only: repair
+    use brz_air_sweep, only: stage_t, sweep
+    use brz_grid_lines, only: n_blocks
+    use omp_lib, only: omp_get_max_threads
+    implicit none
+    private
+    public :: air_step
+
+    ! u := old u_start + new (u + dt rate); the rates count with `share` in the whole step
+    real(rk), parameter :: old(3) = [0.0_rk, 0.75_rk, 1/3.0_rk]
+    real(rk), parameter :: new(3) = [1.0_rk, 0.25_rk, 2/3.0_rk]
+    real(rk), parameter :: share(3) = [1/6.0_rk, 1/6.0_rk, 2/3.0_rk]
+    real(rk), parameter :: least_ratio = 1e-3_rk !! of new to old density or pressure, before a fallback
+
+contains
+
+    !> Advance the air by dt. The walls stand still in the step, but push with their velocity.
+    !>
+    !> `wall%impulse` becomes the impulse on the walls in this step. `status` is air_ok, or
+    !> air_unphysical: then air%bad_cell and air%bad_state tell where, and the step is not finished.
+    subroutine air_step(air, wall, dt, status)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        real(dp), intent(in) :: dt !! time step [s]
+        integer, intent(out) :: status
+        type(stage_t) :: stage
+        integer :: d, last, m
+
+        status = air_ok
+        call make_buffers(air)
+        if (wall%present) wall%impulse(1:wall%n_faces) = 0
+        last = findloc(air%n > 1, .true., dim=1, back=.true.)
+        stage%dt = real(dt, rk)
+        stage%floor = merge(least_ratio, 0.0_rk, air%fallback)
+        call typical_scale(air, stage%scale)
+        do m = 1, 3
+            call fill_ghosts(air)
+            stage%share = share(m)*stage%dt
+            stage%first = .true.
+            do d = 1, last
+                if (air%n(d) == 1) cycle
+                stage%last = d == last
+                call sweep(air, wall, d, stage)
+                call add_outflow(air, d, stage%share)
+                stage%first = .false.
+            end do
+            if (any(air%suspect(1:n_blocks(air%n, last)) > 0)) call repair(air, wall, last, stage, status)
+            if (status /= air_ok) return
+            call update(air%n, air%g, stage%dt, m, air%u, air%u_start, air%rate)
+        end do
+    end subroutine air_step
+
+    !> Give every thread its buffers; only a first step, or one with more threads, allocates.
+    subroutine make_buffers(air)
+        type(air_t), intent(inout) :: air
+        integer :: t, n
+
+        if (allocated(air%work)) then
+            if (size(air%work) >= omp_get_max_threads()) return
+            deallocate (air%work)
+        end if
+        n = maxval(air%n)
+        allocate (air%work(0:omp_get_max_threads() - 1))
+        do t = 0, omp_get_max_threads() - 1
+            allocate (air%work(t)%q(lines_per_block, 5, -1:n + 2), air%work(t)%f(lines_per_block, 5, 0:n))
+        end do
+    end subroutine make_buffers
+
+    !> Book what left through the two outer faces of a direction, block by block.
+    subroutine add_outflow(air, d, share)
+        type(air_t), intent(inout) :: air
+        integer, intent(in) :: d !! direction
+        real(rk), intent(in) :: share !! weight of the stage times dt [s]
+        real(dp) :: total(5)
+        integer :: b
+
+        if (air%bc(1, d) == bc_periodic) return
+        total = 0
+        do b = 1, n_blocks(air%n, d)
+            total = total + air%edge(:, b)
+        end do
+        air%outflow = air%outflow + share*(product(air%dx)/air%dx(d))*total
+    end subroutine add_outflow
+
+    !> Combine the Euler step with the start of the step; the first stage keeps the start.
+    subroutine update(n, g, dt, m, u, u_start, rate)
+        integer, intent(in) :: n(3) !! cells
+        integer, intent(in) :: g(3) !! ghost layers
+        real(rk), intent(in) :: dt !! time step [s]
+        integer, intent(in) :: m !! stage
+        real(rk), intent(inout) :: u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5)
+        real(rk), intent(inout) :: u_start(n(1), n(2), n(3), 5)
+        real(rk), intent(in) :: rate(n(1), n(2), n(3), 5)
+        integer :: i, j, k, c
+
+        !$omp parallel do collapse(2) schedule(static)
+        do c = 1, 5
+            do k = 1, n(3)
+                do j = 1, n(2)
+                    if (m == 1) then
+                        do i = 1, n(1)
+                            u_start(i, j, k, c) = u(i, j, k, c)
+                            u(i, j, k, c) = u(i, j, k, c) + dt*rate(i, j, k, c)
+                        end do
+                    else
+                        do i = 1, n(1)
+                            u(i, j, k, c) = old(m)*u_start(i, j, k, c) &
+                                + new(m)*(u(i, j, k, c) + dt*rate(i, j, k, c))
+                        end do
+                    end if
+                end do
+            end do
+        end do
+        !$omp end parallel do
+    end subroutine update
+end module brz_air_step

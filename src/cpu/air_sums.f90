@@ -1,0 +1,107 @@
+! SPDX-License-Identifier: MIT
+!> Numbers about all of the air: the stable time step and the conserved totals.
+module brz_air_sums
+    use brz_kinds, only: dp, rk
+    use brz_air_state, only: air_t, wall_t
+    implicit none
+    private
+    public :: air_time_step, air_totals
+
+contains
+
+    !> Largest stable time step: cfl over the largest sum_d (|u_d| + c)/dx_d of all gas cells.
+    !>
+    !> Solid cells count with the speed of the wall. The first steps of a blast need a smaller step,
+    !> see time_step_ramp. Zero if the state is not a number.
+    real(dp) function air_time_step(air, wall, cfl)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        real(dp), intent(in) :: cfl !! Courant number [-]
+        real(rk) :: fastest, inverse(3)
+        integer :: j, k, c
+
+        inverse = merge(real(1/air%dx, rk), 0.0_rk, air%n > 1)
+        fastest = 0
+        !$omp parallel do collapse(2) schedule(static) reduction(max: fastest)
+        do k = 1, air%n(3)
+            do j = 1, air%n(2)
+                fastest = max(fastest, fastest_of_row(air, wall, j, k, inverse))
+            end do
+        end do
+        !$omp end parallel do
+        if (wall%present) then
+            do c = 1, wall%n_cells
+                fastest = max(fastest, sum(abs(wall%v(:, c))*inverse))
+            end do
+        end if
+        air_time_step = 0
+        if (fastest <= huge(fastest)) air_time_step = cfl/fastest
+    end function air_time_step
+
+    !> Largest sum_d (|u_d| + c)/dx_d of the gas cells of one row along x; huge if one is NaN.
+    pure real(rk) function fastest_of_row(air, wall, j, k, inverse)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: j, k !! row
+        real(rk), intent(in) :: inverse(3) !! 1/dx of the directions that are modelled [1/m]
+        real(rk) :: r, m1, m2, m3, volume, speed, c2, all_inverse
+        integer :: i
+        logical :: has_solid
+
+        has_solid = .false.
+        if (wall%present) has_solid = any(wall%solid(1:air%n(1), j, k) /= 0)
+        all_inverse = inverse(1) + inverse(2) + inverse(3)
+        fastest_of_row = 0
+        do i = 1, air%n(1)
+            if (has_solid) then
+                if (wall%solid(i, j, k) /= 0) cycle
+            end if
+            r = air%u(i, j, k, 1)
+            m1 = air%u(i, j, k, 2)
+            m2 = air%u(i, j, k, 3)
+            m3 = air%u(i, j, k, 4)
+            volume = 1/r
+            c2 = air%gamma*(air%gamma - 1)*(air%u(i, j, k, 5) - 0.5_rk*(m1*m1 + m2*m2 + m3*m3)*volume)*volume
+            speed = (abs(m1)*inverse(1) + abs(m2)*inverse(2) + abs(m3)*inverse(3))*volume &
+                + sqrt(max(c2, 0.0_rk))*all_inverse
+            fastest_of_row = merge(speed, fastest_of_row, .not. speed <= fastest_of_row)
+        end do
+    end function fastest_of_row
+
+    !> Mass, momentum and energy of the gas and of the ledgers of the solid cells.
+    !>
+    !> Row by row along x, then row after row: the same bits whatever the threads do.
+    subroutine air_totals(air, wall, gas, ledger)
+        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        type(wall_t), intent(in) :: wall
+        real(dp), intent(out) :: gas(5) !! [kg, kg m/s, J]
+        real(dp), intent(out) :: ledger(5) !! [kg, kg m/s, J]
+        integer :: i, j, k, c, row
+
+        !$omp parallel do collapse(2) schedule(static) private(i, c, row)
+        do k = 1, air%n(3)
+            do j = 1, air%n(2)
+                row = (k - 1)*air%n(2) + j
+                air%row_sum(:, row) = 0
+                do i = 1, air%n(1)
+                    do c = 1, 5
+                        air%row_sum(c, row) = air%row_sum(c, row) + air%u(i, j, k, c)
+                    end do
+                end do
+            end do
+        end do
+        !$omp end parallel do
+        ledger = 0
+        if (wall%present) then
+            do c = 1, wall%n_cells
+                ledger = ledger + air%u(wall%cell(1, c), wall%cell(2, c), wall%cell(3, c), :)
+            end do
+        end if
+        gas = 0
+        do row = 1, air%n(2)*air%n(3)
+            gas = gas + air%row_sum(:, row)
+        end do
+        gas = (gas - ledger)*product(air%dx)
+        ledger = ledger*product(air%dx)
+    end subroutine air_totals
+end module brz_air_sums

@@ -1,0 +1,369 @@
+! SPDX-License-Identifier: MIT
+!> Rates of change of the air by one direction: blocks of lines, with the lines as the vector.
+!>
+!> A block is copied to a buffer in which its direction comes first, so that x, y and z run through
+!> the same instructions and give the same bits; then split fluxes, fluxes, differences.
+module brz_air_sweep
+    use brz_kinds, only: dp, rk
+    use brz_air_state, only: air_t, lines_per_block, sweep_work_t, wall_t
+    use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
+    use brz_steger_warming, only: split_flux
+    use brz_weno3, only: weno3
+    use brz_air_faces, only: flux_at
+    use omp_lib, only: omp_get_thread_num
+    implicit none
+    private
+    public :: stage_t, sweep
+
+    integer, parameter :: nb = lines_per_block
+
+    !> What the sweeps must know of the stage.
+    type :: stage_t
+        real(rk) :: dt = 0 !! time step, for the test of the Euler step [s]
+        real(rk) :: share = 0 !! dt times the weight of the stage in the whole step [s]
+        real(rk) :: scale(5) = 1 !! 1/(typical flux)^2, see weno3
+        real(rk) :: floor = 0 !! least ratio of new to old density and pressure
+        logical :: first = .true. !! first direction: the rates start from zero
+        logical :: last = .true. !! last direction: the rates are complete
+    end type stage_t
+
+    !> Where the lines of a block lie in an array seen as a row of numbers.
+    type :: place_t
+        integer :: lines = nb !! lines that count, the others repeat the last one
+        logical :: adjacent = .false. !! the lines are neighbours in memory
+        integer :: start(nb) = 0 !! place of cell 0 of each line
+        integer :: along = 1 !! distance of neighbours on a line
+        integer :: apart = 1 !! distance of two variables
+    end type place_t
+
+contains
+
+    !> Add (or, first, set) the rates by the fluxes in direction d.
+    subroutine sweep(air, wall, d, stage)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        integer, intent(in) :: d !! direction
+        type(stage_t), intent(in) :: stage
+        integer :: b
+
+        !$omp parallel do schedule(static)
+        do b = 1, n_blocks(air%n, d)
+            call sweep_block(air, wall, d, b, stage, air%work(omp_get_thread_num()))
+        end do
+        !$omp end parallel do
+    end subroutine sweep
+
+    !> One block of lines.
+    subroutine sweep_block(air, wall, d, b, stage, work)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: b !! block
+        type(stage_t), intent(in) :: stage
+        type(sweep_work_t), intent(inout) :: work
+        type(place_t) :: from, to
+        logical :: solid
+        integer :: n
+
+        n = air%n(d)
+        solid = .false.
+        if (wall%present) solid = wall%cut(d)%has_solid(b) == 1
+        call locate(air%n, air%g, d, b, from)
+        call load(n, size(air%u), air%u, from, turned(1, d), work%q)
+        if (solid) call blank_solid(air, wall, d, b, work%q)
+        call line_fluxes(n, air%order, air%gamma, stage%scale, work%q, work%f)
+        if (solid) call cut_fluxes(air, wall, d, b, stage%share, work%f)
+        call ends_of_lines(n, from%lines, turned(1, d), work%f, air%edge(1, b))
+        call difference(n, real(1/air%dx(d), rk), work%f)
+        if (solid) call load_off_ledger(air, wall, d, b, work%f)
+        call locate(air%n, [0, 0, 0], d, b, to)
+        call store(n, size(air%rate), air%rate, to, turned(1, d), stage%first, work%f)
+        if (stage%last) call count_suspects(n, stage, work%q, work%f, air%suspect(b))
+    end subroutine sweep_block
+
+    !> Find the lines of a block in an array of n cells with g ghost layers.
+    pure subroutine locate(n, g, d, b, place)
+        integer, intent(in) :: n(3) !! cells
+        integer, intent(in) :: g(3) !! ghost layers of the array
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: b !! block
+        type(place_t), intent(out) :: place
+        integer :: l, cell(3), step(3)
+
+        step = [1, n(1) + 2*g(1), (n(1) + 2*g(1))*(n(2) + 2*g(2))]
+        place%along = step(d)
+        place%apart = step(3)*(n(3) + 2*g(3))
+        place%lines = min(nb, n_lines(n, d) - (b - 1)*nb)
+        do l = 1, nb
+            call first_cell_of(n, d, (b - 1)*nb + min(l, place%lines), cell)
+            cell(d) = 0
+            place%start(l) = 1 + dot_product(cell + g - 1, step)
+        end do
+        place%adjacent = place%lines == nb .and. place%start(nb) - place%start(1) == nb - 1
+    end subroutine locate
+
+    !> Copy the lines of a block, two ghosts at each end, with the vectors turned into direction d.
+    pure subroutine load(n, length, u, place, turn, q)
+        integer, intent(in) :: n !! cells on a line
+        integer, intent(in) :: length
+        real(rk), intent(in) :: u(length)
+        type(place_t), intent(in) :: place
+        integer, intent(in) :: turn(5) !! variable in each slot
+        real(rk), intent(out) :: q(nb, 5, -1:n + 2)
+        integer :: c, i, l, at
+
+        if (place%adjacent) then
+            do i = -1, n + 2
+                do c = 1, 5
+                    at = place%start(1) + i*place%along + (turn(c) - 1)*place%apart - 1
+                    do l = 1, nb
+                        q(l, c, i) = u(at + l)
+                    end do
+                end do
+            end do
+        else
+            do c = 1, 5
+                do l = 1, nb
+                    at = place%start(l) + (turn(c) - 1)*place%apart
+                    do i = -1, n + 2
+                        q(l, c, i) = u(at + i*place%along)
+                    end do
+                end do
+            end do
+        end if
+    end subroutine load
+
+    !> Add the rates of a block to their places, or set them.
+    !>
+    !> The buffer leaves with the sums, which count_suspects needs after the last direction.
+    pure subroutine store(n, length, rate, place, turn, first, f)
+        integer, intent(in) :: n !! cells on a line
+        integer, intent(in) :: length
+        real(rk), intent(inout) :: rate(length)
+        type(place_t), intent(in) :: place
+        integer, intent(in) :: turn(5) !! variable in each slot
+        logical, intent(in) :: first !! set, do not add
+        real(rk), intent(inout) :: f(nb, 5, 0:n) !! rate of cell i in place i-1
+        integer :: c, i, l, at
+
+        if (place%adjacent) then
+            do i = 1, n
+                do c = 1, 5
+                    at = place%start(1) + i*place%along + (turn(c) - 1)*place%apart - 1
+                    if (first) then
+                        do l = 1, nb
+                            rate(at + l) = f(l, c, i - 1)
+                        end do
+                    else
+                        do l = 1, nb
+                            f(l, c, i - 1) = rate(at + l) + f(l, c, i - 1)
+                            rate(at + l) = f(l, c, i - 1)
+                        end do
+                    end if
+                end do
+            end do
+        else
+            do c = 1, 5
+                do l = 1, nb
+                    at = place%start(l) + (turn(c) - 1)*place%apart
+                    if (.not. first) then
+                        do i = 1, n
+                            f(l, c, i - 1) = rate(at + i*place%along) + f(l, c, i - 1)
+                        end do
+                    end if
+                    if (l > place%lines) cycle
+                    do i = 1, n
+                        rate(at + i*place%along) = f(l, c, i - 1)
+                    end do
+                end do
+            end do
+        end if
+    end subroutine store
+
+    !> Fluxes through all faces of the lines of a block as if there were gas everywhere.
+    !>
+    !> Each cell is split once; the last four cells are kept, which is what a face needs.
+    pure subroutine line_fluxes(n, order, gamma, scale, q, f)
+        integer, intent(in) :: n !! cells on a line
+        integer, intent(in) :: order !! 1: first order, 3: WENO3
+        real(rk), intent(in) :: gamma !! ratio of specific heats [-]
+        real(rk), intent(in) :: scale(5) !! see weno3
+        real(rk), intent(in) :: q(nb, 5, -1:n + 2) !! conserved variables
+        real(rk), intent(out) :: f(nb, 5, 0:n) !! flux through the face above each cell
+        real(rk) :: up(nb, 5, 0:3), down(nb, 5, 0:3), state(5), plus(5), minus(5)
+        integer :: c, i, l, s0, s1, s2, s3
+
+        do i = -1, n + 2
+            s3 = iand(i, 3)
+            do l = 1, nb
+                state(1) = q(l, 1, i)
+                state(2) = q(l, 2, i)
+                state(3) = q(l, 3, i)
+                state(4) = q(l, 4, i)
+                state(5) = q(l, 5, i)
+                call split_flux(gamma, state, plus, minus)
+                up(l, 1, s3) = plus(1)
+                up(l, 2, s3) = plus(2)
+                up(l, 3, s3) = plus(3)
+                up(l, 4, s3) = plus(4)
+                up(l, 5, s3) = plus(5)
+                down(l, 1, s3) = minus(1)
+                down(l, 2, s3) = minus(2)
+                down(l, 3, s3) = minus(3)
+                down(l, 4, s3) = minus(4)
+                down(l, 5, s3) = minus(5)
+            end do
+            if (i < 2) cycle
+            s0 = iand(i - 3, 3)
+            s1 = iand(i - 2, 3)
+            s2 = iand(i - 1, 3)
+            if (order == 1) then
+                f(:, :, i - 2) = up(:, :, s1) + down(:, :, s2)
+                cycle
+            end if
+            do c = 1, 5
+                do l = 1, nb
+                    f(l, c, i - 2) = weno3(up(l, c, s0), up(l, c, s1), up(l, c, s2), scale(c)) &
+                        + weno3(down(l, c, s3), down(l, c, s2), down(l, c, s1), scale(c))
+                end do
+            end do
+        end do
+    end subroutine line_fluxes
+
+    !> Rates -(F above - F below)/dx, in place: that of cell i goes to place i-1.
+    pure subroutine difference(n, inverse_dx, f)
+        integer, intent(in) :: n !! cells on a line
+        real(rk), intent(in) :: inverse_dx !! [1/m]
+        real(rk), intent(inout) :: f(nb, 5, 0:n) !! fluxes in, rates out
+        integer :: c, i, l
+
+        do i = 1, n
+            do c = 1, 5
+                do l = 1, nb
+                    f(l, c, i - 1) = (f(l, c, i - 1) - f(l, c, i))*inverse_dx
+                end do
+            end do
+        end do
+    end subroutine difference
+
+    !> What leaves the lines of a block at their two ends, summed line by line.
+    pure subroutine ends_of_lines(n, lines, turn, f, edge)
+        integer, intent(in) :: n !! cells on a line
+        integer, intent(in) :: lines !! lines that count
+        integer, intent(in) :: turn(5) !! variable in each slot
+        real(rk), intent(in) :: f(nb, 5, 0:n) !! fluxes
+        real(dp), intent(out) :: edge(5) !! sum of fluxes out
+        integer :: c, l
+
+        do c = 1, 5
+            edge(turn(c)) = 0
+            do l = 1, lines
+                edge(turn(c)) = edge(turn(c)) + (real(f(l, c, n), dp) - real(f(l, c, 0), dp))
+            end do
+        end do
+    end subroutine ends_of_lines
+
+    !> Count the cells whose Euler step loses nearly all density or pressure, or is not a number.
+    !>
+    !> Divisions are avoided by multiplying with densities. Solid cells may be among those counted.
+    pure subroutine count_suspects(n, stage, q, f, suspects)
+        integer, intent(in) :: n !! cells on a line
+        type(stage_t), intent(in) :: stage
+        real(rk), intent(in) :: q(nb, 5, -1:n + 2) !! state before
+        real(rk), intent(in) :: f(nb, 5, 0:n) !! complete rate of cell i in place i-1
+        integer, intent(out) :: suspects
+        real(rk) :: r, m1, m2, m3, e, old, new
+        integer :: i, l, bad(nb)
+
+        bad = 0
+        do i = 1, n
+            do l = 1, nb
+                r = q(l, 1, i) + stage%dt*f(l, 1, i - 1)
+                m1 = q(l, 2, i) + stage%dt*f(l, 2, i - 1)
+                m2 = q(l, 3, i) + stage%dt*f(l, 3, i - 1)
+                m3 = q(l, 4, i) + stage%dt*f(l, 4, i - 1)
+                e = q(l, 5, i) + stage%dt*f(l, 5, i - 1)
+                new = (e*r - 0.5_rk*(m1*m1 + m2*m2 + m3*m3))*q(l, 1, i)
+                old = (q(l, 5, i)*q(l, 1, i) - 0.5_rk*(q(l, 2, i)*q(l, 2, i) &
+                    + q(l, 3, i)*q(l, 3, i) + q(l, 4, i)*q(l, 4, i)))*r
+                bad(l) = bad(l) + merge(0, 1, r > stage%floor*q(l, 1, i) .and. new > stage%floor*old)
+            end do
+        end do
+        suspects = sum(bad)
+    end subroutine count_suspects
+
+    !> Put a quiet state without pressure into the solid cells: its split fluxes are all zero.
+    subroutine blank_solid(air, wall, d, b, q)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: b !! block
+        real(rk), intent(inout) :: q(nb, 5, -1:air%n(d) + 2)
+        integer :: l, i, cell(3)
+
+        do l = 1, nb
+            call first_cell_of(air%n, d, min((b - 1)*nb + l, n_lines(air%n, d)), cell)
+            do i = -1, air%n(d) + 2
+                cell(d) = i
+                if (wall%solid(cell(1), cell(2), cell(3)) == 0) cycle
+                q(l, 1, i) = air%rho_rest
+                q(l, 2:5, i) = 0
+            end do
+        end do
+    end subroutine blank_solid
+
+    !> Replace the fluxes of the faces that a solid cell cuts, and book the impulse on the walls.
+    subroutine cut_fluxes(air, wall, d, b, share, f)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(inout) :: wall
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: b !! block
+        real(rk), intent(in) :: share !! weight of the stage times dt [s]
+        real(rk), intent(inout) :: f(nb, 5, 0:air%n(d)) !! fluxes
+        real(rk) :: flux(5), area
+        integer :: e, l, face, low(3)
+
+        area = real(product(air%dx)/air%dx(d), rk)
+        do e = wall%cut(d)%first(b), wall%cut(d)%first(b + 1) - 1
+            low = wall%cut(d)%face(1:3, e)
+            call flux_at(air, wall, air%order, d, low, flux, wall%cut(d)%p_star(e), wall%cut(d)%speed(e))
+            l = lane_of(air, d, b, low)
+            f(l, :, low(d)) = flux
+            face = wall%cut(d)%face(4, e)
+            if (face > 0) wall%impulse(face) = wall%impulse(face) + share*area*wall%cut(d)%p_star(e)
+        end do
+    end subroutine cut_fluxes
+
+    !> Take the pressure on its walls, and the work of it, off the ledger of a solid cell.
+    subroutine load_off_ledger(air, wall, d, b, f)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: b !! block
+        real(rk), intent(inout) :: f(nb, 5, 0:air%n(d)) !! rate of cell i in place i-1
+        real(rk) :: push
+        integer :: e, l, i
+
+        do e = wall%cut(d)%first(b), wall%cut(d)%first(b + 1) - 1
+            if (wall%cut(d)%side(e) == 0) cycle
+            i = wall%cut(d)%face(d, e) ! below the face, and so its place if the solid is above
+            if (wall%cut(d)%side(e) < 0) i = i - 1
+            if (i < 0 .or. i >= air%n(d)) cycle
+            l = lane_of(air, d, b, wall%cut(d)%face(1:3, e))
+            push = wall%cut(d)%side(e)*wall%cut(d)%p_star(e)*real(1/air%dx(d), rk)
+            f(l, 2, i) = f(l, 2, i) - push
+            f(l, 5, i) = f(l, 5, i) - push*wall%cut(d)%speed(e)
+        end do
+    end subroutine load_off_ledger
+
+    !> Place of a line within its block.
+    pure integer function lane_of(air, d, b, cell)
+        use brz_grid_lines, only: line_of
+        type(air_t), intent(in) :: air
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: b !! block
+        integer, intent(in) :: cell(3) !! a cell on the line
+
+        lane_of = line_of(air%n, d, cell) - (b - 1)*nb
+    end function lane_of
+end module brz_air_sweep
