@@ -17,6 +17,7 @@ module brz_air_step
     real(rk), parameter :: old(3) = [0.0_rk, 0.75_rk, 1/3.0_rk]
     real(rk), parameter :: new(3) = [1.0_rk, 0.25_rk, 2/3.0_rk]
     real(rk), parameter :: share(3) = [1/6.0_rk, 1/6.0_rk, 2/3.0_rk]
+    integer, parameter :: few_numbers = 10000 !! fewer are not worth waking the other threads
     real(rk), parameter :: least_ratio = 1e-3_rk !! of new to old density or pressure, before a fallback
 
 contains
@@ -100,7 +101,7 @@ contains
         real(rk), intent(in) :: rate(n(1), n(2), n(3), 5)
         integer :: i, j, k, c
 
-        !$omp parallel do collapse(2) schedule(static)
+        !$omp parallel do collapse(2) schedule(static) if (size(rate) > few_numbers)
         do c = 1, 5
             do k = 1, n(3)
                 do j = 1, n(2)

@@ -7,6 +7,8 @@ module brz_air_sums
     private
     public :: air_time_step, air_totals
 
+    integer, parameter :: few_numbers = 10000 !! fewer are not worth waking the other threads
+
 contains
 
     !> Largest stable time step: cfl over the largest sum_d (|u_d| + c)/dx_d of all gas cells.
@@ -22,7 +24,7 @@ contains
 
         inverse = merge(real(1/air%dx, rk), 0.0_rk, air%n > 1)
         fastest = 0
-        !$omp parallel do collapse(2) schedule(static) reduction(max: fastest)
+        !$omp parallel do collapse(2) schedule(static) reduction(max: fastest) if (size(air%rate) > few_numbers)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 fastest = max(fastest, fastest_of_row(air, wall, j, k, inverse))
@@ -78,7 +80,7 @@ contains
         real(dp), intent(out) :: ledger(5) !! [kg, kg m/s, J]
         integer :: i, j, k, c, row
 
-        !$omp parallel do collapse(2) schedule(static) private(i, c, row)
+        !$omp parallel do collapse(2) schedule(static) private(i, c, row) if (size(air%rate) > few_numbers)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 row = (k - 1)*air%n(2) + j

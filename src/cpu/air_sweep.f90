@@ -16,6 +16,7 @@ module brz_air_sweep
     public :: stage_t, sweep
 
     integer, parameter :: nb = lines_per_block
+    integer, parameter :: few_blocks = 8 !! fewer are not worth waking the other threads
 
     !> What the sweeps must know of the stage.
     type :: stage_t
@@ -46,7 +47,7 @@ contains
         type(stage_t), intent(in) :: stage
         integer :: b
 
-        !$omp parallel do schedule(static)
+        !$omp parallel do schedule(static) if (n_blocks(air%n, d) >= few_blocks)
         do b = 1, n_blocks(air%n, d)
             call sweep_block(air, wall, d, b, stage, air%work(omp_get_thread_num()))
         end do
