@@ -102,7 +102,7 @@ contains
         call deviator_step(material%shear, material%par(p_yield), dt, l, s, work, plastic, strain)
         energy = point%energy + work*v_mid
         call mie_gruneisen(material%par(p_eos), mu, a, b, slope, clamped)
-        call pressure_step(material%density, a, b, material%par(p_cutoff), dv, p_old, energy, p, ok)
+        call pressure_step(a, b*material%density, material%par(p_cutoff), dv, p_old, energy, p, ok)
         status = material_step_too_large
         if (.not. ok) return
         status = material_ok

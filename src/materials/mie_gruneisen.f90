@@ -79,10 +79,10 @@ contains
 
     !> Pressure and energy at the end of a step, implicit and in closed form.
     !>
-    !> Solves e = e_star - dv/2 (p_old + p) together with p = max(A + B rho0 e, least).
+    !> Solves e = e_star - dv/2 (p_old + p) together with p = max(a + b_rho e, least).
     !@cuf attributes(host,device) &
-    pure subroutine pressure_step(density, a, b, least, dv, p_old, energy, p, ok)
-        real(rk), intent(in) :: density, a, b
+    pure subroutine pressure_step(a, b_rho, least, dv, p_old, energy, p, ok)
+        real(rk), intent(in) :: a, b_rho !! A [Pa] and B rho0 [kg/m3]
         real(rk), intent(in) :: least !! the pressure never falls below this [Pa]
         real(rk), intent(in) :: dv !! change of specific volume in the step [m3/kg]
         real(rk), intent(in) :: p_old !! [Pa]
@@ -91,11 +91,11 @@ contains
         logical, intent(out) :: ok !! false: the expansion is too large for one step; nothing done
         real(rk) :: denominator
 
-        denominator = 1 + b*density*dv/2
+        denominator = 1 + b_rho*dv/2
         ok = denominator > 0.1_rk
         p = p_old
         if (.not. ok) return
-        p = max((a + b*density*(energy - dv/2*p_old))/denominator, least)
+        p = max((a + b_rho*(energy - dv/2*p_old))/denominator, least)
         energy = energy - dv/2*(p_old + p)
     end subroutine pressure_step
 

@@ -303,7 +303,7 @@ contains
             call hugoniot_excess(material%par(p_eos), point%mu, a, b, slope, clamped)
             p_old = a + b*material%density*point%energy
             call hugoniot_excess(material%par(p_eos), mu, a, b, slope, clamped)
-            call pressure_step(material%density, a, b, -huge(a), dv, p_old, energy, p, ok)
+            call pressure_step(a, b*material%density, -huge(a), dv, p_old, energy, p, ok)
             if (clamped) status = material_clamped
             if (.not. ok) status = material_step_too_large
             if (.not. ok) return
