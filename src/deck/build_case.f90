@@ -8,7 +8,7 @@ module brz_build_case
     use brz_complete, only: ensure_group, parse_defaults
     use brz_deck, only: add_error, add_warning, deck_t, entry_t, find_entry, find_group, &
          group_label, &
-                        group_t, max_shown, report_errors
+                        group_t, may_be_misspelt, max_shown, report_errors
     use brz_echo, only: echo_deck
     use brz_errors, only: error_t, failed
     use brz_fill_case, only: fill_air, fill_body, fill_charge, fill_gas, fill_gauge, fill_run, &
@@ -23,8 +23,7 @@ contains
 
     !> Fill a case from a deck. Raises all errors of the deck together, those of `read_deck` too.
     subroutine build_case(deck, keys, case, err)
-        type(deck_t), &
-             intent(inout) :: deck !! settings that are absent are added with their defaults
+        type(deck_t), intent(inout) :: deck !! settings that are absent are added
         type(key_t), intent(in) :: keys(:)
         type(case_t), intent(out) :: case
         type(error_t), intent(inout) :: err
@@ -56,6 +55,7 @@ contains
     subroutine check_presence(deck)
         type(deck_t), intent(inout) :: deck
 
+        if (may_be_misspelt(deck)) return
         if (find_group(deck, 'run') == 0) &
             call add_error(deck, 0, "the group &run is missing; write at least &run t_end=1e-3 /")
         if (find_group(deck, 'air') == 0 .and. find_group(deck, 'body') == 0) &

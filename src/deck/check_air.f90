@@ -2,7 +2,8 @@
 !> Geometry of the air, of boxes of gas and of charges.
 module brz_check_air
     use brz_case, only: case_t, charge_case_t
-    use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
+    use brz_deck, only: add_warning, complain, deck_t, find_group, group_label, &
+                        may_be_misspelt
     use brz_get, only: is_usable
     use brz_kinds, only: dp
     use brz_text, only: to_text
@@ -55,7 +56,8 @@ contains
             if (deck%groups(g)%name /= 'gas') cycle
             k = k + 1
             if (.not. case%air%present) then
-                call complain(deck, g, 'id', 'a box of gas needs &air')
+                if (.not. may_be_misspelt(deck)) &
+                    call complain(deck, g, 'id', 'a box of gas needs &air')
                 cycle
             end if
             call check_corners(deck, g, case%gas(k)%lo, case%gas(k)%hi)
@@ -75,7 +77,8 @@ contains
             if (deck%groups(g)%name /= 'charge') cycle
             k = k + 1
             if (.not. case%air%present) then
-                call complain(deck, g, 'id', 'a charge needs &air around it')
+                if (.not. may_be_misspelt(deck)) &
+                    call complain(deck, g, 'id', 'a charge needs &air around it')
                 cycle
             end if
             if (deck%groups(g)%bad .or. air_bad(deck)) cycle

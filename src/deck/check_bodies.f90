@@ -134,9 +134,8 @@ contains
                           box_text(lo, hi)//'; three particles across are the least that bend '// &
                           'right')
         else if (product(n) > real(huge(1), dp)) then
-            call complain(deck, g, 'spacing', 'about '//to_text(real(nint(product(n)/1e9_dp), &
-                 dp))// &
-                          'e9 particles are more than '//to_text(huge(1))//'; use a larger spacing')
+            call complain(deck, g, 'spacing', 'about '//to_text(anint(product(n)))// &
+                          ' particles are more than '//to_text(huge(1))//'; use a larger spacing')
         end if
         axis = index(axes, body%ply_axis)
         if (deck%groups(g)%bad .or. body%n_plies == 0) return

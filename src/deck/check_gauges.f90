@@ -4,7 +4,7 @@ module brz_check_gauges
     use brz_case, only: case_t, gauge_case_t
     use brz_check_air, only: box_text, point_text
     use brz_check_bodies, only: body_box, reference_hint
-    use brz_deck, only: complain, deck_t, find_group
+    use brz_deck, only: complain, deck_t, find_group, may_be_misspelt
     use brz_get, only: is_usable
     use brz_kinds, only: dp
     implicit none
@@ -63,6 +63,7 @@ contains
                           "' is that of the air: take body out, or measure a velocity or "// &
                           "displacement")
         else if (gauge%body_index == 0 .and. .not. case%air%present) then
+            if (may_be_misspelt(deck)) return
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
                           "' needs &air; for a body add body='...'")
         end if
@@ -84,6 +85,7 @@ contains
             where = 'the body, which is '
             if (deck%groups(find_group(deck, 'body', trim(gauge%body)))%bad) return
         else
+            if (.not. case%air%present) return
             lo = case%air%lo
             hi = case%air%hi
             slack = 1e-9_dp*(hi - lo)

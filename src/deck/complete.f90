@@ -26,6 +26,7 @@ contains
         integer :: e, first
 
         if (.not. deck%groups(g)%known) return
+        if (deck%groups(g)%broken) deck%groups(g)%bad = .true.
         call take_id(deck, g)
         call check_owner(deck, keys, g)
         label = group_label(deck%groups(g))
@@ -53,8 +54,8 @@ contains
     subroutine take_id(deck, g)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
-        character(*), &
-             parameter :: allowed = 'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'// &
+        character(*), parameter :: allowed = &
+                                   'abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ'// &
                                              '0123456789_-.+'
         integer :: e
 
@@ -155,8 +156,9 @@ contains
             entry%bad = .true.
             owner = group_owner(group)
             m = find_entry(group, 'model')
-            if (m > 0) then
-                ! the model is wrong: whether its keys are right cannot be known
+            if (find_row(keys, trim(group%name), 'model', '') > 0) then
+                ! without a model nobody knows whether its keys are right
+                if (m == 0) return
                 if (group%entries(m)%bad) return
             end if
             hint = key_hint(keys, trim(group%name), owner, trim(entry%key))
@@ -220,10 +222,14 @@ contains
         type(deck_t), intent(inout) :: deck
         type(key_t), intent(in) :: row
         integer, intent(in) :: g
+        character(:), allocatable :: meaning
 
         deck%groups(g)%bad = .true.
+        if (deck%groups(g)%broken) return
+        meaning = trim(row%meaning)
+        if (index(meaning, '.') == len(meaning)) meaning = meaning(:len(meaning) - 1)
         call add_error(deck, deck%groups(g)%line, group_label(deck%groups(g))//"key '"// &
-                       trim(row%key)//"' is missing: "//trim(row%meaning)//' It expects '// &
+                       trim(row%key)//"' is missing ("//meaning//'); it expects '// &
                        expectation(row))
     end subroutine complain_missing
 

@@ -9,7 +9,7 @@ module brz_deck
     public :: deck_t, group_t, entry_t, raw_t, message_t
     public :: add_error, add_warning, report_errors, place, group_label, find_entry, find_group
     public :: add_group, add_entry, entry_line, complain
-    public :: max_shown, max_groups, max_entries, max_values
+    public :: may_be_misspelt, max_shown, max_groups, max_entries, max_values
 
     integer, parameter :: max_shown = 50 !! messages that are kept, the rest is counted
     integer, parameter :: max_groups = 10000 !! groups of one deck
@@ -41,6 +41,7 @@ module brz_deck
         character(:), allocatable :: id !! '' where the group has none
         integer :: line = 0 !! where the group opens; 0: not in the deck, all defaults
         logical :: known = .true. !! false: no such group in the key table
+        logical :: broken = .false. !! keys may be lost by an error of form
         logical :: bad = .false. !! at least one entry is in error or missing
         integer :: n = 0
         type(entry_t), allocatable :: entries(:) !! (n used)
@@ -184,6 +185,14 @@ contains
         place = 0
     end function find_group
 
+    !> True if a group is not known: a group that seems to be missing may stand there misspelt.
+    pure logical function may_be_misspelt(deck)
+        type(deck_t), intent(in) :: deck
+
+        may_be_misspelt = .false.
+        if (deck%n > 0) may_be_misspelt = .not. all(deck%groups(:deck%n)%known)
+    end function may_be_misspelt
+
     !> Line of a key in the deck, or of its group where the key is not in the deck.
     pure integer function entry_line(group, key) result(line)
         type(group_t), intent(in) :: group
@@ -242,6 +251,7 @@ contains
         to%name = from%name
         to%line = from%line
         to%known = from%known
+        to%broken = from%broken
         to%bad = from%bad
         to%n = from%n
         call move_alloc(from%id, to%id)

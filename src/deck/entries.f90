@@ -50,6 +50,7 @@ contains
                 call add_error(deck, token%line, group_label(deck%groups(g))// &
                                'the quote of a text is not closed on this line: '// &
                                printable(token%text(:token%n), 40))
+                deck%groups(g)%broken = .true.
                 if (e > 0) deck%groups(g)%entries(e)%bad = .true.
                 token%kind = token_quoted
             end select
@@ -74,7 +75,7 @@ contains
         integer, intent(out) :: e
 
         associate (group => deck%groups(g))
-            if (group%n == max_entries) then
+            if (group%n == max_entries .and. group%known) then
                 call add_error(deck, token%line, group_label(group)//'more than '// &
                                to_text(max_entries)//" keys: is a '/' missing?")
                 group%known = .false.
@@ -131,7 +132,7 @@ contains
         type(token_t), intent(in) :: token
         character(*), intent(in) :: what
 
-        deck%groups(g)%bad = .true.
+        deck%groups(g)%broken = .true.
         if (told .or. .not. deck%groups(g)%known) return
         told = .true.
         call add_error(deck, token%line, group_label(deck%groups(g))//"'"// &
@@ -148,7 +149,7 @@ contains
         if (reader%bad_byte >= 0 .or. .not. deck%groups(g)%known) return
         where = 'the end of the deck'
         if (.not. reader%end) where = 'the group that starts at line '//to_text(reader%line)
-        deck%groups(g)%bad = .true.
+        deck%groups(g)%broken = .true.
         call add_error(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
                        "the closing '/' is missing before "//where)
     end subroutine complain_open
@@ -161,7 +162,7 @@ contains
 
         if (reader%end .or. .not. deck%groups(g)%known) return
         if (index(' !'//achar(9)//achar(10), reader%c) > 0) return
-        deck%groups(g)%bad = .true.
+        deck%groups(g)%broken = .true.
         call add_error(deck, reader%line, group_label(deck%groups(g))//"'"// &
                        printable(reader%c, 1)//"' stands right behind the '/' that closes the "// &
                        "group; "// &

@@ -2,11 +2,11 @@
 !> Reads a deck against the key table, with errors that an engineer can act on.
 !>
 !> A deck is free text with namelist groups: '&' at the start of a line opens a group, '/'
-!> closes it, '!' starts a comment. Errors are collected in the deck: `build_case` (or `report_errors`) raises
-!> them all together, so that one look at the deck repairs them all.
+!> closes it, '!' starts a comment. Errors are collected in the deck: `build_case`
+!> (or `report_errors`) raises them all together, so that one look at the deck repairs them all.
 module brz_scanner
     use brz_complete, only: check_repeats, complete_group, convert_group, parse_defaults
-    use brz_deck, only: add_error, add_group, deck_t, entry_t, max_groups, report_errors
+    use brz_deck, only: add_error, add_group, deck_t, entry_t, max_groups, max_shown, report_errors
     use brz_entries, only: read_entries
     use brz_errors, only: error_t, failed
     use brz_key, only: key_t
@@ -73,7 +73,11 @@ contains
         deck%overrides = overrides
         allocate (deck%groups(16))
         call read_groups(reader, keys, deck)
-        call check_end(reader, deck)
+        if (reader%bad_byte >= 0 .or. reader%read_failed) then
+            call complain_end(reader, deck)
+            call report_errors(deck, err)
+            return
+        end if
         if (deck%n == 0) then
             if (deck%n_errors == 0) call add_error(deck, 0, 'has no group; a group starts with '// &
                                                    "'&' as the first character of a line, for "// &
@@ -124,14 +128,15 @@ contains
         integer, intent(in) :: line
         character(:), allocatable :: hint
 
-        hint = group_hint(keys, name)
+        hint = ''
+        if (deck%n_errors < max_shown) hint = group_hint(keys, name)
         if (name == 'end') hint = ": close a group with '/'"
         if (name == '') hint = ": a name must stand right behind '&'"//hint
         call add_error(deck, line, "unknown group '&"//printable(name, 32)//"'"//hint)
     end subroutine complain_group
 
     !> What ended the reading too early.
-    subroutine check_end(reader, deck)
+    subroutine complain_end(reader, deck)
         type(reader_t), intent(in) :: reader
         type(deck_t), intent(inout) :: deck
 
@@ -139,8 +144,8 @@ contains
             call add_error(deck, reader%line, 'this is not a plain text file: here stands a '// &
                  'byte of code '// &
                            to_text(reader%bad_byte))
-        else if (reader%read_failed) then
+        else
             call add_error(deck, reader%line, 'the file cannot be read from here on')
         end if
-    end subroutine check_end
+    end subroutine complain_end
 end module brz_scanner

@@ -29,7 +29,7 @@ contains
         else
             call open_text(reader, trim(row%key)//'='//value//' /')
             call read_entries(reader, scratch, 1)
-            if (.not. reader%end .and. scratch%n_errors == 0) scratch%groups(1)%bad = .true.
+            if (.not. reader%end .and. scratch%n_errors == 0) scratch%groups(1)%broken = .true.
         end if
         message = ''
         if (scratch%n_errors == 0 .and. scratch%groups(1)%n == 1) then
@@ -40,7 +40,7 @@ contains
         if (scratch%n_errors > 0) then
             message = scratch%errors(1)%text
             message = message(index(message, ': ') + 2:)
-        else if (scratch%groups(1)%n /= 1 .or. scratch%groups(1)%bad) then
+        else if (scratch%groups(1)%n /= 1 .or. scratch%groups(1)%broken) then
             message = 'this is not one value, or a list with commas'
         end if
     end subroutine entry_from_text

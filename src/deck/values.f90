@@ -6,7 +6,7 @@ module brz_values
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text
     use brz_key_text, only: choice_hint, choice_text, expectation
     use brz_kinds, only: dp
-    use brz_text, only: lower, printable, split, string_t, to_text
+    use brz_text, only: digits_only, lower, printable, split, string_t, to_text
     implicit none
     private
     public :: convert_entry, same_values
@@ -29,9 +29,10 @@ contains
         n = min(entry%n, max_values)
         allocate (entry%number(n), entry%word(n))
         entry%number = 0
+        if (entry%bad) return
         if (entry%n < row%n_min .or. entry%n > row%n_max) then
             entry%bad = .true.
-            call add_error(deck, entry%line, start//count_text(entry%n)//only_word(row, entry), &
+            call add_error(deck, entry%line, start//count_text(entry%n)//count_hint(row, entry), &
                            entry%set)
         end if
         do i = 1, min(n, row%n_max)
@@ -43,20 +44,30 @@ contains
         end do
     end subroutine convert_entry
 
-    !> A hint for one word that holds several values, such as '1;2;3'.
-    pure function only_word(row, entry) result(text)
+    !> What may be behind a wrong number of values.
+    pure function count_hint(row, entry) result(text)
         type(key_t), intent(in) :: row
         type(entry_t), intent(in) :: entry
         character(:), allocatable :: text
+        integer :: i
 
         text = ''
         if (entry%n == 0) text = ": nothing stands behind '='"
-        if (row%n_max == 1 .or. entry%n /= 1) return
-        if (.not. allocated(entry%raw)) return
-        if (scan(entry%raw(1)%text, ',;') > 0) &
-            text = ': '//shown(entry%raw(1))//'; put commas between the values, quotes around '// &
-            'each text'
-    end function only_word
+        do i = 1, min(entry%n, max_values)
+            if (entry%raw(i)%quoted .or. row%kind == kind_text) cycle
+            if (scan(entry%raw(i)%text, ';') > 0) then
+                text = '; put commas between the values'
+                return
+            else if (scan(lower(entry%raw(i)%text(:min(1, len(entry%raw(i)%text)))), 'abcdefghijklmnopqrstuvwxyz') > 0) then
+                text = "; is a '=' missing behind "//shown(entry%raw(i))//'?'
+                return
+            end if
+        end do
+        if (row%kind /= kind_real .or. row%n_max > 1 .or. entry%n /= 2) return
+        if (entry%raw(1)%quoted .or. entry%raw(2)%quoted) return
+        if (digits_only(entry%raw(1)%text) .and. digits_only(entry%raw(2)%text)) &
+            text = ': a decimal point is a point, '//entry%raw(1)%text//'.'//entry%raw(2)%text
+    end function count_hint
 
     pure function count_text(n) result(text)
         integer, intent(in) :: n

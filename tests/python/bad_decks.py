@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: MIT
+"""Decks that must be refused: name, text, words that the message must hold.
+
+Each deck is a good one with one fault put in, so that a test fails if the fault is not seen.
+`line` is the number of the line that the message must name; None where the fault has no line.
+"""
+
+from dataclasses import dataclass, field
+
+GOOD = """\
+A blast on a plate that stands on edge.
+&run title='good', t_end=1e-4 /
+&air
+  box = 0,0.4, 0,0.4, 0,0.4
+  cells = 20,20,20
+/
+&charge id='c1', mass=1.5, at=0.2,0.2,0.2 /
+&material id='steel', model='linear_elastic', density=7850, youngs_modulus=210e9, poisson_ratio=0.3 /
+&body id='plate', box=0.05,0.07, 0.1,0.3, 0.1,0.3, spacing=0.01, material='steel' /
+&gauge id='g1', at=0.3,0.2,0.2 /
+&gauge id='g2', at=0.06,0.2,0.2, quantity='displacement_x', body='plate' /
+&output dump_every=1e-5 /
+"""
+
+
+@dataclass
+class Bad:
+    """A deck with a fault, and what the program must say of it."""
+
+    name: str
+    text: bytes
+    line: int | None
+    words: list[str] = field(default_factory=list)
+
+
+def swap(name, old, new, line, *words):
+    """Give the good deck a fault."""
+    assert GOOD.count(old) == 1, f"{name}: {old!r} stands {GOOD.count(old)} times in the good deck"
+    return Bad(name, GOOD.replace(old, new).encode(), line, list(words))
+
+
+def whole(name, text, line, *words):
+    """A deck that is wrong as a whole."""
+    return Bad(name, text if isinstance(text, bytes) else text.encode(), line, list(words))
+
+
+def pseudo_random_bytes(n):
+    """Bytes of all values, the same at every run."""
+    state, out = 12345, bytearray()
+    for _ in range(n):
+        state = (1103515245 * state + 12345) % 2**31
+        out.append(state >> 16 & 255)
+    return bytes(out)
+
+
+PLATE = "box=0.05,0.07, 0.1,0.3, 0.1,0.3"
+
+BAD = [
+    # type
+    swap("word_for_real", "t_end=1e-4", "t_end=abc", 2, "t_end", "a number > 0.0 [s]", "'abc'"),
+    swap("text_for_real", "t_end=1e-4", "t_end='1e-4'", 2, "t_end", "take the quotes off"),
+    swap("real_for_integer", "cells = 20,20,20", "cells = 20.5,20,20", 5, "cells", "integers"),
+    swap("number_for_text", "title='good'", "title=3.5", 2, "title", "text in quotes"),
+    swap("no_quotes", "material='steel'", "material=steel", 9, "without quotes"),
+    swap("number_for_logical", "cells =", "fallback=7, cells =", 5, "fallback", "logical"),
+    swap("hex_number", "spacing=0.01", "spacing=0x1F", 9, "spacing", "'0x1F'"),
+    swap("unit_in_number", "spacing=0.01", "spacing=10mm", 9, "spacing", "'10mm'"),
+    swap("decimal_comma", "mass=1.5", "mass=1,5", 7, "mass", "1.5"),
+    swap("fraction", "mass=1.5", "mass=3/2", 7, "write fractions as numbers"),
+    # range
+    swap("negative_density", "density=7850", "density=-7850", 8, "density", "[kg/m3]", "-7850"),
+    swap("zero_t_end", "t_end=1e-4", "t_end=0", 2, "> 0.0 [s]"),
+    swap("zero_cells", "20,20,20", "20,0,20", 5, "cells", ">= 1"),
+    swap("negative_cells", "20,20,20", "20,20,-20", 5, "cells", ">= 1"),
+    swap("poisson", "poisson_ratio=0.3", "poisson_ratio=0.7", 8, "0.7"),
+    swap("nan", "t_end=1e-4", "t_end=NaN", 2, "not a finite number"),
+    swap("infinity", "mass=1.5", "mass=Inf", 7, "not a finite number"),
+    swap("real_overflow", "mass=1.5", "mass=1e999", 7, "too large"),
+    swap("integer_overflow", "20,20,20", "20,20,99999999999", 5, "too large", "2147483647"),
+    swap("huge_repeat", "20,20,20", "999999999999*20", 5, "found 100000000 values"),
+    # names
+    swap("unknown_key", "density=7850", "densty=7850", 8, "'densty'", "'density' [kg/m3]"),
+    swap("unknown_group", "&gauge id='g1'", "&guage id='g1'", 10, "&guage", "did you mean &gauge"),
+    swap("unknown_choice", "mass=1.5", "shape='spere', mass=1.5", 7, "did you mean 'sphere'"),
+    swap("unknown_model", "linear_elastic", "linear_elastc", 8, "did you mean 'linear_elastic'"),
+    swap("unknown_material", "material='steel'", "material='steal'", 9, "'steal'", "'steel'"),
+    swap("unknown_body", "body='plate'", "body='plat'", 11, "'plat'", "'plate'"),
+    swap("unknown_quantity", "quantity='displacement_x'", "quantity='displ_x'", 11, "quantity"),
+    swap("key_of_other_group", "t_end=1e-4", "t_end=1e-4, cells=1,1,1", 2, "it is a key of &air"),
+    swap("subscript", "cells = 20,20,20", "cells(1) = 20", 5, "without index"),
+    swap("no_group_name", "&air", "&", 3, "unknown group"),
+    swap("old_end", "&gauge id='g1'", "&end\n&gauge id='g1'", 10, "close a group with '/'"),
+    # form
+    swap("missing_slash", "cells = 20,20,20\n/", "cells = 20,20,20\n", 3, "'/'", "line 7"),
+    swap("missing_last_slash", "dump_every=1e-5 /", "dump_every=1e-5", 12, "'/'", "end of the deck"),
+    swap("open_quote", "title='good'", "title='good", 2, "quote"),
+    swap("no_equals", "spacing=0.01", "spacing 0.01", 9, "found 8 values", "missing behind 'spacing'"),
+    swap("only_name", "t_end=1e-4", "t_end=", 2, "t_end", "nothing stands behind '='"),
+    swap("double_comma", "20,20,20", "20,,20", 5, "cells", "an empty value"),
+    swap("value_before_key", "title='good'", "5 title='good'", 2, "belongs to no key"),
+    swap("stray_equals", "t_end=1e-4", "t_end==1e-4", 2, "'='"),
+    swap("too_few_values", "20,20,20", "20,20", 5, "3 integers", "found 2 values"),
+    swap("too_many_values", "at=0.3,0.2,0.2", "at=0.3,0.2,0.2,0.2", 10, "found 4 values"),
+    swap("six_or_one_word", "cells =", "bc='wall','wall', cells =", 5, "one word for all faces"),
+    swap("duplicate_key", "t_end=1e-4", "t_end=1e-4, t_end=2e-4", 2, "stands twice"),
+    swap("duplicate_group", "&output", "&run t_end=1 /\n&output", 12, "line 2"),
+    swap("duplicate_id", "&gauge id='g2'", "&gauge id='g1'", 11, "taken", "line 10"),
+    swap("bad_id", "id='plate'", "id='my plate'", 9, "letters, digits"),
+    swap("long_value", "t_end=1e-4", "t_end=1" + 5000 * "0", 2, "longer than 2048"),
+    # what is missing
+    swap("missing_key", ", t_end=1e-4", "", 2, "'t_end' is missing"),
+    swap("missing_model", ", model='linear_elastic'", "", 8, "'model' is missing"),
+    swap("missing_model_key", ", density=7850", "", 8, "'density' is missing"),
+    swap("missing_box", f"{PLATE}, ", "", 9, "'box' is missing", "shape='box'"),
+    whole("no_run", GOOD.replace("&run", " run"), None, "&run is missing"),
+    whole("nothing_to_do", "&run t_end=1 /\n", None, "neither &air nor &body"),
+    # geometry
+    swap("air_inside_out", "0,0.4, 0,0.4, 0,0.4", "0,0.4, 0.4,0, 0,0.4", 4, "ends at y=0.0"),
+    swap("body_inside_out", PLATE, "box=0.07,0.05, 0.1,0.3, 0.1,0.3", 9, "ends at x=0.05"),
+    swap("body_outside_air", PLATE, "box=1.05,1.07, 0.1,0.3, 0.1,0.3", 9, "outside the air"),
+    swap("coarse_body", "spacing=0.01", "spacing=0.5", 9, "larger than the body"),
+    swap("too_fine_body", "spacing=0.01", "spacing=1e-9", 9, "particles"),
+    swap("too_many_cells", "20,20,20", "3*100000", 5, "more than 2147483647"),
+    swap("key_of_other_shape", "spacing=", "radius=0.1, spacing=", 9, "shape='box'"),
+    swap("charge_outside", "at=0.2,0.2,0.2", "at=0.2,0.2,9", 7, "outside the air"),
+    swap("charge_without_cells", "mass=1.5", "mass=1e-6", 7, "cells lie across its radius"),
+    swap("gauge_outside", "at=0.3,0.2,0.2", "at=-0.3,0.2,0.2", 10, "outside the air"),
+    swap("gauge_off_body", "at=0.06,0.2,0.2", "at=0.3,0.2,0.2", 11, "outside the body"),
+    swap("gauge_needs_body", ", body='plate'", "", 11, "add body"),
+    swap(
+        "symmetry_box",
+        "t_end=1e-4 /\n&air\n  box = 0,0.4",
+        "t_end=1e-4, symmetry='x' /\n&air\n  box = 0.01,0.4",
+        4,
+        "must start at x=0",
+    ),
+    swap("bad_plies", "material='steel'", "material='steel', plies='0/9o'", 9, "plies"),
+    swap("dimension", "t_end=1e-4", "t_end=1e-4, dimension=2", 5, "1 cell along z"),
+    whole("charge_without_air", "&run t_end=1 /\n&charge id='a', mass=1, at=0,0,0 /", 2, "needs &air"),
+    # hostile files
+    whole("empty", b"", None, "empty"),
+    whole("only_blanks", b" \n\n  \n", None, "no group"),
+    whole("only_prose", b"This is a letter and not a deck.\n" * 20, None, "no group"),
+    whole("long_line", b"x" * 10_000_000, None, "no group"),
+    whole("long_line_of_values", b"&run t_end=" + b"1," * 5_000_000, 1, "found 5000000 values"),
+    whole("long_line_of_keys", b"&run " + b"a=1 " * 2_500_000, 1, "more than 200 keys"),
+    whole("long_word", b"&run t_end=" + b"1" * 10_000_000, 1, "longer than 2048"),
+    whole("long_quote", b"&run title='" + b"a" * 10_000_000, 1, "quote"),
+    whole("many_groups", b"&run\n" * 1_000_000, 1, "missing"),
+    whole("many_unknown_groups", b"&nonsense /\n" * 9_000, 1, "&nonsense"),
+    whole("binary", pseudo_random_bytes(100_000), 1, "not a plain text file"),
+    whole("binary_in_group", b"&run title='" + pseudo_random_bytes(1000), 1, "not a plain text"),
+    whole("nul_bytes", b"&run t_end=1\0\0\0 /\n", 1, "not a plain text file", "code 0"),
+    whole("zeros", bytes(1_000_000), 1, "not a plain text file"),
+    whole("compressed", b"\x1f\x8b\x08\x00" + pseudo_random_bytes(5000), 1, "not a plain text"),
+    whole("latin_1", b"&r\xfcn t_end=1 /\n", 1, "unknown group"),
+]

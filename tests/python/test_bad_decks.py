@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: MIT
+"""The program and decks with faults: exit code 2, a message that names the place, no crash."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+from bad_decks import BAD, GOOD
+
+ROOT = Path(__file__).resolve().parents[2]
+BINARY = Path(os.environ.get("BRISANCE", ROOT / "bin" / "brisance"))
+CRASH = ("Fortran runtime", "Backtrace", "Program received", "SIGSEGV", "Error termination")
+
+
+def run(folder, *arguments):
+    """Run the program in a folder; give exit code and all that it printed."""
+    if not BINARY.exists():
+        pytest.fail(f"{BINARY} is not there: run make first")
+    done = subprocess.run(
+        [BINARY, *arguments], cwd=folder, capture_output=True, timeout=20, check=False
+    )
+    text = (done.stdout + done.stderr).decode("utf-8", "replace")
+    for word in CRASH:
+        assert word not in text, text[:2000]
+    return done.returncode, text
+
+
+def check(folder, text, *arguments, name="case.nml"):
+    """Write a deck and check it."""
+    (folder / name).write_bytes(text if isinstance(text, bytes) else text.encode())
+    return run(folder, "run", name, "--check", *arguments)
+
+
+@pytest.mark.parametrize("bad", BAD, ids=[bad.name for bad in BAD])
+def test_fault_is_named(bad, tmp_path):
+    """Every fault ends with code 2 and a message that says where and what."""
+    code, text = check(tmp_path, bad.text)
+    assert code == 2, text[:2000]
+    place = "case.nml:" if bad.line is None else f"case.nml:{bad.line}: "
+    lines = [line for line in text.splitlines() if place in line]
+    assert lines, f"no message names {place}\n{text[:2000]}"
+    for word in bad.words:
+        assert any(word in line for line in lines), f"{word!r} not in\n{text[:2000]}"
+    assert len(text) < 20000, "the message is too long to read"
+
+
+def test_there_are_at_least_forty_faults():
+    """Names are unique, so no fault hides another one."""
+    assert len({bad.name for bad in BAD}) == len(BAD) >= 40
+
+
+GOOD_FORMS = {
+    "as_it_is": GOOD,
+    "carriage_returns": GOOD.replace("\n", "\r\n"),
+    "old_line_ends": GOOD.replace("\n", "\r"),
+    "no_final_newline": GOOD.rstrip("\n"),
+    "byte_order_mark": "\ufeff" + GOOD,
+    "tabs": GOOD.replace("  ", "\t"),
+    "upper_case": GOOD.replace("&run", "&RUN").replace("cells", "CELLS"),
+    "comments": GOOD.replace("cells =", "! cells = 'not this' /\n  cells ="),
+    "repeat_count": GOOD.replace("20,20,20", "3*20"),
+    "fortran_reals": GOOD.replace("t_end=1e-4", "t_end=1.D-4").replace("0.01", "+.1e-1"),
+    "blanks_for_commas": GOOD.replace("20,20,20", "20 20\n 20"),
+    "spaced_equals": GOOD.replace("t_end=1e-4", "t_end\n = \n 1e-4"),
+    "quotes": GOOD.replace("'good'", "'a ''good'' / one & only! \"deck\"'"),
+    "double_quotes": GOOD.replace("'good'", '"it\'s good"'),
+    "utf_8_prose": "Dr\u00fccke und W\u00e4nde / & =\n" + GOOD,
+    "long_comment": GOOD.replace("&air", "x" * 10_000_000 + "\n&air"),
+    "plies": GOOD.replace("material='steel'", "material='steel', plies='[0/2*45]s'"),
+}
+
+
+@pytest.mark.parametrize("form", GOOD_FORMS)
+def test_good_deck_passes_in_every_form(form, tmp_path):
+    """What a deck may look like."""
+    code, text = check(tmp_path, GOOD_FORMS[form])
+    assert code == 0, text[:2000]
+
+
+BAD_FILES = ["absent.nml", "folder", "/dev/null", "folder/absent.nml"]
+
+
+@pytest.mark.parametrize("name", BAD_FILES)
+def test_deck_that_is_no_file(name, tmp_path):
+    """A deck that cannot be read is named."""
+    (tmp_path / "folder").mkdir()
+    code, text = run(tmp_path, "run", name, "--check")
+    assert code == 2, text
+    assert name in text
+
+
+def test_all_errors_at_once_and_in_order(tmp_path):
+    """One look at the deck repairs them all."""
+    deck = GOOD.replace("t_end=1e-4", "t_end=abc").replace("density", "densty")
+    deck = deck.replace("body='plate'", "body='plat'")
+    code, text = check(tmp_path, deck)
+    assert code == 2
+    places = [text.index(f"case.nml:{line}: ") for line in (2, 8, 11)]
+    assert places == sorted(places)
+
+
+def test_many_errors_are_counted(tmp_path):
+    """Fifty messages are enough."""
+    code, text = check(tmp_path, GOOD + "&gauge id='x', at=1 /\n" * 200)
+    assert code == 2
+    assert text.count("case.nml:") <= 51
+    assert "more errors" in text
+
+
+OVERRIDES = [
+    ("run.t_end=abc", "a number > 0.0 [s]"),
+    ("run.t_end=-1", "> 0.0"),
+    ("run.tend=1", "did you mean 't_end'"),
+    ("rum.t_end=1", "did you mean &run"),
+    ("body(plat).spacing=1e-3", "plat"),
+    ("gauge.at=0,0,0", "2 groups"),
+    ("nonsense", "group.key=value"),
+    ("=", "group.key=value"),
+    ("air.cells=1,2", "3 integers"),
+    ("body.spacing=0.5", "larger than the body"),
+]
+
+
+@pytest.mark.parametrize(("override", "words"), OVERRIDES)
+def test_bad_override_is_named(override, words, tmp_path):
+    """A wrong --set is told like a wrong deck."""
+    code, text = check(tmp_path, GOOD, "--set", override)
+    assert code == 2, text
+    assert f"--set {override}: " in text
+    assert words in text
+
+
+@pytest.mark.parametrize(
+    "override",
+    [
+        "run.title=it is all one text",
+        "run.symmetry=x,y",
+        "air.cells=3*24",
+        "body(plate).plies=7*(0/90)",
+        "gauge(g1).at=0.3, 0.3, 0.3",
+        "solid.skin=0.5",
+    ],
+)
+def test_good_override_passes(override, tmp_path):
+    """Texts need no quotes on the command line."""
+    code, text = check(tmp_path, GOOD, "--set", override)
+    assert code == 0, text
