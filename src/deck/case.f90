@@ -34,7 +34,8 @@ module brz_case
         logical :: present = .false.
         real(dp) :: lo(3) = 0, hi(3) = 1 !! corners of the box [m]
         integer :: cells(3) = 1 !! 1 in a direction that is not modelled
-        character(name_len) :: bc(2, 3) = 'outflow' !! (low/high, direction): 'outflow', 'wall', 'symmetry', 'periodic'
+        !> (low/high, direction): 'outflow', 'wall', 'symmetry', 'periodic'
+        character(name_len) :: bc(2, 3) = 'outflow'
         real(dp) :: density = 1.225_dp !! undisturbed air [kg/m3]
         real(dp) :: pressure = 101325 !! undisturbed air [Pa]
         real(dp) :: gamma = 1.4_dp
@@ -90,13 +91,13 @@ module brz_case
         character(name_len) :: material = ''
         integer :: material_index = 0
         integer :: n_plies = 0
-        real(dp) :: ply_angle(max_plies) = 0 !! [deg], from the low to the high side of the stacking axis
+        real(dp) :: ply_angle(max_plies) = 0 !! [deg], from low to high along the axis
         character(1) :: ply_axis = 'z' !! normal of the plies
         character(name_len) :: fix(8) = '' !! 'sides', 'all', 'x-', 'x+', 'y-', 'y+', 'z-', 'z+'
         integer :: fix_layers = 3 !! particle layers that are held
         real(dp) :: velocity(3) = 0 !! [m/s]
         real(dp) :: spin(3) = 0 !! angular velocity about the centre of mass [rad/s]
-        character(name_len) :: formulation = 'bending' !! 'corrected', 'corrected_hourglass', 'bending'
+        character(name_len) :: formulation = 'bending' !! or 'corrected', 'corrected_hourglass'
         real(dp) :: alpha = 1, beta = 2 !! artificial viscosity
         real(dp) :: zeta = 2 !! position-based hourglass stiffness ('bending')
         real(dp) :: zeta_viscous = 0.05_dp !! viscous hourglass force ('corrected_hourglass')
@@ -123,7 +124,7 @@ module brz_case
     type :: coupling_case_t
         logical :: present = .false. !! air and at least one body
         real(dp) :: spread = 1.5_dp !! depth over which a surface load is spread, in air cells
-        real(dp) :: reference_pressure = 101325 !! taken off every load, the pressure of the air at rest [Pa]
+        real(dp) :: reference_pressure = 101325 !! taken off every load [Pa]
     end type coupling_case_t
 
     !> &output

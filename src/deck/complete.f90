@@ -11,9 +11,8 @@ module brz_complete
     use brz_values, only: convert_entry, same_values
     implicit none
     private
-    public :: convert_group, complete_group, parse_defaults, check_repeats, group_owner, &
-         ensure_group
-    public :: list_owners
+    public :: convert_group, complete_group, parse_defaults, check_repeats, group_owner
+    public :: ensure_group, list_owners
 
 contains
 

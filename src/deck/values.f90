@@ -5,7 +5,7 @@ module brz_values
     use brz_deck, only: add_error, deck_t, entry_t, max_values, raw_t
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text
     use brz_key_text, only: choice_hint, choice_text, expectation
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64
     use brz_text, only: digits_only, lower, printable, split, string_t, to_text
     implicit none
     private
@@ -58,7 +58,7 @@ contains
             if (scan(entry%raw(i)%text, ';') > 0) then
                 text = '; put commas between the values'
                 return
-            else if (scan(lower(entry%raw(i)%text(:min(1, len(entry%raw(i)%text)))), 'abcdefghijklmnopqrstuvwxyz') > 0) then
+            else if (starts_with_letter(entry%raw(i)%text)) then
                 text = "; is a '=' missing behind "//shown(entry%raw(i))//'?'
                 return
             end if
@@ -68,6 +68,12 @@ contains
         if (digits_only(entry%raw(1)%text) .and. digits_only(entry%raw(2)%text)) &
             text = ': a decimal point is a point, '//entry%raw(1)%text//'.'//entry%raw(2)%text
     end function count_hint
+
+    pure logical function starts_with_letter(text)
+        character(*), intent(in) :: text
+
+        starts_with_letter = scan(lower(text), 'abcdefghijklmnopqrstuvwxyz') == 1
+    end function starts_with_letter
 
     pure function count_text(n) result(text)
         integer, intent(in) :: n
@@ -298,7 +304,7 @@ contains
         same_values = .false.
         if (size(a%number) /= size(b%number)) return
         do i = 1, size(a%number)
-            if (transfer(a%number(i), 1_8) /= transfer(b%number(i), 1_8)) return
+            if (transfer(a%number(i), 0_int64) /= transfer(b%number(i), 0_int64)) return
             if (a%word(i)%s /= b%word(i)%s .or. len(a%word(i)%s) /= len(b%word(i)%s)) return
         end do
         same_values = .true.
