@@ -126,7 +126,7 @@ contains
         if (row%kind == kind_text) value = choice_number(word, row%choices)
         number = real(value, rk)
         if (allocated(fault)) return
-        if (row%kind == kind_text .and. nint(value) == 0) then
+        if (row%kind == kind_text .and. value < 1) then
             fault = trim(row%key)//"='"//trim(word)//"' is none of "//trim(row%choices)
         else if (row%default /= none .or. given) then
             if (.not. in_range(row, value)) fault = trim(row%key)//' is out of its range'
