@@ -29,6 +29,7 @@ contains
         type(error_t), intent(inout) :: err
         type(entry_t), allocatable :: defaults(:)
 
+        allocate (case%warnings(0))
         if (failed(err)) return
         allocate (defaults(size(keys)))
         call parse_defaults(keys, defaults, err)
@@ -193,6 +194,7 @@ contains
         type(case_t), intent(inout) :: case
         integer :: i
 
+        deallocate (case%warnings)
         allocate (case%warnings(min(deck%n_warnings, max_shown)))
         do i = 1, size(case%warnings)
             case%warnings(i)%s = deck%warnings(i)%text
