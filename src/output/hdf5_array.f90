@@ -67,17 +67,19 @@ contains
     end subroutine space_shape
 
     !> Write the elements at `data` as a new array.
-    subroutine write_elements(file, name, data, dims, type, err)
+    subroutine write_elements(file, name, data, extents, type, err)
         type(h5_t), intent(in) :: file
         character(*), intent(in) :: name
         type(c_ptr), intent(in) :: data
-        integer(int64), intent(in) :: dims(:)
+        integer(int64), intent(in) :: extents(:) !! gfortran 12 gives -1 for some empty sections
         integer(hid_t), intent(in) :: type
         type(error_t), intent(inout) :: err
+        integer(int64) :: dims(size(extents))
         integer(hid_t) :: space, create, link, set
         integer :: status, closed
 
         if (failed(err)) return
+        dims = max(extents, 0_int64)
         if (size(dims) == 0) then
             call h5screate_f(h5s_scalar_f, space, status)
         else
@@ -127,17 +129,19 @@ contains
     end subroutine set_filter
 
     !> Read an array of known shape to `data`.
-    subroutine read_elements(file, name, data, dims, type, err)
+    subroutine read_elements(file, name, data, extents, type, err)
         type(h5_t), intent(in) :: file
         character(*), intent(in) :: name
         type(c_ptr), intent(inout) :: data
-        integer(int64), intent(in) :: dims(:)
+        integer(int64), intent(in) :: extents(:) !! see write_elements
         integer(hid_t), intent(in) :: type
         type(error_t), intent(inout) :: err
+        integer(int64) :: dims(size(extents))
         integer(int64), allocatable :: there(:)
         integer(hid_t) :: set
         integer :: status
 
+        dims = max(extents, 0_int64)
         call h5_shape(file, name, there, err)
         if (failed(err)) return
         if (size(there) /= size(dims)) then
