@@ -123,7 +123,8 @@ contains
         end do
         if (is_folder(trim(path))) return
         status = c_mkdir(trim(path)//c_null_char, int(everyone, c_int))
-        if (status /= 0) call raise(err, exit_io, trim(path)//': cannot make the folder: '//reason())
+        if (status /= 0) &
+            call raise(err, exit_io, trim(path)//': cannot make the folder: '//reason())
     end subroutine make_folder
 
     !> Give a file a new name in one indivisible step; a file that has the name is replaced.

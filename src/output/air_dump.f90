@@ -62,7 +62,7 @@ contains
         sides = air%dx
         if (any(air%n > 1)) sides = merge(air%dx, minval(air%dx, mask=air%n > 1), air%n > 1)
         call h5_put(file, root, 'WholeExtent', extent, err)
-        call h5_put(file, root, 'Origin', air%lo + merge(0.0_dp, (air%dx - sides)/2, air%n > 1), err)
+        call h5_put(file, root, 'Origin', air%lo + (air%dx - sides)/2, err)
         call h5_put(file, root, 'Spacing', sides, err)
         call h5_put(file, root, 'Direction', [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, &
                                               0.0_dp, 0.0_dp, 1.0_dp], err)

@@ -26,7 +26,6 @@ module brz_clock
         real(dp) :: t_end = 0 !! [s]
         integer :: cycle = 0 !! steps done
         integer :: dump_number = 0 !! of the next dump
-        integer :: checkpoint_number = 0 !! of the next checkpoint
         real(dp) :: dump_time = -huge(1.0_dp) !! of the last dump [s]
         type(ticker_t) :: dump, history, checkpoint
         integer(int64) :: wall_start = 0 !! count of the system clock

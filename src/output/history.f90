@@ -11,7 +11,7 @@ module brz_history
     use brz_kinds, only: dp
     implicit none
     private
-    public :: history_t, open_history, append_row, flush_history, close_history
+    public :: history_t, open_history, append_row, flush_history, close_history, read_history
 
     integer, parameter :: number_width = 24 !! of es24.16e3
     integer, parameter :: buffer_size = 65536 !! or one row, if that is longer
@@ -123,6 +123,30 @@ contains
         call append_text(history%path, history%buffer(:history%filled), err)
         history%filled = 0
     end subroutine flush_history
+
+    !> All rows of a history file.
+    subroutine read_history(path, columns, table, err)
+        character(*), intent(in) :: path
+        integer, intent(in) :: columns
+        real(dp), allocatable, intent(out) :: table(:, :) !! (columns, rows)
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: text
+        integer :: start, length, i, n, io
+
+        call read_text_file(path, text, err)
+        n = 0
+        do i = 1, len(text)
+            if (text(i:i) == line_end) n = n + 1
+        end do
+        allocate (table(columns, max(n - 1, 0)))
+        start = index(text, line_end) + 1
+        do i = 1, n - 1
+            length = index(text(start:), line_end)
+            read (text(start:start + length - 2), *, iostat=io) table(:, i)
+            if (io /= 0) call raise(err, exit_io, path//': a row that cannot be read')
+            start = start + length
+        end do
+    end subroutine read_history
 
     !> Bring the last rows to the file and forget it; silent if it is not open.
     subroutine close_history(history, err)

@@ -5,7 +5,7 @@
 !>     air_00012.vtkhdf, solid_00012.vtkhdf   dumps
 !>     air.vtkhdf.series, solid.vtkhdf.series what ParaView opens: dumps with their times
 !>     energy.csv, bodies.csv, gauges.csv histories
-!>     chk_000003.h5                      checkpoints, the last two
+!>     chk_001230.h5                      checkpoints by step, the last two
 !>
 !> Results are never overwritten unasked: a new run refuses a folder that holds results.
 module brz_output_folder
@@ -80,13 +80,13 @@ contains
         name = kind//'_'//trim(digits)//'.vtkhdf'
     end function dump_name
 
-    !> Name of a checkpoint, e.g. chk_000003.h5.
-    pure function checkpoint_name(number) result(name)
-        integer, intent(in) :: number
+    !> Name of a checkpoint, e.g. chk_001230.h5.
+    pure function checkpoint_name(step) result(name)
+        integer, intent(in) :: step
         character(:), allocatable :: name
         character(12) :: digits
 
-        write (digits, '(i0.6)') number
+        write (digits, '(i0.6)') step
         name = checkpoint_begin//trim(digits)//checkpoint_end
     end function checkpoint_name
 end module brz_output_folder

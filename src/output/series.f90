@@ -16,7 +16,7 @@ module brz_series
 
     type :: series_t
         character(:), allocatable :: folder, kind
-        character(:), allocatable :: entries !! one line per dump, without the comma that divides them
+        character(:), allocatable :: entries !! one line per dump, without the comma between two
     end type series_t
 
 contains
@@ -101,8 +101,8 @@ contains
             io = 1
             if (i > 0 .and. j > i) read (line(i + len(before_time):j - 1), *, iostat=io) time
             if (io /= 0) then
-                call raise(err, exit_io, path_of(series)//': not written by Brisance, or damaged; '// &
-                           'remove it')
+                call raise(err, exit_io, path_of(series)// &
+                           ': not written by Brisance, or damaged; remove it')
                 return
             end if
             name = line(len(before_name) + 1:i - 1)

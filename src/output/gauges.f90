@@ -1,0 +1,202 @@
+! SPDX-License-Identifier: MIT
+!> Gauges: the history of one quantity at one point of the air, or of one particle of a body.
+!>
+!> A gauge of a body follows the particle that is nearest to its point in the unloaded body, by
+!> the particle's number, as the solver sorts the particles anew during a run.
+!> A new quantity is one row of `quantities` and one case of `value_of_gas` or `value_of_particle`.
+module brz_gauges
+    use brz_air_probe, only: gas_state_at
+    use brz_air_state, only: air_t, wall_t
+    use brz_case, only: case_t, gauge_case_t, name_len
+    use brz_errors, only: error_t, raise, exit_deck
+    use brz_kinds, only: dp
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_row
+
+    !> What can be measured, and where.
+    type :: quantity_t
+        character(16) :: name
+        character(8) :: unit
+        logical :: of_air, of_body
+    end type quantity_t
+
+    type(quantity_t), parameter :: quantities(10) = [ &
+                                   quantity_t('pressure', 'Pa', .true., .false.), &
+                                   quantity_t('overpressure', 'Pa', .true., .false.), &
+                                   quantity_t('density', 'kg/m3', .true., .false.), &
+                                   quantity_t('speed', 'm/s', .true., .true.), &
+                                   quantity_t('velocity_x', 'm/s', .true., .true.), &
+                                   quantity_t('velocity_y', 'm/s', .true., .true.), &
+                                   quantity_t('velocity_z', 'm/s', .true., .true.), &
+                                   quantity_t('displacement_x', 'm', .false., .true.), &
+                                   quantity_t('displacement_y', 'm', .false., .true.), &
+                                   quantity_t('displacement_z', 'm', .false., .true.)]
+
+    type :: gauge_t
+        character(name_len) :: id = ''
+        character(16) :: quantity = ''
+        character(8) :: unit = ''
+        real(dp) :: at(3) = 0 !! [m]
+        integer :: body = 0 !! 0: the air
+        integer :: particle = 0 !! number of the particle
+        integer :: place = 0 !! where that particle was found last
+    end type gauge_t
+
+    type :: gauges_t
+        integer :: n = 0
+        type(gauge_t), allocatable :: list(:) !! (n)
+        real(dp) :: rest = 0 !! pressure of the undisturbed air [Pa]
+    end type gauges_t
+
+contains
+
+    !> Gauges of a scene. The particles must have their places in the unloaded body (x_ref).
+    subroutine set_up_gauges(case, solid, gauges, err)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(in) :: solid
+        type(gauges_t), intent(out) :: gauges
+        type(error_t), intent(inout) :: err
+        integer :: g
+
+        gauges%rest = case%air%pressure
+        if (allocated(case%gauges)) gauges%n = size(case%gauges)
+        allocate (gauges%list(gauges%n))
+        do g = 1, gauges%n
+            call set_up_gauge(case%gauges(g), case%air%present, solid, gauges%list(g), err)
+        end do
+    end subroutine set_up_gauges
+
+    subroutine set_up_gauge(input, with_air, solid, gauge, err)
+        type(gauge_case_t), intent(in) :: input
+        logical, intent(in) :: with_air
+        type(solid_t), intent(in) :: solid
+        type(gauge_t), intent(inout) :: gauge
+        type(error_t), intent(inout) :: err
+        integer :: q
+        logical :: possible
+
+        gauge%id = input%id
+        gauge%quantity = input%quantity(:len(gauge%quantity))
+        gauge%at = input%at
+        gauge%body = input%body_index
+        q = findloc(quantities%name, gauge%quantity, dim=1)
+        possible = q > 0
+        if (possible) then
+            gauge%unit = quantities(q)%unit
+            possible = merge(quantities(q)%of_body, quantities(q)%of_air .and. with_air, &
+                             gauge%body > 0)
+        end if
+        if (.not. possible) call raise(err, exit_deck, "&gauge id='"//trim(input%id)// &
+                                       "': there is no '"//trim(input%quantity)//"' to measure")
+        if (gauge%body > 0) call choose_particle(solid, gauge)
+    end subroutine set_up_gauge
+
+    !> The particle of the body that is nearest to the gauge; the lowest number among equals.
+    subroutine choose_particle(solid, gauge)
+        type(solid_t), intent(in) :: solid
+        type(gauge_t), intent(inout) :: gauge
+        real(dp) :: distance, least
+        integer :: i
+
+        least = huge(least)
+        do i = solid%bodies(gauge%body)%first, solid%bodies(gauge%body)%last
+            distance = sum((solid%x_ref(:, i) - gauge%at)**2)
+            if (distance > least .or. (distance >= least .and. solid%id(i) > gauge%particle)) cycle
+            least = distance
+            gauge%particle = solid%id(i)
+            gauge%place = i
+        end do
+    end subroutine choose_particle
+
+    !> Columns of the history: time[s] and, for each gauge, id:quantity[unit].
+    subroutine gauge_names(gauges, names)
+        type(gauges_t), intent(in) :: gauges
+        character(64), allocatable, intent(out) :: names(:) !! (n + 1)
+        integer :: g
+
+        allocate (names(gauges%n + 1))
+        names(1) = 'time[s]'
+        do g = 1, gauges%n
+            associate (gauge => gauges%list(g))
+                names(g + 1) = trim(gauge%id)//':'//trim(gauge%quantity)//'['//trim(gauge%unit)//']'
+            end associate
+        end do
+    end subroutine gauge_names
+
+    !> One row of the history.
+    subroutine gauge_row(gauges, time, air, wall, solid, row)
+        type(gauges_t), intent(inout) :: gauges
+        real(dp), intent(in) :: time !! [s]
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(out) :: row(:) !! (n + 1)
+        real(dp) :: state(5)
+        integer :: g
+
+        row(1) = time
+        do g = 1, gauges%n
+            associate (gauge => gauges%list(g))
+                if (gauge%body > 0) then
+                    call find_particle(solid, gauge)
+                    row(g + 1) = value_of_particle(solid, gauge%place, gauge%quantity)
+                else
+                    call gas_state_at(air, wall, gauge%at, state)
+                    row(g + 1) = value_of_gas(state, real(air%p_rest, dp), gauge%quantity)
+                end if
+            end associate
+        end do
+    end subroutine gauge_row
+
+    !> Look a particle up again if it has been moved by sorting.
+    subroutine find_particle(solid, gauge)
+        type(solid_t), intent(in) :: solid
+        type(gauge_t), intent(inout) :: gauge
+
+        if (solid%id(gauge%place) == gauge%particle) return
+        associate (body => solid%bodies(gauge%body))
+            gauge%place = body%first - 1 &
+                          + findloc(solid%id(body%first:body%last), gauge%particle, dim=1)
+        end associate
+    end subroutine find_particle
+
+    pure real(dp) function value_of_gas(state, rest, quantity) result(value)
+        real(dp), intent(in) :: state(5) !! density, velocity, pressure
+        real(dp), intent(in) :: rest !! pressure of the undisturbed air [Pa]
+        character(*), intent(in) :: quantity
+
+        select case (quantity)
+        case ('pressure'); value = state(5)
+        case ('overpressure'); value = state(5) - rest
+        case ('density'); value = state(1)
+        case ('speed'); value = norm2(state(2:4))
+        case default; value = state(1 + axis_of(quantity))
+        end select
+    end function value_of_gas
+
+    !> Velocities are those at the time of the step.
+    pure real(dp) function value_of_particle(solid, i, quantity) result(value)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        character(*), intent(in) :: quantity
+        real(dp) :: v(3), d(3)
+
+        v = 0
+        if (solid%fixed(i) == 0) v = solid%v(:, i) + solid%dt_last/2*solid%a(:, i)
+        d = solid%x(:, i) - solid%x_ref(:, i)
+        select case (quantity)
+        case ('speed'); value = norm2(v)
+        case ('displacement_x', 'displacement_y', 'displacement_z'); value = d(axis_of(quantity))
+        case default; value = v(axis_of(quantity))
+        end select
+    end function value_of_particle
+
+    !> Axis that the last letter names.
+    pure integer function axis_of(quantity)
+        character(*), intent(in) :: quantity
+
+        axis_of = index('xyz', quantity(len_trim(quantity):len_trim(quantity)))
+    end function axis_of
+end module brz_gauges
