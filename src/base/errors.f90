@@ -11,7 +11,7 @@ module brz_errors
     integer, parameter :: exit_ok = 0 !! done
     integer, parameter :: exit_internal = 1 !! a fault of the program
     integer, parameter :: exit_deck = 2 !! usage or deck
-    integer, parameter :: exit_numerical = 3 !! NaN, time step below its floor, energy out of its band
+    integer, parameter :: exit_numerical = 3 !! NaN, time step below its floor, energy out of band
     integer, parameter :: exit_io = 4 !! input/output, or a checkpoint that does not fit
     integer, parameter :: exit_device = 5 !! device or MPI resource
     integer, parameter :: exit_stopped = 75 !! stopped early with a checkpoint

@@ -13,7 +13,8 @@ module brz_solid_state
     public :: n_pair, pair_volume, pair_density, pair_c, pair_keep, pair_stress, pair_affine
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3
-    integer, parameter :: lanes = 8 !! neighbour lists are padded with the particle itself to a multiple of this
+    integer, parameter :: lanes = 8 !! neighbour lists are padded with the particle itself to a
+                                    !! multiple of this
 
     ! what a pair force needs of a particle, in one contiguous row of `pair`
     integer, parameter :: pair_volume = 1 !! [m3]
@@ -66,9 +67,10 @@ module brz_solid_state
         integer :: n_hist = 0 !! history variables kept per particle
         integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis
-        real(dp) :: depth = 1 !! extent of the directions that are not modelled, multiplied [m or m2]
+        real(dp) :: depth = 1 !! extent of directions that are not modelled, multiplied [m or m2]
         real(dp) :: dt_last = 0 !! last time step [s]
-        real(dp) :: dt_limit = 0 !! largest stable time step times the CFL numbers, part of a checkpoint [s]
+        real(dp) :: dt_limit = 0 !! largest stable time step times the CFL numbers, part of a
+                                 !! checkpoint [s]
         real(dp) :: skin = 0 !! of the neighbour list [m]
         logical :: asleep = .true. !! unloaded and at rest: no steps are taken
         integer(int64) :: steps = 0, rebuilds = 0
@@ -76,7 +78,7 @@ module brz_solid_state
         type(material_t), allocatable :: materials(:)
         real(dp), allocatable :: x(:, :) !! (3, n) position [m]
         real(dp), allocatable :: x_ref(:, :) !! (3, n) position in the unloaded body [m]
-        real(dp), allocatable :: x_built(:, :) !! (3, n) position when the neighbour list was built [m]
+        real(dp), allocatable :: x_built(:, :) !! (3, n) position when the list was built [m]
         real(rk), allocatable :: v(:, :) !! (3, n) velocity, half a step before [m/s]
         real(rk), allocatable :: a(:, :) !! (3, n) acceleration by internal forces [m/s2]
         real(rk), allocatable :: load(:, :) !! (3, n) force of the air, set by the coupling [N]

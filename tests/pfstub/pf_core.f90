@@ -8,7 +8,8 @@ module pf_core
     public :: SourceLocation, TestSuite, test_t, test_i
     public :: anyExceptions, throw, thrown_text, forget_exceptions
     public :: compare_reals, compare_integers
-    public :: op_equal, op_not_equal, op_less, op_less_equal, op_greater, op_greater_equal, op_relative
+    public :: op_equal, op_not_equal, op_less, op_less_equal, op_greater, &
+              op_greater_equal, op_relative
 
     integer, parameter :: op_equal = 1, op_not_equal = 2, op_less = 3, op_less_equal = 4, &
                           op_greater = 5, op_greater_equal = 6, op_relative = 7
@@ -114,7 +115,7 @@ contains
         end if
     end subroutine throw
 
-    !> Compare numbers element by element. A scalar `expected` (empty shape) stands for all elements.
+    !> Compare element by element. A scalar `expected` (empty shape) stands for all elements.
     subroutine compare_reals(op, expected, e_shape, actual, a_shape, tolerance, message, location)
         integer, intent(in) :: op
         real(real64), intent(in) :: expected(:), actual(:) !! flattened
@@ -240,7 +241,8 @@ contains
 
         text = ''
         if (op == op_equal) text = '; difference '//number(a - e)//', tolerance '//number(bound)
-        if (op == op_relative) text = '; relative difference '//number((a - e)/e)//', tolerance '//number(bound)
+        if (op == op_relative) text = '; relative difference '//number((a - e)/e)// &
+                                      ', tolerance '//number(bound)
     end function difference
 
     !> Where element `at` of the flattened array lies.

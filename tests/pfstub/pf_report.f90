@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> What the driver prints at the end, as JUnit XML, and as TAP.
 module pf_report
-    use, intrinsic :: iso_fortran_env, only: real64
     use pf_core, only: test_t
     use pf_run, only: outcome_t, passed, failed, broken, disabled, not_chosen
     implicit none
@@ -17,10 +16,9 @@ contains
         integer :: i, n_run, n_failed, n_broken, n_disabled
 
         do i = 1, size(tests)
-            if (outcomes(i)%status == failed) write (unit, '(a)') 'Failure in: '//name_of(tests(i)), &
-                outcomes(i)%text
-            if (outcomes(i)%status == broken) write (unit, '(a)') 'Error in: '//name_of(tests(i)), &
-                outcomes(i)%text
+            if (outcomes(i)%status == failed) write (unit, '(a)') 'Failure in: '//name_of(tests(i))
+            if (outcomes(i)%status == broken) write (unit, '(a)') 'Error in: '//name_of(tests(i))
+            if (any(outcomes(i)%status == [failed, broken])) write (unit, '(a)') outcomes(i)%text
         end do
         n_failed = count(outcomes%status == failed)
         n_broken = count(outcomes%status == broken)
@@ -41,17 +39,21 @@ contains
         character(*), intent(in) :: file
         type(test_t), intent(in) :: tests(:)
         type(outcome_t), intent(in) :: outcomes(:)
+        character(16) :: seconds
         integer :: i, unit
 
         open (newunit=unit, file=file, action='write', status='replace')
         write (unit, '(a)') '<?xml version="1.0" encoding="UTF-8"?>'
         write (unit, '("<testsuites><testsuite name=""pf"" tests=""", i0, """ failures=""", i0, &
-            &""" errors=""", i0, """ skipped=""", i0, """>")') count(outcomes%status /= not_chosen), &
-            count(outcomes%status == failed), count(outcomes%status == broken), count(outcomes%status == disabled)
+            &""" errors=""", i0, """ skipped=""", i0, """>")') [ &
+            count(outcomes%status /= not_chosen), count(outcomes%status == failed), &
+            count(outcomes%status == broken), count(outcomes%status == disabled)]
         do i = 1, size(tests)
             if (outcomes(i)%status == not_chosen) cycle
-            write (unit, '("<testcase classname=""", a, """ name=""", a, """ time=""", f0.6, """>", a, "</testcase>")') &
-                tests(i)%suite, tests(i)%name, outcomes(i)%seconds + 1e-9_real64, xml_of(outcomes(i))
+            write (seconds, '(f16.6)') outcomes(i)%seconds
+            write (unit, '(a)') '<testcase classname="'//tests(i)%suite//'" name="'// &
+                tests(i)%name//'" time="'//trim(adjustl(seconds))//'">'// &
+                xml_of(outcomes(i))//'</testcase>'
         end do
         write (unit, '(a)') '</testsuite></testsuites>'
         close (unit)

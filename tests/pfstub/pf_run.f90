@@ -83,7 +83,7 @@ contains
             if (outcomes(i)%status /= waiting) cycle
             write (unit, '("start ", i0)') i
             flush (unit)
-            if (verbose) write (output_unit, '(" Start: <", a, ".", a, ">")') tests(i)%suite, tests(i)%name
+            if (verbose) write (output_unit, '(a)') ' Start: '//full_name(tests(i))
             flush (output_unit)
             call system_clock(t0, rate)
             call run_one(tests(i))
@@ -119,7 +119,8 @@ contains
             write (unit, '("says ", a)') text(j:j + k - 2)
             j = j + k
         end do
-        write (unit, '("end ", i0, 1x, i0, 1x, es13.6)') i, merge(failed, passed, anyExceptions()), seconds
+        write (unit, '("end ", i0, 1x, i0, 1x, es13.6)') i, &
+            merge(failed, passed, anyExceptions()), seconds
         flush (unit)
     end subroutine write_record
 
@@ -130,12 +131,19 @@ contains
 
         if (verbose) then
             if (anyExceptions()) write (output_unit, '(a)') ' FAILED: '//thrown_text()
-            write (output_unit, '("   end: <", a, ".", a, ">", f10.3, " s")') test%suite, test%name, seconds
+            write (output_unit, '("   end: ", a, f10.3, " s")') full_name(test), seconds
         else
             write (output_unit, '(a)', advance='no') merge('F', '.', anyExceptions())
         end if
         flush (output_unit)
     end subroutine show
+
+    pure function full_name(test) result(text)
+        type(test_t), intent(in) :: test
+        character(:), allocatable :: text
+
+        text = '<'//test%suite//'.'//test%name//'>'
+    end function full_name
 
     !> Take over what a child has written; `next` is the first test that has not run.
     subroutine read_record(record, status, outcomes, next)
