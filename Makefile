@@ -64,6 +64,7 @@ $(B)/version.f90: FORCE
 
 # --- tests: one executable for each of tests/unit and tests/verify -----------------------------
 PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf))
+PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90))
 include tests/pfstub/pfunit.mk
 
 .PHONY: unit verify python lint format check-docs gpu-check setup test demo bench
@@ -105,7 +106,7 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) $(B)/version.f90 $(PF)
+SCANNED = $(SRC) $(B)/version.f90 $(PF) $(PF_HELP)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
 	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@

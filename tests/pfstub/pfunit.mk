@@ -10,11 +10,12 @@ else
 PF_PROC   := tests/pfstub/pfproc.py
 PF_DRIVER := tests/pfstub/driver.F90
 PF_MODULES = $(addprefix $(B)/obj/tests/pfstub/,pf_core.o funit.o pf_run.o pf_report.o)
-PF_FLAGS   = -fno-lto
 PF_PLAIN   = -std=f2018 -O1 -fno-lto -J$(B)/mod
 endif
 PF_FLAGS  += -ffree-line-length-none -Wno-unused-function -Wno-unused-dummy-argument
 
+# The tests themselves are not optimised at link time, only the library under test is.
+$(B)/obj/tests/%.o: FAST := $(filter-out -flto=auto,$(FAST))
 $(B)/%.F90: %.pf $(PF_PROC)
 	@mkdir -p $(@D)
 	@$(PF_PROC) $< $@
@@ -29,7 +30,7 @@ $(B)/tests/%/driver.o: $(PF_DRIVER) $(B)/tests/%/suites.inc $(PF_MODULES)
 	@$(FC) $(FFLAGS) -I$(B)/mod $(PF_FLAGS) -D_TEST_SUITES='"$(abspath $(word 2,$^))"' -c $< -o $@
 define pf_run
 $(B)/tests/$(1)/run: $(B)/tests/$(1)/driver.o $(LIB) $(PF_MODULES) \
-    $(patsubst %.pf,$(B)/obj/%.o,$(filter tests/$(1)/%,$(PF)))
+    $(patsubst %,$(B)/obj/%.o,$(basename $(filter tests/$(1)/%,$(PF) $(PF_HELP))))
 	$(call say,link $$@)
 	$(Q)$(FC) -fopenmp -o $$@ $$^ $(HDF5_LIBS) $(PF_LIBS)
 endef
