@@ -104,6 +104,17 @@ def compile_one(path, names, args):
     return out
 
 
+def variables_of(text, keep):
+    """Module variables that device procedures read, in IR before any optimisation."""
+    variables = set(re.findall(r"^@(_QM\w+) = (?:\w+ )*?global\b", text, re.M))
+    found = []
+    for body in re.split(r"^define ", text, flags=re.M)[1:]:
+        name = re.search(r"@([\w.$]+)\(", body)[1]
+        used = sorted(set(re.findall(r"@(_QM\w+)", body)) & variables) if name in keep else []
+        found += [f"{keep[name]}: module variable {v}" for v in used]
+    return found
+
+
 def libdevice():
     for root in [Path(sys.prefix), Path(".venv")]:
         for found in root.glob("lib/python3*/site-packages/nvidia/**/libdevice*.bc"):
@@ -117,14 +128,12 @@ def faults_of(text, keep):
     bodies = re.split(r"^define ", text, flags=re.M)
     outside = set(re.findall(r"^declare .*?@([\w.$]+)\(", text, re.M))
     outside = {name for name in outside if not name.startswith("llvm.")}
-    variables = re.findall(r"^@(_QM\w+) = .*\bglobal\b", text, re.M)
     for body in bodies[1:]:
         name = re.search(r"@([\w.$]+)\(", body)[1]
         label = keep.get(name, name)
         for other in sorted(set(re.findall(r"@([\w.$]+)", body)) & outside):
             kind = "run-time library call" if other.startswith("_Fortran") else "unresolved symbol"
             found.append(f"{label}: {kind} {other}")
-        found += [f"{label}: module variable {v}" for v in variables if f"@{v}" in body]
         if re.search(r"\balloca [^\n]*?, i\d+ %", body):
             found.append(f"{label}: stack array of run-time size")
     defined = {re.search(r"@([\w.$]+)\(", body)[1] for body in bodies[1:]}
@@ -153,7 +162,9 @@ def check(args):
     run(*link, "--only-needed", linked, libdevice(), "-o", whole)
     passes = ["-passes=internalize,default<O3>", f"-internalize-public-api-list={','.join(keep)}"]
     run(BIN / "opt", *MACHINE, *passes, whole, "-S", "-o", final)
-    if found := faults_of(final.read_text(encoding="utf-8"), keep):
+    found = [f for path in filter(None, files) for f in variables_of(path.read_text(), keep)]
+    found += faults_of(final.read_text(encoding="utf-8"), keep)
+    if found:
         raise Fault("\n".join(found))
     run(BIN / "llc", *MACHINE, "-O1", final, "-o", args.work / "final.ptx")
     print(f"{len(keep)} device procedures compile for the GPU{' '.join(['', *args.define])}")

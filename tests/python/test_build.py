@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: MIT
+"""The build recompiles what it must and no more; `make test` counts right; set-up says what to do."""
+
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+FIRST = "module brz_first\n implicit none\n integer, parameter :: n = {n}\ncontains\n subroutine s()\n {body}\n end subroutine\nend module\n"
+SECOND = (
+    "module brz_second\n use brz_first, only: n\n implicit none\n integer :: a(n)\nend module\n"
+)
+THIRD = "module brz_third\n use brz_second, only: a\n implicit none\nend module\n"
+
+
+def run(*command, cwd, **more):
+    env = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))} | more
+    return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, check=False)
+
+
+@pytest.fixture
+def project(tmp_path):
+    """A copy of the build with three small modules."""
+    shutil.copy(ROOT / "Makefile", tmp_path)
+    shutil.copytree(ROOT / "scripts", tmp_path / "scripts")
+    shutil.copytree(ROOT / "tests/pfstub", tmp_path / "tests/pfstub")
+    (tmp_path / "src/base").mkdir(parents=True)
+    for name, text in (("first", FIRST.format(n=1, body="")), ("second", SECOND), ("third", THIRD)):
+        (tmp_path / f"src/base/{name}.f90").write_text(text)
+    return tmp_path
+
+
+def compiled(project, *options):
+    """Names of the sources of src/ that make compiles."""
+    done = run("make", "-j2", "lib", *options, cwd=project)
+    assert done.returncode == 0, done.stderr
+    words = [line.split()[1] for line in done.stdout.splitlines() if "compile src" in line]
+    return {Path(word).stem for word in words}
+
+
+def test_only_what_depends_is_compiled(project):
+    first = project / "src/base/first.f90"
+    assert compiled(project) == {"first", "second", "third"}
+    assert compiled(project) == set()
+    first.write_text(FIRST.format(n=1, body="continue"))
+    assert compiled(project) == {"first"}
+    first.write_text(FIRST.format(n=2, body=""))
+    assert compiled(project) == {"first", "second", "third"}
+    assert compiled(project) == set()
+    assert compiled(project, "OPT=-O0") == {"first", "second", "third"}
+    assert compiled(project, "OPT=-O0", "DEBUG=1") == {"first", "second", "third"}
+
+
+def test_files_may_come_and_go(project):
+    compiled(project)
+    third = project / "src/base/third.f90"
+    (project / "src/base/fourth.f90").write_text(THIRD.replace("third", "fourth"))
+    third.unlink()
+    assert compiled(project) == {"fourth"}
+    third.write_text("module brz_third\n use brz_nowhere, only: a\nend module\n")
+    done = run("make", "lib", cwd=project)
+    assert done.returncode != 0
+    assert "src/base/third.f90:2: no source makes brz_nowhere.mod" in done.stderr
+
+
+def test_an_error_in_a_source_stops_the_build(project):
+    (project / "src/base/second.f90").write_text(SECOND.replace("a(n)", "a(m)"))
+    assert run("make", "lib", cwd=project).returncode != 0
+
+
+PARTS = """
+good:
+\t@echo '<t><testcase/><testcase/><testcase><skipped/></testcase></t>' > build/log/good.xml
+bad:
+\t@echo '<t><testcase/><testcase><failure/></testcase></t>' > build/log/bad.xml; exit 2
+crash:
+\t@echo '<t><testcase/></t>' > build/log/crash.xml; kill -9 $$$$
+plain:
+\t@true
+later:
+\t@echo 'skipped: no tool'
+"""
+
+
+@pytest.mark.parametrize(
+    ("parts", "last", "code"),
+    [
+        (["plain"], "1 passed, 0 failed", 0),
+        (["good", "plain", "later"], "3 passed, 0 failed, 2 skipped", 0),
+        (["good", "bad"], "3 passed, 1 failed, 1 skipped", 1),
+        (["crash", "plain"], "2 passed, 1 failed", 1),
+        (["no-such-part"], "0 passed, 1 failed", 1),
+    ],
+)
+def test_parts_are_counted(tmp_path, parts, last, code):
+    (tmp_path / "Makefile").write_text(PARTS)
+    done = run(ROOT / "scripts/run_tests.py", *parts, cwd=tmp_path)
+    assert done.stdout.splitlines()[-1] == last
+    assert done.returncode == code
+
+
+def fake(folder, name, text):
+    file = folder / "bin" / name
+    file.parent.mkdir(exist_ok=True)
+    file.write_text(f"#!/bin/sh\n{text}\n")
+    file.chmod(0o755)
+
+
+def test_set_up_without_root_names_the_command(tmp_path):
+    (tmp_path / "scripts").mkdir()
+    for name in ("setup.sh", "packages.txt"):
+        shutil.copy(ROOT / "scripts" / name, tmp_path / "scripts")
+    shutil.copy(ROOT / "requirements.txt", tmp_path)
+    fake(tmp_path, "dpkg-query", "echo installed gcc; exit 1")
+    fake(tmp_path, "apt-cache", "exit 1")
+    fake(tmp_path, "sudo", "exit 1")
+    fake(tmp_path, "id", "echo 1000")
+    fake(tmp_path, "apt-get", f"touch {tmp_path}/touched")
+    path = f"{tmp_path}/bin:{os.environ['PATH']}"
+    done = run("sh", "scripts/setup.sh", cwd=tmp_path, PATH=path)
+    assert done.returncode == 1
+    assert "sudo apt-get install -y --no-install-recommends gfortran" in done.stdout
+    assert " gcc " not in done.stdout
+    assert not (tmp_path / "touched").exists()

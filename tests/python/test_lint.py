@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: MIT
+"""The rules of the house, the formatter and the check for the GPU can fail."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+HEAD = "! SPDX-License-Identifier: MIT\n"
+FILE = (
+    HEAD
+    + "module brz_{name}\n    {use}\n    implicit none\n{mark}contains\n{body}end module brz_{name}\n"
+)
+
+
+def run(*command, cwd=ROOT):
+    text = [str(word) for word in command]
+    return subprocess.run(text, cwd=cwd, capture_output=True, text=True, check=False)
+
+
+def put(root, path, use="", mark="", body=""):
+    file = root / "src" / path
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text(FILE.format(name=file.stem, use=use, mark=mark, body=body))
+    return file
+
+
+def structure(root):
+    done = run(sys.executable, ROOT / "scripts/structure.py", root)
+    return done.returncode, done.stderr
+
+
+CUF = "    !@cuf attributes(host,device) &\n"
+LONG = "    subroutine s()\n" + "    continue\n" * 79 + "    end subroutine s\n"
+MANY = "    subroutine s(a, b, c, d, &\n        e, f, g, h, i)\n    end subroutine s\n"
+RULES = [
+    ({"air/a.f90": {}, "base/b.f90": {"use": "use brz_a, only: x"}}, "base must not use brz_a"),
+    ({"air/a.f90": {}, "solid/b.f90": {"use": "use brz_a, only: x"}}, "solid must not use brz_a"),
+    ({"cpu/a.f90": {}, "coupling/b.f90": {"use": "use brz_a, only: x"}}, "must not use brz_a"),
+    ({"deck/a.f90": {}, "air/b.f90": {"use": "use brz_a, only: x", "mark": CUF}}, "host code"),
+    ({"base/a.f90": {"body": LONG}}, "s has 81 lines"),
+    ({"base/a.f90": {"body": MANY}}, "s has 9 arguments"),
+    ({"base/a.f90": {"body": "! filler\n" * 400}}, "lines; at most 400"),
+    ({"base/a.f90": {"use": "use brz_b"}, "base/b.f90": {}}, "use brz_b without only"),
+    ({"odd/a.f90": {}}, "src/odd is no layer"),
+]
+
+
+@pytest.mark.parametrize(("files", "reason"), RULES)
+def test_a_broken_rule_is_named(tmp_path, files, reason):
+    for path, parts in files.items():
+        put(tmp_path, path, **parts)
+    code, text = structure(tmp_path)
+    assert code != 0
+    assert reason in text
+
+
+def test_what_keeps_the_rules_passes(tmp_path):
+    put(tmp_path, "base/a.f90", body="    subroutine s(a, b)\n    end subroutine s\n")
+    put(tmp_path, "cpu/b.f90", use="use brz_a, only: s")
+    put(tmp_path, "step/c.f90", use="use brz_b, only: t")
+    assert structure(tmp_path) == (0, "")
+    put(tmp_path, "base/d.f90").rename(tmp_path / "src/base/e.f90")
+    assert "must hold module brz_e alone" in structure(tmp_path)[1]
+    (tmp_path / "src/base/e.f90").write_text("module brz_e\nend module brz_e\n")
+    assert "first line must be" in structure(tmp_path)[1]
+
+
+def test_formatter_finds_and_mends(tmp_path):
+    file = tmp_path / "a.f90"
+    file.write_text(
+        "module a\ncontains\nsubroutine s(x)\nreal,intent(out)::x\nx=1+ &\n  2\nend subroutine s\nend module a\n"
+    )
+    tool = ROOT / "scripts/format.py"
+    done = run(sys.executable, tool, "--check", file)
+    assert done.returncode != 0
+    assert "+        x = 1 + &\n+          2\n" in done.stdout
+    run(sys.executable, tool, file)
+    assert run(sys.executable, tool, "--check", file).returncode == 0
+
+
+def test_formatter_leaves_the_device_mark_alone():
+    file = ROOT / "src/base/algebra.f90"
+    assert run(sys.executable, ROOT / "scripts/format.py", "--check", file).returncode == 0
+
+
+def test_linter_fails_on_a_bad_file(tmp_path):
+    file = put(
+        tmp_path, "base/a.f90", body="    subroutine s(x)\n        real*8 x\n    end subroutine s\n"
+    )
+    tool = Path(sys.executable).parent / "fortitude"
+    assert run(tool, "check", "--config-file", ROOT / "fortitude.toml", file).returncode != 0
+
+
+SAMPLE = """module brz_d
+    implicit none
+    real :: kept = 2
+    real, parameter :: table(3) = [1.0, 2.0, 3.0]
+contains
+    !@cuf attributes(host,device) &
+    pure subroutine s(n, a, y)
+        integer, intent(in) :: n
+        real, intent(in) :: a(3)
+        real, intent(out) :: y
+{}
+    end subroutine s
+end module brz_d
+"""
+GOOD = "        y = sum(a)*exp(a(1))*table(n)"
+DEVICE = {
+    "run-time library call _Fortran": "        y = norm2(a)",
+    "unresolved symbol j0": "        y = bessel_j0(a(1))",
+    "module variable _QMbrz_dEkept": "        y = a(1)*kept",
+    "may not appear in device code": "        associate (b => a(1))\n        y = b\n        end associate",
+    "stack array of run-time size": """        real :: w(n)
+        integer :: i
+        do i = 1, n
+            w(i) = a(1)*i
+        end do
+        do i = 1, n
+            w(i) = w(n + 1 - i)*w(i)
+        end do
+        y = w(1)""",
+}
+
+
+def check_device(folder, text):
+    if not Path("/usr/lib/llvm-22/bin/flang").exists():
+        pytest.skip("flang-22 is missing")
+    (folder / "d.f90").write_text(text)
+    tool = ROOT / "scripts/gpu_check.py"
+    return run(sys.executable, tool, "--work", folder, folder / "d.f90")
+
+
+def test_device_code(tmp_path):
+    done = check_device(tmp_path, SAMPLE.format(GOOD))
+    assert done.returncode == 0, done.stderr
+    assert "1 device procedures compile" in done.stdout
+
+
+@pytest.mark.parametrize(("reason", "body"), DEVICE.items())
+def test_no_device_code(tmp_path, reason, body):
+    done = check_device(tmp_path, SAMPLE.format(body))
+    assert done.returncode != 0
+    assert reason in done.stderr
+
+
+def test_mark_needs_a_pure_procedure(tmp_path):
+    done = check_device(tmp_path, SAMPLE.format(GOOD).replace("pure ", ""))
+    assert "d.f90:7: a pure procedure must follow" in done.stderr
