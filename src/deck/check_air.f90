@@ -85,7 +85,7 @@ contains
             if (any(case%charges(k)%at < case%air%lo .or. case%charges(k)%at > case%air%hi)) then
                 call complain(deck, g, 'at', 'its centre '//point_text(case%charges(k)%at)// &
                               ' lies outside the air, '//air_text(case))
-            else if (case%run%dimension == 3) then
+            else
                 call check_charge_size(deck, g, case, case%charges(k))
             end if
         end do
@@ -98,15 +98,17 @@ contains
         type(case_t), intent(in) :: case
         type(charge_case_t), intent(in) :: charge
         real(dp) :: half(3), dx(3), n
+        logical :: active(3)
         integer :: i
 
-        call charge_half_sides(charge, half)
+        active = case%air%cells > 1
         dx = (case%air%hi - case%air%lo)/case%air%cells
-        n = minval(half/dx)
+        call charge_half_sides(charge, active, product(dx, mask=.not. active), half)
+        n = minval(half/dx, mask=active)
         if (n < least_cells) then
             call complain(deck, g, 'mass', 'only '//cells_text(n)// &
                           ' cells lie across its radius of '// &
-                          cells_text(1000*minval(half))// &
+                          cells_text(1000*minval(half, mask=active))// &
                           ' mm; at least 3 are needed, 8 are good: use '// &
                           'smaller cells or a larger mass')
         else if (n < good_cells) then
@@ -114,6 +116,7 @@ contains
                              cells_text(n)//' cells lie across its radius; 8 or more are good')
         end if
         do i = 1, 3
+            if (.not. active(i)) cycle
             if (charge%at(i) + half(i) <= case%air%hi(i) .and. &
                 (case%run%symmetry(i) .or. charge%at(i) - half(i) >= case%air%lo(i))) cycle
             call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
@@ -121,26 +124,26 @@ contains
         end do
     end subroutine check_charge_size
 
-    !> Half the extent of a charge along x, y, z [m].
-    pure subroutine charge_half_sides(charge, half)
+    !> Half the extent of a charge along x, y, z [m]; a prism in two dimensions, a slab in one.
+    pure subroutine charge_half_sides(charge, active, depth, half)
         type(charge_case_t), intent(in) :: charge
+        logical, intent(in) :: active(3) !! directions that are modelled
+        real(dp), intent(in) :: depth !! product of the sides of the air in the others [m, m2]
         real(dp), intent(out) :: half(3)
         real(dp), parameter :: pi = acos(-1.0_dp)
-        real(dp) :: volume
-        integer :: axis
+        logical :: round(3)
+        real(dp) :: unit
 
-        volume = charge%mass/charge%density
-        select case (charge%shape)
-        case ('cylinder')
-            ! pi r^2 * 2 r aspect
-            half = (volume/(2*pi*charge%aspect))**(1.0_dp/3)
-            axis = index(axes, charge%axis)
-            half(axis) = half(axis)*charge%aspect
-        case ('box')
-            half = charge%sides*(volume/product(charge%sides))**(1.0_dp/3)/2
-        case default
-            half = (3*volume/(4*pi))**(1.0_dp/3)
-        end select
+        half = 1
+        if (charge%shape == 'cylinder') half(index(axes, charge%axis)) = charge%aspect
+        if (charge%shape == 'box') half = charge%sides
+        round = active .and. charge%shape /= 'box'
+        if (charge%shape == 'cylinder') round(index(axes, charge%axis)) = .false.
+        unit = product(2*half, mask=active)
+        if (count(round) == 2) unit = unit*pi/4
+        if (count(round) == 3) unit = unit*pi/6
+        if (count(active) > 0) &
+            half = half*(charge%mass/charge%density/(depth*unit))**(1.0_dp/count(active))
     end subroutine charge_half_sides
 
     !> The upper corner of a box must lie beyond the lower one.

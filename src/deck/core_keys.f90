@@ -40,14 +40,12 @@ contains
                 key_t(group=g, key='title', kind=kind_text, longest=200, &
                       meaning='Title of the scene, for logs and pictures.'), &
                 key_t(group=g, key='t_end', unit='s', default=required, lower=zero, &
-                      open_lower=.true., &
-                      meaning='Time at which the run ends.'), &
+                      open_lower=.true., meaning='Time at which the run ends.'), &
                 key_t(group=g, key='symmetry', kind=kind_text, n_max=3, choices='x|y|z', &
                       meaning='Mirror planes through the origin, normal to these axes; only '// &
                       'the positive side is modelled.'), &
                 key_t(group=g, key='dimension', kind=kind_integer, default='3', lower=one, &
-                      upper=3*one, &
-                      meaning='3; or 2: plane strain in x and y; or 1: along x.'), &
+                      upper=3*one, meaning='3; or 2: plane strain in x and y; or 1: along x.'), &
                 key_t(group=g, key='backend', kind=kind_text, default='auto', &
                       choices='auto|cpu|gpu', &
                       meaning='Where to compute; auto takes a GPU if there is one.'), &
@@ -57,8 +55,7 @@ contains
                       meaning='A smaller time step ends the run with exit code 3.'), &
                 key_t(group=g, key='energy_band', lower=zero, open_lower=.true., &
                       meaning='Largest allowed relative error of the total energy; a larger '// &
-                      'one ends the run with '// &
-                      'exit code 3. No limit if absent.'), &
+                      'one ends the run with exit code 3. No limit if absent.'), &
                 key_t(group=g, key='max_steps', kind=kind_integer, lower=zero, &
                       upper=real(huge(1), dp), &
                       meaning='The run ends after so many steps; no limit if absent.')]
@@ -69,30 +66,26 @@ contains
         character(*), parameter :: g = 'air'
 
         keys = [keys, &
-                key_t(group=g, meaning='The air: a box of equal cells. Without it no fluid is '// &
-                'computed.'), &
+                key_t(group=g, &
+                      meaning='The air: a box of equal cells. Without it no fluid is '// &
+                      'computed.'), &
                 key_t(group=g, key='box', n_min=6, n_max=6, unit='m', default=required, &
                       meaning='Corners of the box: x0, x1, y0, y1, z0, z1.'), &
                 key_t(group=g, key='cells', kind=kind_integer, n_min=3, n_max=3, &
-                      default=required, lower=one, &
-                      upper=1e6_dp, meaning='Cells in x, y, z; 1 in a direction that is not '// &
-                      'modelled.'), &
+                      default=required, lower=one, upper=1e6_dp, &
+                      meaning='Cells in x, y, z; 1 in a direction that is not modelled.'), &
                 key_t(group=g, key='bc', kind=kind_text, n_max=6, default='outflow', &
                       choices='outflow|wall|symmetry|periodic', &
                       meaning='Boundaries: one word for all, or six: x low, x high, y low, y '// &
-                      'high, z low, z high. '// &
-                      'A plane of symmetry of &run overrides it.'), &
+                      'high, z low, z high. A plane of symmetry of &run sets its low face.'), &
                 key_t(group=g, key='density', unit='kg/m3', default='1.225', lower=zero, &
-                      open_lower=.true., &
-                      meaning='Density of the undisturbed air.'), &
+                      open_lower=.true., meaning='Density of the undisturbed air.'), &
                 key_t(group=g, key='pressure', unit='Pa', default='101325.0', lower=zero, &
-                      open_lower=.true., &
-                      meaning='Pressure of the undisturbed air.'), &
+                      open_lower=.true., meaning='Pressure of the undisturbed air.'), &
                 key_t(group=g, key='gamma', default='1.4', lower=one, open_lower=.true., &
-                      upper=5*one, &
-                      meaning='Ratio of the specific heats.'), &
-                key_t(group=g, key='cfl', default='0.5', lower=zero, open_lower=.true., upper=one, &
-                      meaning='Time step of the air over its limit of stability.'), &
+                      upper=5*one, meaning='Ratio of the specific heats.'), &
+                key_t(group=g, key='cfl', default='0.5', lower=zero, open_lower=.true., &
+                      upper=one, meaning='Time step of the air over its limit of stability.'), &
                 key_t(group=g, key='ramp_steps', kind=kind_integer, default='20', lower=zero, &
                       upper=1e6_dp, &
                       meaning='First steps, over which the time step grows from a tenth to '// &
@@ -101,8 +94,7 @@ contains
                       choices='weno3|first_order', &
                       meaning='Reconstruction of the split fluxes at the faces.'), &
                 key_t(group=g, key='flux', kind=kind_text, default='steger_warming', &
-                      choices='steger_warming', &
-                      meaning='Splitting of the fluxes.'), &
+                      choices='steger_warming', meaning='Splitting of the fluxes.'), &
                 key_t(group=g, key='fallback', kind=kind_logical, default='.true.', &
                       meaning='First-order fluxes at faces where a state would become '// &
                       'unphysical; they are counted.')]
@@ -113,21 +105,19 @@ contains
         character(*), parameter :: g = 'gas'
 
         keys = [keys, &
-                key_t(group=g, meaning='A box of gas with an initial state of its own; later '// &
-                'ones cover earlier ones.'), &
+                key_t(group=g, &
+                      meaning='A box of gas with an initial state of its own; later ones '// &
+                      'cover earlier ones.'), &
                 key_t(group=g, key='id', kind=kind_text, default=required, &
                       meaning='Name of the box of gas.'), &
                 key_t(group=g, key='box', n_min=6, n_max=6, unit='m', default=required, &
                       meaning='Corners: x0, x1, y0, y1, z0, z1.'), &
                 key_t(group=g, key='density', unit='kg/m3', default=required, lower=zero, &
-                      open_lower=.true., &
-                      meaning='Initial density.'), &
+                      open_lower=.true., meaning='Initial density.'), &
                 key_t(group=g, key='pressure', unit='Pa', default=required, lower=zero, &
-                      open_lower=.true., &
-                      meaning='Initial pressure.'), &
+                      open_lower=.true., meaning='Initial pressure.'), &
                 key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', &
-                      default='0.0, 0.0, 0.0', &
-                      meaning='Initial velocity.')]
+                      default='0.0, 0.0, 0.0', meaning='Initial velocity.')]
     end subroutine gas_keys
 
     subroutine charge_keys(keys)
@@ -147,21 +137,17 @@ contains
                 key_t(group=g, key='eos', kind=kind_text, default='ideal', choices='ideal', &
                       meaning='Equation of state of the products: that of the air.'), &
                 key_t(group=g, key='shape', kind=kind_text, default='sphere', &
-                      choices='sphere|cylinder|box', &
-                      meaning='Shape.'), &
+                      choices='sphere|cylinder|box', meaning='Shape.'), &
                 key_t(group=g, key='at', n_min=3, n_max=3, unit='m', default=required, &
                       meaning='Centre.'), &
                 key_t(group=g, key='density', unit='kg/m3', default='1630.0', lower=zero, &
-                      open_lower=.true., &
-                      meaning='Density of the explosive.'), &
+                      open_lower=.true., meaning='Density of the explosive.'), &
                 key_t(group=g, key='energy', unit='J/kg', default='4.29e6', lower=zero, &
-                      open_lower=.true., &
-                      meaning='Energy set free by detonation.'), &
+                      open_lower=.true., meaning='Energy set free by detonation.'), &
                 key_t(group=g, key='aspect', default='1.0', lower=zero, open_lower=.true., &
                       meaning='Cylinder: length over diameter.'), &
                 key_t(group=g, key='sides', n_min=3, n_max=3, default='1.0, 1.0, 1.0', &
-                      lower=zero, open_lower=.true., &
-                      meaning='Box: ratio of the sides.'), &
+                      lower=zero, open_lower=.true., meaning='Box: ratio of the sides.'), &
                 key_t(group=g, key='axis', kind=kind_text, default='z', choices='x|y|z', &
                       meaning='Cylinder: its axis.')]
     end subroutine charge_keys
@@ -183,13 +169,13 @@ contains
         character(*), parameter :: g = 'body'
 
         keys = [keys, &
-                key_t(group=g, meaning='A solid body of particles on a lattice. Without one '// &
-                'no solid is computed.'), &
+                key_t(group=g, &
+                      meaning='A solid body of particles on a lattice. Without one no solid '// &
+                      'is computed.'), &
                 key_t(group=g, key='id', kind=kind_text, default=required, &
                       meaning='Name of the body.'), &
                 key_t(group=g, key='shape', kind=kind_text, default='box', &
-                      choices='box|sphere|cylinder', &
-                      meaning='Shape; planes of symmetry cut it.'), &
+                      choices='box|sphere|cylinder', meaning='Shape; planes of symmetry cut it.'), &
                 key_t(group=g, key='box', n_min=6, n_max=6, unit='m', &
                       meaning='Box: corners x0, x1, y0, y1, z0, z1.'), &
                 key_t(group=g, key='centre', n_min=3, n_max=3, unit='m', &
@@ -201,25 +187,23 @@ contains
                 key_t(group=g, key='axis', kind=kind_text, default='z', choices='x|y|z', &
                       meaning='Cylinder: its axis.'), &
                 key_t(group=g, key='spacing', unit='m', default=required, lower=zero, &
-                      open_lower=.true., &
-                      meaning='Distance of the particles.'), &
+                      open_lower=.true., meaning='Distance of the particles.'), &
                 key_t(group=g, key='material', kind=kind_text, default=required, &
                       meaning='Id of its &material.'), &
                 key_t(group=g, key='plies', kind=kind_text, unit='deg', longest=2048, &
                       meaning="Angles of the plies from the low to the high side, such as "// &
-                      "'0/45/-45/90', '7*(0/90)' or "// &
-                      "'[0/90]s' (mirrored)."), &
+                      "'0/45/-45/90', '7*(0/90)' or '[0/90]s' (mirrored)."), &
                 key_t(group=g, key='ply_axis', kind=kind_text, default='z', choices='x|y|z', &
                       meaning='Normal of the plies.'), &
                 key_t(group=g, key='fix', kind=kind_text, n_max=8, &
                       choices='sides|all|x-|x+|y-|y+|z-|z+', &
-                      meaning='Faces that are held; sides: the four around the ply axis.'), &
+                      meaning='Faces that are held; sides: all but the two across the '// &
+                      'thinnest direction.'), &
                 key_t(group=g, key='fix_layers', kind=kind_integer, default='3', lower=one, &
                       upper=1000*one, &
                       meaning='Layers of particles that are held at such a face.'), &
                 key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', &
-                      default='0.0, 0.0, 0.0', &
-                      meaning='Initial velocity.'), &
+                      default='0.0, 0.0, 0.0', meaning='Initial velocity.'), &
                 key_t(group=g, key='spin', n_min=3, n_max=3, unit='rad/s', &
                       default='0.0, 0.0, 0.0', &
                       meaning='Initial angular velocity about the centre of mass.')]
@@ -233,8 +217,7 @@ contains
                 key_t(group=g, key='formulation', kind=kind_text, default='bending', &
                       choices='bending|corrected_hourglass|corrected', &
                       meaning='bending: what bends and may break; corrected_hourglass: what '// &
-                      'fragments or flows; '// &
-                      'corrected: neither hourglass force.'), &
+                      'fragments or flows; corrected: neither hourglass force.'), &
                 key_t(group=g, key='alpha', default='1.0', lower=zero, upper=10*one, &
                       meaning='Linear artificial viscosity.'), &
                 key_t(group=g, key='beta', default='2.0', lower=zero, upper=10*one, &
@@ -245,8 +228,8 @@ contains
                       meaning='corrected_hourglass: strength of the viscous hourglass force.'), &
                 key_t(group=g, key='smoothing', default='1.2', lower=one, upper=2*one, &
                       meaning='Smoothing length over spacing.'), &
-                key_t(group=g, key='cfl', default='0.4', lower=zero, open_lower=.true., upper=one, &
-                      meaning='Time step of the body: c dt/h.')]
+                key_t(group=g, key='cfl', default='0.4', lower=zero, open_lower=.true., &
+                      upper=one, meaning='Time step of the body: c dt/h.')]
     end subroutine body_method_keys
 
     subroutine gauge_keys(keys)
@@ -289,8 +272,7 @@ contains
                 key_t(group='output', key='history_every', unit='s', default='0.0', lower=zero, &
                       meaning='Time between rows of the histories; 0: every step.'), &
                 key_t(group='output', key='checkpoint_every', unit='s', lower=zero, &
-                      open_lower=.true., &
-                      meaning='Time between checkpoints; none if absent.'), &
+                      open_lower=.true., meaning='Time between checkpoints; none if absent.'), &
                 key_t(group='output', key='report_every', unit='s', default='5.0', lower=zero, &
                       meaning='Wall-clock time between lines of the log.')]
     end subroutine settings_keys

@@ -134,7 +134,8 @@ contains
             text = text//'`'//default_text(row)//'`'
         end select
         text = text//' | '//trim(row%meaning)
-        if (choices(keys, row) /= '') text = text//' One of: '//choices(keys, row)//'.'
+        if (choices(keys, row) /= '') text = text//full_stop(row)//' One of: '// &
+                                        choices(keys, row)//'.'
         text = text//' |'//lf
     end subroutine markdown_row
 
@@ -170,6 +171,15 @@ contains
         end select
         if (row%n_max > 1) text = same_value_count(row)//' '//text//'s'
     end function kind_name
+
+    !> '.' where the meaning does not end with one.
+    pure function full_stop(row) result(text)
+        type(key_t), intent(in) :: row
+        character(:), allocatable :: text
+
+        text = '.'
+        if (index(trim(row%meaning), '.', back=.true.) == len_trim(row%meaning)) text = ''
+    end function full_stop
 
     pure function default_words(row) result(text)
         type(key_t), intent(in) :: row
