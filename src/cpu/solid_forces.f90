@@ -6,7 +6,7 @@ module brz_solid_forces
     use brz_pair_force, only: hourglass_stiff, hourglass_viscous, stress_force, viscous_force
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, lanes, n_pair, &
                                pair_affine, pair_c, pair_density, pair_keep, pair_stress, &
-                               pair_volume, solid_t
+                               pair_volume, solid_t, worth_threads
     implicit none
     private
     public :: force_pass
@@ -31,14 +31,21 @@ contains
         real(dp), intent(in) :: dt !! [s]
         integer :: k
 
-        !$omp parallel do schedule(static)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static)
         do k = 1, size(solid%block, 2)
             call force_block(solid, solid%bodies(solid%block(1, k)), dt, k)
+        end do
+        do k = 1, size(solid%bodies)
+            associate (ledger => solid%bodies(k)%ledger)
+                ledger%hourglass = ledger%hourglass + ledger%hourglass_ahead
+                ledger%hourglass_ahead = 0
+            end associate
         end do
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)), sums => solid%search%sums(:, k))
                 body%ledger%viscous = body%ledger%viscous + sums(1)
                 body%ledger%hourglass = body%ledger%hourglass + sums(2)
+                body%ledger%hourglass_ahead = body%ledger%hourglass_ahead + sums(6)
                 body%reaction = body%reaction + sums(3:5)
             end associate
         end do
@@ -94,10 +101,11 @@ contains
         solid%energy(i) = solid%energy(i) + dt*f(at_heat)/solid%mass(i)
         held = solid%fixed(i)
         solid%a(:, i) = (1 - held)*f(1:3)/solid%mass(i)
-        v = solid%v(:, i) + (1 - held)*dt/2*(solid%a(:, i) + solid%load(:, i)/solid%mass(i))
+        v = solid%v(:, i) + (1 - held)*dt*(solid%a(:, i) + solid%load(:, i)/solid%mass(i))
         associate (sums => solid%search%sums(:, k))
             sums(1) = sums(1) + dt*f(at_heat)
-            sums(2) = sums(2) - dt*dot_product(f(at_hold + 1:at_hold + 3), v)
+            sums(2) = sums(2) - dt/2*dot_product(f(at_hold + 1:at_hold + 3), solid%v(:, i))
+            sums(6) = sums(6) - dt/2*dot_product(f(at_hold + 1:at_hold + 3), v)
             sums(3:5) = sums(3:5) + dt*held*(f(1:3) + solid%load(:, i))
         end associate
         if (.not. (dot_product(f, f) <= huge(dt)) .or. solid%mu(i) <= -1) then
@@ -167,7 +175,7 @@ contains
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: f(n_terms)
         real(rk) :: acc(lanes, 4), r(3), dv(3), own(n_pair), other(n_pair), g(3), d(3)
-        real(rk) :: w, u, r2, vr, heat
+        real(rk) :: w, u, z, r2, vr, heat
         integer :: k, l, j, t
 
         own = pair(:, p%i)
@@ -192,7 +200,9 @@ contains
                     *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
                 call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
                 u = viscosity(p, own, other, w, r2, vr)
-                call hourglass_viscous(damping(p, own, other, w), own(pair_affine + 1), &
+                z = p%zeta*w*own(pair_keep)*other(pair_keep)
+                call hourglass_viscous(z*own(pair_density)*own(pair_c), &
+                                       z*other(pair_density)*other(pair_c), own(pair_affine + 1), &
                                        other(pair_affine + 1), dv, r, d, heat)
                 do t = 1, 3
                     acc(l, t) = acc(l, t) + g(t) + u*r(t) + d(t)
@@ -261,16 +271,6 @@ contains
         u = viscous_force(w, p%h, r2, vr, p%alpha*rho*(own(pair_c) + other(pair_c)), p%beta*rho)
     end function viscosity
 
-    !> Strength of the viscous hourglass force of a pair.
-    pure function damping(p, own, other, w) result(z)
-        type(centre_t), intent(in) :: p
-        real(rk), intent(in) :: own(n_pair), other(n_pair), w
-        real(rk) :: z
-
-        z = p%zeta*w*own(pair_keep)*other(pair_keep) &
-            *(own(pair_density)*own(pair_c) + other(pair_density)*other(pair_c))
-    end function damping
-
     !> Add the pairs with mirror images: marked components change sign, tensors in both indices.
     subroutine add_images(solid, body, p, f)
         type(solid_t), intent(in) :: solid
@@ -278,7 +278,7 @@ contains
         type(centre_t), intent(in) :: p
         real(rk), intent(inout) :: f(n_terms)
         real(rk) :: s(3), r(3), dv(3), dx(3), own(n_pair), other(n_pair), g(3), d(3)
-        real(rk) :: w, u, r2, vr, heat
+        real(rk) :: w, u, z, r2, vr, heat
         integer(int64) :: k
         integer :: j, t
 
@@ -305,14 +305,15 @@ contains
             u = viscosity(p, own, other, w, r2, vr)
             f(1:3) = f(1:3) + g + u*r
             f(at_heat) = f(at_heat) - u*vr/2
+            z = p%zeta*w*own(pair_keep)*other(pair_keep)
             if (body%formulation == form_corrected_hourglass) then
-                call hourglass_viscous(damping(p, own, other, w), own(pair_affine + 1), &
+                call hourglass_viscous(z*own(pair_density)*own(pair_c), &
+                                       z*other(pair_density)*other(pair_c), own(pair_affine + 1), &
                                        other(pair_affine + 1), dv, r, d, heat)
                 f(1:3) = f(1:3) + d
                 f(at_heat) = f(at_heat) + heat
             else if (body%formulation == form_bending) then
-                call hourglass_stiff(p%zeta*w*own(pair_keep)*other(pair_keep), &
-                                     own(pair_affine + 1), other(pair_affine + 1), dx, r, d)
+                call hourglass_stiff(z, own(pair_affine + 1), other(pair_affine + 1), dx, r, d)
                 f(1:3) = f(1:3) + d
                 f(at_hold + 1:) = f(at_hold + 1:) + d
             end if

@@ -11,7 +11,7 @@ module brz_solid_gradients
     use brz_material, only: point_t
     use brz_materials, only: update_material
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, lanes, pair_affine, &
-                               pair_c, pair_density, pair_keep, pair_stress, pair_volume, solid_t
+                               pair_c, pair_density, pair_keep, pair_stress, pair_volume, solid_t, worth_threads
     implicit none
     private
     public :: gradient_pass
@@ -37,7 +37,7 @@ contains
         integer :: k
 
         limit = huge(limit)
-        !$omp parallel do schedule(static) reduction(min: limit)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) reduction(min: limit)
         do k = 1, size(solid%block, 2)
             call gradient_block(solid, solid%bodies(solid%block(1, k)), dt, k, limit)
         end do
@@ -210,7 +210,7 @@ contains
             sums(c) = 1
             sums(at_x + 4*c - 3) = 1
         end do
-        call correction(sums, b, weak)
+        call correction(solid%dimension, sums, b, weak)
         call times(sums(at_g + 1), b, h)
         if (dt > 0) then
             call midstep_gradient(h, real(dt, rk), l)

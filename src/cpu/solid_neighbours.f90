@@ -8,7 +8,7 @@ module brz_solid_neighbours
     use brz_cell_grid, only: cell_span, fill_cells, lay_grid
     use brz_kinds, only: dp, int32, int64, int8
     use brz_particle_order, only: reorder_particles
-    use brz_solid_state, only: body_t, lanes, solid_t
+    use brz_solid_state, only: body_t, lanes, solid_t, worth_threads
     implicit none
     private
     public :: build_neighbours, needs_rebuild
@@ -46,7 +46,7 @@ contains
         integer :: i
 
         far = 0
-        !$omp parallel do schedule(static) private(d) reduction(max: far)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(d) reduction(max: far)
         do i = 1, solid%n
             d = solid%x(:, i) - solid%x_built(:, i)
             far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
@@ -72,7 +72,7 @@ contains
         integer(int32) :: none(1)
 
         if (body%first == 1) solid%first(1) = 1
-        !$omp parallel do schedule(static) private(m, last, none)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(m, last, none)
         do i = body%first, body%last
             last = 0
             call search(solid, i, 0, reach, .false., none, last)
@@ -124,7 +124,7 @@ contains
         integer(int64) :: at, next
         integer :: i, m
 
-        !$omp parallel do schedule(static) private(m, at, next)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(m, at, next)
         do i = body%first, body%last
             at = solid%first(i) - 1
             call search(solid, i, 0, reach, .true., solid%list, at)

@@ -8,7 +8,7 @@ module brz_solid_step
     use brz_solid_forces, only: force_pass
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
-    use brz_solid_state, only: form_bending, solid_t
+    use brz_solid_state, only: form_bending, solid_t, worth_threads
     implicit none
     private
     public :: start_solid, resume_solid, solid_time_step, solid_step, velocity_at_step
@@ -85,7 +85,7 @@ contains
         integer :: i, k
 
         mean = real((solid%dt_last + dt)/2, rk)
-        !$omp parallel do schedule(static) private(i, v, work)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, v, work)
         do k = 1, size(solid%block, 2)
             work = 0
             do i = solid%block(2, k), solid%block(3, k)
@@ -131,7 +131,7 @@ contains
         type(solid_t), intent(inout) :: solid
         integer :: i, k
 
-        !$omp parallel do schedule(static) private(i)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
         do k = 1, size(solid%block, 2)
             if (solid%bodies(solid%block(1, k))%formulation /= form_bending) cycle
             do i = solid%block(2, k), solid%block(3, k)

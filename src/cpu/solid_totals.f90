@@ -2,7 +2,7 @@
 !> Sums over a body: mass, momentum, energy, all in real64 and in a fixed order.
 module brz_solid_totals
     use brz_kinds, only: dp
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: solid_t, worth_threads
     implicit none
     private
     public :: solid_totals, solid_totals_t
@@ -31,7 +31,7 @@ contains
         integer :: k
 
         sums = 0
-        !$omp parallel do ordered schedule(static, 1) private(part)
+        !$omp parallel do if(solid%n >= worth_threads) ordered schedule(static, 1) private(part)
         do k = 1, size(solid%block, 2)
             if (b /= 0 .and. solid%block(1, k) /= b) cycle
             call sum_block(solid, solid%block(2, k), solid%block(3, k), part)

@@ -112,15 +112,18 @@ contains
         s%start(0) = body%first
     end subroutine fill_cells
 
-    !> Cell of a point along each axis, held inside the grid.
+    !> Cell of a point along each axis, held inside the grid; what is no number is in the first.
     pure function place(s, x) result(c)
         type(search_t), intent(in) :: s
         real(dp), intent(in) :: x(3)
         integer :: c(3)
+        real(dp) :: t
         integer :: a
 
+        c = 0
         do a = 1, 3
-            c(a) = int(max(0.0_dp, min((x(a) - s%lo(a))/s%size, real(s%cells(a) - 1, dp))))
+            t = (x(a) - s%lo(a))/s%size
+            if (t > 0) c(a) = int(min(t, real(s%cells(a) - 1, dp)))
         end do
     end function place
 

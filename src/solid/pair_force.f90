@@ -42,10 +42,13 @@ contains
         u = w*(quadratic*phi - linear)*phi
     end function viscous_force
 
-    !> Viscous hourglass force: resists the part of v_ij that the mean velocity gradient misses.
+    !> Viscous hourglass force: resists the part of v_ij that the velocity gradients miss.
+    !>
+    !> Each particle's own strength goes with its own gradient. With the corrected gradient,
+    !> sum_j V_j F_ij (v_ij - H_i x_ij) (x) x_ij = 0: no torque, and never negative heat in i.
     !@cuf attributes(host,device) &
-    pure subroutine hourglass_viscous(z, hi, hj, dv, r, f, heat)
-        real(rk), intent(in) :: z !! zeta (rho_i c_i + rho_j c_j) h w
+    pure subroutine hourglass_viscous(zi, zj, hi, hj, dv, r, f, heat)
+        real(rk), intent(in) :: zi, zj !! zeta h w times rho c of the two particles
         real(rk), intent(in) :: hi(9), hj(9) !! velocity gradients at the new positions [1/s]
         real(rk), intent(in) :: dv(3), r(3) !! v_ij, x_ij
         real(rk), intent(out) :: f(3) !! on i [N]
@@ -58,10 +61,10 @@ contains
         e(1) = dv(1) - (hj(1)*r(1) + hj(4)*r(2) + hj(7)*r(3))
         e(2) = dv(2) - (hj(2)*r(1) + hj(5)*r(2) + hj(8)*r(3))
         e(3) = dv(3) - (hj(3)*r(1) + hj(6)*r(2) + hj(9)*r(3))
-        f(1) = -z*(d(1) + e(1))/2
-        f(2) = -z*(d(2) + e(2))/2
-        f(3) = -z*(d(3) + e(3))/2
-        heat = z*(d(1)*dv(1) + d(2)*dv(2) + d(3)*dv(3))/2
+        f(1) = -(zi*d(1) + zj*e(1))
+        f(2) = -(zi*d(2) + zj*e(2))
+        f(3) = -(zi*d(3) + zj*e(3))
+        heat = zi*(d(1)*dv(1) + d(2)*dv(2) + d(3)*dv(3))
     end subroutine hourglass_viscous
 
     !> Stiff hourglass force: pulls x_ij towards the image of X_ij under the mean deformation.

@@ -4,7 +4,7 @@
 !> `x_built` and `pair`, which are written afresh after a sort, serve as buffers.
 module brz_particle_order
     use brz_kinds, only: dp, int32, int8, rk
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: solid_t, worth_threads
     implicit none
     private
     public :: reorder_particles
@@ -44,7 +44,7 @@ contains
         real(dp), intent(inout) :: buffer(3, n)
         integer :: i
 
-        !$omp parallel
+        !$omp parallel if(n >= worth_threads)
         !$omp do schedule(static)
         do i = 1, n
             buffer(:, i) = q(:, order(i))
@@ -62,7 +62,7 @@ contains
         real(rk), intent(inout) :: buffer(k, n)
         integer :: i
 
-        !$omp parallel
+        !$omp parallel if(n >= worth_threads)
         !$omp do schedule(static)
         do i = 1, n
             buffer(:, i) = q(:, order(i))

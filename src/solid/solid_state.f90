@@ -10,12 +10,14 @@ module brz_solid_state
     private
     public :: solid_t, body_t, ledger_t, search_t
     public :: form_corrected, form_corrected_hourglass, form_bending, lanes
+    public :: worth_threads
     public :: n_pair, pair_volume, pair_density, pair_c, pair_keep, pair_stress, pair_affine
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3
     integer, parameter :: lanes = 8 !! neighbour lists are padded with the particle itself to a
                                     !! multiple of this
 
+    integer, parameter :: worth_threads = 2048 !! fewer particles are faster on one thread
     ! what a pair force needs of a particle, in one contiguous row of `pair`
     integer, parameter :: pair_volume = 1 !! [m3]
     integer, parameter :: pair_density = 2 !! [kg/m3]
@@ -29,6 +31,7 @@ module brz_solid_state
     type :: ledger_t
         real(dp) :: viscous = 0 !! heat by artificial viscosity
         real(dp) :: hourglass = 0 !! energy held by (or fed to) the hourglass force
+        real(dp) :: hourglass_ahead = 0 !! its change in the half step to come, kept for the next step
         real(dp) :: load = 0 !! work of the air on the body
         real(dp) :: plastic = 0 !! plastic work
         real(dp) :: damage = 0 !! work spent in damage
