@@ -67,7 +67,7 @@ module brz_air_state
         integer, allocatable :: first(:) !! (blocks+1) first face of a block
         integer(int8), allocatable :: has_solid(:) !! (blocks) 1: some cell of the block holds solid
         integer, allocatable :: side(:) !! (n) +1: gas below and solid above the face, -1: the reverse, 0: neither
-        real(rk), allocatable :: p_star(:) !! (n) pressure on the wall in this stage [Pa]
+        real(rk), allocatable :: push(:) !! (n) pressure on the wall in this stage over dx, along the side [Pa/m]
         real(rk), allocatable :: speed(:) !! (n) normal velocity of the wall [m/s]
     end type cut_t
 

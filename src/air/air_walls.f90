@@ -23,7 +23,7 @@ contains
         allocate (wall%index(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3)), source=0)
         allocate (wall%cell(3, 0), wall%v(3, 0), wall%face(5, 0), wall%face_cell(0), wall%impulse(0))
         do d = 1, 3
-            allocate (wall%cut(d)%face(4, 0), wall%cut(d)%side(0), wall%cut(d)%p_star(0))
+            allocate (wall%cut(d)%face(4, 0), wall%cut(d)%side(0), wall%cut(d)%push(0))
             allocate (wall%cut(d)%speed(0))
             allocate (wall%cut(d)%first(n_blocks(n, d) + 1), source=1)
             allocate (wall%cut(d)%has_solid(n_blocks(n, d)), source=0_int8)
@@ -265,9 +265,9 @@ contains
         end do
         cut%n = cut%first(size(cut%first)) - 1
         if (size(cut%side) >= cut%n) return
-        deallocate (cut%face, cut%side, cut%p_star, cut%speed)
+        deallocate (cut%face, cut%side, cut%push, cut%speed)
         allocate (cut%face(4, cut%n + cut%n/4), cut%side(cut%n + cut%n/4))
-        allocate (cut%p_star(cut%n + cut%n/4), cut%speed(cut%n + cut%n/4))
+        allocate (cut%push(cut%n + cut%n/4), cut%speed(cut%n + cut%n/4))
     end subroutine make_room
 
     !> Say which cut faces lie between gas and solid, on which side, and where their impulse goes.

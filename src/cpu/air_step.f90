@@ -13,11 +13,10 @@ module brz_air_step
     private
     public :: air_step
 
-    ! u := old u_start + new (u + dt rate); the rates count with `share` in the whole step
-    real(rk), parameter :: old(3) = [0.0_rk, 0.75_rk, 1/3.0_rk]
+    ! u := (1 - new) u_start + new (u + dt rate); the rates count with `share` in the whole step
     real(rk), parameter :: new(3) = [1.0_rk, 0.25_rk, 2/3.0_rk]
     real(rk), parameter :: share(3) = [1/6.0_rk, 1/6.0_rk, 2/3.0_rk]
-    integer, parameter :: few_numbers = 10000 !! fewer are not worth waking the other threads
+    integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
     real(rk), parameter :: least_ratio = 1e-3_rk !! of new to old density or pressure, before a fallback
 
 contains
@@ -91,6 +90,8 @@ contains
     end subroutine add_outflow
 
     !> Combine the Euler step with the start of the step; the first stage keeps the start.
+    !>
+    !> Written in differences, so that a gas at rest does not change by a bit.
     subroutine update(n, g, dt, m, u, u_start, rate)
         integer, intent(in) :: n(3) !! cells
         integer, intent(in) :: g(3) !! ghost layers
@@ -112,8 +113,8 @@ contains
                         end do
                     else
                         do i = 1, n(1)
-                            u(i, j, k, c) = old(m)*u_start(i, j, k, c) &
-                                + new(m)*(u(i, j, k, c) + dt*rate(i, j, k, c))
+                            u(i, j, k, c) = u_start(i, j, k, c) + new(m) &
+                                *(u(i, j, k, c) - u_start(i, j, k, c) + dt*rate(i, j, k, c))
                         end do
                     end if
                 end do

@@ -7,7 +7,7 @@ module brz_air_sums
     private
     public :: air_time_step, air_totals
 
-    integer, parameter :: few_numbers = 10000 !! fewer are not worth waking the other threads
+    integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
 
 contains
 

@@ -16,7 +16,7 @@ module brz_air_sweep
     public :: stage_t, sweep
 
     integer, parameter :: nb = lines_per_block
-    integer, parameter :: few_blocks = 8 !! fewer are not worth waking the other threads
+    integer, parameter :: few_cells = 8000 !! fewer are not worth waking the other threads
 
     !> What the sweeps must know of the stage.
     type :: stage_t
@@ -47,7 +47,7 @@ contains
         type(stage_t), intent(in) :: stage
         integer :: b
 
-        !$omp parallel do schedule(static) if (n_blocks(air%n, d) >= few_blocks)
+        !$omp parallel do schedule(static) if (product(air%n) > few_cells)
         do b = 1, n_blocks(air%n, d)
             call sweep_block(air, wall, d, b, stage, air%work(omp_get_thread_num()))
         end do
@@ -321,17 +321,18 @@ contains
         integer, intent(in) :: b !! block
         real(rk), intent(in) :: share !! weight of the stage times dt [s]
         real(rk), intent(inout) :: f(nb, 5, 0:air%n(d)) !! fluxes
-        real(rk) :: flux(5), area
+        real(rk) :: flux(5), p_star, area
         integer :: e, l, face, low(3)
 
         area = real(product(air%dx)/air%dx(d), rk)
         do e = wall%cut(d)%first(b), wall%cut(d)%first(b + 1) - 1
             low = wall%cut(d)%face(1:3, e)
-            call flux_at(air, wall, air%order, d, low, flux, wall%cut(d)%p_star(e), wall%cut(d)%speed(e))
+            call flux_at(air, wall, air%order, d, low, flux, p_star, wall%cut(d)%speed(e))
+            wall%cut(d)%push(e) = wall%cut(d)%side(e)*p_star*real(1/air%dx(d), rk)
             l = lane_of(air, d, b, low)
             f(l, :, low(d)) = flux
             face = wall%cut(d)%face(4, e)
-            if (face > 0) wall%impulse(face) = wall%impulse(face) + share*area*wall%cut(d)%p_star(e)
+            if (face > 0) wall%impulse(face) = wall%impulse(face) + share*area*p_star
         end do
     end subroutine cut_fluxes
 
@@ -342,7 +343,6 @@ contains
         integer, intent(in) :: d !! direction
         integer, intent(in) :: b !! block
         real(rk), intent(inout) :: f(nb, 5, 0:air%n(d)) !! rate of cell i in place i-1
-        real(rk) :: push
         integer :: e, l, i
 
         do e = wall%cut(d)%first(b), wall%cut(d)%first(b + 1) - 1
@@ -351,9 +351,8 @@ contains
             if (wall%cut(d)%side(e) < 0) i = i - 1
             if (i < 0 .or. i >= air%n(d)) cycle
             l = lane_of(air, d, b, wall%cut(d)%face(1:3, e))
-            push = wall%cut(d)%side(e)*wall%cut(d)%p_star(e)*real(1/air%dx(d), rk)
-            f(l, 2, i) = f(l, 2, i) - push
-            f(l, 5, i) = f(l, 5, i) - push*wall%cut(d)%speed(e)
+            f(l, 2, i) = f(l, 2, i) - wall%cut(d)%push(e)
+            f(l, 5, i) = f(l, 5, i) - wall%cut(d)%push(e)*wall%cut(d)%speed(e)
         end do
     end subroutine load_off_ledger
 
