@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The build recompiles what it must and no more; `make test` counts right; set-up says what to do."""
+"""The build recompiles only what it must, `make test` counts right, set-up says what to do."""
 
 import os
 import shutil
@@ -9,7 +9,15 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-FIRST = "module brz_first\n implicit none\n integer, parameter :: n = {n}\ncontains\n subroutine s()\n {body}\n end subroutine\nend module\n"
+FIRST = """module brz_first
+ implicit none
+ integer, parameter :: n = {n}
+contains
+ subroutine s()
+ {body}
+ end subroutine
+end module
+"""
 SECOND = (
     "module brz_second\n use brz_first, only: n\n implicit none\n integer :: a(n)\nend module\n"
 )

@@ -8,11 +8,13 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-HEAD = "! SPDX-License-Identifier: MIT\n"
-FILE = (
-    HEAD
-    + "module brz_{name}\n    {use}\n    implicit none\n{mark}contains\n{body}end module brz_{name}\n"
-)
+FILE = """! SPDX-License-Identifier: MIT
+module brz_{name}
+    {use}
+    implicit none
+{mark}contains
+{body}end module brz_{name}
+"""
 
 
 def run(*command, cwd=ROOT):
@@ -68,11 +70,20 @@ def test_what_keeps_the_rules_passes(tmp_path):
     assert "first line must be" in structure(tmp_path)[1]
 
 
+UGLY = """module a
+contains
+subroutine s(x)
+real,intent(out)::x
+x=1+ &
+  2
+end subroutine s
+end module a
+"""
+
+
 def test_formatter_finds_and_mends(tmp_path):
     file = tmp_path / "a.f90"
-    file.write_text(
-        "module a\ncontains\nsubroutine s(x)\nreal,intent(out)::x\nx=1+ &\n  2\nend subroutine s\nend module a\n"
-    )
+    file.write_text(UGLY)
     tool = ROOT / "scripts/format.py"
     done = run(sys.executable, tool, "--check", file)
     assert done.returncode != 0
@@ -113,7 +124,7 @@ DEVICE = {
     "run-time library call _Fortran": "        y = norm2(a)",
     "unresolved symbol j0": "        y = bessel_j0(a(1))",
     "module variable _QMbrz_dEkept": "        y = a(1)*kept",
-    "may not appear in device code": "        associate (b => a(1))\n        y = b\n        end associate",
+    "may not appear in device code": "associate (b => a(1))\n        y = b\n        end associate",
     "stack array of run-time size": """        real :: w(n)
         integer :: i
         do i = 1, n

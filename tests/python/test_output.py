@@ -69,7 +69,9 @@ def test_air_values_stand_in_their_cells(scene):
     grid = pv.read(scene / "air_00000.vtkhdf")
     # cell numbers from the place of the cell, not from the order in the file
     middle_of_first = np.array([-0.95, 2.1, 3.2])
-    place = np.rint((grid.cell_centers().points - middle_of_first) / sides_of(scene)).astype(int) + 1
+    place = (
+        np.rint((grid.cell_centers().points - middle_of_first) / sides_of(scene)).astype(int) + 1
+    )
     i, j, k = place.T
     gas = grid.cell_data["solid"] == 0
     assert (~gas).sum() == 1 and tuple(place[~gas][0]) == (2, 1, 1)
