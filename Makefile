@@ -66,6 +66,11 @@ $(B)/version.f90: FORCE
 PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf))
 PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90))
 include tests/pfstub/pfunit.mk
+BENCH    := $(sort $(wildcard tests/bench/bench_*.f90))
+$(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(LIB)
+	@mkdir -p $(@D)
+	$(call say,link $@)
+	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
 
 .PHONY: unit verify python lint format check-docs gpu-check setup test demo bench
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
@@ -84,8 +89,8 @@ demo: setup ## a coarse blast on a CFRP plate, with pictures
 	@$(MAKE) --no-print-directory all
 	$(BIN) run inputs/demo.nml
 	$(PY) -m post report out/demo
-bench: $(BIN) ## measure the speed on this machine
-	$(BIN) run inputs/bench.nml
+bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
+	@for program in $^; do $$program || exit 1; done
 python: all ## tests of the Python tools and of the whole program
 	@$(PY) -m pytest --junitxml=build/log/python.xml $(ARGS)
 lint: ## format, linters, the rules of the house
@@ -106,7 +111,7 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) $(B)/version.f90 $(PF) $(PF_HELP)
+SCANNED = $(SRC) $(B)/version.f90 $(PF) $(PF_HELP) $(BENCH)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
 	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@
