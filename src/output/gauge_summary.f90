@@ -109,12 +109,12 @@ contains
         character(160) :: line
 
         if (pulse%arrived) then
-            write (line, '(2a16, es14.4, a6, 2es12.4, 2es14.4)') gauge%id, 'overpressure', &
-                pulse%peak, ' Pa', pulse%peak_time, pulse%arrival, pulse%duration, pulse%impulse
+            write (line, '(2a16, es14.4, 1x, a5, 2es12.4, 2es14.4)') gauge%id, 'overpressure', &
+                pulse%peak, 'Pa   ', pulse%peak_time, pulse%arrival, pulse%duration, pulse%impulse
             if (.not. pulse%complete) line = trim(line)//' (still positive at the end)'
         else
-            write (line, '(2a16, es14.4, a6, es12.4, a)') gauge%id, 'overpressure', pulse%peak, &
-                ' Pa', pulse%peak_time, '  no arrival'
+            write (line, '(2a16, es14.4, 1x, a5, es12.4, a)') gauge%id, 'overpressure', pulse%peak, &
+                'Pa   ', pulse%peak_time, '  no arrival'
         end if
         text = text//trim(line)//line_end
     end subroutine add_pulse
@@ -127,8 +127,8 @@ contains
         integer :: i
 
         i = maxloc(abs(value), dim=1)
-        write (line, '(2a16, es14.4, a6, es12.4)') gauge%id, gauge%quantity, value(i), &
-            ' '//gauge%unit(:5), time(i)
+        write (line, '(2a16, es14.4, 1x, a5, es12.4)') gauge%id, gauge%quantity, value(i), &
+            gauge%unit, time(i)
         text = text//trim(line)//line_end
     end subroutine add_extreme
 end module brz_gauge_summary
