@@ -1,0 +1,40 @@
+! SPDX-License-Identifier: MIT
+!> Which air cell holds a point. Point physics: compiled for the CPU and for the GPU.
+module brz_cell_place
+    use brz_kinds, only: dp, int32
+    implicit none
+    private
+    public :: cell_number
+
+contains
+
+    !> Number of the cell that holds a point, counted from 1 in memory order; 0 outside the box.
+    !>
+    !> A direction with one cell is not modelled: any coordinate lies in it.
+    !@cuf attributes(host,device) &
+    pure function cell_number(x, lo, dx, n, wraps) result(c)
+        real(dp), intent(in) :: x(3) !! point [m]
+        real(dp), intent(in) :: lo(3), dx(3) !! low corner of the box and sides of a cell [m]
+        integer, intent(in) :: n(3) !! cells
+        logical, intent(in) :: wraps(3) !! periodic directions
+        integer(int32) :: c
+        real(dp) :: s
+        integer :: d, i, stride
+
+        c = 1
+        stride = 1
+        do d = 1, 3
+            if (n(d) > 1) then
+                s = (x(d) - lo(d))/dx(d)
+                if (wraps(d)) s = s - n(d)*floor(s/n(d))
+                if (.not. (s >= 0 .and. s < n(d))) then
+                    c = 0
+                    return
+                end if
+                i = min(int(s), n(d) - 1)
+                c = c + i*stride
+            end if
+            stride = stride*n(d)
+        end do
+    end function cell_number
+end module brz_cell_place

@@ -1,0 +1,86 @@
+! SPDX-License-Identifier: MIT
+!> Neighbours of a cell in order of distance, and steps from cell to cell.
+module brz_cell_shells
+    use brz_kinds, only: int32
+    implicit none
+    private
+    public :: shells_t, make_shells, neighbour, cell_at, number_of, reach
+
+    integer, parameter :: reach = 3 !! farthest neighbour, in cells
+    integer, parameter :: max_shells = 8, max_offsets = 122
+
+    !> Shell s holds offsets first(s)..first(s+1)-1, all of the same distance. It is symmetric: with
+    !> an offset it holds its opposite.
+    type :: shells_t
+        integer :: n = 0
+        integer :: first(max_shells + 1) = 1
+        integer :: offset(3, max_offsets) = 0
+    end type shells_t
+
+contains
+
+    !> Shells within `reach` cells in the directions that have more than one cell.
+    pure subroutine make_shells(n, shells)
+        integer, intent(in) :: n(3) !! cells of the grid
+        type(shells_t), intent(out) :: shells
+        integer :: r(3), d2, i, j, k, m
+
+        r = merge(reach, 0, n > 1)
+        m = 0
+        do d2 = 1, reach**2
+            do k = -r(3), r(3)
+                do j = -r(2), r(2)
+                    do i = -r(1), r(1)
+                        if (i*i + j*j + k*k /= d2) cycle
+                        m = m + 1
+                        shells%offset(:, m) = [i, j, k]
+                    end do
+                end do
+            end do
+            if (m + 1 == shells%first(shells%n + 1)) cycle
+            shells%n = shells%n + 1
+            shells%first(shells%n + 1) = m + 1
+        end do
+    end subroutine make_shells
+
+    !> Cell reached from `from` by `offset`; `inside` is false beyond the box.
+    pure subroutine neighbour(n, wraps, from, offset, to, inside)
+        integer, intent(in) :: n(3) !! cells of the grid
+        logical, intent(in) :: wraps(3) !! periodic directions
+        integer, intent(in) :: from(3), offset(3)
+        integer, intent(out) :: to(3)
+        logical, intent(out) :: inside
+        integer :: d
+
+        inside = .true.
+        do d = 1, 3
+            to(d) = from(d) + offset(d)
+            if (to(d) >= 1 .and. to(d) <= n(d)) cycle
+            if (wraps(d)) then
+                to(d) = modulo(to(d) - 1, n(d)) + 1
+            else
+                inside = .false.
+            end if
+        end do
+    end subroutine neighbour
+
+    !> Indices of a cell from its number.
+    pure function cell_at(n, number) result(ijk)
+        integer, intent(in) :: n(3)
+        integer(int32), intent(in) :: number
+        integer :: ijk(3), rest
+
+        rest = number - 1
+        ijk(1) = mod(rest, n(1)) + 1
+        rest = rest/n(1)
+        ijk(2) = mod(rest, n(2)) + 1
+        ijk(3) = rest/n(2) + 1
+    end function cell_at
+
+    !> Number of a cell from its indices, counted from 1 in memory order.
+    pure integer(int32) function number_of(n, ijk)
+        integer, intent(in) :: n(3), ijk(3)
+
+        number_of = ijk(1) + n(1)*((ijk(2) - 1) + n(2)*(ijk(3) - 1))
+    end function number_of
+end module brz_cell_shells

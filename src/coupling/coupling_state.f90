@@ -1,0 +1,70 @@
+! SPDX-License-Identifier: MIT
+!> The state of the coupling: walls in the air, particles by air cell, ledgers and debts.
+!>
+!> A solid cell's place in air%u is its ledger: the gas that went through its wall faces, per cell
+!> volume. A gas cell may hold a debt: gas that belongs to it but is handed over slowly. Gas,
+!> ledgers and debts together change only by what leaves the box or reaches the solid.
+module brz_coupling_state
+    use brz_air_state, only: wall_t
+    use brz_cell_shells, only: shells_t
+    use brz_kinds, only: dp, int32, int64, int8, rk
+    implicit none
+    private
+    public :: coupling_t, side_of, from_uncovered, from_buried, mark_solid
+
+    integer(int8), parameter :: mark_solid = 1 !! cell that holds particles now
+    integer(int8), parameter :: from_uncovered = 2 !! cell that the solid left, with gas to give away
+    integer(int8), parameter :: from_buried = 3 !! solid cell that lost touch with the gas, likewise
+
+    type :: coupling_t
+        logical :: present = .false.
+        real(rk) :: spread = 1.5_rk !! depth over which a load is spread, in air cells
+        real(rk) :: reference_pressure = 0 !! taken off every load [Pa]
+        logical :: wraps(3) = .false. !! periodic directions of the air
+        type(wall_t) :: wall
+        type(shells_t) :: shells !! neighbours of a cell in order of distance
+        integer(int8), allocatable :: mark(:, :, :) !! (n1, n2, n3) map being built; then the donors
+        ! particles by air cell
+        integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0 outside the box
+        integer(int32), allocatable :: place_of(:) !! (particles) place of that cell in the wall list
+        integer(int32), allocatable :: first(:) !! (n_cells+1) first particle of a solid cell in `binned`
+        integer(int32), allocatable :: binned(:) !! (particles) particles, cell by cell
+        integer :: outside = 0 !! particles outside the box
+        integer(int32), allocatable :: face_of(:, :) !! (6, n_cells) wall face by side, 0: none; see side_of
+        ! cells that changed hands in this step, by number of the cell
+        integer :: n_covered = 0, n_uncovered = 0
+        integer(int32), allocatable :: covered(:), uncovered(:)
+        ! donors: cells whose gas goes to ledgers nearby; the uncovered first, then the buried
+        integer :: n_donors = 0, n_buried = 0
+        integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
+        integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, 0: none near
+        real(rk), allocatable :: donation(:, :) !! (5, n_donors) share of each receiver
+        real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
+        ! debts of gas cells
+        integer :: n_debts = 0
+        integer(int32), allocatable :: slot(:, :, :) !! (n1, n2, n3) place in the list of debts, 0: none
+        integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
+        real(rk), allocatable :: debt(:, :) !! (5, n_debts) per cell volume, as air%u
+        ! loads
+        real(dp), allocatable :: surface(:) !! (n_faces) outermost particle behind the face [m]
+        real(rk), allocatable :: force(:) !! (n_faces) force per unit of weight, signed [N/kg]
+        ! diagnostics, all steps unless said otherwise
+        integer(int64) :: covered_total = 0, uncovered_total = 0
+        integer(int64) :: kept = 0 !! buried ledgers that found no taker (counted each step)
+        real(rk) :: ledger_low = 0, ledger_high = 0 !! extremes of ledger over gas, density or energy, so far
+        real(dp) :: work = 0 !! sum of J.v_w: energy that the air spent on moving walls [J]
+        real(dp) :: work_reference = 0 !! part of it that the reference pressure did [J]
+        real(dp) :: impulse(3) = 0 !! given to the solid, reference pressure taken off [N s]
+        real(dp) :: impulse_reference(3) = 0 !! what was taken off [N s]
+    end type coupling_t
+
+contains
+
+    !> Row of face_of: 1, 2: gas below, above in x; 3, 4 in y; 5, 6 in z.
+    pure integer function side_of(direction, side)
+        integer, intent(in) :: direction !! 1..3
+        integer, intent(in) :: side !! +1: solid above the gas, -1: solid below
+
+        side_of = 2*direction - (1 + side)/2
+    end function side_of
+end module brz_coupling_state

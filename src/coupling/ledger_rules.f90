@@ -1,0 +1,121 @@
+! SPDX-License-Identifier: MIT
+!> What happens to the gas of one cell when the solid comes or goes. Point physics: compiled for the
+!> CPU and for the GPU.
+!>
+!> Conserved variables are density, momentum x, y, z and total energy per volume, as in air_t.
+module brz_ledger_rules
+    use brz_kinds, only: rk
+    implicit none
+    private
+    public :: to_primitive, fresh_gas, ledger_ratio, ledger_excess, release_debt
+
+    real(rk), parameter :: thinnest = 1e-3_rk !! least density of a fresh cell over that of its neighbours
+    real(rk), parameter :: middle = 0.5_rk, half_band = 1.5_rk !! a ledger may lie in -1..2 of the gas
+    real(rk), parameter :: pace = 0.05_rk !! part of a debt released per step
+    real(rk), parameter :: jolt = 0.02_rk !! largest change of density and internal energy by it
+    real(rk), parameter :: crumb = 1e-10_rk !! a debt this small, over the gas, is paid at once
+
+contains
+
+    !> Density, velocity and pressure of an ideal gas.
+    !@cuf attributes(host,device) &
+    pure subroutine to_primitive(u, gamma, w)
+        real(rk), intent(in) :: u(5) !! conserved
+        real(rk), intent(in) :: gamma
+        real(rk), intent(out) :: w(5) !! density [kg/m3], velocity [m/s], pressure [Pa]
+
+        w(1) = u(1)
+        w(2) = u(2)/u(1)
+        w(3) = u(3)/u(1)
+        w(4) = u(4)/u(1)
+        w(5) = (gamma - 1)*(u(5) - (u(2)*w(2) + u(3)*w(3) + u(4)*w(4))/2)
+    end subroutine to_primitive
+
+    !> Fill a cell that the solid has left.
+    !>
+    !> It gets the state of its surroundings, so that the flow sees no step. Where less than half of
+    !> that gas has come in through its walls the cell is thinner, by an isentropic expansion.
+    !> What is left over, of either sign, is returned for the ledgers nearby.
+    !@cuf attributes(host,device) &
+    pure subroutine fresh_gas(w, gamma, u, rest)
+        real(rk), intent(in) :: w(5) !! surroundings: density, velocity, pressure
+        real(rk), intent(in) :: gamma
+        real(rk), intent(inout) :: u(5) !! the ledger; on return the gas
+        real(rk), intent(out) :: rest(5) !! ledger less gas
+        real(rk) :: rho, p, q
+        integer :: i
+
+        rho = w(1)
+        p = w(5)
+        if (u(1) < rho/2) then
+            q = max(u(1)/rho, thinnest)
+            rho = q*rho
+            p = p*q**gamma
+        end if
+        do i = 1, 5
+            rest(i) = u(i)
+        end do
+        u(1) = rho
+        u(2) = rho*w(2)
+        u(3) = rho*w(3)
+        u(4) = rho*w(4)
+        u(5) = p/(gamma - 1) + rho*(w(2)*w(2) + w(3)*w(3) + w(4)*w(4))/2
+        do i = 1, 5
+            rest(i) = rest(i) - u(i)
+        end do
+    end subroutine fresh_gas
+
+    !> A ledger in units of the gas beside it, density or energy, whichever is farther out.
+    !@cuf attributes(host,device) &
+    pure function ledger_ratio(u, rho, energy) result(r)
+        real(rk), intent(in) :: u(5) !! the ledger
+        real(rk), intent(in) :: rho, energy !! of the gas: density [kg/m3], total energy [J/m3]
+        real(rk) :: r, e
+
+        r = u(1)/rho
+        e = u(5)/energy
+        if (abs(e - middle) > abs(r - middle)) r = e
+    end function ledger_ratio
+
+    !> Part of a ledger that must go so that its ratio comes back to the edge of the band, 0..1.
+    !@cuf attributes(host,device) &
+    pure function ledger_excess(ratio) result(part)
+        real(rk), intent(in) :: ratio !! from ledger_ratio
+        real(rk) :: part
+
+        part = 0
+        if (abs(ratio - middle) > half_band) part = (abs(ratio - middle) - half_band)/abs(ratio)
+    end function ledger_excess
+
+    !> Hand part of a debt to the gas of its cell: a twentieth, or less where that would be a jolt.
+    !@cuf attributes(host,device) &
+    pure subroutine release_debt(u, debt)
+        real(rk), intent(inout) :: u(5) !! gas
+        real(rk), intent(inout) :: debt(5)
+        real(rk) :: part, inner, changed, v(5), d(5)
+        integer :: i, halvings
+
+        part = pace
+        if (abs(debt(1))*part > jolt*u(1)) part = jolt*u(1)/abs(debt(1))
+        inner = u(5) - (u(2)*u(2) + u(3)*u(3) + u(4)*u(4))/(2*u(1))
+        if (abs(debt(1)) <= crumb*u(1) .and. abs(debt(5)) <= crumb*inner) part = 1
+        do halvings = 1, 60
+            do i = 1, 5
+                v(i) = u(i) + part*debt(i)
+            end do
+            if (v(1) > 0) then
+                changed = v(5) - (v(2)*v(2) + v(3)*v(3) + v(4)*v(4))/(2*v(1)) - inner
+                if (abs(changed) < jolt*inner) exit
+            end if
+            part = part/2
+        end do
+        if (halvings > 60) return
+        ! the debt loses exactly what the gas gains
+        do i = 1, 5
+            d(i) = v(i) - u(i)
+            debt(i) = debt(i) - d(i)
+            u(i) = v(i)
+            if (part == 1) debt(i) = 0
+        end do
+    end subroutine release_debt
+end module brz_ledger_rules

@@ -1,0 +1,127 @@
+! SPDX-License-Identifier: MIT
+!> Particles by air cell: which cells hold solid, and which particles a cell holds.
+module brz_coupling_bins
+    use brz_air_state, only: air_t
+    use brz_cell_place, only: cell_number
+    use brz_cell_shells, only: cell_at
+    use brz_coupling_state, only: coupling_t, mark_solid, side_of
+    use brz_kinds, only: int32
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: find_cells, mark_cells, index_faces, fill_bins, at_least
+
+contains
+
+    !> Find the air cell of each particle. `moved` is false when none has changed its cell.
+    subroutine find_cells(air, solid, coupling, moved)
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        logical, intent(out) :: moved
+        integer(int32) :: c
+        integer :: p, changes, outside
+
+        changes = 0
+        outside = 0
+        !$omp parallel do schedule(static) private(c) reduction(+:changes, outside)
+        do p = 1, solid%n
+            c = cell_number(solid%x(:, p), air%lo, air%dx, air%n, coupling%wraps)
+            if (c /= coupling%cell_of(p)) changes = changes + 1
+            if (c == 0) outside = outside + 1
+            coupling%cell_of(p) = c
+        end do
+        coupling%outside = outside
+        moved = changes > 0
+    end subroutine find_cells
+
+    !> Map of the cells that hold particles, in coupling%mark.
+    subroutine mark_cells(air, solid, coupling)
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        integer :: p, j, k, c(3)
+
+        !$omp parallel do schedule(static) collapse(2)
+        do k = 1, air%n(3)
+            do j = 1, air%n(2)
+                coupling%mark(:, j, k) = 0
+            end do
+        end do
+        !$omp parallel do schedule(static) private(c)
+        do p = 1, solid%n
+            if (coupling%cell_of(p) == 0) cycle
+            c = cell_at(air%n, coupling%cell_of(p))
+            !$omp atomic write
+            coupling%mark(c(1), c(2), c(3)) = mark_solid
+        end do
+    end subroutine mark_cells
+
+    !> Wall faces by solid cell and side, from the lists of build_walls.
+    subroutine index_faces(coupling)
+        type(coupling_t), intent(inout) :: coupling
+        integer :: f, c, n
+
+        n = coupling%wall%n_cells
+        if (.not. allocated(coupling%face_of)) allocate (coupling%face_of(6, n + n/4))
+        if (size(coupling%face_of, 2) < n) then
+            deallocate (coupling%face_of)
+            allocate (coupling%face_of(6, n + n/4))
+        end if
+        !$omp parallel do schedule(static)
+        do c = 1, n
+            coupling%face_of(:, c) = 0
+        end do
+        !$omp parallel do schedule(static)
+        do f = 1, coupling%wall%n_faces
+            coupling%face_of(side_of(coupling%wall%face(4, f), coupling%wall%face(5, f)), &
+                             coupling%wall%face_cell(f)) = f
+        end do
+    end subroutine index_faces
+
+    !> Sort the particles by solid cell (a counting sort, so in the order of particles within a cell).
+    subroutine fill_bins(air, solid, coupling)
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        integer :: p, c, n, ijk(3)
+
+        n = coupling%wall%n_cells
+        call at_least(coupling%first, n + 2)
+        !$omp parallel do schedule(static) private(ijk)
+        do p = 1, solid%n
+            coupling%place_of(p) = 0
+            if (coupling%cell_of(p) == 0) cycle
+            ijk = cell_at(air%n, coupling%cell_of(p))
+            coupling%place_of(p) = coupling%wall%index(ijk(1), ijk(2), ijk(3))
+        end do
+        ! first(c+1) counts cell c-1 before the fill, which moves it to the start of cell c+1
+        coupling%first(1:n + 2) = 0
+        do p = 1, solid%n
+            c = coupling%place_of(p)
+            if (c > 0) coupling%first(c + 2) = coupling%first(c + 2) + 1
+        end do
+        coupling%first(1:2) = 1
+        do c = 3, n + 2
+            coupling%first(c) = coupling%first(c) + coupling%first(c - 1)
+        end do
+        do p = 1, solid%n
+            c = coupling%place_of(p)
+            if (c == 0) cycle
+            coupling%binned(coupling%first(c + 1)) = p
+            coupling%first(c + 1) = coupling%first(c + 1) + 1
+        end do
+    end subroutine fill_bins
+
+    !> Make room for n entries; what was there is lost.
+    subroutine at_least(a, n)
+        integer(int32), allocatable, intent(inout) :: a(:)
+        integer, intent(in) :: n
+
+        if (allocated(a)) then
+            if (size(a) >= n) return
+            deallocate (a)
+        end if
+        allocate (a(n + n/4))
+    end subroutine at_least
+end module brz_coupling_bins

@@ -1,0 +1,85 @@
+! SPDX-License-Identifier: MIT
+!> Start of the coupling: walls from the particles at time zero, empty ledgers, no debts.
+module brz_coupling_setup
+    use brz_air_state, only: air_t, bc_periodic
+    use brz_air_walls, only: build_walls, set_up_walls
+    use brz_case, only: case_t
+    use brz_cell_shells, only: cell_at, make_shells
+    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells
+    use brz_coupling_events, only: size_walls
+    use brz_coupling_state, only: coupling_t
+    use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_kinds, only: dp, int32, rk
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: set_up_coupling, couple, restart_coupling
+
+contains
+
+    !> Couple the air and the solids of a case.
+    subroutine set_up_coupling(case, air, solid, coupling, err)
+        type(case_t), intent(in) :: case
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(out) :: coupling
+        type(error_t), intent(inout) :: err
+
+        if (.not. (air%present .and. solid%present)) return
+        if (product(real(air%n, dp)) > huge(1_int32)) then
+            call raise(err, exit_deck, 'the air has more than 2**31 cells: too many for the coupling')
+        end if
+        if (failed(err)) return
+        call couple(air, solid, real(case%coupling%spread, rk), &
+                    real(case%coupling%reference_pressure, rk), coupling)
+    end subroutine set_up_coupling
+
+    !> Put the walls up where the particles are. What gas was there is taken out.
+    subroutine couple(air, solid, spread, reference_pressure, coupling)
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(in) :: solid
+        real(rk), intent(in) :: spread !! depth over which a load is spread, in air cells
+        real(rk), intent(in) :: reference_pressure !! taken off every load [Pa]
+        type(coupling_t), intent(out) :: coupling
+        integer :: c, ijk(3)
+
+        coupling%present = .true.
+        coupling%spread = spread
+        coupling%reference_pressure = reference_pressure
+        coupling%wraps = air%bc(1, :) == bc_periodic .and. air%n > 1
+        call make_shells(air%n, coupling%shells)
+        allocate (coupling%cell_of(solid%n), coupling%place_of(solid%n), coupling%binned(solid%n))
+        allocate (coupling%mark(air%n(1), air%n(2), air%n(3)))
+        allocate (coupling%slot(air%n(1), air%n(2), air%n(3)))
+        call set_up_walls(air, coupling%wall)
+        call restart_coupling(air, solid, coupling)
+        do c = 1, coupling%wall%n_cells
+            ijk = coupling%wall%cell(:, c)
+            air%u(ijk(1), ijk(2), ijk(3), :) = 0
+        end do
+    end subroutine couple
+
+    !> Walls, bins and the map of debts as the particles and the list of debts say.
+    subroutine restart_coupling(air, solid, coupling)
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        integer :: c(3), e
+        logical :: moved
+
+        coupling%cell_of = -1
+        call find_cells(air, solid, coupling, moved)
+        call mark_cells(air, solid, coupling)
+        coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = coupling%mark
+        call build_walls(air, coupling%wall)
+        coupling%wall%v(:, 1:coupling%wall%n_cells) = 0
+        call index_faces(coupling)
+        call size_walls(coupling)
+        call fill_bins(air, solid, coupling)
+        coupling%slot = 0
+        do e = 1, coupling%n_debts
+            c = cell_at(air%n, coupling%debt_cell(e))
+            coupling%slot(c(1), c(2), c(3)) = e
+        end do
+    end subroutine restart_coupling
+end module brz_coupling_setup
