@@ -46,8 +46,12 @@ module brz_coupling_state
         integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
         real(rk), allocatable :: debt(:, :) !! (5, n_debts) per cell volume, as air%u
         ! loads
+        real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]
+        real(rk), allocatable :: v_before(:, :) !! (3, particles by id) velocity a step before [m/s]
         real(dp), allocatable :: surface(:) !! (n_faces) outermost particle behind the face [m]
-        real(rk), allocatable :: force(:) !! (n_faces) force per unit of weight, signed [N/kg]
+        real(rk), allocatable :: weight(:) !! (n_faces) sum of the weights in the column [kg]
+        real(rk), allocatable :: force(:) !! (n_faces) on the solid, along the axis, gauge [N]
+        real(rk), allocatable :: impedance(:) !! (n_faces) loss of force per velocity of the wall [N s/m]
         ! diagnostics, all steps unless said otherwise
         integer(int64) :: covered_total = 0, uncovered_total = 0
         integer(int64) :: kept = 0 !! buried ledgers that found no taker (counted each step)

@@ -6,6 +6,8 @@ module brz_load_rules
     private
     public :: load_weight, pushed_velocity
 
+    real(rk), parameter :: middling = 0.3_rk !! yield of a wall that is neither light nor heavy
+
 contains
 
     !> Weight of a particle in the load of a face: falls linearly from the surface inwards.
@@ -23,17 +25,21 @@ contains
 
     !> Velocity of a wall in the middle of a step, from that at its start.
     !>
-    !> Semi-implicit in the radiation of the gas (its impedance), so that solids of less weight than
-    !> a cell of gas stay stable: they move with the gas.
+    !> A heavy wall goes on as it did in the last step. A light one feels at once how the push of the
+    !> gas has changed, semi-implicit in the radiation of the gas (its impedance): so solids of less
+    !> weight than a cell of gas stay stable, and move with the gas.
     !@cuf attributes(host,device) &
-    pure function pushed_velocity(v, force, impedance, mass, dt) result(w)
+    pure function pushed_velocity(v, force, change, impedance, mass, dt) result(w)
         real(rk), intent(in) :: v !! one component at the start of the step [m/s]
-        real(rk), intent(in) :: force !! of the gas on the cell at that velocity [N]
-        real(rk), intent(in) :: impedance !! d(force)/dv, positive [N s/m]
-        real(rk), intent(in) :: mass !! of the free particles in the cell [kg]
+        real(rk), intent(in) :: force !! on the mass, over the last step, of all kinds [N]
+        real(rk), intent(in) :: change !! of the push of the gas since then, at velocity v [N]
+        real(rk), intent(in) :: impedance !! loss of push per velocity [N s/m]
+        real(rk), intent(in) :: mass !! [kg]
         real(rk), intent(in) :: dt !! [s]
-        real(rk) :: w
+        real(rk) :: w, yield, light
 
-        w = v + dt/2*force/(mass + dt/2*impedance)
+        yield = dt/2*impedance/mass
+        light = yield*yield/(yield*yield + middling*middling)
+        w = v + dt/2*(force + light*change)/(mass*(1 + light*yield))
     end function pushed_velocity
 end module brz_load_rules

@@ -5,11 +5,11 @@ module brz_coupling_bins
     use brz_cell_place, only: cell_number
     use brz_cell_shells, only: cell_at
     use brz_coupling_state, only: coupling_t, mark_solid, side_of
-    use brz_kinds, only: int32
+    use brz_kinds, only: int32, rk
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: find_cells, mark_cells, index_faces, fill_bins, at_least
+    public :: find_cells, mark_cells, index_faces, fill_bins, move_walls, at_least
 
 contains
 
@@ -79,7 +79,7 @@ contains
         end do
     end subroutine index_faces
 
-    !> Sort the particles by solid cell (a counting sort, so in the order of particles within a cell).
+    !> Sort the particles by solid cell: a counting sort, in their own order within a cell.
     subroutine fill_bins(air, solid, coupling)
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
@@ -112,6 +112,26 @@ contains
             coupling%first(c + 1) = coupling%first(c + 1) + 1
         end do
     end subroutine fill_bins
+
+    !> Give each solid cell the mean velocity by mass of its particles.
+    subroutine move_walls(solid, coupling)
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        real(rk) :: mass, v(3)
+        integer :: c, i, p
+
+        !$omp parallel do schedule(static, 64) private(mass, v, i, p)
+        do c = 1, coupling%wall%n_cells
+            mass = 0
+            v = 0
+            do i = coupling%first(c), coupling%first(c + 1) - 1
+                p = coupling%binned(i)
+                mass = mass + solid%mass(p)
+                if (solid%fixed(p) == 0) v = v + solid%mass(p)*solid%v(:, p)
+            end do
+            coupling%wall%v(:, c) = v/mass
+        end do
+    end subroutine move_walls
 
     !> Make room for n entries; what was there is lost.
     subroutine at_least(a, n)

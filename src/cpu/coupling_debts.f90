@@ -58,14 +58,16 @@ contains
         low = coupling%ledger_low
         high = coupling%ledger_high
         over = 0
-        !$omp parallel do schedule(static) private(ratio) reduction(+:over) reduction(min:low) reduction(max:high)
+        !$omp parallel do schedule(static) private(ratio) reduction(+:over) &
+        !$omp reduction(min:low) reduction(max:high)
         do c = 1, coupling%wall%n_cells
             coupling%excess(c) = 0
             if (.not. any(coupling%face_of(:, c) > 0)) cycle
             ratio = ratio_of(air, coupling, c)
+            coupling%excess(c) = ledger_excess(ratio)
+            ratio = ratio*(1 - coupling%excess(c))
             low = min(low, ratio)
             high = max(high, ratio)
-            coupling%excess(c) = ledger_excess(ratio)
             if (coupling%excess(c) > 0) over = over + 1
         end do
         coupling%ledger_low = low

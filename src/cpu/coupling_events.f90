@@ -7,10 +7,12 @@ module brz_coupling_events
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
     use brz_cell_shells, only: cell_at, neighbour, number_of
-    use brz_coupling_bins, only: at_least, fill_bins, find_cells, index_faces, mark_cells
-    use brz_coupling_debts, only: add_debt, limit_ledgers, release_debts, settle_covered
-    use brz_coupling_state, only: coupling_t, from_buried, from_uncovered, mark_solid
-    use brz_kinds, only: int32, rk
+    use brz_coupling_bins, only: at_least, fill_bins, find_cells, index_faces, mark_cells, &
+                                 move_walls
+    use brz_coupling_debts, only: limit_ledgers, release_debts, settle_covered
+    use brz_coupling_donors, only: choose_receivers, collect, list_buried, size_donors
+    use brz_coupling_state, only: coupling_t, from_uncovered, mark_solid
+    use brz_kinds, only: rk
     use brz_ledger_rules, only: fresh_gas, to_primitive
     use brz_solid_state, only: solid_t
     implicit none
@@ -37,22 +39,26 @@ contains
         end if
         call limit_ledgers(air, coupling)
         call release_debts(air, coupling)
+        ! the next time step depends on these alone, so that a restart finds the same
+        call move_walls(solid, coupling)
     end subroutine reclassify
 
     !> Cells newly covered and newly uncovered, in their order.
     subroutine list_changes(air, coupling)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
-        integer :: i, j, k, n_covered, n_uncovered
+        integer :: i, j, k, change, n_covered, n_uncovered
 
         n_covered = 0
         n_uncovered = 0
-        !$omp parallel do schedule(static) collapse(2) reduction(+:n_covered, n_uncovered)
+        !$omp parallel do schedule(static) collapse(2) private(change) &
+        !$omp reduction(+:n_covered, n_uncovered)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 do i = 1, air%n(1)
-                    if (coupling%mark(i, j, k) > coupling%wall%solid(i, j, k)) n_covered = n_covered + 1
-                    if (coupling%mark(i, j, k) < coupling%wall%solid(i, j, k)) n_uncovered = n_uncovered + 1
+                    change = coupling%mark(i, j, k) - coupling%wall%solid(i, j, k)
+                    if (change > 0) n_covered = n_covered + 1
+                    if (change < 0) n_uncovered = n_uncovered + 1
                 end do
             end do
         end do
@@ -110,7 +116,7 @@ contains
         call collect(air, coupling)
     end subroutine change_hands
 
-    !> Give a cell that the solid left the state of the gas around; what is left over is its donation.
+    !> Give a cell that the solid left the state of the gas around; what is left over it gives away.
     !>
     !> Its velocity normal to the faces it shared with that gas is that of the solid that left.
     subroutine fill_uncovered(air, coupling, e)
@@ -132,7 +138,7 @@ contains
         coupling%donation(:, e) = rest
     end subroutine fill_uncovered
 
-    !> Mean state of the nearest cells that were gas and still are; air at rest where there are none.
+    !> Mean state of the nearest cells that were gas and still are; air at rest where there is none.
     subroutine surroundings(air, coupling, c, w, normal)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
@@ -170,161 +176,6 @@ contains
         w(5) = air%p_rest
     end subroutine surroundings
 
-    !> Solid cells that no longer touch gas but have a ledger: donors too, behind the uncovered.
-    subroutine list_buried(air, coupling)
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(inout) :: coupling
-        integer :: c, n, ijk(3)
-
-        n = 0
-        !$omp parallel do schedule(static) private(ijk) reduction(+:n)
-        do c = 1, coupling%wall%n_cells
-            coupling%excess(c) = 0
-            if (any(coupling%face_of(:, c) > 0)) cycle
-            ijk = coupling%wall%cell(:, c)
-            if (all(abs(air%u(ijk(1), ijk(2), ijk(3), :)) <= 0)) cycle
-            coupling%excess(c) = 1
-            n = n + 1
-        end do
-        coupling%n_donors = coupling%n_uncovered
-        coupling%n_buried = n
-        if (n == 0) return
-        call size_donors(coupling, coupling%n_uncovered + n)
-        n = coupling%n_uncovered
-        do c = 1, coupling%wall%n_cells
-            if (.not. coupling%excess(c) > 0) cycle
-            n = n + 1
-            ijk = coupling%wall%cell(:, c)
-            coupling%donor(n) = number_of(air%n, ijk)
-            coupling%donation(:, n) = air%u(ijk(1), ijk(2), ijk(3), :)
-            coupling%mark(ijk(1), ijk(2), ijk(3)) = from_buried
-        end do
-        coupling%n_donors = n
-    end subroutine list_buried
-
-    !> For each donor the nearest shell with solid cells that touch gas, and the share of each.
-    !>
-    !> Without any within reach an uncovered cell owes the gas to itself, and a buried one keeps it.
-    subroutine choose_receivers(air, coupling)
-        type(air_t), intent(inout) :: air
-        type(coupling_t), intent(inout) :: coupling
-        integer :: e, c(3), n, s
-        integer :: kept
-
-        kept = 0
-        !$omp parallel do schedule(dynamic, 16) private(c, n, s) reduction(+:kept)
-        do e = 1, coupling%n_donors
-            c = cell_at(air%n, coupling%donor(e))
-            coupling%donor_shell(e) = 0
-            do s = 1, coupling%shells%n
-                n = receivers(air, coupling, c, s)
-                if (n == 0) cycle
-                coupling%donor_shell(e) = s
-                coupling%donation(:, e) = coupling%donation(:, e)/n
-                exit
-            end do
-            if (e <= coupling%n_uncovered) cycle
-            if (coupling%donor_shell(e) > 0) then
-                air%u(c(1), c(2), c(3), :) = 0
-            else
-                kept = kept + 1
-            end if
-        end do
-        coupling%kept = coupling%kept + kept
-        do e = 1, coupling%n_uncovered
-            if (coupling%donor_shell(e) == 0) call add_debt(air, coupling, coupling%donor(e), coupling%donation(:, e))
-        end do
-    end subroutine choose_receivers
-
-    !> Solid cells that touch gas in one shell around a cell.
-    pure integer function receivers(air, coupling, c, s) result(n)
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(in) :: coupling
-        integer, intent(in) :: c(3), s !! cell and shell
-        integer :: m, at, to(3)
-        logical :: inside
-
-        n = 0
-        do m = coupling%shells%first(s), coupling%shells%first(s + 1) - 1
-            call neighbour(air%n, coupling%wraps, c, coupling%shells%offset(:, m), to, inside)
-            if (.not. inside) cycle
-            if (coupling%wall%solid(to(1), to(2), to(3)) == 0) cycle
-            at = coupling%wall%index(to(1), to(2), to(3))
-            if (any(coupling%face_of(:, at) > 0)) n = n + 1
-        end do
-    end function receivers
-
-    !> Each solid cell that touches gas takes its shares from the donors around it.
-    subroutine collect(air, coupling)
-        type(air_t), intent(inout) :: air
-        type(coupling_t), intent(in) :: coupling
-        integer :: c, e, m, s, ijk(3), from(3)
-        real(rk) :: sum(5)
-        logical :: inside
-
-        if (coupling%n_donors == 0) return
-        !$omp parallel do schedule(dynamic, 64) private(e, m, s, ijk, from, sum, inside)
-        do c = 1, coupling%wall%n_cells
-            if (.not. any(coupling%face_of(:, c) > 0)) cycle
-            ijk = coupling%wall%cell(:, c)
-            sum = 0
-            do s = 1, coupling%shells%n
-                do m = coupling%shells%first(s), coupling%shells%first(s + 1) - 1
-                    call neighbour(air%n, coupling%wraps, ijk, coupling%shells%offset(:, m), from, inside)
-                    if (.not. inside) cycle
-                    if (coupling%mark(from(1), from(2), from(3)) <= mark_solid) cycle
-                    e = donor_number(coupling, coupling%mark(from(1), from(2), from(3)) == from_uncovered, &
-                                     number_of(air%n, from))
-                    if (coupling%donor_shell(e) == s) sum = sum + coupling%donation(:, e)
-                end do
-            end do
-            air%u(ijk(1), ijk(2), ijk(3), :) = air%u(ijk(1), ijk(2), ijk(3), :) + sum
-        end do
-    end subroutine collect
-
-    !> Place of a cell in the list of donors, each half of which is in the order of the cells.
-    pure integer function donor_number(coupling, is_uncovered, cell) result(e)
-        type(coupling_t), intent(in) :: coupling
-        logical, intent(in) :: is_uncovered
-        integer(int32), intent(in) :: cell
-        integer :: low, high
-
-        low = merge(1, coupling%n_uncovered + 1, is_uncovered)
-        high = merge(coupling%n_uncovered, coupling%n_donors, is_uncovered)
-        do while (low < high)
-            e = (low + high)/2
-            if (coupling%donor(e) < cell) then
-                low = e + 1
-            else
-                high = e
-            end if
-        end do
-        e = low
-    end function donor_number
-
-    !> Room for n donors; those already listed are kept.
-    subroutine size_donors(coupling, n)
-        type(coupling_t), intent(inout) :: coupling
-        integer, intent(in) :: n
-        integer(int32), allocatable :: donor(:)
-        real(rk), allocatable :: donation(:, :)
-        integer :: have, room
-
-        have = 0
-        if (allocated(coupling%donor)) have = size(coupling%donor)
-        if (have >= n) return
-        room = 2*n
-        allocate (donor(room), donation(5, room))
-        if (have > 0) then
-            donor(1:have) = coupling%donor
-            donation(:, 1:have) = coupling%donation
-            deallocate (coupling%donor_shell)
-        end if
-        call move_alloc(donor, coupling%donor)
-        call move_alloc(donation, coupling%donation)
-        allocate (coupling%donor_shell(room))
-    end subroutine size_donors
-
     !> Room for what is kept per solid cell and per wall face.
     subroutine size_walls(coupling)
         type(coupling_t), intent(inout) :: coupling
@@ -337,8 +188,13 @@ contains
         if (.not. allocated(coupling%excess)) allocate (coupling%excess(n + n/4))
         n = coupling%wall%n_faces
         if (allocated(coupling%surface)) then
-            if (size(coupling%surface) < n) deallocate (coupling%surface, coupling%force)
+            if (size(coupling%surface) < n) &
+                deallocate (coupling%surface, coupling%weight, coupling%force, coupling%impedance)
         end if
-        if (.not. allocated(coupling%surface)) allocate (coupling%surface(n + n/4), coupling%force(n + n/4))
+        if (.not. allocated(coupling%surface)) then
+            n = n + n/4
+            allocate (coupling%surface(n), coupling%weight(n), coupling%force(n))
+            allocate (coupling%impedance(n))
+        end if
     end subroutine size_walls
 end module brz_coupling_events

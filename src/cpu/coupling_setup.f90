@@ -5,7 +5,8 @@ module brz_coupling_setup
     use brz_air_walls, only: build_walls, set_up_walls
     use brz_case, only: case_t
     use brz_cell_shells, only: cell_at, make_shells
-    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells
+    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, &
+                                 move_walls
     use brz_coupling_events, only: size_walls
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, exit_deck, failed, raise
@@ -27,7 +28,8 @@ contains
 
         if (.not. (air%present .and. solid%present)) return
         if (product(real(air%n, dp)) > huge(1_int32)) then
-            call raise(err, exit_deck, 'the air has more than 2**31 cells: too many for the coupling')
+            call raise(err, exit_deck, &
+                       'the air has more than 2**31 cells: too many for the coupling')
         end if
         if (failed(err)) return
         call couple(air, solid, real(case%coupling%spread, rk), &
@@ -49,6 +51,7 @@ contains
         coupling%wraps = air%bc(1, :) == bc_periodic .and. air%n > 1
         call make_shells(air%n, coupling%shells)
         allocate (coupling%cell_of(solid%n), coupling%place_of(solid%n), coupling%binned(solid%n))
+        allocate (coupling%v_before(3, solid%n), source=0.0_rk)
         allocate (coupling%mark(air%n(1), air%n(2), air%n(3)))
         allocate (coupling%slot(air%n(1), air%n(2), air%n(3)))
         call set_up_walls(air, coupling%wall)
@@ -72,10 +75,10 @@ contains
         call mark_cells(air, solid, coupling)
         coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = coupling%mark
         call build_walls(air, coupling%wall)
-        coupling%wall%v(:, 1:coupling%wall%n_cells) = 0
         call index_faces(coupling)
         call size_walls(coupling)
         call fill_bins(air, solid, coupling)
+        call move_walls(solid, coupling)
         coupling%slot = 0
         do e = 1, coupling%n_debts
             c = cell_at(air%n, coupling%debt_cell(e))

@@ -18,7 +18,8 @@ contains
     subroutine coupling_totals(air, coupling, gas, ledger, debt)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
-        real(dp), intent(out) :: gas(5), ledger(5), debt(5) !! mass [kg], momentum [kg m/s], energy [J]
+        real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
+        real(dp), intent(out) :: ledger(5), debt(5) !! likewise
         real(dp) :: part(5, 2, blocks), volume
         integer :: b, e, row, rows
 
@@ -28,7 +29,8 @@ contains
         do b = 1, blocks
             part(:, :, b) = 0
             do row = 1 + int((b - 1)*int(rows, 8)/blocks), int(b*int(rows, 8)/blocks)
-                call add_row(air, coupling, mod(row - 1, air%n(2)) + 1, (row - 1)/air%n(2) + 1, part(:, :, b))
+                call add_row(air, coupling, mod(row - 1, air%n(2)) + 1, &
+                             (row - 1)/air%n(2) + 1, part(:, :, b))
             end do
         end do
         gas = 0

@@ -2,91 +2,139 @@
 !> Velocities of the walls for the next step of the air, from the particles in the solid cells.
 module brz_coupling_velocity
     use brz_air_state, only: air_t
-    use brz_coupling_state, only: coupling_t
+    use brz_coupling_bins, only: move_walls
+    use brz_coupling_columns, only: area, face_above, weigh_columns, weight_of
+    use brz_coupling_state, only: coupling_t, side_of
     use brz_kinds, only: dp, rk
     use brz_ledger_rules, only: to_primitive
     use brz_load_rules, only: pushed_velocity
     use brz_solid_state, only: solid_t
-    use brz_wall_star, only: wall_star
+    use brz_wall_riemann, only: wall_star
     implicit none
     private
     public :: set_wall_velocity
 
 contains
 
-    !> Mean velocity of the particles of each solid cell, by mass, carried to the middle of the step.
+    !> Mean velocity by mass of the particles of each solid cell, carried to the middle of the step.
+    !>
+    !> The mass of a cell goes on as it did in the last step of the air, changed by what the gas, spread
+    !> as a load will be, now pushes more. So a body that holds against the pressure does not seem to
+    !> give way, as it would if the gas alone pushed. Cells with fixed particles stay at the mean.
     subroutine set_wall_velocity(air, solid, coupling, dt)
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
-        real(rk) :: free, v(3)
-        integer :: c
+        integer :: c, f, p
 
-        !$omp parallel do schedule(dynamic, 64) private(free, v)
-        do c = 1, coupling%wall%n_cells
-            call mean_velocity(solid, coupling, c, v, free)
-            if (free > 0 .and. any(coupling%face_of(:, c) > 0)) &
-                call push(air, coupling, c, free, real(dt, rk), v)
-            coupling%wall%v(:, c) = v
+        call move_walls(solid, coupling)
+        call weigh_columns(air, solid, coupling)
+        !$omp parallel
+        !$omp do schedule(static)
+        do f = 1, coupling%wall%n_faces
+            call feel_gas(air, coupling, f)
         end do
+        !$omp do schedule(dynamic, 64)
+        do c = 1, coupling%wall%n_cells
+            if (any(coupling%face_of(:, c) > 0)) call push_cell(air, solid, coupling, c, real(dt, rk))
+        end do
+        !$omp do schedule(static)
+        do p = 1, solid%n
+            coupling%v_before(:, solid%id(p)) = solid%v(:, p)
+        end do
+        !$omp end parallel
+        coupling%dt_before = dt
     end subroutine set_wall_velocity
 
-    !> Velocity of the mass in a cell at the step, and the part of the mass that can move.
-    subroutine mean_velocity(solid, coupling, c, v, free)
+    !> Force of the gas on a face if the wall keeps its velocity, and how it falls if the wall yields.
+    subroutine feel_gas(air, coupling, f)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: coupling
+        integer, intent(in) :: f !! wall face
+        real(rk) :: p, rho, u(5), w(5)
+        integer :: d, g(3), s
+
+        g = coupling%wall%face(1:3, f)
+        d = coupling%wall%face(4, f)
+        s = coupling%wall%face(5, f)
+        u = air%u(g(1), g(2), g(3), :)
+        call to_primitive(u, air%gamma, w)
+        call wall_star(air%gamma, w(1), w(5), &
+                       s*(w(1 + d) - coupling%wall%v(d, coupling%wall%face_cell(f))), p, rho)
+        coupling%force(f) = real(s*(p - coupling%reference_pressure)*area(air, d), rk)
+        coupling%impedance(f) = real(sqrt(air%gamma*p*rho)*area(air, d), rk)
+    end subroutine feel_gas
+
+    !> Carry one wall to the middle of the step, in the directions in which it meets gas.
+    subroutine push_cell(air, solid, coupling, c, dt)
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        integer, intent(in) :: c !! place in the wall list
+        real(rk), intent(in) :: dt
+        real(rk) :: change, force(3), impedance, load(3), mass, part, v(3)
+        integer :: d, f, s
+        logical :: held
+
+        call forces_before(solid, coupling, c, force, load, mass, held)
+        if (held) return
+        ! the velocity has had the load up to the step, but the body's force half a solid step less
+        v = coupling%wall%v(:, c) + real(solid%dt_last/2, rk)*(force - load)/mass
+        do d = 1, 3
+            if (air%n(d) == 1) cycle
+            if (all(coupling%face_of(2*d - 1:2*d, c) == 0)) cycle
+            impedance = 0
+            change = -load(d)
+            do s = -1, 1, 2
+                f = face_above(air, coupling, d, s, c)
+                if (f == 0) cycle
+                part = part_of(air, solid, coupling, f, c)
+                change = change + part*coupling%force(f)
+                if (coupling%wall%face_cell(f) == c) impedance = impedance + part*coupling%impedance(f)
+            end do
+            v(d) = pushed_velocity(v(d), force(d), change, impedance, mass, dt)
+        end do
+        coupling%wall%v(:, c) = v
+    end subroutine push_cell
+
+    !> Mass of a cell, and the mean forces on it over the last step of the air.
+    pure subroutine forces_before(solid, coupling, c, force, load, mass, held)
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(in) :: coupling
         integer, intent(in) :: c !! place in the wall list
-        real(rk), intent(out) :: v(3) !! [m/s]
-        real(rk), intent(out) :: free !! mass [kg]; 0 where anything is held in place
-        real(rk) :: m, half
+        real(rk), intent(out) :: force(3), load(3) !! of all kinds, and of the gas [N]
+        real(rk), intent(out) :: mass !! [kg]
+        logical, intent(out) :: held !! something in the cell is fixed
         integer :: i, p
-        logical :: held
 
-        half = real(solid%dt_last/2, rk)
         held = .false.
-        m = 0
-        v = 0
+        mass = 0
+        force = 0
+        load = 0
         do i = coupling%first(c), coupling%first(c + 1) - 1
             p = coupling%binned(i)
-            m = m + solid%mass(p)
-            if (solid%fixed(p) == 1) then
-                held = .true.
-            else
-                ! the load is in v already, up to the step; the internal forces lag by half a step
-                v = v + solid%mass(p)*(solid%v(:, p) + half*solid%a(:, p))
-            end if
+            held = held .or. solid%fixed(p) == 1
+            mass = mass + solid%mass(p)
+            if (.not. coupling%dt_before > 0) cycle
+            load = load + solid%load(:, p)
+            force = force + solid%mass(p)*(solid%v(:, p) - coupling%v_before(:, solid%id(p))) &
+                    /real(coupling%dt_before, rk)
         end do
-        v = v/m
-        free = merge(0.0_rk, m, held)
-    end subroutine mean_velocity
+    end subroutine forces_before
 
-    !> Let the gas push the wall for half a step: each direction with wall faces by itself.
-    subroutine push(air, coupling, c, mass, dt, v)
+    !> Part of the load of a face that falls on a cell, 0..1.
+    pure real(rk) function part_of(air, solid, coupling, f, c) result(part)
         type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
         type(coupling_t), intent(in) :: coupling
-        integer, intent(in) :: c !! place in the wall list
-        real(rk), intent(in) :: mass, dt
-        real(rk), intent(inout) :: v(3)
-        real(rk) :: area, force, impedance, p, rho, u(5), w(5)
-        integer :: d, f, g(3), s, side
+        integer, intent(in) :: f, c !! face, place in the wall list
+        integer :: i
 
-        do d = 1, 3
-            area = real(product(air%dx)/air%dx(d), rk)
-            force = 0
-            impedance = 0
-            do side = 2*d - 1, 2*d
-                f = coupling%face_of(side, c)
-                if (f == 0) cycle
-                g = coupling%wall%face(1:3, f)
-                s = coupling%wall%face(5, f)
-                u = air%u(g(1), g(2), g(3), :)
-                call to_primitive(u, air%gamma, w)
-                call wall_star(w(1), w(1 + d), w(5), v(d), s, air%gamma, p, rho)
-                force = force + s*(p - coupling%reference_pressure)*area
-                impedance = impedance + sqrt(air%gamma*p*rho)*area
-            end do
-            if (impedance > 0) v(d) = pushed_velocity(v(d), force, impedance, mass, dt)
+        part = 0
+        do i = coupling%first(c), coupling%first(c + 1) - 1
+            part = part + weight_of(air, solid, coupling, f, coupling%binned(i))
         end do
-    end subroutine push
+        part = part/coupling%weight(f)
+    end function part_of
 end module brz_coupling_velocity
