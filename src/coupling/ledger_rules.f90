@@ -4,10 +4,11 @@
 !>
 !> Conserved variables are density, momentum x, y, z and total energy per volume, as in air_t.
 module brz_ledger_rules
+    use brz_gas, only: to_conserved
     use brz_kinds, only: rk
     implicit none
     private
-    public :: to_primitive, fresh_gas, ledger_ratio, ledger_excess, release_debt
+    public :: fresh_gas, ledger_ratio, ledger_excess, release_debt
 
     real(rk), parameter :: thinnest = 1e-3_rk !! least density of a fresh cell over that of its neighbours
     real(rk), parameter :: middle = 0.5_rk, half_band = 1.5_rk !! a ledger may lie in -1..2 of the gas
@@ -17,49 +18,30 @@ module brz_ledger_rules
 
 contains
 
-    !> Density, velocity and pressure of an ideal gas.
-    !@cuf attributes(host,device) &
-    pure subroutine to_primitive(u, gamma, w)
-        real(rk), intent(in) :: u(5) !! conserved
-        real(rk), intent(in) :: gamma
-        real(rk), intent(out) :: w(5) !! density [kg/m3], velocity [m/s], pressure [Pa]
-
-        w(1) = u(1)
-        w(2) = u(2)/u(1)
-        w(3) = u(3)/u(1)
-        w(4) = u(4)/u(1)
-        w(5) = (gamma - 1)*(u(5) - (u(2)*w(2) + u(3)*w(3) + u(4)*w(4))/2)
-    end subroutine to_primitive
-
     !> Fill a cell that the solid has left.
     !>
     !> It gets the state of its surroundings, so that the flow sees no step. Where less than half of
     !> that gas has come in through its walls the cell is thinner, by an isentropic expansion.
     !> What is left over, of either sign, is returned for the ledgers nearby.
     !@cuf attributes(host,device) &
-    pure subroutine fresh_gas(w, gamma, u, rest)
+    pure subroutine fresh_gas(gamma, w, u, rest)
+        real(rk), intent(in) :: gamma !! ratio of specific heats [-]
         real(rk), intent(in) :: w(5) !! surroundings: density, velocity, pressure
-        real(rk), intent(in) :: gamma
         real(rk), intent(inout) :: u(5) !! the ledger; on return the gas
         real(rk), intent(out) :: rest(5) !! ledger less gas
-        real(rk) :: rho, p, q
+        real(rk) :: q, v(5)
         integer :: i
 
-        rho = w(1)
-        p = w(5)
-        if (u(1) < rho/2) then
-            q = max(u(1)/rho, thinnest)
-            rho = q*rho
-            p = p*q**gamma
-        end if
         do i = 1, 5
             rest(i) = u(i)
+            v(i) = w(i)
         end do
-        u(1) = rho
-        u(2) = rho*w(2)
-        u(3) = rho*w(3)
-        u(4) = rho*w(4)
-        u(5) = p/(gamma - 1) + rho*(w(2)*w(2) + w(3)*w(3) + w(4)*w(4))/2
+        if (u(1) < w(1)/2) then
+            q = max(u(1)/w(1), thinnest)
+            v(1) = w(1)*q
+            v(5) = w(5)*q**gamma
+        end if
+        call to_conserved(gamma, v, u)
         do i = 1, 5
             rest(i) = rest(i) - u(i)
         end do

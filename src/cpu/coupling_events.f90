@@ -12,8 +12,9 @@ module brz_coupling_events
     use brz_coupling_debts, only: limit_ledgers, release_debts, settle_covered
     use brz_coupling_donors, only: choose_receivers, collect, list_buried, size_donors
     use brz_coupling_state, only: coupling_t, from_uncovered, mark_solid
+    use brz_gas, only: to_primitive
     use brz_kinds, only: rk
-    use brz_ledger_rules, only: fresh_gas, to_primitive
+    use brz_ledger_rules, only: fresh_gas
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -132,7 +133,7 @@ contains
         v = coupling%wall%v(:, coupling%wall%index(c(1), c(2), c(3)))
         w(2:4) = merge(v, w(2:4), normal)
         u = air%u(c(1), c(2), c(3), :)
-        call fresh_gas(w, air%gamma, u, rest)
+        call fresh_gas(air%gamma, w, u, rest)
         air%u(c(1), c(2), c(3), :) = u
         coupling%donor(e) = coupling%uncovered(e)
         coupling%donation(:, e) = rest
@@ -160,7 +161,7 @@ contains
                 if (coupling%wall%solid(to(1), to(2), to(3)) == 1) cycle
                 if (coupling%mark(to(1), to(2), to(3)) == mark_solid) cycle
                 u = air%u(to(1), to(2), to(3), :)
-                call to_primitive(u, air%gamma, q)
+                call to_primitive(air%gamma, u, q)
                 w = w + q
                 n = n + 1
                 if (s == 1) normal = normal .or. coupling%shells%offset(:, m) /= 0

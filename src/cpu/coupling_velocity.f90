@@ -5,8 +5,8 @@ module brz_coupling_velocity
     use brz_coupling_bins, only: move_walls
     use brz_coupling_columns, only: area, face_above, weigh_columns, weight_of
     use brz_coupling_state, only: coupling_t, side_of
+    use brz_gas, only: to_primitive
     use brz_kinds, only: dp, rk
-    use brz_ledger_rules, only: to_primitive
     use brz_load_rules, only: pushed_velocity
     use brz_solid_state, only: solid_t
     use brz_wall_riemann, only: wall_star
@@ -59,7 +59,7 @@ contains
         d = coupling%wall%face(4, f)
         s = coupling%wall%face(5, f)
         u = air%u(g(1), g(2), g(3), :)
-        call to_primitive(u, air%gamma, w)
+        call to_primitive(air%gamma, u, w)
         call wall_star(air%gamma, w(1), w(5), &
                        s*(w(1 + d) - coupling%wall%v(d, coupling%wall%face_cell(f))), p, rho)
         coupling%force(f) = real(s*(p - coupling%reference_pressure)*area(air, d), rk)
