@@ -45,7 +45,7 @@ contains
                       reference_hint(trim(gauge%body), case%bodies%id))
     end subroutine find_body
 
-    !> Displacements belong to bodies, pressures to the air, velocities to both.
+    !> Displacements belong to bodies, pressures to the air, velocities and speed to both.
     subroutine check_quantity(deck, g, case, gauge)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
@@ -54,7 +54,7 @@ contains
         logical :: of_body, of_air
 
         of_body = index(gauge%quantity, 'displacement') == 1
-        of_air = .not. of_body .and. index(gauge%quantity, 'velocity') /= 1
+        of_air = any(gauge%quantity == [character(12) :: 'pressure', 'overpressure', 'density'])
         if (of_body .and. gauge%body_index == 0) then
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
                           "' is that of a body: add body='...'")
