@@ -90,8 +90,8 @@ contains
         do i = first + 1, last
             pulse%impulse = pulse%impulse + (over(i) + over(i - 1))/2*(time(i) - time(i - 1))
         end do
-        if (first > 1) pulse%impulse = pulse%impulse &
-                                       + (over(first) + front*pulse%peak)/2*(time(first) - pulse%arrival)
+        if (first > 1) pulse%impulse = pulse%impulse + (over(first) + front*pulse%peak)/2 &
+                                       *(time(first) - pulse%arrival)
         pulse%impulse = pulse%impulse + over(last)/2*(end - time(last))
     end subroutine measure_pulse
 
@@ -110,11 +110,12 @@ contains
 
         if (pulse%arrived) then
             write (line, '(2a16, es14.4, 1x, a5, 2es12.4, 2es14.4)') gauge%id, 'overpressure', &
-                pulse%peak, 'Pa   ', pulse%peak_time, pulse%arrival, pulse%duration, pulse%impulse
+                pulse%peak, 'Pa   ', pulse%peak_time, pulse%arrival, pulse%duration, &
+                pulse%impulse
             if (.not. pulse%complete) line = trim(line)//' (still positive at the end)'
         else
-            write (line, '(2a16, es14.4, 1x, a5, es12.4, a)') gauge%id, 'overpressure', pulse%peak, &
-                'Pa   ', pulse%peak_time, '  no arrival'
+            write (line, '(2a16, es14.4, 1x, a5, es12.4, a)') gauge%id, 'overpressure', &
+                pulse%peak, 'Pa   ', pulse%peak_time, '  no arrival'
         end if
         text = text//trim(line)//line_end
     end subroutine add_pulse

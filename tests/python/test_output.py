@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Dumps open in h5py and pyvista without a reader of ours, with the right numbers in the right places."""
+"""Dumps open in h5py and pyvista as they are, with the right numbers in the right places."""
 
 import shlex
 import subprocess
