@@ -1,0 +1,208 @@
+! SPDX-License-Identifier: MIT
+!> Checkpoints: the whole state of a run in one HDF5 file, checksummed, two of them kept.
+!>
+!> Written at the end of a step, under a temporary name, and renamed when it is on the disk: a
+!> checkpoint that has its name is complete. The number in the name is that of the step.
+module brz_checkpoint
+    use brz_air_state, only: air_t
+    use brz_case, only: case_t
+    use brz_checkpoint_match, only: first_difference
+    use brz_checkpoint_state, only: carry_air, carry_clock, carry_coupling, carry_solid
+    use brz_clock, only: clock_t
+    use brz_coupling_state, only: coupling_t
+    use brz_errors, only: error_t, failed, raise, exit_io
+    use brz_carry, only: carry
+    use brz_files, only: list_folder, name_len, remove_file, rename_file
+    use brz_hdf5_attribute, only: h5_get, h5_put
+    use brz_hdf5_file, only: h5_checked, h5_close, h5_create, h5_open, h5_t
+    use brz_hdf5_verify, only: h5_verify
+    use brz_kinds, only: dp
+    use brz_meta, only: describe_run, meta_t, schema, write_meta
+    use brz_output_folder, only: checkpoint_begin, checkpoint_end, checkpoint_name
+    use brz_solid_state, only: solid_t
+    use brz_text, only: to_text
+    use brz_version, only: precision
+    implicit none
+    private
+    public :: write_checkpoint, read_checkpoint, find_checkpoint, drop_later_checkpoints
+
+    integer, parameter :: kept = 2 !! checkpoints in a folder
+    character(*), parameter :: about = 'brisance'
+
+contains
+
+    !> Write a checkpoint and remove all but the last two. Histories must be flushed before.
+    subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err)
+        character(*), intent(in) :: folder
+        type(case_t), intent(in) :: case
+        type(clock_t), intent(inout) :: clock
+        type(air_t), intent(inout) :: air
+        type(coupling_t), intent(inout) :: coupling
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(inout) :: sums(:) !! what the step remembers besides
+        type(error_t), intent(inout) :: err
+        type(h5_t) :: file
+        type(meta_t) :: meta
+
+        call describe_run(case, clock, meta)
+        call h5_create(file, folder//'/'//checkpoint_name(clock%cycle), h5_checked, err)
+        call write_meta(file, meta, err)
+        call h5_put(file, about, 'content', 'checkpoint', err)
+        call carry_all(file, clock, air, coupling, solid, sums, err)
+        call h5_close(file, err, sync=.true.)
+        if (.not. failed(err)) call remove_old(folder, clock%cycle)
+    end subroutine write_checkpoint
+
+    !> Read a checkpoint into a scene that has been set up from the same deck. Afterwards the solid
+    !> and the coupling must derive what is not in it (`resume_solid`, `restart_coupling`).
+    subroutine read_checkpoint(path, case, clock, air, coupling, solid, sums, err)
+        character(*), intent(in) :: path !! as `find_checkpoint` gives it
+        type(case_t), intent(in) :: case
+        type(clock_t), intent(inout) :: clock
+        type(air_t), intent(inout) :: air
+        type(coupling_t), intent(inout) :: coupling
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(inout) :: sums(:)
+        type(error_t), intent(inout) :: err
+        type(h5_t) :: file
+
+        call h5_open(file, path, err)
+        call check_origin(file, case, err)
+        call carry_all(file, clock, air, coupling, solid, sums, err)
+        call h5_close(file, err)
+    end subroutine read_checkpoint
+
+    subroutine carry_all(file, clock, air, coupling, solid, sums, err)
+        type(h5_t), intent(in) :: file
+        type(clock_t), intent(inout) :: clock
+        type(air_t), intent(inout) :: air
+        type(coupling_t), intent(inout) :: coupling
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(inout) :: sums(:)
+        type(error_t), intent(inout) :: err
+
+        if (air%present) call carry_air(file, air, err)
+        if (solid%present) call carry_solid(file, solid, err)
+        if (coupling%present) call carry_coupling(file, coupling, err)
+        call carry(file, 'sums', sums, err)
+        if (.not. failed(err)) call carry_clock(file, clock, err)
+    end subroutine carry_all
+
+    !> Refuse what is not a checkpoint of this deck and this precision.
+    subroutine check_origin(file, case, err)
+        type(h5_t), intent(in) :: file
+        type(case_t), intent(in) :: case
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: content, made_with, deck, theirs, ours
+        integer :: number(1)
+        logical :: differ
+
+        call h5_get(file, about, 'content', content, err)
+        call h5_get(file, about, 'schema', number, err)
+        call h5_get(file, about, 'precision', made_with, err)
+        call h5_get(file, about, 'deck', deck, err)
+        if (failed(err)) return
+        call first_difference(deck, case%echo, differ, theirs, ours)
+        if (content /= 'checkpoint') then
+            call raise(err, exit_io, file%path//': is not a checkpoint')
+        else if (number(1) /= schema) then
+            call raise(err, exit_io, file%path//': has layout '//to_text(number(1))// &
+                       ', this program reads '//to_text(schema)// &
+                       '; go on with the version that wrote it')
+        else if (made_with /= precision) then
+            call raise(err, exit_io, file%path//': was written with PRECISION='//made_with// &
+                       ', this program has '//precision)
+        else if (differ) then
+            call raise(err, exit_io, file%path//': belongs to another deck: there '// &
+                       quoted(theirs)//', here '//quoted(ours)// &
+                       '; only &output and t_end, max_steps, dt_min, energy_band, title and '// &
+                       'backend of &run may change')
+        end if
+    end subroutine check_origin
+
+    pure function quoted(line) result(text)
+        character(*), intent(in) :: line
+        character(:), allocatable :: text
+
+        text = '"'//line//'"'
+        if (line == '') text = 'nothing more'
+    end function quoted
+
+    !> The checkpoint that a run shall go on from, read through once to be sure of it.
+    subroutine find_checkpoint(request, folder, path, note, err)
+        character(*), intent(in) :: request !! a file, or 'latest'
+        character(*), intent(in) :: folder !! where 'latest' looks
+        character(:), allocatable, intent(out) :: path
+        character(:), allocatable, intent(out) :: note !! damaged files that were passed over, or ''
+        type(error_t), intent(inout) :: err
+        type(error_t) :: damage
+        integer, allocatable :: steps(:)
+        integer :: i
+
+        note = ''
+        path = request
+        if (request /= 'latest') then
+            call h5_verify(path, err)
+            return
+        end if
+        call list_checkpoints(folder, steps)
+        do i = 1, size(steps)
+            path = folder//'/'//checkpoint_name(steps(i))
+            damage = error_t()
+            call h5_verify(path, damage)
+            if (.not. failed(damage)) return
+            note = note//'passed over '//damage%text//new_line('a')
+        end do
+        call raise(err, exit_io, folder//': no checkpoint that can be read'//new_line('a')//note)
+    end subroutine find_checkpoint
+
+    !> Step numbers of the checkpoints in a folder, the newest first.
+    subroutine list_checkpoints(folder, steps)
+        character(*), intent(in) :: folder
+        integer, allocatable, intent(out) :: steps(:)
+        character(name_len), allocatable :: names(:)
+        integer :: i, n, io, number
+
+        call list_folder(folder, checkpoint_begin, checkpoint_end, names)
+        allocate (steps(0))
+        do i = 1, size(names)
+            n = len_trim(names(i)) - len(checkpoint_end)
+            read (names(i) (len(checkpoint_begin) + 1:n), *, iostat=io) number
+            if (io == 0) steps = [pack(steps, steps > number), number, &
+                                   pack(steps, steps < number)]
+        end do
+    end subroutine list_checkpoints
+
+    !> Keep the newest checkpoint, of step `step`, and the one before it. Later ones are left over
+    !> from a run that was taken up again further back.
+    subroutine remove_old(folder, step)
+        character(*), intent(in) :: folder
+        integer, intent(in) :: step
+        integer, allocatable :: steps(:)
+        integer :: i
+
+        call list_checkpoints(folder, steps)
+        do i = 1, size(steps)
+            if (steps(i) <= step .and. count(steps > steps(i) .and. steps <= step) < kept) &
+                cycle
+            call remove_file(folder//'/'//checkpoint_name(steps(i)))
+        end do
+    end subroutine remove_old
+
+    !> After going on from step `step`: later checkpoints do not belong to this run any more, as
+    !> its histories are cut back. They are renamed, so that 'latest' does not find them.
+    subroutine drop_later_checkpoints(folder, step, err)
+        character(*), intent(in) :: folder
+        integer, intent(in) :: step
+        type(error_t), intent(inout) :: err
+        integer, allocatable :: steps(:)
+        integer :: i
+
+        call list_checkpoints(folder, steps)
+        do i = 1, size(steps)
+            if (steps(i) <= step .or. failed(err)) cycle
+            call rename_file(folder//'/'//checkpoint_name(steps(i)), &
+                             folder//'/dropped_'//checkpoint_name(steps(i)), err)
+        end do
+    end subroutine drop_later_checkpoints
+end module brz_checkpoint

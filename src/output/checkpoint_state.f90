@@ -1,0 +1,145 @@
+! SPDX-License-Identifier: MIT
+!> What a checkpoint holds: everything that a run needs to go on to the same bits.
+!>
+!> Left out is what the set-up or the parts themselves derive from it: neighbour lists (from
+!> x_built), volumes, wall lists, bins, fluxes. Arrays are allocated by the set-up of the scene
+!> before they are read, so their shapes are checked against the file.
+module brz_checkpoint_state
+    use brz_air_state, only: air_t
+    use brz_carry, only: carry
+    use brz_clock, only: clock_t, resume_clock
+    use brz_coupling_state, only: coupling_t
+    use brz_errors, only: error_t, failed
+    use brz_hdf5_array, only: h5_shape
+    use brz_hdf5_file, only: h5_t
+    use brz_kinds, only: dp, int64
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: carry_clock, carry_air, carry_solid, carry_coupling
+
+contains
+
+    subroutine carry_clock(file, clock, err)
+        type(h5_t), intent(in) :: file
+        type(clock_t), intent(inout) :: clock
+        type(error_t), intent(inout) :: err
+
+        call carry(file, 'clock/time', clock%time, err)
+        call carry(file, 'clock/dt', clock%dt, err)
+        call carry(file, 'clock/cycle', clock%cycle, err)
+        call carry(file, 'clock/dump_number', clock%dump_number, err)
+        call carry(file, 'clock/dump_time', clock%dump_time, err)
+        if (.not. (file%writing .or. failed(err))) call resume_clock(clock)
+    end subroutine carry_clock
+
+    subroutine carry_air(file, air, err)
+        type(h5_t), intent(in) :: file
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+
+        call carry(file, 'air/u', air%u, err)
+        call carry(file, 'air/outflow', air%outflow, err)
+        call carry(file, 'air/fallback_faces', air%fallback_faces, err)
+    end subroutine carry_air
+
+    subroutine carry_solid(file, solid, err)
+        type(h5_t), intent(in) :: file
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        call carry(file, 'solid/dt_last', solid%dt_last, err)
+        call carry(file, 'solid/dt_limit', solid%dt_limit, err)
+        call carry(file, 'solid/asleep', solid%asleep, err)
+        call carry(file, 'solid/steps', solid%steps, err)
+        call carry(file, 'solid/rebuilds', solid%rebuilds, err)
+        call carry(file, 'solid/x', solid%x, err)
+        call carry(file, 'solid/x_ref', solid%x_ref, err)
+        call carry(file, 'solid/x_built', solid%x_built, err)
+        call carry(file, 'solid/v', solid%v, err)
+        call carry(file, 'solid/a', solid%a, err)
+        call carry(file, 'solid/load', solid%load, err)
+        call carry(file, 'solid/mass', solid%mass, err)
+        call carry(file, 'solid/mu', solid%mu, err)
+        call carry(file, 'solid/energy', solid%energy, err)
+        call carry(file, 'solid/stress', solid%stress, err)
+        call carry(file, 'solid/hist', solid%hist, err)
+        call carry(file, 'solid/damage', solid%damage, err)
+        call carry(file, 'solid/c_wave', solid%c_wave, err)
+        call carry(file, 'solid/c_bulk', solid%c_bulk, err)
+        call carry(file, 'solid/id', solid%id, err)
+        call carry(file, 'solid/ply', solid%ply, err)
+        call carry(file, 'solid/support', solid%support, err)
+        call carry(file, 'solid/fixed', solid%fixed, err)
+        call carry(file, 'solid/cut', solid%cut, err)
+        call carry_bodies(file, solid, err)
+    end subroutine carry_solid
+
+    !> The sums that each body keeps.
+    subroutine carry_bodies(file, solid, err)
+        type(h5_t), intent(in) :: file
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        real(dp) :: sums(8, size(solid%bodies))
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            associate (ledger => solid%bodies(b)%ledger)
+                sums(:, b) = [ledger%viscous, ledger%hourglass, ledger%load, ledger%plastic, &
+                              ledger%damage, solid%bodies(b)%reaction]
+            end associate
+        end do
+        call carry(file, 'solid/body_sums', sums, err)
+        do b = 1, size(solid%bodies)
+            associate (ledger => solid%bodies(b)%ledger)
+                ledger%viscous = sums(1, b)
+                ledger%hourglass = sums(2, b)
+                ledger%load = sums(3, b)
+                ledger%plastic = sums(4, b)
+                ledger%damage = sums(5, b)
+            end associate
+            solid%bodies(b)%reaction = sums(6:8, b)
+        end do
+    end subroutine carry_bodies
+
+    subroutine carry_coupling(file, coupling, err)
+        type(h5_t), intent(in) :: file
+        type(coupling_t), intent(inout) :: coupling
+        type(error_t), intent(inout) :: err
+
+        call carry(file, 'coupling/solid', coupling%wall%solid, err)
+        call carry(file, 'coupling/dt_before', coupling%dt_before, err)
+        call carry(file, 'coupling/v_before', coupling%v_before, err)
+        call carry(file, 'coupling/covered_total', coupling%covered_total, err)
+        call carry(file, 'coupling/uncovered_total', coupling%uncovered_total, err)
+        call carry(file, 'coupling/kept', coupling%kept, err)
+        call carry(file, 'coupling/ledger_low', coupling%ledger_low, err)
+        call carry(file, 'coupling/ledger_high', coupling%ledger_high, err)
+        call carry(file, 'coupling/work', coupling%work, err)
+        call carry(file, 'coupling/work_reference', coupling%work_reference, err)
+        call carry(file, 'coupling/impulse', coupling%impulse, err)
+        call carry(file, 'coupling/impulse_reference', coupling%impulse_reference, err)
+        call carry_debts(file, coupling, err)
+    end subroutine carry_coupling
+
+    !> The list of debts, as long as it is.
+    subroutine carry_debts(file, coupling, err)
+        type(h5_t), intent(in) :: file
+        type(coupling_t), intent(inout) :: coupling
+        type(error_t), intent(inout) :: err
+        integer(int64), allocatable :: shape_there(:)
+
+        if (.not. file%writing) then
+            call h5_shape(file, 'coupling/debt_cell', shape_there, err)
+            if (failed(err)) return
+            coupling%n_debts = int(shape_there(1))
+            if (allocated(coupling%debt)) deallocate (coupling%debt, coupling%debt_cell)
+        end if
+        if (.not. allocated(coupling%debt)) &
+            allocate (coupling%debt(5, coupling%n_debts), coupling%debt_cell(coupling%n_debts))
+        associate (n => coupling%n_debts)
+            call carry(file, 'coupling/debt_cell', coupling%debt_cell(:n), err)
+            call carry(file, 'coupling/debt', coupling%debt(:, :n), err)
+        end associate
+    end subroutine carry_debts
+end module brz_checkpoint_state
