@@ -1,0 +1,220 @@
+! SPDX-License-Identifier: MIT
+!> The command line as plain data, and its errors.
+module brz_command_line
+    use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_kinds, only: dp
+    use brz_text, only: nearest, string_t
+    implicit none
+    private
+    public :: options_t, read_command_line, usage
+
+    type :: options_t
+        character(:), allocatable :: command !! 'run', 'version', 'help', 'describe'
+        character(:), allocatable :: deck !! path of the deck
+        character(:), allocatable :: out !! folder of the results, '' = out/<job>
+        character(:), allocatable :: restart !! path of a checkpoint, 'latest', or ''
+        character(:), allocatable :: backend !! 'cpu', 'gpu', 'auto', '' = as the deck says
+        character(:), allocatable :: group !! group to describe, '' = all
+        logical :: check = .false. !! parse, discretise and print the cost only
+        logical :: markdown = .false. !! describe as a page of the manual
+        logical :: replace = .false. !! results of an earlier run may be removed
+        real(dp) :: walltime = huge(1.0_dp) !! [s]
+        type(string_t), allocatable :: overrides(:) !! texts group.key=value
+    end type options_t
+
+    character(*), parameter :: flags = '--check|--backend|--restart|--out|--walltime|--set|'// &
+                               '--replace|--markdown'
+    character(*), parameter :: lf = new_line('a')
+
+contains
+
+    !> What the program can be asked for.
+    function usage() result(text)
+        character(:), allocatable :: text
+
+        text = &
+            'usage: brisance run DECK [options]      run a scene'//lf// &
+            '       brisance --describe [GROUP]      explain the groups and keys of a deck'//lf// &
+            '       brisance --version | --help'//lf// &
+            ''//lf// &
+            'options of run:'//lf// &
+            '  --check                  read and discretise the deck, print its cost, run nothing'//lf// &
+            '  --out DIR                folder of the results (default out/<deck name>)'//lf// &
+            '  --replace                remove the results of an earlier run from that folder'//lf// &
+            '  --restart FILE|latest    go on from a checkpoint'//lf// &
+            '  --walltime HH:MM:SS      write a checkpoint and stop (code 75) before this time is over'//lf// &
+            '  --set group.key=value    change a value of the deck, e.g. run.t_end=1e-4 or'//lf// &
+            '                           body(plate).spacing=2e-3; may be repeated'//lf// &
+            '  --backend cpu|gpu|auto   where to compute'//lf// &
+            ''//lf// &
+            'signals: USR1 writes a checkpoint; USR2, TERM and a file <job>.stop in the results'//lf// &
+            '         folder write a checkpoint and stop with code 75'//lf// &
+            'exit codes: 0 done; 1 internal; 2 usage or deck; 3 numerical; 4 input/output;'//lf// &
+            '            5 device; 75 stopped early with a checkpoint'
+    end function usage
+
+    !> Read the arguments of the program. Errors have code `exit_deck`.
+    subroutine read_command_line(options, err)
+        type(options_t), intent(out) :: options
+        type(error_t), intent(inout) :: err
+        type(string_t), allocatable :: args(:)
+
+        options%command = 'help'
+        options%deck = ''
+        options%out = ''
+        options%restart = ''
+        options%backend = ''
+        options%group = ''
+        allocate (options%overrides(0))
+        call get_arguments(args)
+        if (size(args) == 0) return
+        select case (args(1)%s)
+        case ('run')
+            options%command = 'run'
+            call read_options(args(2:), options, err)
+            if (options%deck == '') call raise(err, exit_deck, 'run: no deck is named'//lf//usage())
+        case ('--version', 'version')
+            options%command = 'version'
+        case ('--help', '-h', 'help')
+            options%command = 'help'
+        case ('--describe', 'describe')
+            options%command = 'describe'
+            call read_options(args(2:), options, err)
+            options%group = options%deck
+        case default
+            call raise(err, exit_deck, "unknown command '"//args(1)%s//"'"//lf//usage())
+        end select
+    end subroutine read_command_line
+
+    !> All arguments of the program.
+    subroutine get_arguments(args)
+        type(string_t), allocatable, intent(out) :: args(:)
+        integer :: i, length
+
+        allocate (args(command_argument_count()))
+        do i = 1, size(args)
+            call get_command_argument(i, length=length)
+            allocate (character(length) :: args(i)%s)
+            call get_command_argument(i, args(i)%s)
+        end do
+    end subroutine get_arguments
+
+    !> Options and the one path behind a command.
+    subroutine read_options(args, options, err)
+        type(string_t), intent(in) :: args(:)
+        type(options_t), intent(inout) :: options
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: flag, value
+        integer :: i, equal
+
+        i = 1
+        do while (i <= size(args) .and. .not. failed(err))
+            flag = args(i)%s
+            if (index(flag, '--') /= 1) then
+                if (options%deck /= '') call raise(err, exit_deck, "more than one deck: '"//flag//"'")
+                options%deck = flag
+                i = i + 1
+                cycle
+            end if
+            equal = index(flag, '=')
+            value = ''
+            if (equal > 0 .and. index(flag, '--set') /= 1) then
+                value = flag(equal + 1:)
+                flag = flag(:equal - 1)
+            else if (takes_value(flag)) then
+                i = i + 1
+                if (i > size(args)) then
+                    call raise(err, exit_deck, flag//' needs a value')
+                    return
+                end if
+                value = args(i)%s
+            end if
+            call set_option(flag, value, options, err)
+            i = i + 1
+        end do
+    end subroutine read_options
+
+    !> True for a flag with a value behind it.
+    pure logical function takes_value(flag)
+        character(*), intent(in) :: flag
+
+        takes_value = any(flag == [character(10) :: '--backend', '--restart', '--out', &
+                                   '--walltime', '--set'])
+    end function takes_value
+
+    !> Store one option.
+    subroutine set_option(flag, value, options, err)
+        character(*), intent(in) :: flag, value
+        type(options_t), intent(inout) :: options
+        type(error_t), intent(inout) :: err
+
+        select case (flag)
+        case ('--check')
+            options%check = .true.
+        case ('--markdown')
+            options%markdown = .true.
+        case ('--replace')
+            options%replace = .true.
+        case ('--out')
+            options%out = value
+        case ('--restart')
+            options%restart = value
+        case ('--set')
+            options%overrides = [options%overrides, string_t(value)]
+        case ('--backend')
+            options%backend = value
+            if (.not. any(value == ['cpu ', 'gpu ', 'auto'])) call raise(err, exit_deck, &
+                "--backend "//value//": must be 'cpu', 'gpu' or 'auto'")
+        case ('--walltime')
+            call read_walltime(value, options%walltime, err)
+        case default
+            call unknown_option(flag, err)
+        end select
+    end subroutine set_option
+
+    !> Name the option that may have been meant.
+    subroutine unknown_option(flag, err)
+        character(*), intent(in) :: flag
+        type(error_t), intent(inout) :: err
+        character(12) :: list(8)
+        integer :: i, first, last
+
+        first = 1
+        do i = 1, size(list)
+            last = index(flags(first:)//'|', '|') + first - 2
+            list(i) = flags(first:last)
+            first = last + 2
+        end do
+        i = nearest(flag, list)
+        if (i > 0) then
+            call raise(err, exit_deck, "unknown option '"//flag//"'; did you mean "// &
+                       trim(list(i))//'?')
+        else
+            call raise(err, exit_deck, "unknown option '"//flag//"'"//lf//usage())
+        end if
+    end subroutine unknown_option
+
+    !> HH:MM:SS, MM:SS or seconds.
+    subroutine read_walltime(text, seconds, err)
+        character(*), intent(in) :: text
+        real(dp), intent(out) :: seconds !! [s]
+        type(error_t), intent(inout) :: err
+        real(dp) :: part
+        integer :: first, last, io
+
+        seconds = 0
+        first = 1
+        do
+            last = index(text(first:)//':', ':') + first - 2
+            part = -1
+            read (text(first:last), *, iostat=io) part
+            if (io /= 0 .or. .not. part >= 0 .or. part > 1e7_dp) then
+                call raise(err, exit_deck, "--walltime "//text//": must be HH:MM:SS or seconds")
+                return
+            end if
+            seconds = 60*seconds + part
+            first = last + 2
+            if (first > len(text) + 1) exit
+        end do
+    end subroutine read_walltime
+end module brz_command_line

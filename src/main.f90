@@ -1,0 +1,52 @@
+! SPDX-License-Identifier: MIT
+!> The program: understand the command, do it, end with the right exit code.
+program brisance
+    use, intrinsic :: iso_c_binding, only: c_int
+    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+    use brz_command_line, only: options_t, read_command_line, usage
+    use brz_describe, only: describe, describe_markdown
+    use brz_errors, only: error_t, failed
+    use brz_key, only: key_t
+    use brz_key_table, only: all_keys
+    use brz_run, only: run_deck
+    use brz_version, only: commit, compiler, flags, precision, version
+    implicit none
+
+    interface
+        subroutine c_exit(code) bind(c, name='exit')
+            import :: c_int
+            integer(c_int), value :: code
+        end subroutine c_exit
+    end interface
+
+    type(options_t) :: options
+    type(error_t) :: err
+    type(key_t), allocatable :: keys(:)
+    character(:), allocatable :: text
+
+    call read_command_line(options, err)
+    if (.not. failed(err)) then
+        select case (options%command)
+        case ('run')
+            call run_deck(options, err)
+        case ('version')
+            write (output_unit, '(a)') 'Brisance '//version//' ('//commit//')', compiler, flags, &
+                'working precision: '//precision
+        case ('describe')
+            call all_keys(keys)
+            if (options%markdown) then
+                call describe_markdown(keys, text)
+            else
+                call describe(keys, options%group, text, err)
+            end if
+            if (.not. failed(err)) write (output_unit, '(a)', advance='no') text
+        case default
+            write (output_unit, '(a)') usage()
+        end select
+    end if
+    if (allocated(err%text)) then
+        if (err%text /= '') write (error_unit, '(a)') err%text
+    end if
+    flush (output_unit)
+    call c_exit(int(err%code, c_int))
+end program brisance

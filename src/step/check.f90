@@ -1,0 +1,97 @@
+! SPDX-License-Identifier: MIT
+!> What `--check` prints: what was discretised, whether it is resolved, and what it will cost.
+module brz_check
+    use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_errors, only: error_t
+    use brz_kinds, only: dp, real32
+    use brz_simulation, only: simulation_t
+    use brz_solid_arrays, only: bytes_per_particle
+    use brz_text, only: to_text
+    use brz_time_step, only: choose_time_step
+    implicit none
+    private
+    public :: print_check
+
+    integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 120 !! per cell and particle, packed
+
+contains
+
+    !> Print the check of a scene that is set up and not run.
+    subroutine print_check(sim, err)
+        type(simulation_t), intent(inout) :: sim
+        type(error_t), intent(inout) :: err
+        real(dp) :: dt, dumps
+        character(:), allocatable :: notes
+
+        write (output_unit, '(a)') 'check of '//trim(sim%case%run%job)//': '//sim%case%run%title
+        if (sim%air%present) call check_air(sim)
+        if (sim%solid%present) call check_solid(sim)
+        call choose_time_step(sim, dt, err)
+        if (sim%air%present) dt = dt/first_share(sim)
+        write (output_unit, '(a, es10.3, 3a, i0, a)') 'time step    ', dt, ' s at first, limit: ', &
+            trim(sim%limiter), '; about ', nint(sim%case%run%t_end/dt), &
+            ' steps at this rate (a blast shortens it)'
+        dumps = 1
+        if (sim%case%output%dump_every < sim%case%run%t_end) &
+            dumps = 1 + sim%case%run%t_end/sim%case%output%dump_every
+        write (output_unit, '(a, i0, a, f0.1, a)') 'output       ', int(dumps), ' dumps, about ', &
+            1e-6_dp*dumps*(merge(real(air_dump_bytes, dp)*product(real(sim%air%n, dp)), 0.0_dp, &
+                                 sim%air%present) + real(solid_dump_bytes, dp)*sim%solid%n), ' MB'
+        notes = 'the deck is sound'
+        if (size(sim%case%warnings) > 0) notes = to_text(size(sim%case%warnings))//' warning(s), see above'
+        write (output_unit, '(a)') 'verdict      '//notes
+    end subroutine print_check
+
+    !> Share of the time step that the ramp leaves to the first step.
+    pure real(dp) function first_share(sim)
+        type(simulation_t), intent(in) :: sim
+
+        first_share = merge(0.1_dp, 1.0_dp, sim%case%air%ramp_steps > 0)
+    end function first_share
+
+    !> Memory for the air and the walls in it, ghosts and all [B].
+    pure real(dp) function air_bytes(sim) result(bytes)
+        type(simulation_t), intent(in) :: sim
+
+        bytes = storage_size(sim%air%u)/8.0_dp* &
+                (size(sim%air%u) + size(sim%air%u_start) + size(sim%air%rate))
+        if (.not. sim%coupling%present) return
+        bytes = bytes + size(sim%coupling%wall%solid) + 4.0_dp*size(sim%coupling%wall%index) + &
+                size(sim%coupling%mark) + 4.0_dp*size(sim%coupling%slot)
+    end function air_bytes
+
+    !> Cells, bytes, and the charges as they lie on the grid.
+    subroutine check_air(sim)
+        type(simulation_t), intent(in) :: sim
+        integer :: c
+
+        associate (air => sim%air, cells => product(real(sim%air%n, dp)))
+            write (output_unit, '(a, i0, a, 3(1x, i0), a, 3(1x, a), a, f0.1, a, f0.0, a)') &
+                'air          ', nint(cells), ' cells (', air%n, ' ) of', &
+                (to_text(real(1e3_dp*air%dx(c), real32)), c=1, 3), ' mm, ', &
+                1e-6_dp*air_bytes(sim), ' MB, ', air_bytes(sim)/cells, ' B per cell'
+            do c = 1, size(sim%case%charges)
+                write (output_unit, '(3a, es10.3, a, f0.1, a, f6.4)') 'charge       ', &
+                    trim(sim%case%charges(c)%id), ': ', air%charge(c)%mass, &
+                    ' kg in the model, ', air%charge(c)%cells, &
+                    ' cells per radius, density scaled by ', air%charge(c)%scale
+            end do
+        end associate
+    end subroutine check_air
+
+    !> Particles, layers and bytes of every body.
+    subroutine check_solid(sim)
+        type(simulation_t), intent(in) :: sim
+        integer :: b
+
+        do b = 1, size(sim%solid%bodies)
+            associate (body => sim%solid%bodies(b), solid => sim%solid)
+                write (output_unit, '(3a, i0, 3a, es10.3, a)') 'body         ', trim(body%id), ': ', &
+                    body%last - body%first + 1, ' particles at ', to_text(real(1e3_dp*body%spacing, real32)), &
+                    ' mm,', sum(real(solid%mass(body%first:body%last), dp)), ' kg'
+            end associate
+        end do
+        write (output_unit, '(a, i0, a, f0.1, a)') 'solids       ', sim%solid%n, ' particles, ', &
+            1e-6_dp*bytes_per_particle(sim%solid)*sim%solid%n, ' MB without neighbour lists'
+    end subroutine check_solid
+end module brz_check

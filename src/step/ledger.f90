@@ -1,0 +1,170 @@
+! SPDX-License-Identifier: MIT
+!> The conservation ledger: where mass, momentum and energy are, and what is not accounted for.
+!>
+!> All values are of what is modelled (a half or a quarter where symmetry planes cut the scene).
+module brz_ledger
+    use brz_air_energy, only: air_kinetic
+    use brz_air_state, only: air_t
+    use brz_air_sums, only: air_totals
+    use brz_coupling_state, only: coupling_t
+    use brz_kinds, only: dp
+    use brz_solid_state, only: solid_t
+    use brz_solid_totals, only: solid_totals, solid_totals_t
+    implicit none
+    private
+    public :: ledger_t, ledger_start_t, take_stock, energy_columns, ledger_row, body_names, body_row
+
+    integer, parameter :: n_energy = 23, n_body = 14
+
+    !> Columns of energy.csv.
+    character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
+                                'time[s]', 'air_kinetic[J]', 'air_internal[J]', 'air_outflow[J]', &
+                                'air_ledger[J]', 'solid_kinetic[J]', 'solid_internal[J]', &
+                                'hourglass[J]', 'viscous[J]', 'plastic[J]', 'damage[J]', &
+                                'air_work[J]', 'load_work[J]', 'coupling[J]', 'total[J]', &
+                                'error[-]', 'air_mass[kg]', 'air_outflow[kg]', 'impulse_x[N s]', &
+                                'impulse_y[N s]', 'impulse_z[N s]', 'mass_error[-]', &
+                                'momentum_error[-]']
+
+    !> Columns of bodies.csv, for every body.
+    character(20), parameter :: body_columns(n_body) = [character(20) :: &
+                                'mass[kg]', 'x[m]', 'y[m]', 'z[m]', 'velocity_x[m/s]', &
+                                'velocity_y[m/s]', 'velocity_z[m/s]', 'kinetic[J]', &
+                                'internal[J]', 'damage_mean[-]', 'load_work[J]', &
+                                'reaction_x[N s]', 'reaction_y[N s]', 'reaction_z[N s]']
+
+    !> Totals at one time.
+    type :: ledger_t
+        real(dp) :: time = 0 !! [s]
+        real(dp) :: gas(5) = 0 !! mass, momentum x, y, z, energy of the gas
+        real(dp) :: gas_kinetic = 0 !! part of the gas energy [J]
+        real(dp) :: kept(5) = 0 !! the same in ledgers and debts
+        real(dp) :: outflow(5) = 0 !! what left through the outer faces so far
+        real(dp) :: solid_kinetic = 0, solid_internal = 0, hourglass = 0 !! [J]
+        real(dp) :: viscous = 0, plastic = 0, damage = 0 !! parts of solid_internal so far [J]
+        real(dp) :: air_work = 0 !! energy that the air gave to moving walls so far [J]
+        real(dp) :: load_work = 0 !! work of the load on the particles so far [J]
+        real(dp) :: impulse(3) = 0 !! momentum that the air gave to walls so far [N s]
+        real(dp) :: total = 0 !! energy of everything, what is lost in coupling included [J]
+        real(dp) :: energy_error = 0, mass_error = 0, momentum_error = 0 !! relative
+    end type ledger_t
+
+    !> What the errors are measured against.
+    type :: ledger_start_t
+        logical :: known = .false.
+        real(dp) :: total = 0 !! energy at t = 0 [J]
+        real(dp) :: mass = 0 !! of the air at t = 0 [kg]
+        real(dp) :: momentum(3) = 0 !! of the air at t = 0 [N s]
+    end type ledger_start_t
+
+contains
+
+    !> Take stock of the scene. The first call sets what errors are measured against.
+    subroutine take_stock(time, air, solid, coupling, start, ledger)
+        real(dp), intent(in) :: time !! [s]
+        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(in) :: coupling
+        type(ledger_start_t), intent(inout) :: start
+        type(ledger_t), intent(out) :: ledger
+        type(solid_totals_t) :: sums
+        real(dp) :: all(5)
+
+        ledger%time = time
+        if (air%present) then
+            call air_totals(air, coupling%wall, ledger%gas, ledger%kept)
+            ledger%gas_kinetic = air_kinetic(air, coupling%wall)
+            if (coupling%present) ledger%kept = ledger%kept + product(air%dx)* &
+                sum(real(coupling%debt(:, :coupling%n_debts), dp), dim=2)
+            ledger%outflow = air%outflow
+        end if
+        if (solid%present) then
+            call solid_totals(solid, 0, sums)
+            ledger%solid_kinetic = sums%kinetic
+            ledger%solid_internal = sums%internal
+            ledger%hourglass = sums%hourglass
+            ledger%viscous = sum(solid%bodies%ledger%viscous)
+            ledger%plastic = sum(solid%bodies%ledger%plastic)
+            ledger%damage = sum(solid%bodies%ledger%damage)
+            ledger%load_work = sum(solid%bodies%ledger%load)
+        end if
+        ledger%air_work = coupling%work
+        ledger%impulse = coupling%impulse + coupling%impulse_reference
+        all = ledger%gas + ledger%kept + ledger%outflow
+        all(2:4) = all(2:4) + ledger%impulse
+        ledger%total = all(5) + ledger%solid_kinetic + ledger%solid_internal + ledger%hourglass &
+                       + ledger%air_work - ledger%load_work
+        if (.not. start%known) start = ledger_start_t(.true., ledger%total, all(1), all(2:4))
+        call judge(start, all, momentum_scale(air, ledger), ledger)
+    end subroutine take_stock
+
+    !> A momentum to measure errors against: that of sound through the whole mass of the air.
+    pure real(dp) function momentum_scale(air, ledger)
+        type(air_t), intent(in) :: air
+        type(ledger_t), intent(in) :: ledger
+
+        momentum_scale = (ledger%gas(1) + ledger%outflow(1)) &
+                         *sqrt(real(air%gamma*air%p_rest/air%rho_rest, dp))
+    end function momentum_scale
+
+    !> Relative errors.
+    pure subroutine judge(start, all, momentum, ledger)
+        type(ledger_start_t), intent(in) :: start
+        real(dp), intent(in) :: all(5) !! mass, momentum, energy of the air and what it gave away
+        real(dp), intent(in) :: momentum !! scale [N s]
+        type(ledger_t), intent(inout) :: ledger
+        real(dp) :: energy
+
+        energy = max(abs(start%total), abs(ledger%load_work), tiny(1.0_dp))
+        ledger%energy_error = (ledger%total - start%total)/energy
+        if (start%mass > 0) ledger%mass_error = (all(1) - start%mass)/start%mass
+        if (momentum > 0) ledger%momentum_error = maxval(abs(all(2:4) - start%momentum))/momentum
+    end subroutine judge
+
+    !> The row that belongs to the `energy_columns`.
+    pure function ledger_row(ledger) result(row)
+        type(ledger_t), intent(in) :: ledger
+        real(dp) :: row(n_energy)
+
+        row(1:4) = [ledger%time, ledger%gas_kinetic, ledger%gas(5) - ledger%gas_kinetic, &
+                    ledger%outflow(5)]
+        row(5:11) = [ledger%kept(5), ledger%solid_kinetic, ledger%solid_internal, &
+                     ledger%hourglass, ledger%viscous, ledger%plastic, ledger%damage]
+        row(12:16) = [ledger%air_work, ledger%load_work, ledger%air_work - ledger%load_work, &
+                      ledger%total, ledger%energy_error]
+        row(17:23) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
+                      ledger%mass_error, ledger%momentum_error]
+    end function ledger_row
+
+    !> Columns of bodies.csv.
+    subroutine body_names(solid, names)
+        type(solid_t), intent(in) :: solid
+        character(64), allocatable, intent(out) :: names(:)
+        integer :: b, i
+
+        allocate (names(1 + n_body*size(solid%bodies)))
+        names(1) = 'time[s]'
+        do b = 1, size(solid%bodies)
+            do i = 1, n_body
+                names(1 + n_body*(b - 1) + i) = trim(solid%bodies(b)%id)//':'//body_columns(i)
+            end do
+        end do
+    end subroutine body_names
+
+    !> The row that belongs to the columns of bodies.csv.
+    subroutine body_row(time, solid, row)
+        real(dp), intent(in) :: time !! [s]
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(out) :: row(:) !! (1 + n_body bodies)
+        type(solid_totals_t) :: t
+        integer :: b
+
+        row(1) = time
+        do b = 1, size(solid%bodies)
+            call solid_totals(solid, b, t)
+            row(2 + n_body*(b - 1):1 + n_body*b) = &
+                [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, t%damage, &
+                 solid%bodies(b)%ledger%load, solid%bodies(b)%reaction]
+        end do
+    end subroutine body_row
+end module brz_ledger

@@ -1,0 +1,212 @@
+! SPDX-License-Identifier: MIT
+!> What a run writes and when: histories, dumps, checkpoints, progress lines.
+module brz_outputs
+    use, intrinsic :: iso_fortran_env, only: error_unit
+    use brz_checkpoint, only: drop_later_checkpoints, find_checkpoint, read_checkpoint, &
+                              write_checkpoint
+    use brz_clock, only: resume_clock, tick
+    use brz_command_line, only: options_t
+    use brz_coupling_setup, only: restart_coupling
+    use brz_dumps, only: dumps_t, start_dumps, write_dumps
+    use brz_errors, only: error_t, exit_numerical, failed, raise
+    use brz_gauges, only: gauge_names, gauge_row, gauges_t, set_up_gauges
+    use brz_history, only: append_row, close_history, flush_history, history_t, open_history
+    use brz_kinds, only: dp
+    use brz_ledger, only: body_names, body_row, energy_columns, ledger_row, ledger_start_t, ledger_t, &
+                          take_stock
+    use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, prepare_folder
+    use brz_progress, only: progress_line, wall_seconds
+    use brz_simulation, only: simulation_t
+    use brz_solid_step, only: resume_solid
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: outputs_t, open_outputs, write_due, report, save_checkpoint, close_outputs
+
+    type :: outputs_t
+        character(:), allocatable :: folder
+        type(dumps_t) :: dumps
+        type(history_t) :: energy, bodies, gauge_history
+        type(gauges_t) :: gauges
+        real(dp), allocatable :: body_values(:), gauge_values(:) !! buffers of a row
+        real(dp) :: reserve = 0 !! wall-clock time that a checkpoint has taken at most [s]
+        real(dp) :: energy_error = 0 !! of the last history row, relative
+        integer :: saved_cycle = -1 !! cycle of the last checkpoint
+    end type outputs_t
+
+contains
+
+    !> Prepare the folder and the files; with a restart, read the state and continue the files.
+    subroutine open_outputs(options, sim, outputs, err)
+        type(options_t), intent(in) :: options
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        integer :: use
+
+        outputs%folder = options%out
+        if (outputs%folder == '') outputs%folder = 'out/'//trim(sim%case%run%job)
+        use = merge(folder_replace, folder_fresh, options%replace)
+        if (options%restart /= '') then
+            use = folder_resume
+            call restart(options%restart, sim, outputs, err)
+            if (failed(err)) return
+        end if
+        call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, use, err)
+        if (failed(err)) return
+        call set_up_gauges(sim%case, sim%solid, outputs%gauges, err)
+        call open_histories(sim, outputs, use == folder_resume, err)
+    end subroutine open_outputs
+
+    !> The state of a checkpoint, and what follows from it.
+    subroutine restart(from, sim, outputs, err)
+        character(*), intent(in) :: from !! file or 'latest'
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: path, note
+        real(dp) :: sums(5)
+
+        call find_checkpoint(from, outputs%folder, path, note, err)
+        if (failed(err)) return
+        if (note /= '') write (error_unit, '(a)') note
+        call read_checkpoint(path, sim%case, sim%clock, sim%air, sim%coupling, sim%solid, sums, err)
+        call drop_later_checkpoints(outputs%folder, sim%clock%cycle, err)
+        if (failed(err)) return
+        sim%start = ledger_start_t(.true., sums(1), sums(2), sums(3:5))
+        call resume_clock(sim%clock)
+        call resume_solid(sim%solid)
+        if (sim%coupling%present) call restart_coupling(sim%air, sim%solid, sim%coupling)
+    end subroutine restart
+
+    !> Open the histories, cut back to the time of the checkpoint on a restart.
+    subroutine open_histories(sim, outputs, resume, err)
+        type(simulation_t), intent(in) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        logical, intent(in) :: resume
+        type(error_t), intent(inout) :: err
+        character(64), allocatable :: names(:)
+
+        call open_one('energy', energy_columns, outputs%energy)
+        if (sim%solid%present) then
+            call body_names(sim%solid, names)
+            allocate (outputs%body_values(size(names)))
+            call open_one('bodies', names, outputs%bodies)
+        end if
+        if (outputs%gauges%n > 0) then
+            call gauge_names(outputs%gauges, names)
+            allocate (outputs%gauge_values(size(names)))
+            call open_one('gauges', names, outputs%gauge_history)
+        end if
+        if (resume) then
+            call start_dumps(outputs%dumps, outputs%folder, err, sim%clock%time)
+        else
+            call start_dumps(outputs%dumps, outputs%folder, err)
+        end if
+
+    contains
+
+        subroutine open_one(name, columns, history)
+            character(*), intent(in) :: name, columns(:)
+            type(history_t), intent(inout) :: history
+
+            if (resume) then
+                call open_history(history, outputs%folder//'/'//name//'.csv', columns, err, &
+                                  sim%clock%time)
+            else
+                call open_history(history, outputs%folder//'/'//name//'.csv', columns, err)
+            end if
+        end subroutine open_one
+    end subroutine open_histories
+
+    !> Write what is due at the present time.
+    subroutine write_due(sim, outputs, err)
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        logical :: last
+
+        if (failed(err)) return
+        last = sim%clock%time >= sim%case%run%t_end
+        if (tick(sim%clock%history, sim%clock%time) .or. last) call write_histories(sim, outputs, err)
+        if (failed(err)) return
+        if (tick(sim%clock%dump, sim%clock%time) .or. last) call write_dumps( &
+            outputs%dumps, sim%case, sim%clock, sim%air, sim%coupling%wall, sim%solid, err)
+        if (failed(err)) return
+        if (tick(sim%clock%checkpoint, sim%clock%time)) call save_checkpoint(sim, outputs, err)
+    end subroutine write_due
+
+    !> One row in every history; the energy must stay in its band.
+    subroutine write_histories(sim, outputs, err)
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        type(ledger_t) :: ledger
+
+        call take_stock(sim%clock%time, sim%air, sim%solid, sim%coupling, sim%start, ledger)
+        outputs%energy_error = ledger%energy_error
+        call append_row(outputs%energy, ledger_row(ledger), err)
+        if (sim%solid%present) then
+            call body_row(sim%clock%time, sim%solid, outputs%body_values)
+            call append_row(outputs%bodies, outputs%body_values, err)
+        end if
+        if (outputs%gauges%n > 0) then
+            call gauge_row(outputs%gauges, sim%clock%time, sim%air, sim%coupling%wall, sim%solid, &
+                           outputs%gauge_values)
+            call append_row(outputs%gauge_history, outputs%gauge_values, err)
+        end if
+        if (.not. abs(ledger%energy_error) <= sim%case%run%energy_band) call raise( &
+            err, exit_numerical, 'the energy error '//to_text(ledger%energy_error)//' at t = '// &
+            to_text(sim%clock%time)//' s is outside the band energy_band = '// &
+            to_text(sim%case%run%energy_band))
+    end subroutine write_histories
+
+    !> A progress line, with all histories on the disk.
+    subroutine report(sim, outputs, err)
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+
+        call flush_all(outputs, err)
+        call progress_line(sim%progress, [sim%clock%time, sim%case%run%t_end], sim%clock%cycle, &
+                           sim%clock%dt, sim%limiter, outputs%energy_error)
+    end subroutine report
+
+    !> Write a checkpoint; the histories up to it must be on the disk first.
+    subroutine save_checkpoint(sim, outputs, err)
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        real(dp) :: begin, sums(5)
+
+        if (outputs%saved_cycle == sim%clock%cycle) return
+        begin = wall_seconds()
+        call flush_all(outputs, err)
+        sums = [sim%start%total, sim%start%mass, sim%start%momentum]
+        call write_checkpoint(outputs%folder, sim%case, sim%clock, sim%air, sim%coupling, &
+                              sim%solid, sums, err)
+        if (failed(err)) return
+        outputs%saved_cycle = sim%clock%cycle
+        outputs%reserve = max(outputs%reserve, 2*(wall_seconds() - begin))
+    end subroutine save_checkpoint
+
+    !> Bring all histories to the disk.
+    subroutine flush_all(outputs, err)
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+
+        call flush_history(outputs%energy, err)
+        call flush_history(outputs%bodies, err)
+        call flush_history(outputs%gauge_history, err)
+    end subroutine flush_all
+
+    !> Close all histories.
+    subroutine close_outputs(outputs, err)
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+
+        call close_history(outputs%energy, err)
+        call close_history(outputs%bodies, err)
+        call close_history(outputs%gauge_history, err)
+    end subroutine close_outputs
+end module brz_outputs

@@ -1,0 +1,138 @@
+! SPDX-License-Identifier: MIT
+!> A run from the deck to the last result.
+module brz_run
+    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+    use brz_build_case, only: build_case
+    use brz_check, only: print_check
+    use brz_clock, only: start_clock, walltime_is_up
+    use brz_command_line, only: options_t
+    use brz_deck, only: deck_t
+    use brz_errors, only: error_t, exit_device, exit_stopped, failed, raise
+    use brz_key, only: key_t
+    use brz_key_table, only: all_keys
+    use brz_kinds, only: dp
+    use brz_outputs, only: close_outputs, open_outputs, outputs_t, report, save_checkpoint, &
+                           write_due
+    use brz_progress, only: start_progress, wall_seconds
+    use brz_scanner, only: read_deck
+    use brz_signals, only: checkpoint_asked, listen_to_signals, look_for_stop_file, stop_asked
+    use brz_simulation, only: set_up_simulation, simulation_t
+    use brz_summary, only: print_summary
+    use brz_text, only: to_text
+    use brz_time_step, only: advance
+    implicit none
+    private
+    public :: run_deck
+
+contains
+
+    !> Do what `brisance run` was asked for.
+    subroutine run_deck(options, err)
+        type(options_t), intent(in) :: options
+        type(error_t), intent(inout) :: err
+        type(simulation_t), allocatable :: sim
+        type(outputs_t) :: outputs
+        type(error_t) :: closing
+
+        allocate (sim)
+        call read_scene(options, sim, err)
+        call choose_backend(options%backend, sim, err)
+        if (failed(err)) return
+        call set_up_simulation(sim, err)
+        if (failed(err)) return
+        if (options%check) then
+            call print_check(sim, err)
+            return
+        end if
+        call listen_to_signals()
+        call start_clock(sim%case, sim%clock, options%walltime)
+        call open_outputs(options, sim, outputs, err)
+        if (failed(err)) return
+        call time_loop(sim, outputs, err)
+        call close_outputs(outputs, err)
+        if (failed(err) .and. err%code /= exit_stopped) return
+        call print_summary(sim, outputs, closing)
+        if (.not. failed(err)) err = closing
+    end subroutine run_deck
+
+    !> Read and check the deck; warnings go to the error unit.
+    subroutine read_scene(options, sim, err)
+        type(options_t), intent(in) :: options
+        type(simulation_t), intent(inout) :: sim
+        type(error_t), intent(inout) :: err
+        type(key_t), allocatable :: keys(:)
+        type(deck_t) :: deck
+        integer :: i
+
+        call all_keys(keys)
+        call read_deck(options%deck, keys, options%overrides, deck, err)
+        call build_case(deck, keys, sim%case, err)
+        do i = 1, size(sim%case%warnings)
+            write (error_unit, '(a)') sim%case%warnings(i)%s
+        end do
+    end subroutine read_scene
+
+    !> The command line overrides the deck. This build computes on the CPU only.
+    subroutine choose_backend(asked, sim, err)
+        character(*), intent(in) :: asked !! '' = as the deck says
+        type(simulation_t), intent(inout) :: sim
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        if (asked /= '') sim%case%run%backend = asked
+        if (sim%case%run%backend == 'gpu') call raise(err, exit_device, &
+            "this version has no GPU backend yet; run with --backend cpu or 'auto'")
+    end subroutine choose_backend
+
+    !> Step until the end, an error, or a request to stop.
+    subroutine time_loop(sim, outputs, err)
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        real(dp) :: next_report
+
+        call start_progress(sim%progress, sim%clock%time, sim%clock%cycle)
+        next_report = wall_seconds() + sim%case%output%report_every
+        if (sim%clock%cycle == 0) call write_due(sim, outputs, err)
+        do while (sim%clock%time < sim%case%run%t_end .and. .not. failed(err))
+            if (sim%clock%cycle >= sim%case%run%max_steps) exit
+            call advance(sim, err)
+            if (failed(err)) exit
+            call write_due(sim, outputs, err)
+            if (wall_seconds() >= next_report) then
+                call report(sim, outputs, err)
+                next_report = wall_seconds() + sim%case%output%report_every
+            end if
+            call obey_requests(sim, outputs, err)
+        end do
+        if (failed(err)) return
+        call save_checkpoint(sim, outputs, err)
+        call report(sim, outputs, err)
+    end subroutine time_loop
+
+    !> Checkpoint, or checkpoint and stop, where a signal, a stop file or the wall clock asks for it.
+    subroutine obey_requests(sim, outputs, err)
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: why
+        logical :: stop
+
+        if (failed(err)) return
+        if (checkpoint_asked()) call save_checkpoint(sim, outputs, err)
+        stop = stop_asked(why)
+        if (.not. stop) then
+            stop = look_for_stop_file(outputs%folder, trim(sim%case%run%job))
+            if (stop) why = 'a stop file'
+        end if
+        if (walltime_is_up(sim%clock, outputs%reserve)) then
+            if (.not. stop) why = 'the wall-clock limit'
+            stop = .true.
+        end if
+        if (.not. stop .or. failed(err)) return
+        call save_checkpoint(sim, outputs, err)
+        if (failed(err)) return
+        call raise(err, exit_stopped, 'stopped by '//why//' at t = '//to_text(sim%clock%time)// &
+                   ' s with a checkpoint; go on with --restart latest')
+    end subroutine obey_requests
+end module brz_run

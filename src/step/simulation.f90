@@ -1,0 +1,48 @@
+! SPDX-License-Identifier: MIT
+!> A scene that runs: the case and the state of everything in it.
+module brz_simulation
+    use brz_air_setup, only: set_up_air
+    use brz_air_state, only: air_t
+    use brz_body_setup, only: set_up_solid
+    use brz_case, only: case_t
+    use brz_clock, only: clock_t
+    use brz_coupling_setup, only: set_up_coupling
+    use brz_coupling_state, only: coupling_t
+    use brz_errors, only: error_t, failed
+    use brz_ledger, only: ledger_start_t
+    use brz_progress, only: progress_t
+    use brz_solid_state, only: solid_t
+    use brz_solid_step, only: start_solid
+    implicit none
+    private
+    public :: simulation_t, set_up_simulation
+
+    type :: simulation_t
+        type(case_t) :: case
+        type(air_t) :: air
+        type(solid_t) :: solid
+        type(coupling_t) :: coupling
+        type(clock_t) :: clock
+        type(ledger_start_t) :: start !! totals at t = 0, to measure errors against
+        type(progress_t) :: progress
+        character(6) :: limiter = '-' !! what limits the time step
+        integer :: substeps = 0 !! solid steps in the last step
+    end type simulation_t
+
+contains
+
+    !> State of the scene at t = 0.
+    subroutine set_up_simulation(sim, err)
+        type(simulation_t), intent(inout) :: sim !! with its case
+        type(error_t), intent(inout) :: err
+
+        if (sim%case%air%present) call set_up_air(sim%case, sim%air, err)
+        if (failed(err)) return
+        call set_up_solid(sim%case, sim%solid, err)
+        if (failed(err)) return
+        call start_solid(sim%solid, err)
+        if (failed(err)) return
+        call set_up_coupling(sim%case, sim%air, sim%solid, sim%coupling, err)
+        if (.not. sim%coupling%present) sim%solid%asleep = .false.
+    end subroutine set_up_simulation
+end module brz_simulation

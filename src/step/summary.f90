@@ -1,0 +1,58 @@
+! SPDX-License-Identifier: MIT
+!> What a run prints at its end: balances, gauges, and what it cost.
+module brz_summary
+    use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_errors, only: error_t, failed
+    use brz_kinds, only: dp
+    use brz_ledger, only: ledger_t, take_stock
+    use brz_outputs, only: outputs_t
+    use brz_gauge_summary, only: gauge_summary
+    use brz_progress, only: wall_seconds
+    use brz_simulation, only: simulation_t
+    implicit none
+    private
+    public :: print_summary
+
+contains
+
+    !> Print the summary.
+    subroutine print_summary(sim, outputs, err)
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(in) :: outputs
+        type(error_t), intent(inout) :: err
+        type(ledger_t) :: ledger
+        character(:), allocatable :: text
+
+        call take_stock(sim%clock%time, sim%air, sim%solid, sim%coupling, sim%start, ledger)
+        write (output_unit, '(/, a, es12.5, a, i0, a)') 'end at t =', sim%clock%time, ' s after ', &
+            sim%clock%cycle, ' steps'
+        write (output_unit, '(a, es10.2)') 'energy error   ', ledger%energy_error
+        if (sim%air%present) then
+            write (output_unit, '(a, es10.2)') 'mass error     ', ledger%mass_error
+            write (output_unit, '(a, es10.2)') 'momentum error ', ledger%momentum_error
+            write (output_unit, '(a, i0)') 'fallback faces  ', sim%air%fallback_faces
+        end if
+        if (outputs%gauges%n > 0) then
+            call gauge_summary(outputs%gauges, outputs%folder//'/gauges.csv', text, err)
+            if (.not. failed(err)) write (output_unit, '(/, a)') text
+        end if
+        call print_cost(sim)
+    end subroutine print_summary
+
+    !> Wall-clock time and throughput.
+    subroutine print_cost(sim)
+        type(simulation_t), intent(in) :: sim
+        real(dp) :: seconds
+
+        associate (p => sim%progress)
+            seconds = max(wall_seconds() - p%wall_start, 1e-9_dp)
+            write (output_unit, '(a, f0.1, a, 3(f0.1, a))') 'wall clock ', seconds, ' s (air ', &
+                p%air_seconds, ', solid ', p%solid_seconds, ', coupling ', p%coupling_seconds, ')'
+            if (p%cell_steps > 0) write (output_unit, '(a, f0.2, a)') 'air        ', &
+                1e-6_dp*real(p%cell_steps, dp)/max(p%air_seconds, 1e-9_dp), ' Mcell-steps/s'
+            if (p%particle_steps > 0) write (output_unit, '(a, f0.2, a)') 'solid      ', &
+                1e-6_dp*real(p%particle_steps, dp)/max(p%solid_seconds, 1e-9_dp), &
+                ' Mparticle-steps/s'
+        end associate
+    end subroutine print_cost
+end module brz_summary

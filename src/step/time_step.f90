@@ -1,0 +1,171 @@
+! SPDX-License-Identifier: MIT
+!> One step of the scene: the algorithm as a list of calls. See docs/theory.md.
+module brz_time_step
+    use brz_air_setup, only: time_step_ramp
+    use brz_air_state, only: air_ok
+    use brz_air_step, only: air_step
+    use brz_air_sums, only: air_time_step
+    use brz_coupling_events, only: reclassify
+    use brz_coupling_load, only: load_is_negligible, spread_load
+    use brz_coupling_velocity, only: set_wall_velocity
+    use brz_errors, only: error_t, exit_numerical, failed, raise
+    use brz_kinds, only: dp, int64
+    use brz_progress, only: wall_seconds
+    use brz_simulation, only: simulation_t
+    use brz_solid_step, only: solid_step, solid_time_step
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: advance, choose_time_step
+
+contains
+
+    !> Carry the scene over one time step.
+    subroutine advance(sim, err)
+        type(simulation_t), intent(inout) :: sim
+        type(error_t), intent(inout) :: err !! exit_numerical where a state is lost
+        real(dp) :: dt
+
+        call choose_time_step(sim, dt, err)
+        if (failed(err)) return
+        if (sim%coupling%present) call prepare_walls(sim, dt)
+        if (sim%air%present) call step_air(sim, dt, err)
+        if (failed(err)) return
+        if (sim%coupling%present) call load_solid(sim, dt)
+        if (sim%solid%present) call step_solid(sim, dt, err)
+        if (failed(err)) return
+        if (sim%coupling%present) call find_walls(sim)
+        sim%clock%dt = dt
+        sim%clock%time = sim%clock%time + dt
+        sim%clock%cycle = sim%clock%cycle + 1
+    end subroutine advance
+
+    !> Time step: the air's limit, the solid's where there is no air, never past the end.
+    subroutine choose_time_step(sim, dt, err)
+        type(simulation_t), intent(inout) :: sim
+        real(dp), intent(out) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        real(dp) :: limit, left
+
+        dt = sim%case%run%dt_max
+        sim%limiter = 'dt_max'
+        limit = dt
+        if (sim%air%present) then
+            limit = air_time_step(sim%air, sim%coupling%wall, sim%case%air%cfl)* &
+                    time_step_ramp(sim%clock%cycle, sim%case%air%ramp_steps)
+        else if (sim%solid%present) then
+            limit = solid_time_step(sim%solid)
+        end if
+        if (.not. limit >= dt) then
+            dt = limit
+            sim%limiter = merge('air   ', 'solid ', sim%air%present)
+        end if
+        if (.not. dt > sim%case%run%dt_min) then
+            call raise(err, exit_numerical, 'time step '//to_text(dt)//' s ('//trim(sim%limiter)// &
+                       ') is not above its floor dt_min = '//to_text(sim%case%run%dt_min)//' s')
+            return
+        end if
+        left = sim%case%run%t_end - sim%clock%time
+        if (2*dt > left) then ! two even steps rather than a tiny last one
+            dt = merge(left, left/2, dt >= left)
+            sim%limiter = 'end'
+        end if
+        sim%substeps = 0
+        if (sim%solid%present .and. .not. sim%solid%asleep) sim%substeps = substeps(sim, dt)
+    end subroutine choose_time_step
+
+    !> Solid steps in a step of the scene.
+    pure integer function substeps(sim, dt)
+        type(simulation_t), intent(in) :: sim
+        real(dp), intent(in) :: dt !! of the scene [s]
+
+        substeps = max(1, ceiling(dt/solid_time_step(sim%solid)))
+    end function substeps
+
+    !> Walls move with the particles in their cells.
+    subroutine prepare_walls(sim, dt)
+        type(simulation_t), intent(inout) :: sim
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: begin
+
+        begin = wall_seconds()
+        call set_wall_velocity(sim%air, sim%solid, sim%coupling, dt)
+        sim%progress%coupling_seconds = sim%progress%coupling_seconds + wall_seconds() - begin
+    end subroutine prepare_walls
+
+    !> Cells that the solid covers and uncovers; nothing moves while it is asleep.
+    subroutine find_walls(sim)
+        type(simulation_t), intent(inout) :: sim
+        real(dp) :: begin
+
+        begin = wall_seconds()
+        call reclassify(sim%air, sim%solid, sim%coupling)
+        sim%progress%coupling_seconds = sim%progress%coupling_seconds + wall_seconds() - begin
+    end subroutine find_walls
+
+    !> One step of the air.
+    subroutine step_air(sim, dt, err)
+        type(simulation_t), intent(inout) :: sim
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        real(dp) :: begin
+        integer :: status
+
+        begin = wall_seconds()
+        call air_step(sim%air, sim%coupling%wall, dt, status)
+        if (status /= air_ok) call report_lost_cell(sim, err)
+        sim%progress%air_seconds = sim%progress%air_seconds + wall_seconds() - begin
+        sim%progress%cell_steps = sim%progress%cell_steps + product(int(sim%air%n, int64))
+    end subroutine step_air
+
+    !> Say where the air became unphysical, and from what.
+    subroutine report_lost_cell(sim, err)
+        type(simulation_t), intent(in) :: sim
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: state
+        integer :: d
+
+        state = ''
+        do d = 1, 5
+            state = state//' '//to_text(sim%air%bad_state(d))
+        end do
+        call raise(err, exit_numerical, 'the air is lost at t = '//to_text(sim%clock%time)// &
+                   ' s (cycle '//to_text(sim%clock%cycle)//'): cell '// &
+                   to_text(sim%air%bad_cell(1))//', '//to_text(sim%air%bad_cell(2))//', '// &
+                   to_text(sim%air%bad_cell(3))//' would have density, momentum and energy'// &
+                   state//'; try a smaller cfl or finer cells, or a larger ramp_steps')
+    end subroutine report_lost_cell
+
+    !> Hand the impulse of this step to the particles, and wake the solid when there is one.
+    subroutine load_solid(sim, dt)
+        type(simulation_t), intent(inout) :: sim
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: begin
+
+        begin = wall_seconds()
+        call spread_load(sim%air, sim%solid, sim%coupling, dt)
+        sim%progress%coupling_seconds = sim%progress%coupling_seconds + wall_seconds() - begin
+        if (.not. sim%solid%asleep) return
+        if (load_is_negligible(sim%air, sim%coupling, dt)) return
+        sim%solid%asleep = .false.
+        sim%substeps = substeps(sim, dt)
+    end subroutine load_solid
+
+    !> Sub-steps of the solid under the constant load of this step; none while it is asleep.
+    subroutine step_solid(sim, dt, err)
+        type(simulation_t), intent(inout) :: sim
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        real(dp) :: begin
+        integer :: k
+
+        begin = wall_seconds()
+        do k = 1, sim%substeps
+            call solid_step(sim%solid, dt/sim%substeps, err)
+            if (failed(err)) return
+        end do
+        sim%progress%solid_seconds = sim%progress%solid_seconds + wall_seconds() - begin
+        sim%progress%particle_steps = sim%progress%particle_steps + &
+                                      int(sim%substeps, int64)*sim%solid%n
+    end subroutine step_solid
+end module brz_time_step

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: MIT
+"""The program from outside: exit codes, restart, requests to stop, and what it leaves behind."""
+
+import os
+import shutil
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+BRISANCE = ROOT / "bin" / "brisance"
+
+# A shock runs into an elastic slab that is held at one end: everything of the step takes part.
+DECK = """\
+&run title='shock on a slab', t_end=4e-5, dimension=2 /
+&air box=0,0.04, 0,0.02, 0,0.001, cells=40,20,1, bc='wall' /
+&gas id='driver', box=0,0.01, 0,0.02, 0,0.001, density=10, pressure=3e6 /
+&material id='soft', model='linear_elastic', density=1000,
+          youngs_modulus=5e8, poisson_ratio=0.3 /
+&body id='slab', box=0.02,0.026, 0,0.012, 0,0.001, spacing=1e-3, material='soft', fix='y-',
+      fix_layers=2 /
+&gauge id='front', at=0.0185,0.006,0.0005, quantity='pressure' /
+&gauge id='top', at=0.0205,0.0115,0.0005, quantity='displacement_x', body='slab' /
+&output dump_every=1e-5, checkpoint_every=1e-5, history_every=0 /
+"""
+
+
+def run(*args, cwd, code=0, **kwargs):
+    """Run the program; its exit code must be `code`."""
+    done = subprocess.run(
+        [BRISANCE, *map(str, args)], cwd=cwd, capture_output=True, text=True, timeout=300, **kwargs
+    )
+    assert done.returncode == code, f"exit code {done.returncode}\n{done.stdout}\n{done.stderr}"
+    assert "Fortran runtime error" not in done.stderr
+    return done
+
+
+@pytest.fixture(scope="module")
+def scene(tmp_path_factory):
+    """A folder with the deck `slab.nml` and the results of a whole run in `out/slab`."""
+    folder = tmp_path_factory.mktemp("run")
+    (folder / "slab.nml").write_text(DECK)
+    run("run", "slab.nml", cwd=folder)
+    return folder
+
+
+def tables(folder):
+    return {p.name: p.read_bytes() for p in sorted(Path(folder).glob("*.csv"))}
+
+
+def arrays(file):
+    """All arrays of an HDF5 file, by path."""
+    found = {}
+    with h5py.File(file) as h5:
+        h5.visititems(lambda name, node: found.update({name: node[()]}) if hasattr(node, "shape") else None)
+    return found
+
+
+def assert_same_results(a, b):
+    assert tables(a) == tables(b)
+    last = sorted(p.name for p in Path(a).glob("*.vtkhdf"))
+    assert last == sorted(p.name for p in Path(b).glob("*.vtkhdf"))
+    for name in last:
+        first, second = arrays(Path(a) / name), arrays(Path(b) / name)
+        assert first.keys() == second.keys()
+        for path, values in first.items():
+            assert np.array_equal(values, second[path]), f"{name}: {path} differs"
+
+
+def test_run_leaves_its_results(scene):
+    out = scene / "out" / "slab"
+    names = {p.name for p in out.iterdir()}
+    assert {"slab.echo.nml", "energy.csv", "gauges.csv", "bodies.csv"} <= names
+    assert {"air.vtkhdf.series", "solid.vtkhdf.series"} <= names
+    energy = np.genfromtxt(out / "energy.csv", delimiter=",", names=True, deletechars="")
+    assert energy["time[s]"][-1] == pytest.approx(4e-5, rel=1e-12)
+    assert np.abs(energy["mass_error[-]"]).max() < 1e-12
+    assert np.abs(energy["momentum_error[-]"]).max() < 1e-12
+    assert np.abs(energy["error[-]"]).max() < 2e-3
+    top = np.genfromtxt(out / "gauges.csv", delimiter=",", names=True, deletechars="")
+    moved = [n for n in top.dtype.names if n.startswith("top")][0]
+    assert top[moved][-1] > 1e-7, "the shock does not move the slab"
+
+
+def test_restart_continues_bit_for_bit(scene, tmp_path):
+    """N steps = k steps + restart + N-k steps, histories and dumps included."""
+    whole = scene / "out" / "slab"
+    shutil.copy(scene / "slab.nml", tmp_path)
+    run("run", "slab.nml", "--set", "run.max_steps=60", cwd=tmp_path)
+    run("run", "slab.nml", "--restart", "latest", cwd=tmp_path)
+    assert_same_results(whole, tmp_path / "out" / "slab")
+
+
+def test_checkpoints_do_not_change_results(scene, tmp_path):
+    shutil.copy(scene / "slab.nml", tmp_path)
+    run("run", "slab.nml", "--set", "output.checkpoint_every=1", cwd=tmp_path)
+    assert_same_results(scene / "out" / "slab", tmp_path / "out" / "slab")
+
+
+def test_results_do_not_depend_on_threads(scene, tmp_path):
+    shutil.copy(scene / "slab.nml", tmp_path)
+    run("run", "slab.nml", cwd=tmp_path, env={**os.environ, "OMP_NUM_THREADS": "1"})
+    assert_same_results(scene / "out" / "slab", tmp_path / "out" / "slab")
+
+
+def test_results_are_not_overwritten(scene):
+    before = tables(scene / "out" / "slab")
+    done = run("run", "slab.nml", cwd=scene, code=4)
+    assert "--replace" in done.stderr
+    assert tables(scene / "out" / "slab") == before
+
+
+def test_restart_refuses_another_deck(scene):
+    done = run("run", "slab.nml", "--restart", "latest", "--set", "body(slab).spacing=2e-3",
+               "--out", "out/slab", cwd=scene, code=4)  # fmt: skip
+    assert "belongs to another deck" in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("number", "code"), [(signal.SIGUSR2, 75), (signal.SIGTERM, 75), (signal.SIGUSR1, 0)]
+)
+def test_signals(scene, tmp_path, number, code):
+    """USR2 and TERM stop with a checkpoint that a restart continues; USR1 goes on."""
+    shutil.copy(scene / "slab.nml", tmp_path)
+    process = subprocess.Popen(
+        [BRISANCE, "run", "slab.nml", "--set", "output.checkpoint_every=1"], cwd=tmp_path
+    )
+    try:
+        history = tmp_path / "out" / "slab" / "energy.csv"
+        wait_for(history.exists)
+        time.sleep(0.05)
+        process.send_signal(number)
+        assert process.wait(timeout=60) == code
+    finally:
+        process.kill()
+    assert list((tmp_path / "out" / "slab").glob("chk_*.h5"))
+    if code == 75:
+        run("run", "slab.nml", "--restart", "latest", "--set", "output.checkpoint_every=1", cwd=tmp_path)
+    assert tables(scene / "out" / "slab") == tables(tmp_path / "out" / "slab")
+
+
+def wait_for(condition, seconds=20):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "waited in vain"
+        time.sleep(0.005)
+
+
+def test_stop_file(scene, tmp_path):
+    shutil.copy(scene / "slab.nml", tmp_path)
+    (tmp_path / "slab.stop").touch()
+    run("run", "slab.nml", cwd=tmp_path, code=75)
+    assert not (tmp_path / "slab.stop").exists()
+    run("run", "slab.nml", "--restart", "latest", cwd=tmp_path)
+    assert_same_results(scene / "out" / "slab", tmp_path / "out" / "slab")
+
+
+def test_walltime(scene, tmp_path):
+    shutil.copy(scene / "slab.nml", tmp_path)
+    run("run", "slab.nml", "--walltime", "0", cwd=tmp_path, code=75)
+    assert list((tmp_path / "out" / "slab").glob("chk_*.h5"))
+
+
+def test_small_time_step_is_a_numerical_error(scene, tmp_path):
+    shutil.copy(scene / "slab.nml", tmp_path)
+    done = run("run", "slab.nml", "--set", "run.dt_min=1e-3", cwd=tmp_path, code=3)
+    assert "dt_min" in done.stderr
+
+
+def test_energy_out_of_its_band_is_a_numerical_error(scene, tmp_path):
+    shutil.copy(scene / "slab.nml", tmp_path)
+    done = run("run", "slab.nml", "--set", "run.energy_band=1e-12", cwd=tmp_path, code=3)
+    assert "energy" in done.stderr
+
+
+def test_echo_runs_the_same(scene, tmp_path):
+    """The echo is a complete deck: it gives the same results, and its own echo."""
+    shutil.copy(scene / "out" / "slab" / "slab.echo.nml", tmp_path / "slab.nml")
+    run("run", "slab.nml", cwd=tmp_path)
+    assert_same_results(scene / "out" / "slab", tmp_path / "out" / "slab")
+    echo = tmp_path / "out" / "slab" / "slab.echo.nml"
+    assert echo.read_text() == (tmp_path / "slab.nml").read_text()
+
+
+def test_full_disk_keeps_the_last_checkpoint(scene, tmp_path):
+    """A file size limit stands in for a full disk: code 4, and the run can be continued."""
+    shutil.copy(scene / "slab.nml", tmp_path)
+    run("run", "slab.nml", "--set", "run.max_steps=60", cwd=tmp_path)
+    script = f"ulimit -f 8; exec {BRISANCE} run slab.nml --restart latest"
+    done = subprocess.run(["bash", "-c", script], cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 4, done.stderr
+    run("run", "slab.nml", "--restart", "latest", cwd=tmp_path)
+    assert_same_results(scene / "out" / "slab", tmp_path / "out" / "slab")
+
+
+def test_check_runs_nothing(scene, tmp_path):
+    shutil.copy(scene / "slab.nml", tmp_path)
+    done = run("run", "slab.nml", "--check", cwd=tmp_path)
+    assert "particles" in done.stdout and "cells" in done.stdout
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("args", "code", "word"),
+    [
+        (["--version"], 0, "GNU Fortran"),
+        (["--help"], 0, "usage"),
+        ([], 0, "usage"),
+        (["--describe", "air"], 0, "cells"),
+        (["--describe", "airs"], 2, "air"),
+        (["fly"], 2, "unknown command"),
+        (["run"], 2, "no deck"),
+        (["run", "absent.nml"], 2, "absent.nml"),
+        (["run", "slab.nml", "--chek"], 2, "--check"),
+        (["run", "slab.nml", "--walltime", "soon"], 2, "HH:MM:SS"),
+        (["run", "slab.nml", "--out"], 2, "needs a value"),
+        (["run", "slab.nml", "--backend", "abacus"], 2, "cpu"),
+        (["run", "slab.nml", "--set", "air.densty=1"], 2, "density"),
+        (["run", "slab.nml", "--backend", "gpu"], 5, "GPU"),
+        (["run", "slab.nml", "--restart", "absent.h5", "--out", "new"], 4, "absent.h5"),
+    ],
+)
+def test_command_line(scene, args, code, word):
+    done = run(*args, cwd=scene, code=code)
+    assert word in done.stdout + done.stderr
