@@ -8,6 +8,7 @@ from decimal import Decimal
 from pathlib import Path
 
 import h5py
+import matplotlib.image
 import numpy as np
 import pytest
 
@@ -16,10 +17,15 @@ sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 
 from synthetic_run import P0, friedlander, write_run  # noqa: E402
 
+from post.__main__ import main  # noqa: E402
 from post.blast import free_air, measure_pulse  # noqa: E402
+from post.compare import compare, read_references  # noqa: E402
 from post.errors import PostError  # noqa: E402
 from post.gauges import expect, list_gauges, measure  # noqa: E402
 from post.reader import Run  # noqa: E402
+from post.space import choose_cut, magnification_for, whole_air  # noqa: E402
+from post.surface import skin_of  # noqa: E402
+from post.units import base_of, factor_of, show  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -253,3 +259,212 @@ def test_gauge_behind_the_plate_gets_no_reference(run):
     gauge = list_gauges(run)[0]
     hidden = type(gauge)("B", "B:pressure", "pressure", "Pa", np.array([0, 0, -0.03]))
     assert expect(run.deck, hidden) is None
+
+
+# --- units and references ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor", "base"),
+    [("MPa", 1e6, "Pa"), ("kPa ms", 1.0, "Pa s"), ("mm", 1e-3, "m"), ("g", 1e-3, "kg")]
+    + [("-", 1.0, "-"), ("%", 0.01, "-"), ("m/s", 1.0, "m/s"), ("us", 1e-6, "s")],
+)
+def test_units(unit, factor, base):
+    assert factor_of(unit) == pytest.approx(factor) and base_of(unit) == base
+
+
+def test_values_are_shown_with_sensible_prefixes():
+    assert show(12.23e6, "Pa") == "12.2 MPa"
+    assert show(1.624e-4, "s") == "0.162 ms" and show(4.4e-6, "s", 2) == "4.4 µs"
+    assert show(0.0102, "m") == "10.2 mm" and show(0.0984, "kg") == "0.0984 kg"
+    assert show(math.nan, "Pa") == "–" and show(0.5, "-") == "0.500"
+
+
+def test_the_references_of_the_demo_meet_their_gauges(run):
+    rows = compare(run, read_references(HERE.parents[1] / "inputs" / "demo.reference.csv"))
+    table = {(row.quantity, row.gauge, row.source.split(",")[0]): row for row in rows}
+    row = table["peak overpressure", "A", "Chen et al."]
+    assert row.reference == pytest.approx(6.2e6)
+    assert row.difference == pytest.approx(row.measured / 6.2e6 - 1)
+    row = table["peak displacement", "mid", "Chen et al."]
+    assert row.reference == pytest.approx(0.0102) and row.measured == pytest.approx(
+        0.0096, rel=1e-3
+    )
+    assert ("peak overpressure", "A", "Kingery-Bulmash") in table
+    assert math.isnan(table["impulse", "free", "Kingery-Bulmash"].measured)  # ends too early
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("a,b", ":1: the columns must be"),
+        ("quantity,gauge,value,unit,source\npeak,A,1,MPa", ":2: has 4 values"),
+        ("quantity,gauge,value,unit,source\nheight,A,1,MPa,x", "unknown quantity 'height'"),
+        ("quantity,gauge,value,unit,source\npeak,A,1,bar,x", "unknown unit 'bar'"),
+        ("quantity,gauge,value,unit,source\npeak,A,one,MPa,x", "could not convert"),
+    ],
+)
+def test_bad_reference_files_are_refused(tmp_path, text, message):
+    path = tmp_path / "x.reference.csv"
+    path.write_text(text)
+    with pytest.raises(PostError, match=message) as error:
+        read_references(path)
+    assert error.value.code == 2
+
+
+# --- space -------------------------------------------------------------------------------------
+
+
+def test_whole_air_is_symmetric(run):
+    part = run.frames[3].air("pressure", "velocity")
+    whole = whole_air(part, run.deck.mirrors)
+    p = whole.field["pressure"]
+    assert p.shape == (part.cells[2], 2 * part.cells[1], 2 * part.cells[0])
+    np.testing.assert_array_equal(p, p[:, ::-1, ::-1])
+    assert whole.low[0] == pytest.approx(-0.1344) and whole.low[2] == part.low[2]
+    assert choose_cut(run.deck).normal == 1 and choose_cut(run.deck).level == 0.0
+
+
+def test_mirrored_velocity_points_the_other_way(run):
+    part = run.frames[0].air("velocity")
+    part.field["velocity"][..., 0] = 3.0
+    u = whole_air(part, (True, False, False)).field["velocity"][..., 0]
+    assert (u[..., 0] == -3.0).all() and (u[..., -1] == 3.0).all()
+
+
+def test_magnification_is_round_and_at_least_one():
+    assert magnification_for(0.25, 4.2e-3) == 5
+    assert magnification_for(0.25, 0.2) == 1 and magnification_for(0.25, 0.0) == 1
+
+
+def block(n):
+    axes = [(np.arange(k) + 0.5) * 0.1 for k in n]
+    return np.stack([a.ravel() for a in np.meshgrid(*axes, indexing="ij")], 1)
+
+
+def area(skin):
+    a, b = (skin.corners[:, i + 2] - skin.corners[:, i] for i in (0, 1))
+    return 0.5 * np.linalg.norm(np.cross(a, b), axis=1).sum()
+
+
+def test_skin_of_a_block_is_its_surface():
+    x = block((4, 3, 2))
+    skin = skin_of(x, np.zeros_like(x), 0.1)
+    assert len(skin.corners) == 2 * (12 + 8 + 6)
+    assert area(skin) == pytest.approx(0.52)
+    np.testing.assert_allclose(skin.corners.max((0, 1)), [0.4, 0.3, 0.2], atol=1e-12)
+    half = skin_of(x, np.zeros_like(x), 0.1, mirrors=(True, False, False))
+    assert area(half) == pytest.approx(0.52 - 0.06)  # open at x = 0
+
+
+def test_skin_follows_a_linear_motion_exactly():
+    x = block((4, 3, 2))
+    f = np.array([[1.2, 0.1, 0.0], [0.0, 0.9, 0.2], [0.1, 0.0, 1.1]])
+    rest = skin_of(x, np.zeros_like(x), 0.1)
+    bent = skin_of(x @ f.T, x @ f.T - x, 0.1)
+    np.testing.assert_allclose(bent.corners, rest.corners @ f.T, atol=1e-12)
+    twice = skin_of(x @ f.T, x @ f.T - x, 0.1, magnification=2.0)
+    np.testing.assert_allclose(twice.corners, rest.corners @ (2 * f - np.eye(3)).T, atol=1e-12)
+
+
+def test_skin_opens_at_a_crack():
+    x = block((4, 1, 1))
+    move = np.where(x[:, :1] > 0.2, [[0.3, 0, 0]], [[0.0, 0, 0]])
+    assert area(skin_of(x + move, move, 0.1)) == pytest.approx(4 * 0.04 + 4 * 0.01)
+
+
+def test_particles_off_a_lattice_have_no_skin():
+    x = np.random.default_rng(1).uniform(size=(200, 3))
+    assert skin_of(x, np.zeros_like(x), 0.1) is None
+
+
+# --- pictures and the report ---------------------------------------------------------------------
+
+PICTURES = ("blast", "sheet", "bodies", "gauges", "motion", "energy")
+
+
+@pytest.fixture(scope="module")
+def report(run):
+    assert main(["report", str(run.folder)]) == 0
+    return run.folder
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_pictures_show_something(report, name):
+    image = matplotlib.image.imread(report / "report" / f"{name}.png")
+    assert image.shape[1] >= 900
+    colours = np.unique((image[::3, ::3, :3] * 15).astype(int).reshape(-1, 3), axis=0)
+    assert len(colours) > 25
+    assert 0.02 < (image[..., :3].min(2) < 0.97).mean() < 0.98
+
+
+def test_the_plate_is_seen_whole_and_damaged(report):
+    image = matplotlib.image.imread(report / "report" / "bodies.png")
+    dark = (image[..., :3].max(2) < 0.6) & (image[..., 2] > image[..., 0])
+    columns = np.flatnonzero(dark[:, : int(0.85 * dark.shape[1])].any(0))
+    assert np.ptp(columns) > 0.6 * dark.shape[1]  # damaged rims on both sides
+
+
+def test_the_page_needs_nothing_else(report):
+    page = (report / "report.html").read_text()
+    assert page.count("data:image/png;base64,") == len(PICTURES)
+    assert "<script" not in page and "http" not in page.replace("http-equiv", "")
+    for text in ("Synthetic blast on a plate", "Kingery-Bulmash", "Chen et al.", "&amp;charge"):
+        assert text in page
+
+
+def test_the_terminal_shows_the_comparison(run):
+    from post.report import as_text, balance_table, comparison_table  # noqa: PLC0415
+
+    text = as_text(comparison_table(compare(run, []), None))
+    line = next(row for row in text.splitlines() if "peak overpressure" in row and " A " in row)
+    peak = show(measure(run, list_gauges(run)[0]).peak, "Pa")
+    assert peak in ("6.79 MPa", "6.80 MPa") and peak in line
+    assert "12.2 MPa" in line and "-44 %" in line
+    assert "3.0e-13" in as_text(balance_table(run))
+
+
+@pytest.fixture
+def small_pictures(monkeypatch):
+    monkeypatch.setattr("post.scene.TALL", (300, 300))
+    monkeypatch.setattr("post.scene.WIDE", (300, 300))
+
+
+def test_a_broken_picture_does_not_stop_the_report(tmp_path, capsys, small_pictures):
+    folder = write_small(tmp_path / "a")
+    (folder / "gauges.csv").write_text("time[s],A:pressure[Pa]\n0.0,1e5\n1e-4,nan\n")
+    assert main(["report", str(folder)]) == 3
+    out = capsys.readouterr().out
+    assert "'A:pressure' is not finite" in out and (folder / "report.html").exists()
+
+
+def test_solid_alone_and_air_alone(tmp_path, small_pictures):
+    solid = write_small(tmp_path / "solid")
+    for path in [*solid.glob("air*"), solid / "gauges.csv"]:
+        path.unlink()
+    deck = (solid / "demo.echo.nml").read_text()
+    cut = deck.index("&gauge")
+    (solid / "demo.echo.nml").write_text(
+        deck[: deck.index("&air")] + deck[deck.index("&mat") : cut]
+    )
+    assert main(["report", str(solid)]) == 0
+    assert sorted(p.stem for p in (solid / "report").iterdir()) == [
+        "bodies",
+        "energy",
+        "motion",
+        "sheet",
+    ]
+    air = write_small(tmp_path / "air")
+    for path in [*air.glob("solid*"), air / "bodies.csv"]:
+        path.unlink()
+    assert main(["report", str(air)]) == 0
+    assert not (air / "report" / "bodies.png").exists()
+
+
+def test_command_line_errors(tmp_path, capsys):
+    assert main(["report", str(tmp_path / "none")]) == 2
+    folder = write_small(tmp_path / "a")
+    assert main(["report", str(folder), "--reference", "none.csv"]) == 2
+    assert main(["frame", str(folder), "--time", "1.0"]) == 2
+    assert main(["frame", str(folder), "--time", "4.5e-4", "--view", "cut"]) == 0
+    assert "the run covers 0 to 0.00045 s" in capsys.readouterr().err

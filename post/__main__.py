@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: MIT
+"""Command line: `python -m post report OUTDIR` and `python -m post frame OUTDIR`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from post.errors import USAGE, PostError
+from post.reader import Run
+
+VIEWS = ("blast", "bodies", "cut")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command; its exit code."""
+    options = _parser().parse_args(arguments)
+    try:
+        run = Run(options.folder)
+        return options.command(run, options)
+    except PostError as error:
+        print(f"post: {error}", file=sys.stderr)
+        return error.code
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m post", description="Look at results of Brisance."
+    )
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    report = commands.add_parser("report", help="pictures, tables and one HTML page of a run")
+    report.set_defaults(command=_report)
+    report.add_argument("folder", metavar="OUTDIR", help="folder that a run has written")
+    report.add_argument(
+        "--reference",
+        metavar="FILE",
+        help="values to compare with (default: <job>.reference.csv in OUTDIR, here or in inputs/)",
+    )
+    frame = commands.add_parser("frame", help="one picture of one time")
+    frame.set_defaults(command=_frame)
+    frame.add_argument("folder", metavar="OUTDIR", help="folder that a run has written")
+    frame.add_argument(
+        "--time", type=float, metavar="T", help="time [s]; the nearest dump is drawn"
+    )
+    frame.add_argument("--view", choices=VIEWS, default="blast", help="what is drawn")
+    return parser
+
+
+def _report(run: Run, options: argparse.Namespace) -> int:
+    from post.report import make_report  # noqa: PLC0415 (slow to load)
+
+    page, text = make_report(run, options.reference)
+    print(text)
+    print(f"report: {page}")
+    return run.exit_code
+
+
+def _frame(run: Run, options: argparse.Namespace) -> int:
+    from post.scene import draw_blast, draw_bodies  # noqa: PLC0415
+    from post.section import draw_sheet  # noqa: PLC0415
+
+    frame = None
+    if options.time is not None:
+        if not 0 <= options.time <= run.end * (1 + 1e-6):
+            raise PostError(f"--time {options.time:g}: the run covers 0 to {run.end:g} s", USAGE)
+        frame = run.frame_at(options.time)
+    draw = {"blast": draw_blast, "bodies": draw_bodies, "cut": draw_sheet}[options.view]
+    folder = Path(options.folder) / "report"
+    folder.mkdir(exist_ok=True)
+    picture = draw(run, folder, frame)
+    print(f"{picture.path}: {picture.caption}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

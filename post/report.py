@@ -1,0 +1,271 @@
+# SPDX-License-Identifier: MIT
+"""The report of a run: pictures, tables, the deck, as one page that needs nothing else."""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+import numpy as np
+
+from post.compare import Comparison, compare, find_references, read_references
+from post.errors import PostError
+from post.figures import Picture, draw_energy, draw_gauges, draw_motion
+from post.gauges import measure, pressure_gauges
+from post.page import PAGE
+from post.reader import History, Run
+from post.units import show
+
+Row = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Table:
+    """Heads and rows of texts; numbers are formatted already."""
+
+    title: str
+    heads: Row
+    rows: list[Row]
+    note: str = ""
+
+
+def make_report(run: Run, given_references: str | Path | None = None) -> tuple[Path, str]:
+    """Write `report/*.png` and `report.html` into the folder of a run.
+
+    Returns the path of the page and the tables as text for the terminal. A picture that cannot be
+    made is replaced by the reason; only an unreadable run or reference file is a PostError.
+    """
+    path = find_references(run, given_references)
+    references = read_references(path) if path else []
+    folder = run.folder / "report"
+    folder.mkdir(exist_ok=True)
+    pictures, failures = _draw_all(run, references, folder)
+    tables = [
+        comparison_table(compare(run, references), path),
+        balance_table(run),
+        gauge_table(run),
+        body_table(run),
+    ]
+    tables = [table for table in tables if table.rows]
+    problems = run.problems + failures
+    page = run.folder / "report.html"
+    page.write_text(_html(run, pictures, tables, problems), encoding="utf-8")
+    return page, "\n".join([*map(as_text, tables), *(f"note: {text}" for text in problems)])
+
+
+def _draw_all(run: Run, references: list, folder: Path) -> tuple[list[Picture], list[str]]:
+    """All pictures, and a sentence for each that could not be made."""
+    from post.scene import draw_blast, draw_bodies  # noqa: PLC0415 (renders, slow to load)
+    from post.section import draw_sheet  # noqa: PLC0415
+
+    has_air = any(frame.air_path for frame in run.frames)
+    has_solid = any(frame.solid_path for frame in run.frames)
+    jobs: list[tuple[str, bool, Callable]] = [
+        ("blast", has_air, lambda: draw_blast(run, folder)),
+        ("cut", has_air or has_solid, lambda: draw_sheet(run, folder)),
+        ("bodies", has_solid, lambda: draw_bodies(run, folder)),
+        ("gauges", run.history("gauges") is not None, lambda: draw_gauges(run, references, folder)),
+        ("motion", has_solid, lambda: draw_motion(run, references, folder)),
+        ("energy", run.history("energy") is not None, lambda: draw_energy(run, folder)),
+    ]
+    pictures, failures = [], []
+    for name, wanted, draw in jobs:
+        if not wanted:
+            continue
+        try:
+            drawn = draw()
+        except PostError as error:
+            failures.append(f"no picture of the {name}: {error}")
+            continue
+        if drawn is not None:
+            pictures += drawn if isinstance(drawn, list) else [drawn]
+    return pictures, failures
+
+
+def comparison_table(rows: list[Comparison], path: Path | None) -> Table:
+    """Measured beside reference."""
+    found = []
+    for row in rows:
+        difference = row.difference
+        text = f"{100 * difference:+.0f} %" if math.isfinite(difference) else "–"
+        measured, reference = (show(v, row.unit) for v in (row.measured, row.reference))
+        found.append((row.quantity, row.gauge, measured, reference, text, row.source))
+    heads = ("quantity", "gauge", "measured", "reference", "difference", "source of the reference")
+    note = "A dash: the run has no such value (not reached, or the history ends too early)."
+    if path is not None:
+        note += f" References beside Kingery-Bulmash: {path.name}."
+    return Table("Comparison", heads, found, note)
+
+
+def balance_table(run: Run) -> Table:
+    """What is not accounted for in energy, mass and momentum."""
+    history = run.history("energy")
+    if history is None or not len(history):
+        return Table("Balance", (), [])
+    rows = [
+        ("energy, total over initial less one", *_worst(history, "error", "ratio")),
+        ("mass of the air over initial less one", *_worst(history, "mass_error")),
+        ("momentum, air and what it gave, relative", *_worst(history, "momentum_error")),
+    ]
+    rows = [row for row in rows if row[1] != "–"]
+    rows += _coupling_rows(history)
+    if "air_internal" in history or "air_internal[J]" in history:
+        counts = [f"{history[name][-1]:.0f}" for name in history.find(r".*fallback.*")]
+        rows.append(("faces that fell back to first order", "", *(counts or ["not recorded"])[:1]))
+    return Table("Balance", ("quantity", "largest", "at the end"), rows)
+
+
+def _worst(history: History, *names: str) -> tuple[str, str]:
+    """Largest magnitude and last value of the first of some columns that exists."""
+    for name in names:
+        if name in history:
+            values = history[name] - (1 if name == "ratio" else 0)
+            return f"{np.nanmax(np.abs(values)):.1e}", f"{values[-1]:+.1e}"
+    return "–", "–"
+
+
+def _coupling_rows(history: History) -> Iterable[Row]:
+    """Parts of the energy that are numerical, over what the bodies were given."""
+    if "load_work" not in history:
+        return
+    given = float(np.max(np.abs(history["load_work"])))
+    if given <= 0:
+        return
+    parts = {
+        "coupling": "work lost between air and bodies, of the work on the bodies",
+        "hourglass": "hourglass energy, of the work on the bodies",
+        "viscous": "artificial viscosity of the bodies, of the work on the bodies",
+    }
+    for name, label in parts.items():
+        if name in history:
+            values = history[name] / given
+            largest = f"{100 * np.max(np.abs(values)):.2g} %"
+            yield label, largest, f"{100 * values[-1]:.2g} %"
+
+
+def gauge_table(run: Run) -> Table:
+    """What each pressure gauge saw."""
+    rows = []
+    for gauge in pressure_gauges(run):
+        place = "–" if gauge.at is None else ", ".join(f"{1e3 * x:g}" for x in gauge.at)
+        try:
+            p = measure(run, gauge)
+        except PostError as error:
+            rows.append((gauge.id, place, *["–"] * 5, str(error)))
+            continue
+        impulse = ("" if p.complete or not p.reached else "≥ ") + show(p.impulse, "Pa s")
+        times = (show(p.rise_time, "s", 2), show(p.duration, "s"))
+        peak, arrival = show(p.peak, "Pa"), show(p.arrival, "s")
+        rows.append((gauge.id, place, arrival, peak, *times, impulse, p.remark))
+    heads = ("gauge", "at [mm]", "arrival", "peak overpressure", "rise", "duration", "impulse", "")
+    note = (
+        "Arrival: 10 % of the peak is passed. Rise: 10 to 90 %. Duration: until the overpressure "
+        "turns to suction. Impulse: overpressure over that time."
+    )
+    return Table("Pressure gauges", heads, rows, note)
+
+
+def body_table(run: Run) -> Table:
+    """State of each body at the end."""
+    history = run.history("bodies")
+    if history is None or not len(history):
+        return Table("Bodies", (), [])
+    wanted = {
+        "mass": "mass",
+        "velocity_x": "velocity x",
+        "velocity_y": "velocity y",
+        "velocity_z": "velocity z",
+        "kinetic": "kinetic energy",
+        "internal": "internal energy",
+        "damage_mean": "mean damage",
+        "load_work": "work of the air",
+    }
+    there = [n for n in wanted if any(f"{b}:{n}" in history for b in history.owners())]
+    rows = []
+    for body in history.owners():
+        cells = []
+        for name in there:
+            column = f"{body}:{name}"
+            has = column in history
+            cells.append(show(history[column][-1], history.unit(column)) if has else "–")
+        rows.append((body, *cells))
+    part = f"1/{run.deck.images} of" if run.deck.images > 1 else "all of"
+    note = f"At t = {show(history.time[-1], 's')}; of what is modelled, {part} the scene."
+    return Table("Bodies at the end", ("body", *(wanted[n] for n in there)), rows, note)
+
+
+def as_text(table: Table) -> str:
+    """A table for the terminal, columns aligned, the note left out."""
+    rows = [table.heads, *table.rows]
+    widths = [max(len(row[i]) for row in rows) for i in range(len(table.heads))]
+    lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)) for row in rows]
+    rule = "  ".join("-" * width for width in widths)
+    return "\n".join([table.title, lines[0].rstrip(), rule, *(x.rstrip() for x in lines[1:]), ""])
+
+
+def _html(run: Run, pictures: list[Picture], tables: list[Table], problems: list[str]) -> str:
+    title = run.deck.title or run.job
+    body = [_facts(run)]
+    if problems:
+        items = "".join(f"<li>{escape(text)}</li>" for text in problems)
+        body.insert(0, f'<div class="problems"><b>Please note</b><ul>{items}</ul></div>')
+    body += [_html_table(table) for table in tables[:2]]
+    body += [_html_picture(picture) for picture in pictures]
+    body += [_html_table(table) for table in tables[2:]]
+    body.append(
+        "<h2>Deck</h2><p>Complete, with all defaults; it runs as it stands.</p>"
+        f"<pre>{escape(run.deck.text)}</pre>"
+    )
+    return PAGE.format(title=escape(title), body="\n".join(body))
+
+
+def _facts(run: Run) -> str:
+    """What was run, by what, and how much of it there is."""
+    about, deck = run.about, run.deck
+    facts = {
+        "folder": str(run.folder),
+        "program": f"Brisance {about.get('version', '?')}, commit {about.get('commit', '?')}, "
+        f"{about.get('precision', 'unknown')} precision",
+        "time": f"{show(run.end, 's')} of {show(float(deck.get('run', 't_end', math.nan)), 's')}",
+        "dumps": str(len(run.frames)),
+    }
+    cells = deck.get("air", "cells")
+    if cells is not None:
+        sides = " x ".join(f"{1e3 * d:.3g}" for d in deck.cell) if deck.cell is not None else "?"
+        facts["air"] = f"{math.prod(cells):,} cells of {sides} mm".replace(",", " ")
+    frame = next((f for f in reversed(run.frames) if f.solid_path), None)
+    if frame is not None:
+        count = f"{len(frame.solid('id').points):,}".replace(",", " ")
+        facts["bodies"] = f"{count} particles in " + ", ".join(b.id for b in deck.bodies())
+    for group in deck.groups("charge"):
+        facts[f"charge {group.get('id', '')}"] = (
+            f"{float(group['mass']):g} kg {group.get('explosive', 'tnt')}, {group.get('shape')}, "
+            f"at ({', '.join(f'{x:g}' for x in group.get('at', []))}) m"
+        )
+    if deck.images > 1:
+        planes = ", ".join(a for a, cut in zip("xyz", deck.mirrors, strict=True) if cut)
+        facts["symmetry"] = f"planes normal to {planes}: 1/{deck.images} of the scene is modelled"
+    rows = "".join(f"<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>" for k, v in facts.items())
+    return f'<table class="facts">{rows}</table>'
+
+
+def _html_table(table: Table) -> str:
+    heads = "".join(f"<th>{escape(head)}</th>" for head in table.heads)
+    rows = "".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows
+    )
+    note = f'<p class="note">{escape(table.note)}</p>' if table.note else ""
+    return f"<h2>{escape(table.title)}</h2><table><tr>{heads}</tr>{rows}</table>{note}"
+
+
+def _html_picture(picture: Picture) -> str:
+    data = base64.b64encode(picture.path.read_bytes()).decode()
+    return (
+        f"<h2>{escape(picture.title)}</h2><figure>"
+        f'<img src="data:image/png;base64,{data}" alt="{escape(picture.title)}">'
+        f"<figcaption>{escape(picture.caption)}</figcaption></figure>"
+    )

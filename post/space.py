@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: MIT
+"""The whole scene from the part that is modelled: mirror images, cuts, and the choice of frames."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from post.deck import Deck, as_list
+from post.errors import PostError
+from post.gauges import measure, pressure_gauges
+from post.reader import AirGrid, Frame, Particles, Run
+
+NICE = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+
+
+def whole_air(grid: AirGrid, mirrors: tuple[bool, bool, bool]) -> AirGrid:
+    """The air with its mirror images: vectors change the sign of the normal component."""
+    low, cells, field = grid.low.copy(), grid.cells.copy(), dict(grid.field)
+    for axis, cut in enumerate(mirrors):
+        if not cut or abs(low[axis]) > 0.5 * grid.spacing[axis] or grid.cells[axis] < 2:
+            continue
+        for name, values in field.items():
+            image = np.flip(values, 2 - axis).copy()
+            if values.ndim == 4:
+                image[..., axis] *= -1
+            field[name] = np.concatenate([image, values], 2 - axis)
+        low[axis] -= cells[axis] * grid.spacing[axis]
+        cells[axis] *= 2
+    return AirGrid(grid.time, low, grid.spacing, cells, field)
+
+
+def mirrored(corners: np.ndarray, mirrors: tuple[bool, bool, bool]) -> np.ndarray:
+    """Points (..., 3) and their mirror images, joined along the first axis; fields repeat."""
+    for axis, cut in enumerate(mirrors):
+        if cut:
+            image = corners.copy()
+            image[..., axis] *= -1
+            corners = np.concatenate([corners, image])
+    return corners
+
+
+@dataclass(frozen=True)
+class Cut:
+    """A plane through the scene: its normal, the axes across and up, and where it lies."""
+
+    normal: int
+    across: int
+    up: int
+    level: float  # [m]
+
+
+def choose_cut(deck: Deck, cells: np.ndarray | None = None) -> Cut:
+    """The plane y = const through the charge, or else a body; in 2-D the plane of the scene."""
+    flat = [d for d in range(3) if cells is not None and cells[d] == 1]
+    normal = flat[-1] if flat else 1
+    across, up = (d for d in range(3) if d != normal)
+    for group in deck.groups("charge"):
+        return Cut(normal, across, up, float((as_list(group.get("at")) + [0.0] * 3)[normal]))
+    if deck.mirrors[normal]:
+        return Cut(normal, across, up, 0.0)
+    for body in deck.bodies():
+        return Cut(normal, across, up, float(body.low[normal] + body.high[normal]) / 2)
+    box = as_list(deck.get("air", "box")) + [0.0] * 6
+    return Cut(normal, across, up, (box[2 * normal] + box[2 * normal + 1]) / 2)
+
+
+def air_in(cut: Cut, grid: AirGrid, name: str) -> np.ndarray:
+    """A scalar field in the cells at a cut, [up, across]; between two layers their mean."""
+    values = np.moveaxis(grid.field[name], 2 - cut.normal, 0)  # [normal, up, across]
+    place = (cut.level - grid.low[cut.normal]) / grid.spacing[cut.normal] - 0.5
+    last = grid.cells[cut.normal] - 1
+    first = int(np.clip(np.floor(place + 1e-6), 0, last))
+    if abs(place - first - 0.5) < 0.01 and first < last:
+        return 0.5 * (values[first] + values[first + 1])
+    return values[int(np.clip(np.rint(place), 0, last))]
+
+
+def particles_in(cut: Cut, run: Run, solid: Particles) -> np.ndarray:
+    """Rows of the particles whose unloaded place is in the layer at the cut."""
+    rest = solid.points[:, cut.normal] - solid.field["displacement"][:, cut.normal]
+    near = np.zeros(len(rest), bool)
+    for body in run.deck.bodies():
+        own = solid.field["body"] == body.number
+        if own.any():
+            gap = np.abs(rest[own] - cut.level)
+            near[np.flatnonzero(own)] = gap < max(gap.min() + 0.25 * body.spacing, 1e-12)
+    return np.flatnonzero(near)
+
+
+def first_arrival(run: Run) -> float | None:
+    """Earliest arrival at a gauge within two cells of a body [s]; None if there is none."""
+    times = []
+    cell = run.deck.cell
+    for gauge in pressure_gauges(run):
+        if gauge.at is None or cell is None:
+            continue
+        near = 2 * cell.max()
+        for body in run.deck.bodies():
+            inside = (gauge.at > body.low - near) & (gauge.at < body.high + near)
+            if inside.all():
+                pulse = _try_measure(run, gauge)
+                times += [pulse.arrival] if pulse and np.isfinite(pulse.arrival) else []
+    return min(times) if times else None
+
+
+def _try_measure(run: Run, gauge):
+    try:
+        return measure(run, gauge)
+    except PostError:
+        return None
+
+
+def pick_frames(run: Run, count: int) -> list[Frame]:
+    """Frames that tell the story: two before the blast arrives, one just after, then evenly.
+
+    Without an arrival they are spread evenly over the run; a frame at the start is left out.
+    """
+    frames = [frame for frame in run.frames if frame.time > 0] or run.frames
+    end, arrival = frames[-1].time, first_arrival(run)
+    if arrival is None or not 0.1 * end < arrival < 0.9 * end or count < 4:
+        times = np.linspace(end / count, end, count)
+    else:
+        after = np.linspace(1.12 * arrival, end, count - 2)
+        times = np.concatenate([[0.35 * arrival, 0.8 * arrival], after])
+    chosen = {frame.number: frame for frame in (run.frame_at(t) for t in times)}
+    return sorted(chosen.values(), key=lambda frame: frame.time)
+
+
+def magnification_for(size: float, displacement: float) -> float:
+    """Round factor that shows the largest displacement as about 10 % of the size of the scene."""
+    if displacement <= 0 or size <= 0:
+        return 1.0
+    wanted = 0.1 * size / displacement
+    return float(max((n for n in NICE if n <= wanted * 1.2), default=1))
