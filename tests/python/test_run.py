@@ -57,7 +57,9 @@ def arrays(file):
     """All arrays of an HDF5 file, by path."""
     found = {}
     with h5py.File(file) as h5:
-        h5.visititems(lambda name, node: found.update({name: node[()]}) if hasattr(node, "shape") else None)
+        h5.visititems(
+            lambda name, node: found.update({name: node[()]}) if hasattr(node, "shape") else None
+        )
     return found
 
 
@@ -83,7 +85,7 @@ def test_run_leaves_its_results(scene):
     assert np.abs(energy["momentum_error[-]"]).max() < 1e-12
     assert np.abs(energy["error[-]"]).max() < 2e-3
     top = np.genfromtxt(out / "gauges.csv", delimiter=",", names=True, deletechars="")
-    moved = [n for n in top.dtype.names if n.startswith("top")][0]
+    moved = next(n for n in top.dtype.names if n.startswith("top"))
     assert top[moved][-1] > 1e-7, "the shock does not move the slab"
 
 
@@ -140,7 +142,15 @@ def test_signals(scene, tmp_path, number, code):
         process.kill()
     assert list((tmp_path / "out" / "slab").glob("chk_*.h5"))
     if code == 75:
-        run("run", "slab.nml", "--restart", "latest", "--set", "output.checkpoint_every=1", cwd=tmp_path)
+        run(
+            "run",
+            "slab.nml",
+            "--restart",
+            "latest",
+            "--set",
+            "output.checkpoint_every=1",
+            cwd=tmp_path,
+        )
     assert tables(scene / "out" / "slab") == tables(tmp_path / "out" / "slab")
 
 
