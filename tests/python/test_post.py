@@ -15,8 +15,9 @@ import pytest
 HERE = Path(__file__).parent
 sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 
-from synthetic_run import P0, friedlander, write_run  # noqa: E402
+from synthetic_run import P0, begin, friedlander, write_run  # noqa: E402
 
+from post import rendering  # noqa: E402
 from post.__main__ import main  # noqa: E402
 from post.blast import free_air, measure_pulse  # noqa: E402
 from post.compare import compare, read_references  # noqa: E402
@@ -90,6 +91,16 @@ def test_friedlander_pulse_within_sampling(samples):
     assert pulse.arrival + pulse.duration == pytest.approx(ARRIVAL + DURATION, abs=0.1 * dt)
     assert pulse.impulse == pytest.approx(IMPULSE, abs=PEAK * dt)
     assert pulse.rise_time < dt
+
+
+def test_arrival_and_rise_of_a_smeared_front():
+    t = np.linspace(0, 1e-3, 1001)
+    over = np.interp(t, [0, 2e-4, 3e-4, 8e-4, 1e-3], [0, 0, PEAK, 0, -0.05 * PEAK])
+    pulse = measure_pulse(t, P0 + over)
+    assert pulse.arrival == pytest.approx(2.1e-4, rel=1e-6)
+    assert pulse.rise_time == pytest.approx(0.8e-4, rel=1e-6)
+    assert pulse.arrival + pulse.duration == pytest.approx(8e-4, rel=1e-6)
+    assert pulse.impulse == pytest.approx(0.5 * PEAK * (1e-4 * 0.99 + 5e-4), rel=1e-6)
 
 
 def test_noise_moves_the_figures_little():
@@ -459,6 +470,35 @@ def test_solid_alone_and_air_alone(tmp_path, small_pictures):
         path.unlink()
     assert main(["report", str(air)]) == 0
     assert not (air / "report" / "bodies.png").exists()
+
+
+def test_a_plane_scene_is_drawn_as_it_is(tmp_path):
+    folder = write_small(tmp_path / "a")
+    for path in [*folder.glob("solid*"), *folder.glob("air_*"), folder / "air.vtkhdf.series"]:
+        path.unlink()
+    deck = (folder / "demo.echo.nml").read_text()
+    for number in (0, 1):
+        about = {"deck": deck, "job": "demo", "time": number * 1e-4, "cycle": number}
+        file, root = begin(folder / f"air_{number:05d}.vtkhdf", "ImageData", about)
+        with file:
+            root.attrs["WholeExtent"] = [0, 8, 0, 6, 0, 0]
+            root.attrs["Origin"], root.attrs["Spacing"] = [0.0, 0.0, 0.5], [0.1, 0.1, 1.0]
+            ramp = np.linspace(1e5, 9e5, 48, dtype="f4").reshape(1, 6, 8)
+            root["CellData/pressure"] = ramp
+            root["CellData/solid"] = np.zeros((1, 6, 8), "i1")
+    run = Run(folder)
+    cut = choose_cut(run.deck, run.frames[1].air().cells)
+    assert (cut.normal, cut.across, cut.up) == (2, 0, 1)
+    assert main(["frame", str(folder), "--view", "cut"]) == 0
+    assert main(["frame", str(folder), "--view", "blast"]) == 4  # says that it is not rendered
+
+
+def test_no_way_to_render_is_said_in_one_sentence(monkeypatch):
+    monkeypatch.setattr(rendering, "TRIAL", "raise SystemExit('no library')")
+    rendering.prepare.cache_clear()
+    with pytest.raises(PostError, match=r"install libegl1 .*no library"):
+        rendering.prepare()
+    rendering.prepare.cache_clear()
 
 
 def test_command_line_errors(tmp_path, capsys):
