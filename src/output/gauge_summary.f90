@@ -97,7 +97,8 @@ contains
 
     !> Time at which a straight line between two rows has a value.
     pure real(dp) function crossing(time, value, level)
-        real(dp), intent(in) :: time(2), value(2), level
+        real(dp), intent(in) :: time(:), value(:) !! (2)
+        real(dp), intent(in) :: level
 
         crossing = time(1) + (level - value(1))/(value(2) - value(1))*(time(2) - time(1))
     end function crossing
