@@ -14,7 +14,7 @@ module brz_ledger
     private
     public :: ledger_t, ledger_start_t, take_stock, energy_columns, ledger_row, body_names, body_row
 
-    integer, parameter :: n_energy = 23, n_body = 14
+    integer, parameter :: n_energy = 24, n_body = 14
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
@@ -24,7 +24,7 @@ module brz_ledger
                                 'air_work[J]', 'load_work[J]', 'coupling[J]', 'total[J]', &
                                 'error[-]', 'air_mass[kg]', 'air_outflow[kg]', 'impulse_x[N s]', &
                                 'impulse_y[N s]', 'impulse_z[N s]', 'mass_error[-]', &
-                                'momentum_error[-]']
+                                'momentum_error[-]', 'fallback_faces[-]']
 
     !> Columns of bodies.csv, for every body.
     character(20), parameter :: body_columns(n_body) = [character(20) :: &
@@ -46,6 +46,7 @@ module brz_ledger
         real(dp) :: load_work = 0 !! work of the load on the particles so far [J]
         real(dp) :: impulse(3) = 0 !! momentum that the air gave to walls so far [N s]
         real(dp) :: total = 0 !! energy of everything, what is lost in coupling included [J]
+        real(dp) :: fallback_faces = 0 !! faces that fell back to first order so far
         real(dp) :: energy_error = 0, mass_error = 0, momentum_error = 0 !! relative
     end type ledger_t
 
@@ -77,6 +78,7 @@ contains
             if (coupling%present) ledger%kept = ledger%kept + product(air%dx)* &
                 sum(real(coupling%debt(:, :coupling%n_debts), dp), dim=2)
             ledger%outflow = air%outflow
+            ledger%fallback_faces = real(air%fallback_faces, dp)
         end if
         if (solid%present) then
             call solid_totals(solid, 0, sums)
@@ -132,8 +134,8 @@ contains
                      ledger%hourglass, ledger%viscous, ledger%plastic, ledger%damage]
         row(12:16) = [ledger%air_work, ledger%load_work, ledger%air_work - ledger%load_work, &
                       ledger%total, ledger%energy_error]
-        row(17:23) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
-                      ledger%mass_error, ledger%momentum_error]
+        row(17:24) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
+                      ledger%mass_error, ledger%momentum_error, ledger%fallback_faces]
     end function ledger_row
 
     !> Columns of bodies.csv.
