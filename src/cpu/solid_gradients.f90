@@ -10,8 +10,8 @@ module brz_solid_gradients
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_material, only: point_t
     use brz_materials, only: update_material
-    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, lanes, pair_affine, &
-                               pair_c, pair_density, pair_keep, pair_stress, pair_volume, solid_t, worth_threads
+    use brz_solid_state, only: body_t, form_bending, lanes, pair_affine, pair_c, pair_density, &
+                               pair_keep, pair_stress, pair_volume, solid_t, worth_threads
     implicit none
     private
     public :: gradient_pass

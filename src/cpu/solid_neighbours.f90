@@ -46,7 +46,8 @@ contains
         integer :: i
 
         far = 0
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(d) reduction(max: far)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(d) &
+        !$omp reduction(max: far)
         do i = 1, solid%n
             d = solid%x(:, i) - solid%x_built(:, i)
             far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
@@ -177,7 +178,8 @@ contains
         do c3 = lo(3), hi(3)
             do c2 = lo(2), hi(2)
                 do c1 = lo(1), hi(1)
-                    c = solid%search%code(c1, 1) + solid%search%code(c2, 2) + solid%search%code(c3, 3)
+                    c = solid%search%code(c1, 1) + solid%search%code(c2, 2) &
+                        + solid%search%code(c3, 3)
                     do k = solid%search%start(c), solid%search%start(c + 1) - 1
                         j = solid%search%order(k)
                         d = solid%x_built(:, j) - x

@@ -143,7 +143,7 @@ contains
         s = shape%spacing(:shape%dimension)
         if (maxval(s) <= (1 + anisotropy)*minval(s)) return
         write (d, '(es12.5)') shape%spacing
-        notes = notes//"body '"//trim(input%id)//"': its sides are no whole number of spacings; "// &
+        notes = notes//"body '"//trim(input%id)//"': sides are no whole number of spacings; "// &
             'layers are '//d(1)//', '//d(2)//', '//d(3)//' m apart'//new_line('a')
     end subroutine judge_spacing
 
@@ -228,7 +228,8 @@ contains
         where (shape%on_plane) centre = 0
         do i = body%first, body%last
             r = solid%x(:, i) - centre
-            v = input%velocity + [w(2)*r(3) - w(3)*r(2), w(3)*r(1) - w(1)*r(3), w(1)*r(2) - w(2)*r(1)]
+            v = input%velocity + [w(2)*r(3) - w(3)*r(2), w(3)*r(1) - w(1)*r(3), &
+                                  w(1)*r(2) - w(2)*r(1)]
             v(solid%dimension + 1:) = 0
             solid%v(:, i) = real(v, rk)
         end do

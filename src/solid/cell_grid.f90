@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Cells over the particles of one body, numbered along a Morton curve so that near is near in memory.
+!> Cells over the particles of one body, along a Morton curve: near in space is near in memory.
 !>
 !> The grid covers the body, or its middle part when fragments fly far; what lies outside counts
 !> as being in the outermost cells, which keeps neighbours in neighbouring cells.

@@ -31,7 +31,7 @@ module brz_solid_state
     type :: ledger_t
         real(dp) :: viscous = 0 !! heat by artificial viscosity
         real(dp) :: hourglass = 0 !! energy held by (or fed to) the hourglass force
-        real(dp) :: hourglass_ahead = 0 !! its change in the half step to come, kept for the next step
+        real(dp) :: hourglass_ahead = 0 !! its change in the half step to come
         real(dp) :: load = 0 !! work of the air on the body
         real(dp) :: plastic = 0 !! plastic work
         real(dp) :: damage = 0 !! work spent in damage

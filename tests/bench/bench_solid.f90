@@ -23,7 +23,8 @@ program bench_solid
     layers = argument(1, 60)
     steps = argument(2, 6)
     most = omp_get_max_threads()
-    print '(a)', 'model            formulation         threads  pass 1  pass 2    list    step  '// &
+    print '(a)', 'model            formulation         threads  pass 1  pass 2    list'// &
+        '    step  '// &
         'M particle-steps/s'
     print '(a)', '                                                 [us per particle]'
     do f = 1, size(forms)
