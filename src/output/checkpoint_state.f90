@@ -13,7 +13,7 @@ module brz_checkpoint_state
     use brz_hdf5_array, only: h5_shape
     use brz_hdf5_file, only: h5_t
     use brz_kinds, only: dp, int64
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: ledger_t, solid_t
     implicit none
     private
     public :: carry_clock, carry_air, carry_solid, carry_coupling
@@ -75,30 +75,24 @@ contains
         call carry_bodies(file, solid, err)
     end subroutine carry_solid
 
-    !> The sums that each body keeps.
+    !> The sums that each body keeps: its reaction and, whatever components it may get, its ledger.
     subroutine carry_bodies(file, solid, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        real(dp) :: sums(8, size(solid%bodies))
+        type(ledger_t), parameter :: empty = ledger_t()
+        integer, parameter :: n = size(transfer(empty, [0.0_dp])) ! all components are real(dp)
+        real(dp) :: sums(3 + n, size(solid%bodies))
         integer :: b
 
         do b = 1, size(solid%bodies)
-            associate (ledger => solid%bodies(b)%ledger)
-                sums(:, b) = [ledger%viscous, ledger%hourglass, ledger%load, ledger%plastic, &
-                              ledger%damage, solid%bodies(b)%reaction]
-            end associate
+            sums(1:3, b) = solid%bodies(b)%reaction
+            sums(4:, b) = transfer(solid%bodies(b)%ledger, sums(4:, b))
         end do
         call carry(file, 'solid/body_sums', sums, err)
         do b = 1, size(solid%bodies)
-            associate (ledger => solid%bodies(b)%ledger)
-                ledger%viscous = sums(1, b)
-                ledger%hourglass = sums(2, b)
-                ledger%load = sums(3, b)
-                ledger%plastic = sums(4, b)
-                ledger%damage = sums(5, b)
-            end associate
-            solid%bodies(b)%reaction = sums(6:8, b)
+            solid%bodies(b)%reaction = sums(1:3, b)
+            solid%bodies(b)%ledger = transfer(sums(4:, b), empty)
         end do
     end subroutine carry_bodies
 
