@@ -39,6 +39,7 @@ module brz_coupling_state
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, 0: none near
         real(rk), allocatable :: donation(:, :) !! (5, n_donors) share of each receiver
+        real(rk), allocatable :: ledger(:, :) !! (5, n_cells) copy of the ledgers
         real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
         ! debts of gas cells
         integer :: n_debts = 0

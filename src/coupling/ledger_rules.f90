@@ -20,13 +20,15 @@ contains
 
     !> Fill a cell that the solid has left.
     !>
-    !> It gets the state of its surroundings, so that the flow sees no step. Where less than half of
-    !> that gas has come in through its walls the cell is thinner, by an isentropic expansion.
-    !> What is left over, of either sign, is returned for the ledgers nearby.
+    !> It gets the state of its surroundings, so that the flow sees no step. Where the solid leaves so
+    !> fast that less than half of that gas could follow, and less than half has come in through the
+    !> walls, the cell is thinner, by an isentropic expansion. What is left over, of either sign, is
+    !> returned for the ledgers nearby.
     !@cuf attributes(host,device) &
-    pure subroutine fresh_gas(gamma, w, u, rest)
+    pure subroutine fresh_gas(gamma, w, follows, u, rest)
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
         real(rk), intent(in) :: w(5) !! surroundings: density, velocity, pressure
+        real(rk), intent(in) :: follows !! density of gas that follows the solid over that of w, 0..1
         real(rk), intent(inout) :: u(5) !! the ledger; on return the gas
         real(rk), intent(out) :: rest(5) !! ledger less gas
         real(rk) :: q, v(5)
@@ -36,8 +38,8 @@ contains
             rest(i) = u(i)
             v(i) = w(i)
         end do
-        if (u(1) < w(1)/2) then
-            q = max(u(1)/w(1), thinnest)
+        if (u(1) < w(1)/2 .and. follows < 0.5_rk) then
+            q = max(u(1)/w(1), follows, thinnest)
             v(1) = w(1)*q
             v(5) = w(5)*q**gamma
         end if

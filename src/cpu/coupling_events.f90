@@ -11,14 +11,18 @@ module brz_coupling_events
                                  move_walls
     use brz_coupling_debts, only: limit_ledgers, release_debts, settle_covered
     use brz_coupling_donors, only: choose_receivers, collect, list_buried, size_donors
+    use brz_coupling_level, only: level_ledgers
     use brz_coupling_state, only: coupling_t, from_uncovered, mark_solid
     use brz_gas, only: to_primitive
     use brz_kinds, only: rk
     use brz_ledger_rules, only: fresh_gas
     use brz_solid_state, only: solid_t
+    use brz_wall_riemann, only: wall_star
     implicit none
     private
     public :: reclassify, size_walls
+
+    integer, parameter :: touching = 3 !! shells whose cells share a side, an edge or a corner
 
 contains
 
@@ -38,6 +42,7 @@ contains
             if (coupling%n_covered + coupling%n_uncovered > 0) call change_hands(air, coupling)
             call fill_bins(air, solid, coupling)
         end if
+        call level_ledgers(air, coupling)
         call limit_ledgers(air, coupling)
         call release_debts(air, coupling)
         ! the next time step depends on these alone, so that a restart finds the same
@@ -118,64 +123,89 @@ contains
     end subroutine change_hands
 
     !> Give a cell that the solid left the state of the gas around; what is left over it gives away.
-    !>
-    !> Its velocity normal to the faces it shared with that gas is that of the solid that left.
     subroutine fill_uncovered(air, coupling, e)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
         integer, intent(in) :: e !! number of the event
-        real(rk) :: w(5), u(5), rest(5), v(3)
+        real(rk) :: w(5), u(5), rest(5), follows
         integer :: c(3)
-        logical :: normal(3)
 
         c = cell_at(air%n, coupling%uncovered(e))
-        call surroundings(air, coupling, c, w, normal)
-        v = coupling%wall%v(:, coupling%wall%index(c(1), c(2), c(3)))
-        w(2:4) = merge(v, w(2:4), normal)
+        call surroundings(air, coupling, c, w, follows)
         u = air%u(c(1), c(2), c(3), :)
-        call fresh_gas(air%gamma, w, u, rest)
+        call fresh_gas(air%gamma, w, follows, u, rest)
         air%u(c(1), c(2), c(3), :) = u
         coupling%donor(e) = coupling%uncovered(e)
         coupling%donation(:, e) = rest
     end subroutine fill_uncovered
 
     !> Mean state of the nearest cells that were gas and still are; air at rest where there is none.
-    subroutine surroundings(air, coupling, c, w, normal)
+    !>
+    !> Its velocity across the faces to that gas is that of the solid that left. `follows` is the
+    !> density of gas that can keep up with the solid over the mean: one for a slow solid, zero where
+    !> no gas is near.
+    subroutine surroundings(air, coupling, c, w, follows)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
         integer, intent(in) :: c(3)
         real(rk), intent(out) :: w(5) !! density, velocity, pressure
-        logical, intent(out) :: normal(3) !! directions in which the solid pushed the gas
-        real(rk) :: u(5), q(5)
+        real(rk), intent(out) :: follows
+        real(rk) :: thin, v(3), u(5), q(5)
+        logical :: normal(3)
         integer :: m, n, s, to(3)
-        logical :: inside
 
-        normal = .true.
-        w = 0
+        v = coupling%wall%v(:, coupling%wall%index(c(1), c(2), c(3)))
         do s = 1, coupling%shells%n
+            w = 0
+            follows = 0
+            normal = s > 1
             n = 0
-            if (s == 1) normal = .false.
             do m = coupling%shells%first(s), coupling%shells%first(s + 1) - 1
-                call neighbour(air%n, coupling%wraps, c, coupling%shells%offset(:, m), to, inside)
-                if (.not. inside) cycle
-                if (coupling%wall%solid(to(1), to(2), to(3)) == 1) cycle
-                if (coupling%mark(to(1), to(2), to(3)) == mark_solid) cycle
+                if (.not. stays_gas(air, coupling, c, coupling%shells%offset(:, m), to)) cycle
                 u = air%u(to(1), to(2), to(3), :)
                 call to_primitive(air%gamma, u, q)
                 w = w + q
                 n = n + 1
+                thin = merge(1.0_rk, 0.0_rk, s <= touching)
+                if (s == 1) thin = left_behind(air%gamma, q, v, coupling%shells%offset(:, m))
+                follows = follows + thin
                 if (s == 1) normal = normal .or. coupling%shells%offset(:, m) /= 0
             end do
-            if (n > 0) then
-                w = w/n
-                return
-            end if
-            normal = .true.
+            if (n == 0) cycle
+            w = w/n
+            follows = follows/n
+            w(2:4) = merge(v, w(2:4), normal)
+            return
         end do
-        w = 0
         w(1) = air%rho_rest
+        w(2:4) = v
         w(5) = air%p_rest
+        follows = 0
     end subroutine surroundings
+
+    !> True for a neighbour that was gas and still is.
+    logical function stays_gas(air, coupling, c, offset, to)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        integer, intent(in) :: c(3), offset(3)
+        integer, intent(out) :: to(3) !! the neighbour
+
+        call neighbour(air%n, coupling%wraps, c, offset, to, stays_gas)
+        if (.not. stays_gas) return
+        stays_gas = coupling%wall%solid(to(1), to(2), to(3)) == 0 &
+                    .and. coupling%mark(to(1), to(2), to(3)) /= mark_solid
+    end function stays_gas
+
+    !> Density at a wall that leaves a gas, over that of the gas; one if it does not leave.
+    pure real(rk) function left_behind(gamma, w, v, offset)
+        real(rk), intent(in) :: gamma, w(5) !! the gas: density, velocity, pressure
+        real(rk), intent(in) :: v(3) !! velocity of the wall
+        integer, intent(in) :: offset(3) !! from the wall to the gas, along one axis
+        real(rk) :: p, rho
+
+        call wall_star(gamma, w(1), w(5), min(dot_product(v - w(2:4), real(offset, rk)), 0.0_rk), p, rho)
+        left_behind = rho/w(1)
+    end function left_behind
 
     !> Room for what is kept per solid cell and per wall face.
     subroutine size_walls(coupling)
@@ -184,9 +214,11 @@ contains
 
         n = coupling%wall%n_cells
         if (allocated(coupling%excess)) then
-            if (size(coupling%excess) < n) deallocate (coupling%excess)
+            if (size(coupling%excess) < n) deallocate (coupling%excess, coupling%ledger)
         end if
-        if (.not. allocated(coupling%excess)) allocate (coupling%excess(n + n/4))
+        if (.not. allocated(coupling%excess)) then
+            allocate (coupling%excess(n + n/4), coupling%ledger(5, n + n/4))
+        end if
         n = coupling%wall%n_faces
         if (allocated(coupling%surface)) then
             if (size(coupling%surface) < n) &

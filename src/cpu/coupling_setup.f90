@@ -58,9 +58,31 @@ contains
         call restart_coupling(air, solid, coupling)
         do c = 1, coupling%wall%n_cells
             ijk = coupling%wall%cell(:, c)
-            air%u(ijk(1), ijk(2), ijk(3), :) = 0
+            air%u(ijk(1), ijk(2), ijk(3), :) = empty_part(air, solid, coupling, c) &
+                                               *air%u(ijk(1), ijk(2), ijk(3), :)
         end do
     end subroutine couple
+
+    !> Part of a surface cell that its particles do not fill: its gas is where the ledger starts.
+    !>
+    !> A body that moves leaves and covers gas a cell at a time; without this its ledgers would lack,
+    !> all the way, what was there at the start.
+    pure real(rk) function empty_part(air, solid, coupling, c)
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(in) :: coupling
+        integer, intent(in) :: c !! place in the wall list
+        real(dp) :: full
+        integer :: i
+
+        empty_part = 0
+        if (.not. any(coupling%face_of(:, c) > 0)) return
+        full = 0
+        do i = coupling%first(c), coupling%first(c + 1) - 1
+            full = full + solid%volume(coupling%binned(i))
+        end do
+        empty_part = real(max(1 - full/product(air%dx), 0.0_dp), rk)
+    end function empty_part
 
     !> Walls, bins and the map of debts as the particles and the list of debts say.
     subroutine restart_coupling(air, solid, coupling)
