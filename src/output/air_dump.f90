@@ -8,6 +8,7 @@
 module brz_air_dump
     use brz_air_state, only: air_t, wall_t
     use brz_errors, only: error_t
+    use brz_gas, only: to_primitive
     use brz_hdf5_attribute, only: h5_put
     use brz_hdf5_file, only: h5_t
     use brz_kinds, only: dp, int8, real32, rk
@@ -74,27 +75,28 @@ contains
         type(wall_t), intent(in) :: wall
         type(fields_t), intent(out) :: fields
         integer :: i, j, k
-        real(rk) :: u(5), over
+        real(rk) :: u(5), w(5)
 
         associate (n => air%n)
             allocate (fields%density(n(1), n(2), n(3)), fields%pressure(n(1), n(2), n(3)), &
                       fields%overpressure(n(1), n(2), n(3)), fields%velocity(3, n(1), n(2), n(3)), &
                       fields%solid(n(1), n(2), n(3)))
         end associate
-        !$omp parallel do collapse(2) schedule(static) private(i, u, over)
+        !$omp parallel do collapse(2) schedule(static) private(i, u, w)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 do i = 1, air%n(1)
                     fields%solid(i, j, k) = 0
                     if (wall%present) fields%solid(i, j, k) = wall%solid(i, j, k)
-                    u = [air%rho_rest, 0.0_rk, 0.0_rk, 0.0_rk, air%p_rest/(air%gamma - 1)]
-                    if (fields%solid(i, j, k) == 0) u = air%u(i, j, k, :)
-                    over = (air%gamma - 1)*(u(5) - dot_product(u(2:4), u(2:4))/(2*u(1))) &
-                           - air%p_rest
-                    fields%density(i, j, k) = real(u(1), real32)
-                    fields%overpressure(i, j, k) = real(over, real32)
-                    fields%pressure(i, j, k) = real(over + air%p_rest, real32)
-                    fields%velocity(:, i, j, k) = real(u(2:4)/u(1), real32)
+                    w = [air%rho_rest, 0.0_rk, 0.0_rk, 0.0_rk, air%p_rest]
+                    if (fields%solid(i, j, k) == 0) then
+                        u = air%u(i, j, k, :)
+                        call to_primitive(air%gamma, u, w)
+                    end if
+                    fields%density(i, j, k) = real(w(1), real32)
+                    fields%velocity(:, i, j, k) = real(w(2:4), real32)
+                    fields%pressure(i, j, k) = real(w(5), real32)
+                    fields%overpressure(i, j, k) = real(w(5) - air%p_rest, real32)
                 end do
             end do
         end do

@@ -11,6 +11,7 @@ module brz_gauges
     use brz_errors, only: error_t, raise, exit_deck
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
+    use brz_solid_step, only: velocity_at_step
     implicit none
     private
     public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_row
@@ -184,7 +185,7 @@ contains
         real(dp) :: v(3), d(3)
 
         v = 0
-        if (solid%fixed(i) == 0) v = solid%v(:, i) + solid%dt_last/2*solid%a(:, i)
+        if (solid%fixed(i) == 0) v = velocity_at_step(solid, i)
         d = solid%x(:, i) - solid%x_ref(:, i)
         select case (quantity)
         case ('speed'); value = norm2(v)

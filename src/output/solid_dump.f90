@@ -13,6 +13,7 @@ module brz_solid_dump
     use brz_materials, only: history_names
     use brz_meta, only: meta_t
     use brz_solid_state, only: solid_t
+    use brz_solid_step, only: velocity_at_step
     use brz_vtkhdf, only: begin_dump, end_dump, root, write_field
     implicit none
     private
@@ -125,8 +126,7 @@ contains
         do k = 1, solid%n
             associate (i => order(k))
                 v(:, k) = 0
-                if (solid%fixed(i) == 0) &
-                    v(:, k) = real(solid%v(:, i) + solid%dt_last/2*solid%a(:, i), real32)
+                if (solid%fixed(i) == 0) v(:, k) = real(velocity_at_step(solid, i), real32)
                 d(:, k) = real(solid%x(:, i) - solid%x_ref(:, i), real32)
             end associate
         end do
