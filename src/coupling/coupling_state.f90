@@ -13,7 +13,7 @@ module brz_coupling_state
     public :: coupling_t, side_of, from_uncovered, from_buried, mark_solid
 
     integer(int8), parameter :: mark_solid = 1 !! cell that holds particles now
-    integer(int8), parameter :: from_uncovered = 2 !! cell that the solid left, with gas to give away
+    integer(int8), parameter :: from_uncovered = 2 !! cell that the solid left: it gives gas away
     integer(int8), parameter :: from_buried = 3 !! solid cell that lost touch with the gas, likewise
 
     type :: coupling_t
@@ -25,25 +25,25 @@ module brz_coupling_state
         type(shells_t) :: shells !! neighbours of a cell in order of distance
         integer(int8), allocatable :: mark(:, :, :) !! (n1, n2, n3) map being built; then the donors
         ! particles by air cell
-        integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0 outside the box
-        integer(int32), allocatable :: place_of(:) !! (particles) place of that cell in the wall list
-        integer(int32), allocatable :: first(:) !! (n_cells+1) first particle of a solid cell in `binned`
+        integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0: outside
+        integer(int32), allocatable :: place_of(:) !! (particles) place of it in the wall list
+        integer(int32), allocatable :: first(:) !! (n_cells+1) first of a cell's in `binned`
         integer(int32), allocatable :: binned(:) !! (particles) particles, cell by cell
         integer :: outside = 0 !! particles outside the box
-        integer(int32), allocatable :: face_of(:, :) !! (6, n_cells) wall face by side, 0: none; see side_of
+        integer(int32), allocatable :: face_of(:, :) !! (6, n_cells) wall face by side_of, or 0
         ! cells that changed hands in this step, by number of the cell
         integer :: n_covered = 0, n_uncovered = 0
         integer(int32), allocatable :: covered(:), uncovered(:)
         ! donors: cells whose gas goes to ledgers nearby; the uncovered first, then the buried
         integer :: n_donors = 0, n_buried = 0
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
-        integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, 0: none near
+        integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0
         real(rk), allocatable :: donation(:, :) !! (5, n_donors) share of each receiver
         real(rk), allocatable :: ledger(:, :) !! (5, n_cells) copy of the ledgers
         real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
         ! debts of gas cells
         integer :: n_debts = 0
-        integer(int32), allocatable :: slot(:, :, :) !! (n1, n2, n3) place in the list of debts, 0: none
+        integer(int32), allocatable :: slot(:, :, :) !! (n1, n2, n3) place among the debts, or 0
         integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
         real(rk), allocatable :: debt(:, :) !! (5, n_debts) per cell volume, as air%u
         ! loads
@@ -52,11 +52,12 @@ module brz_coupling_state
         real(dp), allocatable :: surface(:) !! (n_faces) outermost particle behind the face [m]
         real(rk), allocatable :: weight(:) !! (n_faces) sum of the weights in the column [kg]
         real(rk), allocatable :: force(:) !! (n_faces) on the solid, along the axis, gauge [N]
-        real(rk), allocatable :: impedance(:) !! (n_faces) loss of force per velocity of the wall [N s/m]
+        real(rk), allocatable :: impedance(:) !! (n_faces) loss of force per velocity [N s/m]
         ! diagnostics, all steps unless said otherwise
         integer(int64) :: covered_total = 0, uncovered_total = 0
         integer(int64) :: kept = 0 !! buried ledgers that found no taker (counted each step)
-        real(rk) :: ledger_low = 0, ledger_high = 0 !! extremes of ledger over gas, density or energy, so far
+        real(rk) :: ledger_low = 0 !! least ledger so far, in units of the gas beside it
+        real(rk) :: ledger_high = 0 !! largest, likewise
         real(dp) :: work = 0 !! sum of J.v_w: energy that the air spent on moving walls [J]
         real(dp) :: work_reference = 0 !! part of it that the reference pressure did [J]
         real(dp) :: impulse(3) = 0 !! given to the solid, reference pressure taken off [N s]

@@ -10,8 +10,9 @@ module brz_ledger_rules
     private
     public :: fresh_gas, ledger_ratio, ledger_excess, release_debt
 
-    real(rk), parameter :: thinnest = 1e-3_rk !! least density of a fresh cell over that of its neighbours
-    real(rk), parameter :: middle = 0.5_rk, half_band = 1.5_rk !! a ledger may lie in -1..2 of the gas
+    real(rk), parameter :: thinnest = 1e-3_rk !! least density of a fresh cell over that around it
+    real(rk), parameter :: middle = 0.5_rk !! of a ledger, in units of the gas beside it
+    real(rk), parameter :: half_band = 1.5_rk !! it may lie so far off: in -1..2
     real(rk), parameter :: pace = 0.05_rk !! part of a debt released per step
     real(rk), parameter :: jolt = 0.02_rk !! largest change of density and internal energy by it
     real(rk), parameter :: crumb = 1e-10_rk !! a debt this small, over the gas, is paid at once
@@ -20,15 +21,15 @@ contains
 
     !> Fill a cell that the solid has left.
     !>
-    !> It gets the state of its surroundings, so that the flow sees no step. Where the solid leaves so
-    !> fast that less than half of that gas could follow, and less than half has come in through the
-    !> walls, the cell is thinner, by an isentropic expansion. What is left over, of either sign, is
-    !> returned for the ledgers nearby.
+    !> It gets the state of its surroundings, so that the flow sees no step. Where the solid leaves
+    !> so fast that less than half of that gas could follow, and less than half has come in through
+    !> the walls, the cell is thinner, by an isentropic expansion. What is left over, of any sign,
+    !> is returned for the ledgers nearby.
     !@cuf attributes(host,device) &
     pure subroutine fresh_gas(gamma, w, follows, u, rest)
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
         real(rk), intent(in) :: w(5) !! surroundings: density, velocity, pressure
-        real(rk), intent(in) :: follows !! density of gas that follows the solid over that of w, 0..1
+        real(rk), intent(in) :: follows !! part of the gas that follows the solid, 0..1
         real(rk), intent(inout) :: u(5) !! the ledger; on return the gas
         real(rk), intent(out) :: rest(5) !! ledger less gas
         real(rk) :: q, v(5)

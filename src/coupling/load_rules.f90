@@ -25,9 +25,9 @@ contains
 
     !> Velocity of a wall in the middle of a step, from that at its start.
     !>
-    !> A heavy wall goes on as it did in the last step. A light one feels at once how the push of the
-    !> gas has changed, semi-implicit in the radiation of the gas (its impedance): so solids of less
-    !> weight than a cell of gas stay stable, and move with the gas.
+    !> A heavy wall goes on as it did in the last step. A light one feels at once how the push of
+    !> the gas has changed, semi-implicit in the radiation of the gas (its impedance): so solids of
+    !> less weight than a cell of gas stay stable, and move with the gas.
     !@cuf attributes(host,device) &
     pure function pushed_velocity(v, force, change, impedance, mass, dt) result(w)
         real(rk), intent(in) :: v !! one component at the start of the step [m/s]

@@ -119,7 +119,8 @@ contains
         real(dp) :: length
 
         d = coupling%wall%face(4, f)
-        height = coupling%wall%face(5, f)*(x - air%lo(d) - (coupling%wall%face(d, f) - 0.5_dp)*air%dx(d))
+        height = coupling%wall%face(5, f) &
+            *(x - air%lo(d) - (coupling%wall%face(d, f) - 0.5_dp)*air%dx(d))
         if (coupling%wraps(d)) then
             ! in front of the face there is only gas: what seems to lie there lies a box farther
             length = air%n(d)*air%dx(d)

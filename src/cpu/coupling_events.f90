@@ -142,8 +142,8 @@ contains
     !> Mean state of the nearest cells that were gas and still are; air at rest where there is none.
     !>
     !> Its velocity across the faces to that gas is that of the solid that left. `follows` is the
-    !> density of gas that can keep up with the solid over the mean: one for a slow solid, zero where
-    !> no gas is near.
+    !> density of gas that can keep up with the solid over the mean: one for a slow solid, zero
+    !> where no gas is near.
     subroutine surroundings(air, coupling, c, w, follows)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
@@ -201,9 +201,10 @@ contains
         real(rk), intent(in) :: gamma, w(5) !! the gas: density, velocity, pressure
         real(rk), intent(in) :: v(3) !! velocity of the wall
         integer, intent(in) :: offset(3) !! from the wall to the gas, along one axis
-        real(rk) :: p, rho
+        real(rk) :: du, p, rho
 
-        call wall_star(gamma, w(1), w(5), min(dot_product(v - w(2:4), real(offset, rk)), 0.0_rk), p, rho)
+        du = dot_product(v - w(2:4), real(offset, rk))
+        call wall_star(gamma, w(1), w(5), min(du, 0.0_rk), p, rho)
         left_behind = rho/w(1)
     end function left_behind
 

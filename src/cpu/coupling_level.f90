@@ -17,7 +17,7 @@ module brz_coupling_level
 
 contains
 
-    !> Exchange a part of the difference with each neighbour that faces the gas in a common direction.
+    !> Exchange a part of the difference with each neighbour that has faces of a common direction.
     !>
     !> What one takes the other gives, to the bit. In one dimension there are no such neighbours.
     subroutine level_ledgers(air, coupling)

@@ -21,13 +21,15 @@ contains
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
+        real(dp) :: reference
         integer :: c, f, p
 
         !$omp parallel
-        !$omp do schedule(static)
+        !$omp do schedule(static) private(reference)
         do f = 1, coupling%wall%n_faces
-            coupling%force(f) = real(coupling%wall%face(5, f)*(coupling%wall%impulse(f)/dt &
-                                     - coupling%reference_pressure*area(air, coupling%wall%face(4, f))), rk)
+            reference = coupling%reference_pressure*area(air, coupling%wall%face(4, f))
+            coupling%force(f) = real(coupling%wall%face(5, f) &
+                                     *(coupling%wall%impulse(f)/dt - reference), rk)
         end do
         !$omp do schedule(static)
         do p = 1, solid%n

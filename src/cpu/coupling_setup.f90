@@ -65,8 +65,8 @@ contains
 
     !> Part of a surface cell that its particles do not fill: its gas is where the ledger starts.
     !>
-    !> A body that moves leaves and covers gas a cell at a time; without this its ledgers would lack,
-    !> all the way, what was there at the start.
+    !> A body that moves leaves and covers gas a cell at a time; without this its ledgers would
+    !> lack, all the way, what was there at the start.
     pure real(rk) function empty_part(air, solid, coupling, c)
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid

@@ -18,9 +18,10 @@ contains
 
     !> Mean velocity by mass of the particles of each solid cell, carried to the middle of the step.
     !>
-    !> The mass of a cell goes on as it did in the last step of the air, changed by what the gas, spread
-    !> as a load will be, now pushes more. So a body that holds against the pressure does not seem to
-    !> give way, as it would if the gas alone pushed. Cells with fixed particles stay at the mean.
+    !> The mass of a cell goes on as it did in the last step of the air, changed by what the gas,
+    !> spread as a load will be, now pushes more. So a body that holds against the pressure does not
+    !> seem to give way, as it would if the gas alone pushed. Cells with fixed particles stay at the
+    !> mean.
     subroutine set_wall_velocity(air, solid, coupling, dt)
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
@@ -37,7 +38,8 @@ contains
         end do
         !$omp do schedule(dynamic, 64)
         do c = 1, coupling%wall%n_cells
-            if (any(coupling%face_of(:, c) > 0)) call push_cell(air, solid, coupling, c, real(dt, rk))
+            if (.not. any(coupling%face_of(:, c) > 0)) cycle
+            call push_cell(air, solid, coupling, c, real(dt, rk))
         end do
         !$omp do schedule(static)
         do p = 1, solid%n
@@ -47,7 +49,7 @@ contains
         coupling%dt_before = dt
     end subroutine set_wall_velocity
 
-    !> Force of the gas on a face if the wall keeps its velocity, and how it falls if the wall yields.
+    !> Force of the gas on a face if the wall keeps its velocity, and its fall if the wall yields.
     subroutine feel_gas(air, coupling, f)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
@@ -91,7 +93,8 @@ contains
                 if (f == 0) cycle
                 part = part_of(air, solid, coupling, f, c)
                 change = change + part*coupling%force(f)
-                if (coupling%wall%face_cell(f) == c) impedance = impedance + part*coupling%impedance(f)
+                if (coupling%wall%face_cell(f) /= c) cycle
+                impedance = impedance + part*coupling%impedance(f)
             end do
             v(d) = pushed_velocity(v(d), force(d), change, impedance, mass, dt)
         end do
