@@ -9,7 +9,7 @@ VERSION := 0.1.0
 # --- what to build: each choice has a build folder and a binary of its own -------------------
 FC        := gfortran
 PRECISION ?= double
-OPT       ?= -O3 -fno-math-errno -fno-trapping-math
+OPT       ?= -O3 -fno-math-errno -fno-trapping-math -finline-limit=400
 ARCH      := $(if $(PORTABLE),x86-64-v2,native)
 KIND      := $(if $(DEBUG),-debug)$(if $(PORTABLE),-portable)$(if $(filter mixed,$(PRECISION)),-mixed)
 BUILD     ?= build
@@ -43,9 +43,10 @@ $(BIN): $(B)/obj/src/main.o $(LIB)
 	$(call say,link $@)
 	+$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
 # One object for all: link-time optimisation is done once, and the tests run the same code as $(BIN).
+# (-fPIE: the functions are final, so that point physics is inlined across files)
 $(LIB): $(OBJ)
 	$(call say,optimise $@)
-	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG),,-flinker-output=nolto-rel) -o $@ $(OBJ)
+	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG),,-fPIE -flinker-output=nolto-rel) -o $@ $(OBJ)
 $(B)/obj/%.o: %.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
