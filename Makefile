@@ -105,8 +105,8 @@ format: ## format all sources
 	@.venv/bin/ruff format -q .
 	@.venv/bin/ruff check -q --fix .
 check-docs: all ## is docs/deck_reference.md what the program says?
-	@if [ -f docs/deck_reference.md ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
-	else echo 'skipped: there is no docs/deck_reference.md'; fi
+	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
+	else echo 'skipped: there is no $(BIN)'; fi
 gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/double $(SRC)
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
