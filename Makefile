@@ -18,7 +18,7 @@ BIN       := bin/brisance$(KIND)
 
 HDF5_CFLAGS = $(shell pkg-config --cflags hdf5-serial)
 HDF5_LIBS   = $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5
-WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals
+WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals -Wno-maybe-uninitialized
 FAST     := $(OPT) -march=$(ARCH) -flto=auto
 CHECKED  := -Og -g -fcheck=all -ffpe-trap=invalid,zero,overflow -fbacktrace
 FFLAGS    = -std=f2018 -fopenmp $(if $(DEBUG),$(CHECKED),$(FAST)) $(WARN) \

@@ -51,7 +51,8 @@ if [ -n "$missing$extra" ]; then
     elif [ -n "$missing" ]; then
         say "these packages are missing: $missing"
         say "run this once, then try again:"
-        echo "    sudo apt-get update && sudo apt-get install -y --no-install-recommends $missing $(available $extra)"
+        echo "    sudo apt-get update && sudo apt-get install -y --no-install-recommends $missing"
+        [ -z "$extra" ] || say "and, to check the code for the GPU (Debian 12): $extra"
         exit 1
     else
         say "optional, not installed: $extra"

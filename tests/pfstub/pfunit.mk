@@ -32,7 +32,7 @@ define pf_run
 $(B)/tests/$(1)/run: $(B)/tests/$(1)/driver.o $(LIB) $(PF_MODULES) \
     $(patsubst %,$(B)/obj/%.o,$(basename $(filter tests/$(1)/%,$(PF) $(PF_HELP))))
 	$(call say,link $$@)
-	$(Q)$(FC) -fopenmp -o $$@ $$^ $(HDF5_LIBS) $(PF_LIBS)
+	$(Q)$(FC) -fopenmp -o $$@ $$^ $$(HDF5_LIBS) $$(PF_LIBS)
 endef
 $(foreach part,unit verify,$(eval $(call pf_run,$(part))))
 
