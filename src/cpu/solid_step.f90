@@ -104,13 +104,14 @@ contains
         end do
     end subroutine kick_and_drift
 
-    !> Velocity of a particle at the step itself [m/s].
+    !> Velocity of a particle at the step itself, zero where it is held [m/s].
     pure function velocity_at_step(solid, i) result(v)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
         real(rk) :: v(3)
 
-        v = solid%v(:, i) + real(solid%dt_last/2, rk)*solid%a(:, i)
+        v = 0
+        if (solid%fixed(i) == 0) v = solid%v(:, i) + real(solid%dt_last/2, rk)*solid%a(:, i)
     end function velocity_at_step
 
     !> Neighbours of a particle within reach of the list that still carry load.

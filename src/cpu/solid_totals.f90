@@ -3,6 +3,7 @@
 module brz_solid_totals
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t, worth_threads
+    use brz_solid_step, only: velocity_at_step
     implicit none
     private
     public :: solid_totals, solid_totals_t
@@ -61,7 +62,7 @@ contains
         do i = first, last
             m = solid%mass(i)
             x = solid%x(:, i)
-            v = solid%v(:, i) + solid%dt_last/2*solid%a(:, i)
+            v = velocity_at_step(solid, i)
             part(1) = part(1) + m
             part(2:4) = part(2:4) + m*x
             part(5:7) = part(5:7) + m*v

@@ -184,8 +184,7 @@ contains
         character(*), intent(in) :: quantity
         real(dp) :: v(3), d(3)
 
-        v = 0
-        if (solid%fixed(i) == 0) v = velocity_at_step(solid, i)
+        v = velocity_at_step(solid, i)
         d = solid%x(:, i) - solid%x_ref(:, i)
         select case (quantity)
         case ('speed'); value = norm2(v)

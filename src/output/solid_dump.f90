@@ -125,8 +125,7 @@ contains
         allocate (v(3, solid%n), d(3, solid%n))
         do k = 1, solid%n
             associate (i => order(k))
-                v(:, k) = 0
-                if (solid%fixed(i) == 0) v(:, k) = real(velocity_at_step(solid, i), real32)
+                v(:, k) = real(velocity_at_step(solid, i), real32)
                 d(:, k) = real(solid%x(:, i) - solid%x_ref(:, i), real32)
             end associate
         end do

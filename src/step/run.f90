@@ -40,6 +40,7 @@ contains
         if (failed(err)) return
         call set_up_simulation(sim, err)
         if (failed(err)) return
+        if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes
         if (options%check) then
             call print_check(sim, err)
             return
