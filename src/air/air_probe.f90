@@ -62,9 +62,10 @@ contains
         type(air_t), intent(in) :: air
         integer, intent(in) :: cell(3)
         real(dp) :: state(5)
-        real(rk) :: w(5)
+        real(rk) :: q(5), w(5)
 
-        call to_primitive(air%gamma, air%u(cell(1), cell(2), cell(3), :), w)
+        q = air%u(cell(1), cell(2), cell(3), :)
+        call to_primitive(air%gamma, q, w)
         state = w
     end function primitive_of
 

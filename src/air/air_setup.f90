@@ -99,12 +99,12 @@ contains
         n = air%n
         g = air%g
         allocate (air%u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5))
-        allocate (air%u_start(n(1), n(2), n(3), 5), source=0.0_rk)
-        allocate (air%rate(n(1), n(2), n(3), 5), source=0.0_rk)
         call to_conserved(air%gamma, [air%rho_rest, 0.0_rk, 0.0_rk, 0.0_rk, air%p_rest], rest)
         do c = 1, 5
             air%u(:, :, :, c) = rest(c)
         end do
+        allocate (air%u_start, air%rate, source=air%u)
+        air%rate = 0
         blocks = max(n_blocks(n, 1), n_blocks(n, 2), n_blocks(n, 3))
         allocate (air%edge(5, blocks), source=0.0_dp)
         allocate (air%row_sum(5, n(2)*n(3)), source=0.0_dp)

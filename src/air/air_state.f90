@@ -43,8 +43,8 @@ module brz_air_state
         real(rk) :: gamma = 1.4_rk
         real(rk) :: rho_rest = 1.225_rk, p_rest = 101325 !! undisturbed air
         real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the ledger
-        real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (interior)
-        real(rk), allocatable :: rate(:, :, :, :) !! du/dt of the stage (interior)
+        real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (ghosts unused)
+        real(rk), allocatable :: rate(:, :, :, :) !! du/dt of the stage (ghosts unused: all three alike, so that one index serves)
         integer(int64) :: fallback_faces = 0 !! faces that fell back to first order, all stages of all steps
         real(dp) :: outflow(5) = 0 !! mass, momentum, energy that left through the outer faces, all steps
         type(charge_report_t), allocatable :: charge(:) !! one for each &charge

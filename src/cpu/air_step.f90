@@ -98,8 +98,8 @@ contains
         real(rk), intent(in) :: dt !! time step [s]
         integer, intent(in) :: m !! stage
         real(rk), intent(inout) :: u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5)
-        real(rk), intent(inout) :: u_start(n(1), n(2), n(3), 5)
-        real(rk), intent(in) :: rate(n(1), n(2), n(3), 5)
+        real(rk), intent(inout) :: u_start(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5)
+        real(rk), intent(in) :: rate(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5)
         integer :: i, j, k, c
 
         !$omp parallel do collapse(2) schedule(static) if (size(rate) > few_numbers)

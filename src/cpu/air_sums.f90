@@ -14,7 +14,7 @@ contains
     !> Largest stable time step: cfl over the largest sum_d (|u_d| + c)/dx_d of all gas cells.
     !>
     !> Solid cells count with the speed of the wall. The first steps of a blast need a smaller step,
-    !> see time_step_ramp. Zero if the state is not a number.
+    !> see time_step_ramp. Cells that are not numbers are left out: air_step reports them.
     real(dp) function air_time_step(air, wall, cfl)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
@@ -36,11 +36,10 @@ contains
                 fastest = max(fastest, sum(abs(wall%v(:, c))*inverse))
             end do
         end if
-        air_time_step = 0
-        if (fastest <= huge(fastest)) air_time_step = cfl/fastest
+        air_time_step = cfl/fastest
     end function air_time_step
 
-    !> Largest sum_d (|u_d| + c)/dx_d of the gas cells of one row along x; huge if one is NaN.
+    !> Largest sum_d (|u_d| + c)/dx_d of the gas cells of one row along x.
     pure real(rk) function fastest_of_row(air, wall, j, k, inverse)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
@@ -66,7 +65,7 @@ contains
             c2 = air%gamma*(air%gamma - 1)*(air%u(i, j, k, 5) - 0.5_rk*(m1*m1 + m2*m2 + m3*m3)*volume)*volume
             speed = (abs(m1)*inverse(1) + abs(m2)*inverse(2) + abs(m3)*inverse(3))*volume &
                 + sqrt(max(c2, 0.0_rk))*all_inverse
-            fastest_of_row = merge(speed, fastest_of_row, .not. speed <= fastest_of_row)
+            if (speed > fastest_of_row) fastest_of_row = speed
         end do
     end function fastest_of_row
 

@@ -62,23 +62,22 @@ contains
         integer, intent(in) :: b !! block
         type(stage_t), intent(in) :: stage
         type(sweep_work_t), intent(inout) :: work
-        type(place_t) :: from, to
+        type(place_t) :: place
         logical :: solid
         integer :: n
 
         n = air%n(d)
         solid = .false.
         if (wall%present) solid = wall%cut(d)%has_solid(b) == 1
-        call locate(air%n, air%g, d, b, from)
-        call load(n, size(air%u), air%u, from, turned(1, d), work%q)
+        call locate(air%n, air%g, d, b, place)
+        call load(n, size(air%u), air%u, place, turned(1, d), work%q)
         if (solid) call blank_solid(air, wall, d, b, work%q)
         call line_fluxes(n, air%order, air%gamma, stage%scale, work%q, work%f)
         if (solid) call cut_fluxes(air, wall, d, b, stage%share, work%f)
-        call ends_of_lines(n, from%lines, turned(1, d), work%f, air%edge(1, b))
+        call ends_of_lines(n, place%lines, turned(1, d), work%f, air%edge(1, b))
         call difference(n, real(1/air%dx(d), rk), work%f)
         if (solid) call load_off_ledger(air, wall, d, b, work%f)
-        call locate(air%n, [0, 0, 0], d, b, to)
-        call store(n, size(air%rate), air%rate, to, turned(1, d), stage%first, work%f)
+        call store(n, size(air%rate), air%rate, place, turned(1, d), stage%first, work%f)
         if (stage%last) call count_suspects(n, stage, work%q, work%f, air%suspect(b))
     end subroutine sweep_block
 
@@ -192,7 +191,7 @@ contains
         real(rk), intent(in) :: q(nb, 5, -1:n + 2) !! conserved variables
         real(rk), intent(out) :: f(nb, 5, 0:n) !! flux through the face above each cell
         real(rk) :: up(nb, 5, 0:3), down(nb, 5, 0:3), state(5), plus(5), minus(5)
-        integer :: c, i, l, s0, s1, s2, s3
+        integer :: below, c, i, l, s0, s1, s2, s3
 
         do i = -1, n + 2
             s3 = iand(i, 3)
@@ -214,17 +213,18 @@ contains
                 down(l, 4, s3) = minus(4)
                 down(l, 5, s3) = minus(5)
             end do
-            if (i < 2) cycle
+            below = max(i - 2, 0) ! the first three cells only fill the window
             s0 = iand(i - 3, 3)
             s1 = iand(i - 2, 3)
             s2 = iand(i - 1, 3)
+            if (i < 2) cycle
             if (order == 1) then
-                f(:, :, i - 2) = up(:, :, s1) + down(:, :, s2)
+                f(:, :, below) = up(:, :, s1) + down(:, :, s2)
                 cycle
             end if
             do c = 1, 5
                 do l = 1, nb
-                    f(l, c, i - 2) = weno3(up(l, c, s0), up(l, c, s1), up(l, c, s2), scale(c)) &
+                    f(l, c, below) = weno3(up(l, c, s0), up(l, c, s1), up(l, c, s2), scale(c)) &
                         + weno3(down(l, c, s3), down(l, c, s2), down(l, c, s1), scale(c))
                 end do
             end do
