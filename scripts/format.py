@@ -19,6 +19,7 @@ from pathlib import Path
 import fprettify
 
 CONTINUED = re.compile(r"^(?:[^'\"!]|'[^']*'|\"[^\"]*\")*&\s*(?:!.*)?$")
+TIGHT = re.compile(r",\.not\.")  # fprettify eats the blank before .not.
 
 
 def indent_of(line):
@@ -31,9 +32,9 @@ def formatted(text, name):
     fprettify.reformat_ffile(
         io.StringIO(text), out, indent_size=4, llength=1000, whitespace=2, orig_filename=name
     )
-    old, new = text.splitlines(), out.getvalue().splitlines()
+    old, new = text.splitlines(), [TIGHT.sub(", .not.", x) for x in out.getvalue().splitlines()]
     if len(old) != len(new):
-        return out.getvalue()
+        return "\n".join(new) + "\n"
     continued, shift = False, 0
     for place, line in enumerate(old):
         comment = line.lstrip().startswith("!") and not line.lstrip().startswith("!$")
