@@ -2,7 +2,8 @@
 !> From the deck to the air at time zero: grid, undisturbed gas, boxes of gas, charges.
 module brz_air_setup
     use brz_kinds, only: dp, int8, rk
-    use brz_air_state, only: air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall, charge_report_t, n_ghost
+    use brz_air_state, only: air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall, &
+        charge_report_t, n_ghost
     use brz_case, only: case_t, charge_case_t, gas_case_t
     use brz_charge_shape, only: filled_part, make_shape, shape_t
     use brz_errors, only: error_t, exit_deck, failed, raise
@@ -12,7 +13,8 @@ module brz_air_setup
     private
     public :: set_up_air, make_grid, time_step_ramp
 
-    real(dp), parameter :: on_plane = 1e-6_dp !! how exactly a plane must halve a charge, in half sides
+    real(dp), parameter :: on_plane = 1e-6_dp
+    !! how exactly a plane must halve a charge, in half sides
 
 contains
 
@@ -35,7 +37,8 @@ contains
                 call boundary_code(case%air%bc(s, d), air%bc(s, d), err)
             end do
             if (any(air%bc(:, d) == bc_periodic) .and. .not. all(air%bc(:, d) == bc_periodic)) &
-                call raise(err, exit_deck, "&air: bc='periodic' must stand at both ends of a direction")
+                call raise(err, exit_deck, &
+                    "&air: bc='periodic' must stand at both ends of a direction")
         end do
         if (failed(err)) return
         call make_grid(case%air%lo, case%air%hi, case%air%cells, air)
@@ -143,6 +146,7 @@ contains
         type(error_t), intent(inout) :: err
         type(shape_t) :: shape
         real(dp) :: share, filled, depth
+        real(rk) :: hot(2)
         integer :: lo(3), hi(3)
 
         depth = product(air%dx*air%n, mask=air%n == 1)
@@ -158,14 +162,16 @@ contains
         end where
         call pour(air, shape, lo, hi, [0.0_rk, 0.0_rk], filled)
         if (.not. filled > 0) then
-            call raise(err, exit_deck, "&charge id='"//trim(charge%id)//"' fills no cell; use smaller cells")
+            call raise(err, exit_deck, "&charge id='"//trim(charge%id) &
+                //"' fills no cell; use smaller cells")
             return
         end if
         report%mass = share*charge%mass
         report%radius = minval(shape%half)
         report%cells = minval(merge(shape%half/air%dx, huge(1.0_dp), air%n > 1))
         report%scale = report%mass/(charge%density*filled)
-        call pour(air, shape, lo, hi, real(report%scale*charge%density*[1.0_dp, charge%energy], rk), filled)
+        hot = real(report%scale*charge%density*[1.0_dp, charge%energy], rk)
+        call pour(air, shape, lo, hi, hot, filled)
     end subroutine place_charge
 
     !> Fill a shape with gas of a density and energy (mix, do not replace); a density of 0 only
@@ -217,8 +223,8 @@ contains
                 if (air%bc(s, d) == bc_symmetry .and. abs(depth) <= on_plane*shape%half(d)) then
                     share = share/2
                 else
-                    call raise(err, exit_deck, "&charge id='"//trim(charge%id)//"' reaches out of the box of " &
-                        //"&air; move it, or put a symmetry plane through its centre")
+                    call raise(err, exit_deck, "&charge id='"//trim(charge%id) &
+                        //"' reaches out of the box of &air; move it, or put a symmetry plane through its centre")
                     return
                 end if
             end do

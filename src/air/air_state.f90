@@ -10,14 +10,17 @@ module brz_air_state
     public :: air_ok, air_unphysical
 
     integer, parameter :: n_ghost = 2 !! ghost layers in a direction that is modelled
-    integer, parameter :: lines_per_block = 16 !! lines of cells that are swept together, the vector dimension
+    integer, parameter :: lines_per_block = 16
+    !! lines of cells that are swept together, the vector dimension
     integer, parameter :: bc_outflow = 1, bc_wall = 2, bc_symmetry = 3, bc_periodic = 4
     integer, parameter :: air_ok = 0 !! status of a step: done
-    integer, parameter :: air_unphysical = 1 !! a density that is not positive, or NaN, in spite of the fallback
+    integer, parameter :: air_unphysical = 1
+    !! a density that is not positive, or NaN, in spite of the fallback
 
     !> Buffers of one thread for a block of lines.
     type :: sweep_work_t
-        real(rk), allocatable :: q(:, :, :) !! (lines, 5, -1:n+2) conserved variables, normal momentum in slot 2
+        real(rk), allocatable :: q(:, :, :)
+        !! (lines, 5, -1:n+2) conserved variables, normal momentum in slot 2
         real(rk), allocatable :: f(:, :, :) !! (lines, 5, 0:n) fluxes, then rates
     end type sweep_work_t
 
@@ -25,7 +28,8 @@ module brz_air_state
     type :: charge_report_t
         real(dp) :: radius = 0 !! half of the shortest side or diameter [m]
         real(dp) :: cells = 0 !! cells across it
-        real(dp) :: mass = 0 !! inside the box: the whole charge less what symmetry planes cut off [kg]
+        real(dp) :: mass = 0
+        !! inside the box: the whole charge less what symmetry planes cut off [kg]
         real(dp) :: scale = 1 !! factor on the density that makes the mass exact
     end type charge_report_t
 
@@ -44,30 +48,41 @@ module brz_air_state
         real(rk) :: rho_rest = 1.225_rk, p_rest = 101325 !! undisturbed air
         real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the ledger
         real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (ghosts unused)
-        real(rk), allocatable :: rate(:, :, :, :) !! du/dt of the stage (ghosts unused: all three alike, so that one index serves)
-        integer(int64) :: fallback_faces = 0 !! faces that fell back to first order, all stages of all steps
-        real(dp) :: outflow(5) = 0 !! mass, momentum, energy that left through the outer faces, all steps
+        real(rk), allocatable :: rate(:, :, :, :)
+        !! du/dt of the stage (ghosts unused: all three alike, so that one index serves)
+        integer(int64) :: fallback_faces = 0
+        !! faces that fell back to first order, all stages of all steps
+        real(dp) :: outflow(5) = 0
+        !! mass, momentum, energy that left through the outer faces, all steps
         type(charge_report_t), allocatable :: charge(:) !! one for each &charge
         integer :: bad_cell(3) = 0 !! first unphysical cell of a step that failed
         real(rk) :: bad_state(5) = 0 !! what its conserved variables would have become
         ! work arrays of the sweeps; nothing outside a step reads them
         type(sweep_work_t), allocatable :: work(:) !! (0:threads-1)
-        real(dp), allocatable :: edge(:, :) !! (5, blocks) what leaves a block of lines at its two ends, per area and time
+        real(dp), allocatable :: edge(:, :)
+        !! (5, blocks) what leaves a block of lines at its two ends, per area and time
         real(dp), allocatable :: row_sum(:, :) !! (5, n2*n3) totals of rows along x
-        integer, allocatable :: suspect(:) !! (blocks) cells of a block whose next state looks unphysical
-        integer(int8), allocatable :: lowered(:, :, :) !! (0:n1, 0:n2, 0:n3) bit d-1: the face above fell back
-        integer, allocatable :: repair(:, :) !! (4, grows) faces that fell back in this stage: i, j, k below the face, direction
-        integer, allocatable :: bad(:, :) !! (3, grows) cells of this stage that are unphysical: i, j, k
+        integer, allocatable :: suspect(:)
+        !! (blocks) cells of a block whose next state looks unphysical
+        integer(int8), allocatable :: lowered(:, :, :)
+        !! (0:n1, 0:n2, 0:n3) bit d-1: the face above fell back
+        integer, allocatable :: repair(:, :)
+        !! (4, grows) faces that fell back in this stage: i, j, k below the face, direction
+        integer, allocatable :: bad(:, :)
+        !! (3, grows) cells of this stage that are unphysical: i, j, k
     end type air_t
 
     !> Faces of one direction whose four cells hold both gas and solid, block of lines by block.
     type :: cut_t
         integer :: n = 0
-        integer, allocatable :: face(:, :) !! (4, n) i, j, k of the cell below the face; place in the list of wall faces, or 0
+        integer, allocatable :: face(:, :)
+        !! (4, n) i, j, k of the cell below the face; place in the list of wall faces, or 0
         integer, allocatable :: first(:) !! (blocks+1) first face of a block
         integer(int8), allocatable :: has_solid(:) !! (blocks) 1: some cell of the block holds solid
-        integer, allocatable :: side(:) !! (n) +1: gas below and solid above the face, -1: the reverse, 0: neither
-        real(rk), allocatable :: push(:) !! (n) pressure on the wall in this stage over dx, along the side [Pa/m]
+        integer, allocatable :: side(:)
+        !! (n) +1: gas below and solid above the face, -1: the reverse, 0: neither
+        real(rk), allocatable :: push(:)
+        !! (n) pressure on the wall in this stage over dx, along the side [Pa/m]
         real(rk), allocatable :: speed(:) !! (n) normal velocity of the wall [m/s]
     end type cut_t
 
@@ -76,14 +91,17 @@ module brz_air_state
     type :: wall_t
         logical :: present = .false.
         integer(int8), allocatable :: solid(:, :, :) !! 1 in cells that hold solid, ghosts included
-        integer, allocatable :: index(:, :, :) !! place of a solid cell in the list, 0 for gas; ghosts hold that of their image
+        integer, allocatable :: index(:, :, :)
+        !! place of a solid cell in the list, 0 for gas; ghosts hold that of their image
         integer :: n_cells = 0
         integer, allocatable :: cell(:, :) !! (3, n_cells) indices of the solid cells
         real(rk), allocatable :: v(:, :) !! (3, n_cells) wall velocity of this step [m/s]
         integer :: n_faces = 0
-        integer, allocatable :: face(:, :) !! (5, n_faces): i, j, k of the gas cell, direction 1..3, side (+1: solid above, -1: solid below)
+        integer, allocatable :: face(:, :)
+        !! (5, n_faces): i, j, k of the gas cell, direction 1..3, side (+1: solid above, -1: below)
         integer, allocatable :: face_cell(:) !! (n_faces) place of the solid cell in the list
-        real(rk), allocatable :: impulse(:) !! (n_faces) integral of p* A dt over the step, along the side [N s]
+        real(rk), allocatable :: impulse(:)
+        !! (n_faces) integral of p* A dt over the step, along the side [N s]
         type(cut_t) :: cut(3) !! for the sweeps, one for each direction
     end type wall_t
 end module brz_air_state

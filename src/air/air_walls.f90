@@ -19,9 +19,12 @@ contains
 
         n = air%n
         g = air%g
-        allocate (wall%solid(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3)), source=0_int8)
-        allocate (wall%index(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3)), source=0)
-        allocate (wall%cell(3, 0), wall%v(3, 0), wall%face(5, 0), wall%face_cell(0), wall%impulse(0))
+        allocate (wall%solid(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3)), &
+            source=0_int8)
+        allocate (wall%index(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3)), &
+            source=0)
+        allocate (wall%cell(3, 0), wall%v(3, 0), wall%face(5, 0), wall%face_cell(0), &
+            wall%impulse(0))
         do d = 1, 3
             allocate (wall%cut(d)%face(4, 0), wall%cut(d)%side(0), wall%cut(d)%push(0))
             allocate (wall%cut(d)%speed(0))
@@ -281,7 +284,8 @@ contains
             low = wall%cut(d)%face(1:3, e)
             high = low
             high(d) = high(d) + 1
-            wall%cut(d)%side(e) = wall%solid(high(1), high(2), high(3)) - wall%solid(low(1), low(2), low(3))
+            wall%cut(d)%side(e) = wall%solid(high(1), high(2), high(3)) &
+                - wall%solid(low(1), low(2), low(3))
             wall%cut(d)%face(4, e) = 0
         end do
         do f = 1, wall%n_faces

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Flux through one face of the four cells around it, with or without solid among them.
 !>
-!> The sweeps compute the same fluxes line by line; this is the path for single faces. Point physics.
+!> The sweeps compute the same fluxes line by line; this is the path for single faces.
+!> Point physics.
 module brz_face_flux
     use brz_kinds, only: rk
     use brz_gas, only: mirror, to_primitive
@@ -43,8 +44,8 @@ contains
 
     !> Flux between cells 2 and 3 where some of the four cells hold solid.
     !>
-    !> A solid cell of the stencil is replaced by the mirror image of the gas cell next to it. Between
-    !> gas and solid it is the flux at the wall; between two solid cells nothing flows.
+    !> A solid cell of the stencil is replaced by the mirror image of the gas cell next to it.
+    !> Between gas and solid it is the flux at the wall; between two solid cells nothing flows.
     !@cuf attributes(host,device) &
     pure subroutine cut_face(order, gamma, scale, solid, v, q, f, p_star)
         integer, intent(in) :: order !! 1: first order, 3: WENO3

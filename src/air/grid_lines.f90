@@ -9,8 +9,10 @@ module brz_grid_lines
     private
     public :: across, turned, n_lines, n_blocks, line_of, block_of, first_cell_of
 
-    integer, parameter :: across(2, 3) = reshape([2, 3, 1, 3, 1, 2], [2, 3]) !! transverse directions, fastest first
-    integer, parameter :: turned(5, 3) = reshape([1, 2, 3, 4, 5, 1, 3, 4, 2, 5, 1, 4, 2, 3, 5], [5, 3])
+    integer, parameter :: across(2, 3) = reshape([2, 3, 1, 3, 1, 2], [2, 3])
+    !! transverse directions, fastest first
+    integer, parameter :: turned(5, 3) = reshape([1, 2, 3, 4, 5, 1, 3, 4, 2, 5, 1, 4, 2, 3, 5], &
+        [5, 3])
     !! conserved variable in slot m of a state turned into direction d (cyclic)
 
 contains

@@ -17,8 +17,8 @@ contains
     !> Value at the face between cells b and c, seen from the side of a and b.
     !>
     !> The weights (1/3)/(e + IS0)^2 and (2/3)/(e + IS1)^2 are multiplied by both denominators. The
-    !> result does not depend on `scale`, which keeps fourth powers inside the range of real32: values
-    !> up to 1e9 times the typical one pass.
+    !> result does not depend on `scale`, which keeps fourth powers inside the range of real32:
+    !> values up to 1e9 times the typical one pass.
     !@cuf attributes(host,device) &
     pure function weno3(a, b, c, scale) result(f)
         real(rk), intent(in) :: a, b, c !! values of three cells in a row

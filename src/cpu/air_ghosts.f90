@@ -35,7 +35,8 @@ contains
     subroutine copy_layer(n, g, u, d, to, from, sign)
         integer, intent(in) :: n(3) !! cells
         integer, intent(in) :: g(3) !! ghost layers
-        real(rk), intent(inout) :: u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5)
+        real(rk), intent(inout) :: u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), &
+            1 - g(3):n(3) + g(3), 5)
         integer, intent(in) :: d !! direction
         integer, intent(in) :: to, from !! indices of the layers along d
         real(rk), intent(in) :: sign

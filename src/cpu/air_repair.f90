@@ -186,11 +186,14 @@ contains
         area = product(air%dx)/air%dx(d)
         call change(air, wall, d, low, -df, -dp_star, speed)
         call change(air, wall, d, high, df, dp_star, speed)
-        if (wall%present) call change_impulse(wall, d, low, high, real(stage%share*area, rk)*dp_star)
+        if (wall%present) &
+            call change_impulse(wall, d, low, high, real(stage%share*area, rk)*dp_star)
         if (air%bc(1, d) == bc_periodic) return
         do m = 1, 5
-            if (low(d) == 0) air%outflow(turned(m, d)) = air%outflow(turned(m, d)) - stage%share*area*df(m)
-            if (low(d) == air%n(d)) air%outflow(turned(m, d)) = air%outflow(turned(m, d)) + stage%share*area*df(m)
+            if (low(d) == 0) air%outflow(turned(m, d)) = air%outflow(turned(m, d)) &
+                - stage%share*area*df(m)
+            if (low(d) == air%n(d)) air%outflow(turned(m, d)) = air%outflow(turned(m, d)) &
+                + stage%share*area*df(m)
         end do
     end subroutine lower_face
 

@@ -17,7 +17,8 @@ module brz_air_step
     real(rk), parameter :: new(3) = [1.0_rk, 0.25_rk, 2/3.0_rk]
     real(rk), parameter :: share(3) = [1/6.0_rk, 1/6.0_rk, 2/3.0_rk]
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
-    real(rk), parameter :: least_ratio = 1e-3_rk !! of new to old density or pressure, before a fallback
+    real(rk), parameter :: least_ratio = 1e-3_rk
+    !! of new to old density or pressure, before a fallback
 
 contains
 
@@ -51,7 +52,8 @@ contains
                 call add_outflow(air, d, stage%share)
                 stage%first = .false.
             end do
-            if (any(air%suspect(1:n_blocks(air%n, last)) > 0)) call repair(air, wall, last, stage, status)
+            if (any(air%suspect(1:n_blocks(air%n, last)) > 0)) &
+                call repair(air, wall, last, stage, status)
             if (status /= air_ok) return
             call update(air%n, air%g, stage%dt, m, air%u, air%u_start, air%rate)
         end do
@@ -69,7 +71,8 @@ contains
         n = maxval(air%n)
         allocate (air%work(0:omp_get_max_threads() - 1))
         do t = 0, omp_get_max_threads() - 1
-            allocate (air%work(t)%q(lines_per_block, 5, -1:n + 2), air%work(t)%f(lines_per_block, 5, 0:n))
+            allocate (air%work(t)%q(lines_per_block, 5, -1:n + 2), &
+                air%work(t)%f(lines_per_block, 5, 0:n))
         end do
     end subroutine make_buffers
 
@@ -97,9 +100,12 @@ contains
         integer, intent(in) :: g(3) !! ghost layers
         real(rk), intent(in) :: dt !! time step [s]
         integer, intent(in) :: m !! stage
-        real(rk), intent(inout) :: u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5)
-        real(rk), intent(inout) :: u_start(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5)
-        real(rk), intent(in) :: rate(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5)
+        real(rk), intent(inout) :: u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), &
+            1 - g(3):n(3) + g(3), 5)
+        real(rk), intent(inout) :: u_start(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), &
+            1 - g(3):n(3) + g(3), 5)
+        real(rk), intent(in) :: rate(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), &
+            1 - g(3):n(3) + g(3), 5)
         integer :: i, j, k, c
 
         !$omp parallel do collapse(2) schedule(static) if (size(rate) > few_numbers)

@@ -24,7 +24,8 @@ contains
 
         inverse = merge(real(1/air%dx, rk), 0.0_rk, air%n > 1)
         fastest = 0
-        !$omp parallel do collapse(2) schedule(static) reduction(max: fastest) if (size(air%rate) > few_numbers)
+        !$omp parallel do collapse(2) schedule(static) reduction(max: fastest) &
+        !$omp& if (size(air%rate) > few_numbers)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 fastest = max(fastest, fastest_of_row(air, wall, j, k, inverse))
@@ -62,7 +63,8 @@ contains
             m2 = air%u(i, j, k, 3)
             m3 = air%u(i, j, k, 4)
             volume = 1/r
-            c2 = air%gamma*(air%gamma - 1)*(air%u(i, j, k, 5) - 0.5_rk*(m1*m1 + m2*m2 + m3*m3)*volume)*volume
+            c2 = air%gamma*(air%gamma - 1)*(air%u(i, j, k, 5) &
+                - 0.5_rk*(m1*m1 + m2*m2 + m3*m3)*volume)*volume
             speed = (abs(m1)*inverse(1) + abs(m2)*inverse(2) + abs(m3)*inverse(3))*volume &
                 + sqrt(max(c2, 0.0_rk))*all_inverse
             if (speed > fastest_of_row) fastest_of_row = speed
@@ -79,7 +81,8 @@ contains
         real(dp), intent(out) :: ledger(5) !! [kg, kg m/s, J]
         integer :: i, j, k, c, row
 
-        !$omp parallel do collapse(2) schedule(static) private(i, c, row) if (size(air%rate) > few_numbers)
+        !$omp parallel do collapse(2) schedule(static) private(i, c, row) &
+        !$omp& if (size(air%rate) > few_numbers)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 row = (k - 1)*air%n(2) + j

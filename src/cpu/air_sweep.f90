@@ -287,7 +287,8 @@ contains
                 new = (e*r - 0.5_rk*(m1*m1 + m2*m2 + m3*m3))*q(l, 1, i)
                 old = (q(l, 5, i)*q(l, 1, i) - 0.5_rk*(q(l, 2, i)*q(l, 2, i) &
                     + q(l, 3, i)*q(l, 3, i) + q(l, 4, i)*q(l, 4, i)))*r
-                bad(l) = bad(l) + merge(0, 1, r > stage%floor*q(l, 1, i) .and. new > stage%floor*old)
+                bad(l) = bad(l) + merge(0, 1, &
+                    r > stage%floor*q(l, 1, i) .and. new > stage%floor*old)
             end do
         end do
         suspects = sum(bad)

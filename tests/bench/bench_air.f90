@@ -61,8 +61,10 @@ contains
         call cpu_time(core)
         core = core + seconds
         seconds = real(finish - start, dp)/rate
-        write (output_unit, '(a, i0, a, l1, a, f8.3, a, f8.3)') 'air: ', threads, ' threads, plate ', with_plate, &
-            ', ', 1e-6_dp*steps*real(n, dp)**3/seconds, ' M cell-steps/s; per core and second of its time', &
+        write (output_unit, '(a, i0, a, l1, a, f8.3, a, f8.3)') 'air: ', threads, &
+            ' threads, plate ', with_plate, &
+            ', ', 1e-6_dp*steps*real(n, dp)**3/seconds, &
+                ' M cell-steps/s; per core and second of its time', &
             1e-6_dp*steps*real(n, dp)**3/core
         if (status /= 0) error stop 'air_step failed'
     end subroutine measure
