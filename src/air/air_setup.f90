@@ -224,7 +224,8 @@ contains
                     share = share/2
                 else
                     call raise(err, exit_deck, "&charge id='"//trim(charge%id) &
-                        //"' reaches out of the box of &air; move it, or put a symmetry plane through its centre")
+                        //"' reaches out of the box of &air; move it, " &
+                        //"or put a symmetry plane through its centre")
                     return
                 end if
             end do
