@@ -7,7 +7,7 @@ module brz_algebra
     use brz_kinds, only: rk
     implicit none
     private
-    public :: inverse3, determinant3, to_matrix, to_voigt, rotation_exp, rotate_voigt, double_dot
+    public :: inverse3, multiply3, determinant3, to_matrix, to_voigt, rotation_exp, rotate_voigt, double_dot
 
 contains
 
@@ -44,6 +44,20 @@ contains
         b(3, 2) = (a(1, 2)*a(3, 1) - a(1, 1)*a(3, 2))*r
         b(3, 3) = (a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1))*r
     end subroutine inverse3
+
+    !> Product c = a b of 3x3 matrices.
+    !@cuf attributes(host,device) &
+    pure subroutine multiply3(a, b, c)
+        real(rk), intent(in) :: a(3, 3), b(3, 3)
+        real(rk), intent(out) :: c(3, 3) !! not one of a, b
+        integer :: i, j
+
+        do j = 1, 3
+            do i = 1, 3
+                c(i, j) = a(i, 1)*b(1, j) + a(i, 2)*b(2, j) + a(i, 3)*b(3, j)
+            end do
+        end do
+    end subroutine multiply3
 
     !> Symmetric 3x3 matrix of six components.
     !@cuf attributes(host,device) &

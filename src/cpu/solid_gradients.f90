@@ -4,8 +4,8 @@
 !> Reads the neighbours' positions, velocities and volumes; writes the particle's own state and,
 !> for pass 2, its row of `pair`.
 module brz_solid_gradients
-    use brz_algebra, only: inverse3, to_matrix
-    use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms, times
+    use brz_algebra, only: inverse3, to_matrix, multiply3
+    use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_material, only: point_t
@@ -211,7 +211,7 @@ contains
             sums(at_x + 4*c - 3) = 1
         end do
         call correction(solid%dimension, sums, b, weak)
-        call times(sums(at_g + 1), b, h)
+        call multiply3(sums(at_g + 1), b, h)
         if (dt > 0) then
             call midstep_gradient(h, real(dt, rk), l)
             call update_particle(solid, body, real(dt, rk), l, i, k)
@@ -223,10 +223,10 @@ contains
         solid%pair(pair_volume, i) = solid%volume(i)
         solid%pair(pair_c, i) = solid%c_bulk(i)
         call to_matrix(solid%stress(:, i), s)
-        call times(s, b, solid%pair(pair_stress + 1, i))
+        call multiply3(s, b, solid%pair(pair_stress + 1, i))
         if (body%formulation == form_bending) then
             if (weak /= 0) solid%cut(i) = 1
-            call times(sums(at_x + 1), b, s)
+            call multiply3(sums(at_x + 1), b, s)
             call invert_or_cut(s, h, solid%cut(i))
         end if
         call copy_matrix(h, solid%pair(pair_affine + 1, i))

@@ -4,7 +4,7 @@
 !> Point physics: compiled for the CPU and for the GPU.
 module brz_kinematics
     use brz_kinds, only: rk
-    use brz_algebra, only: rotation_exp
+    use brz_algebra, only: multiply3, rotation_exp
     implicit none
     private
     public :: volume_step, turn_axes, transposed, exp_minus_1, polar_rotation
@@ -68,36 +68,22 @@ contains
         logical :: fine
 
         call rotation_exp(l, dt/2, q)
-        call multiply(q, f, t)
+        call multiply3(q, f, t)
         if (only_spin) then
             call polar_rotation(t, middle, ok)
-            call multiply(q, middle, last)
-            call multiply(q, middle, f)
+            call multiply3(q, middle, last)
+            call multiply3(q, middle, f)
         else
             call exp_symmetric(l, dt/2, e)
-            call multiply(e, t, r)
+            call multiply3(e, t, r)
             call polar_rotation(r, middle, fine)
-            call multiply(e, r, t)
+            call multiply3(e, r, t)
             call polar_rotation(t, r, ok)
             ok = ok .and. fine
-            call multiply(q, r, last)
-            call multiply(q, t, f)
+            call multiply3(q, r, last)
+            call multiply3(q, t, f)
         end if
     end subroutine turn_axes
-
-    !> c = a b for 3x3 matrices.
-    !@cuf attributes(host,device) &
-    pure subroutine multiply(a, b, c)
-        real(rk), intent(in) :: a(3, 3), b(3, 3)
-        real(rk), intent(out) :: c(3, 3)
-        integer :: i, j
-
-        do j = 1, 3
-            do i = 1, 3
-                c(i, j) = a(i, 1)*b(1, j) + a(i, 2)*b(2, j) + a(i, 3)*b(3, j)
-            end do
-        end do
-    end subroutine multiply
 
     !> b = a^T for 3x3 matrices.
     !@cuf attributes(host,device) &
@@ -127,14 +113,14 @@ contains
                 s(i, j) = (l(i, j) + l(j, i))*t/2
             end do
         end do
-        call multiply(s, s, s2)
+        call multiply3(s, s, s2)
         do j = 1, 3
             do i = 1, 3
                 e(i, j) = s2(i, j)/12 + s(i, j)/3
             end do
             e(j, j) = e(j, j) + 1
         end do
-        call multiply(s2, e, tail)
+        call multiply3(s2, e, tail)
         do j = 1, 3
             do i = 1, 3
                 e(i, j) = s(i, j) + tail(i, j)/2

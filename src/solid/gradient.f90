@@ -6,11 +6,11 @@
 !>
 !> Source: docs/solid.md section 3; Randles & Libersky 1996, Bonet & Lok 1999
 module brz_gradient
-    use brz_algebra, only: inverse3
+    use brz_algebra, only: inverse3, multiply3
     use brz_kinds, only: rk
     implicit none
     private
-    public :: moment_terms, outer_terms, correction, times, midstep_gradient
+    public :: moment_terms, outer_terms, correction, midstep_gradient
 
     ! smaller eigenvalues of M are not inverted in full; at the corner of a regular block the
     ! smallest is 0.25 in 2-D and 0.18 in 3-D
@@ -166,20 +166,6 @@ contains
         end do
     end subroutine rotate_away
 
-    !> Product c = a b of 3x3 matrices.
-    !@cuf attributes(host,device) &
-    pure subroutine times(a, b, c)
-        real(rk), intent(in) :: a(3, 3), b(3, 3)
-        real(rk), intent(out) :: c(3, 3)
-        integer :: i, j
-
-        do j = 1, 3
-            do i = 1, 3
-                c(i, j) = a(i, 1)*b(1, j) + a(i, 2)*b(2, j) + a(i, 3)*b(3, j)
-            end do
-        end do
-    end subroutine times
-
     !> Velocity gradient in the middle of the step, L = H (I - dt/2 H)^-1.
     !>
     !> H is the gradient of the mid-step velocity with respect to the positions just reached; left
@@ -200,6 +186,6 @@ contains
             a(j, j) = 1 + a(j, j)
         end do
         call inverse3(a, b, ok)
-        call times(h, b, l)
+        call multiply3(h, b, l)
     end subroutine midstep_gradient
 end module brz_gradient
