@@ -15,6 +15,9 @@ KIND      := $(if $(DEBUG),-debug)$(if $(PORTABLE),-portable)$(if $(filter mixed
 BUILD     ?= build
 B         := $(BUILD)/cpu$(KIND)
 BIN       := bin/brisance$(KIND)
+# Threads that wait sleep: on a busy machine spinning ones cost more than they save.
+OMP_WAIT_POLICY ?= passive
+export OMP_WAIT_POLICY
 
 HDF5_CFLAGS = $(shell pkg-config --cflags hdf5-serial)
 HDF5_LIBS   = $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5

@@ -5,8 +5,8 @@
 module brz_ledger
     use brz_air_energy, only: air_kinetic
     use brz_air_state, only: air_t
-    use brz_air_sums, only: air_totals
     use brz_coupling_state, only: coupling_t
+    use brz_coupling_totals, only: coupling_totals
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals, solid_totals_t
@@ -69,14 +69,13 @@ contains
         type(ledger_start_t), intent(inout) :: start
         type(ledger_t), intent(out) :: ledger
         type(solid_totals_t) :: sums
-        real(dp) :: all(5)
+        real(dp) :: all(5), debt(5)
 
         ledger%time = time
         if (air%present) then
-            call air_totals(air, coupling%wall, ledger%gas, ledger%kept)
+            call coupling_totals(air, coupling, ledger%gas, ledger%kept, debt)
             ledger%gas_kinetic = air_kinetic(air, coupling%wall)
-            if (coupling%present) ledger%kept = ledger%kept + product(air%dx)* &
-                sum(real(coupling%debt(:, :coupling%n_debts), dp), dim=2)
+            ledger%kept = ledger%kept + debt
             ledger%outflow = air%outflow
             ledger%fallback_faces = real(air%fallback_faces, dp)
         end if
