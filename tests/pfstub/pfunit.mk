@@ -14,8 +14,9 @@ PF_PLAIN   = -std=f2018 -O1 -fno-lto -J$(B)/mod
 endif
 PF_FLAGS  += -ffree-line-length-none -Wno-unused-function -Wno-unused-dummy-argument
 
-# The tests themselves are not optimised at link time, only the library under test is.
-$(B)/obj/tests/%.o: FAST := $(filter-out -flto=auto,$(FAST))
+# The tests are not optimised at link time, the library under test is (private: not inherited by
+# what a test depends on).
+$(B)/obj/tests/%.o: private FAST := $(filter-out -flto=auto,$(FAST))
 $(B)/%.F90: %.pf $(PF_PROC)
 	@mkdir -p $(@D)
 	@$(PF_PROC) $< $@

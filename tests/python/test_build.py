@@ -62,6 +62,32 @@ def test_only_what_depends_is_compiled(project):
     assert compiled(project, "OPT=-O0", "DEBUG=1") == {"first", "second", "third"}
 
 
+UNIT = """module test_third
+ use funit
+ use brz_third, only: b
+contains
+ @test
+ subroutine holds()
+  @assertEqual(1, b)
+ end subroutine
+end module
+"""
+
+
+def test_tests_use_the_library_as_it_is_built(project):
+    (project / "src/base/third.f90").write_text(THIRD.replace("only: a", "only: b => a"))
+    (project / "tests/unit").mkdir()
+    (project / "tests/unit/test_third.pf").write_text(UNIT)
+    (project / "src/base/second.f90").write_text(SECOND.replace("a(n)", "a = n"))
+    done = run("make", "-j2", "unit", cwd=project)
+    assert "(1 tests)" in done.stdout, done.stderr
+    assert compiled(project) == set()
+    for target in ("obj/tests/unit/test_third.o", "tests/unit/run"):
+        (project / "tests/unit/test_third.pf").write_text(UNIT.replace("1, b", "1, b*1"))
+        assert run("make", "-j2", f"build/cpu/{target}", cwd=project).returncode == 0
+        assert compiled(project) == set()
+
+
 def test_files_may_come_and_go(project):
     compiled(project)
     third = project / "src/base/third.f90"
