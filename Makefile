@@ -91,7 +91,7 @@ test: setup ## build and run every test
 	@$(PY) scripts/run_tests.py $(PARTS)
 demo: setup ## a coarse blast on a CFRP plate, with pictures
 	@$(MAKE) --no-print-directory all
-	$(BIN) run inputs/demo.nml
+	$(BIN) run inputs/demo.nml --replace
 	$(PY) -m post report out/demo
 bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
 	@for program in $^; do $$program || exit 1; done
