@@ -7,7 +7,8 @@ module brz_algebra
     use brz_kinds, only: rk
     implicit none
     private
-    public :: inverse3, multiply3, determinant3, to_matrix, to_voigt, rotation_exp, rotate_voigt, double_dot
+    public :: inverse3, multiply3, determinant3, double_dot
+    public :: to_matrix, to_voigt, rotation_exp, rotate_voigt
 
 contains
 

@@ -38,17 +38,17 @@ contains
             '       brisance --version | --help'//lf// &
             ''//lf// &
             'options of run:'//lf// &
-            '  --check                  read and discretise the deck, print its cost, run nothing'//lf// &
+            '  --check                  read and discretise the deck, print its cost'//lf// &
             '  --out DIR                folder of the results (default out/<deck name>)'//lf// &
-            '  --replace                remove the results of an earlier run from that folder'//lf// &
+            '  --replace                remove results of an earlier run from that folder'//lf// &
             '  --restart FILE|latest    go on from a checkpoint'//lf// &
-            '  --walltime HH:MM:SS      write a checkpoint and stop (code 75) before this time is over'//lf// &
+            '  --walltime HH:MM:SS      write a checkpoint and stop (code 75) by that time'//lf// &
             '  --set group.key=value    change a value of the deck, e.g. run.t_end=1e-4 or'//lf// &
             '                           body(plate).spacing=2e-3; may be repeated'//lf// &
             '  --backend cpu|gpu|auto   where to compute'//lf// &
             ''//lf// &
-            'signals: USR1 writes a checkpoint; USR2, TERM and a file <job>.stop in the results'//lf// &
-            '         folder write a checkpoint and stop with code 75'//lf// &
+            'signals: USR1 writes a checkpoint; USR2, TERM and a file <job>.stop in the'//lf// &
+            '         folder of the results write a checkpoint and stop with code 75'//lf// &
             'exit codes: 0 done; 1 internal; 2 usage or deck; 3 numerical; 4 input/output;'//lf// &
             '            5 device; 75 stopped early with a checkpoint'
     end function usage
@@ -111,7 +111,8 @@ contains
         do while (i <= size(args) .and. .not. failed(err))
             flag = args(i)%s
             if (index(flag, '--') /= 1) then
-                if (options%deck /= '') call raise(err, exit_deck, "more than one deck: '"//flag//"'")
+                if (options%deck /= '') call raise(err, exit_deck, &
+                    "more than one deck: '"//flag//"'")
                 options%deck = flag
                 i = i + 1
                 cycle

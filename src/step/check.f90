@@ -12,7 +12,7 @@ module brz_check
     private
     public :: print_check
 
-    integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 120 !! per cell and particle, packed
+    integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 120 !! per cell, particle
 
 contains
 
@@ -38,7 +38,8 @@ contains
             1e-6_dp*dumps*(merge(real(air_dump_bytes, dp)*product(real(sim%air%n, dp)), 0.0_dp, &
                                  sim%air%present) + real(solid_dump_bytes, dp)*sim%solid%n), ' MB'
         notes = 'the deck is sound'
-        if (size(sim%case%warnings) > 0) notes = to_text(size(sim%case%warnings))//' warning(s), see above'
+        if (size(sim%case%warnings) > 0) &
+            notes = to_text(size(sim%case%warnings))//' warning(s), see above'
         write (output_unit, '(a)') 'verdict      '//notes
     end subroutine print_check
 
@@ -86,8 +87,9 @@ contains
 
         do b = 1, size(sim%solid%bodies)
             associate (body => sim%solid%bodies(b), solid => sim%solid)
-                write (output_unit, '(3a, i0, 3a, es10.3, a)') 'body         ', trim(body%id), ': ', &
-                    body%last - body%first + 1, ' particles at ', to_text(real(1e3_dp*body%spacing, real32)), &
+                write (output_unit, '(3a, i0, 3a, es10.3, a)') 'body         ', trim(body%id), &
+                    ': ', body%last - body%first + 1, ' particles at ', &
+                    to_text(real(1e3_dp*body%spacing, real32)), &
                     ' mm,', sum(real(solid%mass(body%first:body%last), dp)), ' kg'
             end associate
         end do

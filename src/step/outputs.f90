@@ -12,8 +12,8 @@ module brz_outputs
     use brz_gauges, only: gauge_names, gauge_row, gauges_t, set_up_gauges
     use brz_history, only: append_row, close_history, flush_history, history_t, open_history
     use brz_kinds, only: dp
-    use brz_ledger, only: body_names, body_row, energy_columns, ledger_row, ledger_start_t, ledger_t, &
-                          take_stock
+    use brz_ledger, only: body_names, body_row, energy_columns, ledger_row, ledger_start_t, &
+                          ledger_t, take_stock
     use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, prepare_folder
     use brz_progress, only: progress_line, wall_seconds
     use brz_simulation, only: simulation_t
@@ -128,7 +128,8 @@ contains
 
         if (failed(err)) return
         last = sim%clock%time >= sim%case%run%t_end
-        if (tick(sim%clock%history, sim%clock%time) .or. last) call write_histories(sim, outputs, err)
+        if (tick(sim%clock%history, sim%clock%time) .or. last) &
+            call write_histories(sim, outputs, err)
         if (failed(err)) return
         if (tick(sim%clock%dump, sim%clock%time) .or. last) call write_dumps( &
             outputs%dumps, sim%case, sim%clock, sim%air, sim%coupling%wall, sim%solid, err)

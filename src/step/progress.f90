@@ -15,7 +15,7 @@ module brz_progress
         integer :: cycle_line = 0 !! cycle of the last line
         integer(int64) :: cell_steps = 0, particle_steps = 0 !! since the start of the run
         integer(int64) :: cells_line = 0, particles_line = 0 !! the same at the last line
-        real(dp) :: air_seconds = 0, solid_seconds = 0, coupling_seconds = 0 !! time spent, all steps
+        real(dp) :: air_seconds = 0, solid_seconds = 0, coupling_seconds = 0 !! time spent
         real(dp) :: rate = 0 !! moving mean of simulated time per wall-clock time [-]
     end type progress_t
 

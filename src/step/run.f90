@@ -111,7 +111,7 @@ contains
         call report(sim, outputs, err)
     end subroutine time_loop
 
-    !> Checkpoint, or checkpoint and stop, where a signal, a stop file or the wall clock asks for it.
+    !> Checkpoint, or checkpoint and stop, where a signal, a stop file or the wall clock asks.
     subroutine obey_requests(sim, outputs, err)
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
