@@ -23,7 +23,7 @@ HDF5_CFLAGS = $(shell pkg-config --cflags hdf5-serial)
 HDF5_LIBS   = $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5
 WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals -Wno-maybe-uninitialized
 FAST     := $(OPT) -march=$(ARCH) -flto=auto
-CHECKED  := -Og -g -fcheck=all -ffpe-trap=invalid,zero,overflow -fbacktrace
+CHECKED  := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow -fbacktrace
 FFLAGS    = -std=f2018 -fopenmp $(if $(DEBUG),$(CHECKED),$(FAST)) $(WARN) \
             $(if $(filter mixed,$(PRECISION)),-DBRZ_MIXED) $(EXTRA_FFLAGS)
 COMPILE   = $(FC) $(FFLAGS) $(HDF5_CFLAGS) -J$(B)/mod
