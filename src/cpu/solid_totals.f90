@@ -28,18 +28,16 @@ contains
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         type(solid_totals_t), intent(out) :: totals
-        real(dp) :: part(n_sum), sums(n_sum)
+        real(dp) :: part(n_sum, size(solid%block, 2)), sums(n_sum)
         integer :: k
 
-        sums = 0
-        !$omp parallel do if(solid%n >= worth_threads) ordered schedule(static, 1) private(part)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static)
         do k = 1, size(solid%block, 2)
-            if (b /= 0 .and. solid%block(1, k) /= b) cycle
-            call sum_block(solid, solid%block(2, k), solid%block(3, k), part)
-            !$omp ordered
-            sums = sums + part
-            !$omp end ordered
+            part(:, k) = 0
+            if (b == 0 .or. solid%block(1, k) == b) &
+                call sum_block(solid, solid%block(2, k), solid%block(3, k), part(:, k))
         end do
+        sums = sum(part, dim=2)
         totals%mass = sums(1)
         totals%centre = sums(2:4)/max(sums(1), tiny(1.0_dp))
         totals%momentum = sums(5:7)
