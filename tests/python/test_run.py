@@ -53,6 +53,11 @@ def tables(folder):
     return {p.name: p.read_bytes() for p in sorted(Path(folder).glob("*.csv"))}
 
 
+def history(file):
+    """The columns of a history by name."""
+    return np.genfromtxt(file, delimiter=",", names=True, deletechars="", replace_space=" ")
+
+
 def arrays(file):
     """All arrays of an HDF5 file, by path."""
     found = {}
@@ -79,12 +84,12 @@ def test_run_leaves_its_results(scene):
     names = {p.name for p in out.iterdir()}
     assert {"slab.echo.nml", "energy.csv", "gauges.csv", "bodies.csv"} <= names
     assert {"air.vtkhdf.series", "solid.vtkhdf.series"} <= names
-    energy = np.genfromtxt(out / "energy.csv", delimiter=",", names=True, deletechars="")
+    energy = history(out / "energy.csv")
     assert energy["time[s]"][-1] == pytest.approx(4e-5, rel=1e-12)
     assert np.abs(energy["mass_error[-]"]).max() < 1e-12
     assert np.abs(energy["momentum_error[-]"]).max() < 1e-12
     assert np.abs(energy["error[-]"]).max() < 2e-3
-    top = np.genfromtxt(out / "gauges.csv", delimiter=",", names=True, deletechars="")
+    top = history(out / "gauges.csv")
     moved = next(n for n in top.dtype.names if n.startswith("top"))
     assert top[moved][-1] > 1e-7, "the shock does not move the slab"
 
@@ -238,3 +243,57 @@ def test_check_runs_nothing(scene, tmp_path):
 def test_command_line(scene, args, code, word):
     done = run(*args, cwd=scene, code=code)
     assert word in done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("deck", sorted(p.name for p in (ROOT / "inputs").glob("*.nml")))
+def test_decks_that_come_along_are_sound(deck, tmp_path):
+    run("run", ROOT / "inputs" / deck, "--check", cwd=tmp_path)
+
+
+def test_strip_rings_with_the_period_of_beam_theory(tmp_path):
+    """A solid alone: the first mode of a clamped strip in plane strain, three particles across."""
+    run("run", ROOT / "inputs" / "beam.nml", cwd=tmp_path)
+    tip = history(tmp_path / "out" / "beam" / "gauges.csv")
+    y = tip["tip:displacement_y[m]"]
+    crossings = tip["time[s]"][1:][(y[:-1] < 0) != (y[1:] < 0)]
+    stiffness = 210e9 / (1 - 0.29**2) * 0.004**2 / 12 / 7850
+    period = 2 * np.pi / (1.8751**2 * np.sqrt(stiffness) / 0.1**2)
+    assert crossings[1] == pytest.approx(period, rel=0.02)
+
+
+def test_shock_tube_alone(tmp_path):
+    """Air alone: the exact density left of the contact of Sod's problem is 0.42632."""
+    run("run", ROOT / "inputs" / "shock_tube.nml", cwd=tmp_path)
+    gauges = history(tmp_path / "out" / "shock_tube" / "gauges.csv")
+    assert gauges["contact:density[kg/m3]"][-1] == pytest.approx(0.42632, rel=5e-3)
+    assert gauges["shock:pressure[Pa]"][-1] == pytest.approx(0.30313, rel=5e-3)
+
+
+BAR = """\
+&run title='strong shock on an elastic bar', t_end=4e-4, dimension=1 /
+&air box=0,1, 0,1, 0,1, cells=200,1,1, density=1.2, pressure=1e5, ramp_steps=0 /
+&gas id='shock', box=0,0.45, 0,1, 0,1, density=6.804, pressure=1e7, velocity=2607,0,0 /
+&material id='concrete', model='linear_elastic', density=2000,
+          youngs_modulus=1.8e10, poisson_ratio=0 /
+&body id='bar', box=0.5,0.55, 0,1, 0,1, spacing=1.6667e-3, material='concrete',
+      formulation='corrected', cfl=0.12 /
+&output history_every=0 /
+"""
+
+
+def test_substeps_of_the_solid_change_little(tmp_path):
+    """Eight solid steps in one step of the air give the motion of one in one, within 5e-4, and
+    the bar receives the impulse that the air gave."""
+    (tmp_path / "bar.nml").write_text(BAR)
+    speed = {}
+    when = np.linspace(1e-4, 3.9e-4, 100)
+    for k in (1, 8):
+        run("run", "bar.nml", "--set", f"run.dt_max={7.5e-8 * k}", "--out", f"k{k}", cwd=tmp_path)
+        bar = history(tmp_path / f"k{k}" / "bodies.csv")
+        energy = history(tmp_path / f"k{k}" / "energy.csv")
+        speed[k] = np.interp(when, bar["time[s]"], bar["bar:velocity_x[m/s]"])
+        momentum = bar["bar:mass[kg]"][-1] * bar["bar:velocity_x[m/s]"][-1]
+        assert momentum == pytest.approx(energy["impulse_x[N s]"][-1], rel=1e-12)
+        assert np.abs(energy["error[-]"]).max() < 1e-5
+    assert len(history(tmp_path / "k8" / "bodies.csv")) < 800
+    assert np.abs(speed[8] - speed[1]).max() < 5e-4 * speed[1].max()
