@@ -50,7 +50,8 @@ contains
         call open_outputs(options, sim, outputs, err)
         if (failed(err)) return
         call time_loop(sim, outputs, err)
-        call close_outputs(outputs, err)
+        call close_outputs(outputs, closing) ! the rows up to a failure are the ones that tell
+        if (.not. failed(err)) err = closing
         if (failed(err) .and. err%code /= exit_stopped) return
         call print_summary(sim, outputs, closing)
         if (.not. failed(err)) err = closing

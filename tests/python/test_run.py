@@ -189,8 +189,10 @@ def test_small_time_step_is_a_numerical_error(scene, tmp_path):
 
 def test_energy_out_of_its_band_is_a_numerical_error(scene, tmp_path):
     shutil.copy(scene / "slab.nml", tmp_path)
-    done = run("run", "slab.nml", "--set", "run.energy_band=1e-12", cwd=tmp_path, code=3)
+    done = run("run", "slab.nml", "--set", "run.energy_band=1e-9", cwd=tmp_path, code=3)
     assert "energy" in done.stderr
+    error = history(tmp_path / "out" / "slab" / "energy.csv")["error[-]"]
+    assert abs(error[-1]) > 1e-9, "the rows up to the failure are missing"
 
 
 def test_echo_runs_the_same(scene, tmp_path):
