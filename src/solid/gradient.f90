@@ -6,7 +6,7 @@
 !>
 !> Source: docs/solid.md section 3; Randles & Libersky 1996, Bonet & Lok 1999
 module brz_gradient
-    use brz_algebra, only: inverse3, multiply3
+    use brz_algebra, only: inverse3, multiply3, to_matrix
     use brz_kinds, only: rk
     implicit none
     private
@@ -71,7 +71,7 @@ contains
         logical :: ok
         integer :: i, j
 
-        call fill_symmetric(m, a)
+        call to_matrix(m, a)
         call inverse3(a, b, ok)
         norm = 0
         do j = 1, 3
@@ -86,22 +86,6 @@ contains
         weak = 1
         call tamed_inverse(weakest, a, b)
     end subroutine correction
-
-    !@cuf attributes(host,device) &
-    pure subroutine fill_symmetric(m, a)
-        real(rk), intent(in) :: m(6)
-        real(rk), intent(out) :: a(3, 3)
-
-        a(1, 1) = m(1)
-        a(2, 2) = m(2)
-        a(3, 3) = m(3)
-        a(1, 2) = m(4)
-        a(2, 1) = m(4)
-        a(2, 3) = m(5)
-        a(3, 2) = m(5)
-        a(1, 3) = m(6)
-        a(3, 1) = m(6)
-    end subroutine fill_symmetric
 
     !> Inverse by eigenvalues l: 1/l above the limit, l/limit^2 below, which goes to 0 with l.
     !@cuf attributes(host,device) &
