@@ -2,6 +2,7 @@
 !> What `--check` prints: what was discretised, whether it is resolved, and what it will cost.
 module brz_check
     use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_air_setup, only: time_step_ramp
     use brz_errors, only: error_t
     use brz_kinds, only: dp, real32
     use brz_simulation, only: simulation_t
@@ -27,7 +28,7 @@ contains
         if (sim%air%present) call check_air(sim)
         if (sim%solid%present) call check_solid(sim)
         call choose_time_step(sim, dt, err)
-        if (sim%air%present) dt = dt/first_share(sim)
+        if (sim%air%present) dt = dt/time_step_ramp(0, sim%case%air%ramp_steps)
         write (output_unit, '(a, es10.3, 3a, i0, a)') 'time step    ', dt, ' s at first, limit: ', &
             trim(sim%limiter), '; about ', nint(sim%case%run%t_end/dt), &
             ' steps at this rate (a blast shortens it)'
@@ -42,13 +43,6 @@ contains
             notes = to_text(size(sim%case%warnings))//' warning(s), see above'
         write (output_unit, '(a)') 'verdict      '//notes
     end subroutine print_check
-
-    !> Share of the time step that the ramp leaves to the first step.
-    pure real(dp) function first_share(sim)
-        type(simulation_t), intent(in) :: sim
-
-        first_share = merge(0.1_dp, 1.0_dp, sim%case%air%ramp_steps > 0)
-    end function first_share
 
     !> Memory for the air and the walls in it, ghosts and all [B].
     pure real(dp) function air_bytes(sim) result(bytes)
