@@ -8,9 +8,10 @@
 module brz_clock
     use brz_case, only: case_t
     use brz_kinds, only: dp, int64
+    use brz_timer, only: wall_seconds
     implicit none
     private
-    public :: clock_t, ticker_t, start_clock, resume_clock, tick, elapsed_seconds, walltime_is_up
+    public :: clock_t, ticker_t, start_clock, resume_clock, tick, walltime_is_up
 
     real(dp), parameter :: slack = 1e-9_dp !! rounding that an interval forgives, in intervals
 
@@ -28,7 +29,7 @@ module brz_clock
         integer :: dump_number = 0 !! of the next dump
         real(dp) :: dump_time = -huge(1.0_dp) !! of the last dump [s]
         type(ticker_t) :: dump, history, checkpoint
-        integer(int64) :: wall_start = 0 !! count of the system clock
+        real(dp) :: wall_start = 0 !! wall clock at the start [s]
         real(dp) :: walltime = huge(1.0_dp) !! wall-clock time that the run may take [s]
     end type clock_t
 
@@ -46,7 +47,7 @@ contains
         clock%checkpoint%every = case%output%checkpoint_every
         clock%checkpoint%next = 1
         if (present(walltime)) clock%walltime = walltime
-        call system_clock(clock%wall_start)
+        clock%wall_start = wall_seconds()
     end subroutine start_clock
 
     !> After `time` was read from a checkpoint: what was due until then has been done.
@@ -83,15 +84,6 @@ contains
             ticker%next = floor(time/ticker%every + slack, int64) + 1
     end subroutine pass
 
-    !> Wall-clock time since the start [s].
-    real(dp) function elapsed_seconds(clock)
-        type(clock_t), intent(in) :: clock
-        integer(int64) :: now, rate
-
-        call system_clock(now, rate)
-        elapsed_seconds = real(now - clock%wall_start, dp)/real(rate, dp)
-    end function elapsed_seconds
-
     !> True if the run must write its last checkpoint now to keep its wall-clock limit.
     logical function walltime_is_up(clock, reserve)
         type(clock_t), intent(in) :: clock
@@ -99,6 +91,6 @@ contains
 
         walltime_is_up = .false.
         if (clock%walltime < huge(1.0_dp)/2) &
-            walltime_is_up = elapsed_seconds(clock) + reserve >= clock%walltime
+            walltime_is_up = wall_seconds() - clock%wall_start + reserve >= clock%walltime
     end function walltime_is_up
 end module brz_clock

@@ -15,10 +15,11 @@ module brz_outputs
     use brz_ledger, only: body_names, body_row, energy_columns, ledger_row, ledger_start_t, &
                           ledger_t, take_stock
     use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, prepare_folder
-    use brz_progress, only: progress_line, wall_seconds
+    use brz_progress, only: progress_line
     use brz_simulation, only: simulation_t
     use brz_solid_step, only: resume_solid
     use brz_text, only: to_text
+    use brz_timer, only: wall_seconds
     implicit none
     private
     public :: outputs_t, open_outputs, write_due, report, save_checkpoint, close_outputs

@@ -3,9 +3,10 @@
 module brz_progress
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_kinds, only: dp, int64
+    use brz_timer, only: wall_seconds
     implicit none
     private
-    public :: progress_t, start_progress, progress_line, wall_seconds
+    public :: progress_t, start_progress, progress_line
 
     !> Counters between two lines, and the wall clock.
     type :: progress_t
@@ -20,14 +21,6 @@ module brz_progress
     end type progress_t
 
 contains
-
-    !> Wall clock [s]; only differences mean something.
-    real(dp) function wall_seconds()
-        integer(int64) :: count, count_rate
-
-        call system_clock(count, count_rate)
-        wall_seconds = real(count, dp)/real(count_rate, dp)
-    end function wall_seconds
 
     !> Start the clocks of a run at simulated time `time`.
     subroutine start_progress(progress, time, cycle)

@@ -13,13 +13,14 @@ module brz_run
     use brz_kinds, only: dp
     use brz_outputs, only: close_outputs, open_outputs, outputs_t, report, save_checkpoint, &
                            write_due
-    use brz_progress, only: start_progress, wall_seconds
+    use brz_progress, only: start_progress
     use brz_scanner, only: read_deck
     use brz_signals, only: checkpoint_asked, listen_to_signals, look_for_stop_file, stop_asked
     use brz_simulation, only: set_up_simulation, simulation_t
     use brz_summary, only: print_summary
     use brz_text, only: to_text
     use brz_time_step, only: advance
+    use brz_timer, only: wall_seconds
     implicit none
     private
     public :: run_deck

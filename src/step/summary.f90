@@ -7,8 +7,8 @@ module brz_summary
     use brz_ledger, only: ledger_t, take_stock
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
-    use brz_progress, only: wall_seconds
     use brz_simulation, only: simulation_t
+    use brz_timer, only: wall_seconds
     implicit none
     private
     public :: print_summary

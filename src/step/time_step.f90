@@ -10,10 +10,10 @@ module brz_time_step
     use brz_coupling_velocity, only: set_wall_velocity
     use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_kinds, only: dp, int64
-    use brz_progress, only: wall_seconds
     use brz_simulation, only: simulation_t
     use brz_solid_step, only: solid_step, solid_time_step
     use brz_text, only: to_text
+    use brz_timer, only: lap, wall_seconds
     implicit none
     private
     public :: advance, choose_time_step
@@ -24,17 +24,29 @@ contains
     subroutine advance(sim, err)
         type(simulation_t), intent(inout) :: sim
         type(error_t), intent(inout) :: err !! exit_numerical where a state is lost
-        real(dp) :: dt
+        real(dp) :: dt, mark
 
         call choose_time_step(sim, dt, err)
         if (failed(err)) return
-        if (sim%coupling%present) call prepare_walls(sim, dt)
+        mark = wall_seconds()
+        if (sim%coupling%present) then
+            call set_wall_velocity(sim%air, sim%solid, sim%coupling, dt)
+            call lap(mark, sim%progress%coupling_seconds)
+        end if
         if (sim%air%present) call step_air(sim, dt, err)
+        call lap(mark, sim%progress%air_seconds)
         if (failed(err)) return
-        if (sim%coupling%present) call load_solid(sim, dt)
+        if (sim%coupling%present) then
+            call load_solid(sim, dt)
+            call lap(mark, sim%progress%coupling_seconds)
+        end if
         if (sim%solid%present) call step_solid(sim, dt, err)
+        call lap(mark, sim%progress%solid_seconds)
         if (failed(err)) return
-        if (sim%coupling%present) call find_walls(sim)
+        if (sim%coupling%present) then
+            call reclassify(sim%air, sim%solid, sim%coupling)
+            call lap(mark, sim%progress%coupling_seconds)
+        end if
         sim%clock%dt = dt
         sim%clock%time = sim%clock%time + dt
         sim%clock%cycle = sim%clock%cycle + 1
@@ -82,39 +94,15 @@ contains
         substeps = max(1, ceiling(dt/solid_time_step(sim%solid)))
     end function substeps
 
-    !> Walls move with the particles in their cells.
-    subroutine prepare_walls(sim, dt)
-        type(simulation_t), intent(inout) :: sim
-        real(dp), intent(in) :: dt !! [s]
-        real(dp) :: begin
-
-        begin = wall_seconds()
-        call set_wall_velocity(sim%air, sim%solid, sim%coupling, dt)
-        sim%progress%coupling_seconds = sim%progress%coupling_seconds + wall_seconds() - begin
-    end subroutine prepare_walls
-
-    !> Cells that the solid covers and uncovers; nothing moves while it is asleep.
-    subroutine find_walls(sim)
-        type(simulation_t), intent(inout) :: sim
-        real(dp) :: begin
-
-        begin = wall_seconds()
-        call reclassify(sim%air, sim%solid, sim%coupling)
-        sim%progress%coupling_seconds = sim%progress%coupling_seconds + wall_seconds() - begin
-    end subroutine find_walls
-
     !> One step of the air.
     subroutine step_air(sim, dt, err)
         type(simulation_t), intent(inout) :: sim
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        real(dp) :: begin
         integer :: status
 
-        begin = wall_seconds()
         call air_step(sim%air, sim%coupling%wall, dt, status)
         if (status /= air_ok) call report_lost_cell(sim, err)
-        sim%progress%air_seconds = sim%progress%air_seconds + wall_seconds() - begin
         sim%progress%cell_steps = sim%progress%cell_steps + product(int(sim%air%n, int64))
     end subroutine step_air
 
@@ -140,11 +128,8 @@ contains
     subroutine load_solid(sim, dt)
         type(simulation_t), intent(inout) :: sim
         real(dp), intent(in) :: dt !! [s]
-        real(dp) :: begin
 
-        begin = wall_seconds()
         call spread_load(sim%air, sim%solid, sim%coupling, dt)
-        sim%progress%coupling_seconds = sim%progress%coupling_seconds + wall_seconds() - begin
         if (.not. sim%solid%asleep) return
         if (load_is_negligible(sim%air, sim%coupling, dt)) return
         sim%solid%asleep = .false.
@@ -156,15 +141,12 @@ contains
         type(simulation_t), intent(inout) :: sim
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        real(dp) :: begin
         integer :: k
 
-        begin = wall_seconds()
         do k = 1, sim%substeps
             call solid_step(sim%solid, dt/sim%substeps, err)
             if (failed(err)) return
         end do
-        sim%progress%solid_seconds = sim%progress%solid_seconds + wall_seconds() - begin
         sim%progress%particle_steps = sim%progress%particle_steps + &
                                       int(sim%substeps, int64)*sim%solid%n
     end subroutine step_solid
