@@ -11,7 +11,7 @@ FC        := gfortran
 PRECISION ?= double
 OPT       ?= -O3 -fno-math-errno -fno-trapping-math -finline-limit=400
 ARCH      := $(if $(PORTABLE),x86-64-v2,native)
-KIND      := $(if $(DEBUG),-debug)$(if $(PORTABLE),-portable)$(if $(filter mixed,$(PRECISION)),-mixed)
+KIND      := $(if $(DEBUG),-debug)$(if $(QUICK),-quick)$(if $(PORTABLE),-portable)$(if $(filter mixed,$(PRECISION)),-mixed)
 BUILD     ?= build
 B         := $(BUILD)/cpu$(KIND)
 BIN       := bin/brisance$(KIND)
@@ -23,8 +23,9 @@ HDF5_CFLAGS = $(shell pkg-config --cflags hdf5-serial)
 HDF5_LIBS   = $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5
 WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals -Wno-maybe-uninitialized
 FAST     := $(OPT) -march=$(ARCH) -flto=auto
+QUICKLY  := -O1 -fno-math-errno -fno-trapping-math -march=$(ARCH)
 CHECKED  := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow -fbacktrace
-FFLAGS    = -std=f2018 -fopenmp $(if $(DEBUG),$(CHECKED),$(FAST)) $(WARN) \
+FFLAGS    = -std=f2018 -fopenmp $(if $(DEBUG),$(CHECKED),$(if $(QUICK),$(QUICKLY),$(FAST))) $(WARN) \
             $(if $(filter mixed,$(PRECISION)),-DBRZ_MIXED) $(EXTRA_FFLAGS)
 COMPILE   = $(FC) $(FFLAGS) $(HDF5_CFLAGS) -J$(B)/mod
 Q        := $(if $(V),,@)
@@ -49,7 +50,7 @@ $(BIN): $(B)/obj/src/main.o $(LIB)
 # (-fPIE: the functions are final, so that point physics is inlined across files)
 $(LIB): $(OBJ)
 	$(call say,optimise $@)
-	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG),,-fPIE -flinker-output=nolto-rel) -o $@ $(OBJ)
+	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG)$(QUICK),,-fPIE -flinker-output=nolto-rel) -o $@ $(OBJ)
 $(B)/obj/%.o: %.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
@@ -133,4 +134,4 @@ clean: ## remove everything that make has made, except .venv
 	rm -rf build bin out gpu
 help: ## show this list
 	@awk -F ':.*## ' '/^[a-z][a-z %:-]*:.*## / {sub(": %", "", $$1); printf "  make %-12s %s\n", $$1, $$2}' $(MAKEFILE_LIST)
-	@echo 'Variables: DEBUG=1 (checks), PORTABLE=1 (any x86-64-v2), PRECISION=mixed, OPT=..., BUILD=folder, V=1'
+	@echo 'Variables: DEBUG=1 (checks), QUICK=1 (builds fast, runs slower), PORTABLE=1 (any x86-64-v2), PRECISION=mixed, OPT=..., BUILD=folder, V=1'
