@@ -34,7 +34,7 @@ say       = $(if $(V),,@echo '  $(1)')
 # --- sources: whatever is there ----------------------------------------------------------------
 SRC  := $(sort $(shell find src -name '*.f90' -o -name '*.F90'))
 MAIN := $(wildcard src/main.f90)
-OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)))) $(B)/obj/version.o
+OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)))) $(B)/obj/version.o $(B)/obj/presets.o
 LIB  := $(B)/brisance.o
 SAVE := scripts/write_if_changed.sh
 
@@ -59,13 +59,15 @@ $(B)/obj/%.o: %.F90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
 	$(Q)$(COMPILE) -c $< -o $@
-$(B)/obj/version.o: $(B)/version.f90 $(B)/command
+$(B)/obj/version.o $(B)/obj/presets.o: $(B)/obj/%.o: $(B)/%.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
 	$(Q)$(COMPILE) -c $< -o $@
 $(B)/version.f90: FORCE
 	@scripts/version.py --version '$(VERSION)' --compiler "$$($(FC) --version | head -n 1)" \
 	    --flags '$(strip $(FFLAGS))' --precision $(PRECISION) | $(SAVE) $@
+$(B)/presets.f90: scripts/presets.py FORCE
+	@$< $(wildcard inputs/presets/*.nml) | $(SAVE) $@
 
 # --- tests: one executable for each of tests/unit and tests/verify -----------------------------
 PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf))
@@ -116,7 +118,7 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) $(B)/version.f90 $(PF) $(PF_HELP) $(BENCH)
+SCANNED = $(SRC) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
 	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@

@@ -35,6 +35,7 @@ contains
         text = &
             'usage: brisance run DECK [options]      run a scene'//lf// &
             '       brisance --describe [GROUP]      explain the groups and keys of a deck'//lf// &
+            '       brisance --describe presets      list the materials that are built in'//lf// &
             '       brisance --version | --help'//lf// &
             ''//lf// &
             'options of run:'//lf// &

@@ -8,7 +8,7 @@ module brz_build_case
     use brz_complete, only: ensure_group, parse_defaults
     use brz_deck, only: add_error, add_warning, deck_t, entry_t, find_entry, find_group, &
          group_label, &
-                        group_t, may_be_misspelt, max_shown, report_errors
+                        group_t, may_be_misspelt, max_shown, place, report_errors
     use brz_echo, only: echo_deck
     use brz_errors, only: error_t, failed
     use brz_fill_case, only: fill_air, fill_body, fill_charge, fill_gas, fill_gauge, fill_run, &
@@ -113,7 +113,7 @@ contains
                 call fill_charge(deck%groups(g), case%charges(charges))
             case ('material')
                 materials = materials + 1
-                call fill_material(deck%groups(g), keys, case%materials(materials))
+                call fill_material(deck, deck%groups(g), keys, case%materials(materials))
             case ('body')
                 bodies = bodies + 1
                 call fill_body(deck, g, case%bodies(bodies))
@@ -125,14 +125,15 @@ contains
     end subroutine fill_groups
 
     !> The keys of the model, complete and in the order of the table.
-    subroutine fill_material(group, keys, material)
+    subroutine fill_material(deck, group, keys, material)
+        type(deck_t), intent(in) :: deck
         type(group_t), intent(in) :: group
         type(key_t), intent(in) :: keys(:)
         type(material_case_t), intent(inout) :: material
         integer :: e, i, n
 
         material%id = group%id
-        material%line = group%line
+        material%place = place(deck, group%line)
         e = find_entry(group, 'model')
         if (e == 0) return
         if (group%entries(e)%bad) return

@@ -72,7 +72,7 @@ module brz_case
     type :: material_case_t
         character(name_len) :: id = ''
         character(name_len) :: model = ''
-        integer :: line = 0 !! of the group in the deck, for messages
+        character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
         integer :: n = 0
         character(24), allocatable :: key(:) !! keys of the model, defaults included (n)
         real(dp), allocatable :: value(:) !! numbers; a logical is 0 or 1; 0 for a text (n)

@@ -6,6 +6,7 @@ module brz_complete
     use brz_errors, only: error_t, exit_internal, raise
     use brz_key, only: key_t, none, required
     use brz_key_text, only: expectation, find_row, group_repeats, key_hint
+    use brz_preset, only: expand_preset
     use brz_text, only: nearest, printable, to_text
     use brz_value_text, only: entry_from_text
     use brz_values, only: convert_entry, same_values
@@ -27,6 +28,7 @@ contains
         if (.not. deck%groups(g)%known) return
         if (deck%groups(g)%broken) deck%groups(g)%bad = .true.
         call take_id(deck, g)
+        call expand_preset(deck, keys, g)
         call check_owner(deck, keys, g)
         label = group_label(deck%groups(g))
         owner = group_owner(deck%groups(g))

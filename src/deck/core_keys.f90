@@ -161,7 +161,10 @@ contains
                 key_t(group=g, key='id', kind=kind_text, default=required, &
                       meaning='Name of the material, to which bodies refer.'), &
                 key_t(group=g, key='model', kind=kind_text, default=required, &
-                      meaning='Model; it decides on the other keys.')]
+                      meaning='Model; it decides on the other keys. A preset brings its own.'), &
+                key_t(group=g, key='preset', kind=kind_text, &
+                      meaning='Named set of keys that this group need not give: see brisance '// &
+                      '--describe presets.')]
     end subroutine material_group_keys
 
     subroutine body_keys(keys)

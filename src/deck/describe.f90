@@ -6,6 +6,7 @@ module brz_describe
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, none, required
     use brz_key_text, only: choice_text, default_text, group_hint, group_known, &
                             group_repeats, range_text, same_value_count, unit_text
+    use brz_preset, only: describe_presets, is_preset
     use brz_text, only: lower, printable
     implicit none
     private
@@ -15,10 +16,10 @@ module brz_describe
 
 contains
 
-    !> Text about one group, or about all where `group` is empty.
+    !> Text about one group, or about all where `group` is empty; 'presets', or one of them.
     subroutine describe(keys, group, text, err)
         type(key_t), intent(in) :: keys(:)
-        character(*), intent(in) :: group !! with or without ampersand
+        character(*), intent(in) :: group !! with or without ampersand, or a preset
         character(:), allocatable, intent(out) :: text
         type(error_t), intent(inout) :: err
         character(:), allocatable :: wanted
@@ -27,6 +28,10 @@ contains
         text = ''
         wanted = lower(trim(adjustl(group)))
         if (index(wanted, '&') == 1) wanted = wanted(2:)
+        if (wanted == 'presets' .or. is_preset(wanted)) then
+            call describe_presets(wanted, text)
+            return
+        end if
         if (wanted /= '' .and. .not. group_known(keys, wanted)) then
             call raise(err, exit_deck, "unknown group '"//printable(group, 32)//"'"// &
                        group_hint(keys, wanted))

@@ -26,7 +26,7 @@ contains
                 call add_error(deck, 0, 'write group.key=value or group(id).key=value', i)
             else if (.not. group_known(keys, group)) then
                 call add_error(deck, 0, 'unknown group &'//group//group_hint(keys, group), i)
-            else if (key == 'id' .or. key == 'model') then
+            else if (key == 'id' .or. key == 'model' .or. key == 'preset') then
                 call add_error(deck, 0, "'"//key//"' cannot be set here: change the deck", i)
             else
                 call choose_group(deck, keys, i, group, id, g)

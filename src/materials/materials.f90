@@ -12,7 +12,7 @@ module brz_materials
     use brz_linear_elastic, only: linear_elastic, describe_linear_elastic, update_linear_elastic
     use brz_material, only: material_t, point_t, n_hist, material_ok, material_not_finite, &
                             material_step_too_large, material_unknown
-    use brz_model, only: model_t, load_parameters
+    use brz_model, only: model_t, load_parameters, material_label
     use brz_orthotropic_ply, only: orthotropic_ply, describe_orthotropic_ply, &
                                    update_orthotropic_ply
     implicit none
@@ -127,7 +127,6 @@ contains
         type(error_t), intent(inout) :: err
         type(model_t), allocatable :: models(:)
         character(:), allocatable :: names
-        character(12) :: line
         integer :: i
 
         call clear_material(material)
@@ -140,9 +139,8 @@ contains
             end if
             names = names//' '//trim(models(i)%name)
         end do
-        write (line, '(i0)') input%line
-        call raise(err, exit_deck, "line "//trim(line)//": &material id='"//trim(input%id)// &
-                   "': there is no model '"//trim(input%model)//"'; known:"//names)
+        call raise(err, exit_deck, material_label(input)//"there is no model '"// &
+                   trim(input%model)//"'; known:"//names)
     end subroutine make_material
 
     subroutine clear_material(material)

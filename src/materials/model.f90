@@ -11,7 +11,7 @@ module brz_model
     use brz_material, only: material_t, point_t, n_hist
     implicit none
     private
-    public :: model_t, load_parameters, real_key, text_key, switch_key
+    public :: model_t, load_parameters, material_label, real_key, text_key, switch_key
 
     type :: model_t
         integer :: code = 0 !! what `material%model` holds
@@ -100,7 +100,7 @@ contains
             if (allocated(fault)) exit
         end do
         if (.not. allocated(fault)) call model%derive(material, given, fault)
-        if (allocated(fault)) call raise(err, exit_deck, prefix(input)//fault)
+        if (allocated(fault)) call raise(err, exit_deck, material_label(input)//fault)
     end subroutine load_parameters
 
     !> One number of a material; the default where the deck does not give the key.
@@ -196,12 +196,11 @@ contains
     end function place_of
 
     !> How a message on this material begins.
-    pure function prefix(input) result(text)
+    pure function material_label(input) result(text)
         type(material_case_t), intent(in) :: input
         character(:), allocatable :: text
-        character(12) :: line
 
-        write (line, '(i0)') input%line
-        text = "line "//trim(line)//": &material id='"//trim(input%id)//"': "
-    end function prefix
+        text = "&material id='"//trim(input%id)//"': "
+        if (allocated(input%place)) text = input%place//text
+    end function material_label
 end module brz_model

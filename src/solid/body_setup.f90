@@ -8,7 +8,7 @@ module brz_body_setup
     use brz_case, only: body_case_t, case_t
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int8, rk
-    use brz_material, only: point_t
+    use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: body_t, form_bending, form_corrected, form_corrected_hourglass, &
@@ -27,15 +27,13 @@ contains
         type(solid_t), intent(out) :: solid
         type(error_t), intent(inout) :: err
         type(shape_t), allocatable :: shapes(:)
-        integer :: b, m
+        integer :: b
 
         solid%notes = ''
         solid%present = case%solid%present .and. size(case%bodies) > 0
         if (.not. solid%present) return
         allocate (solid%materials(size(case%materials)))
-        do m = 1, size(case%materials)
-            call make_material(case%materials(m), solid%materials(m), err)
-        end do
+        call make_materials(case, solid%materials, err)
         if (failed(err)) return
         allocate (solid%bodies(size(case%bodies)), shapes(size(case%bodies)))
         call lay_bodies(case, solid, shapes, err)
@@ -49,6 +47,24 @@ contains
         end do
         solid%asleep = .not. any(abs(solid%v) > 0)
     end subroutine set_up_solid
+
+    !> All materials; their faults are told together.
+    subroutine make_materials(case, materials, err)
+        type(case_t), intent(in) :: case
+        type(material_t), intent(out) :: materials(:)
+        type(error_t), intent(inout) :: err
+        type(error_t) :: one
+        integer :: m
+
+        if (failed(err)) return
+        do m = 1, size(case%materials)
+            one = error_t()
+            call make_material(case%materials(m), materials(m), one)
+            if (.not. failed(one)) cycle
+            if (failed(err)) one%text = err%text//new_line('a')//one%text
+            err = one
+        end do
+    end subroutine make_materials
 
     !> Lattices, ranges of particles and settings of all bodies.
     subroutine lay_bodies(case, solid, shapes, err)

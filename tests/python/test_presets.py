@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: MIT
+"""Presets: the list, the sources, every one of them in a deck, overrides, wrong names."""
+
+import re
+import shutil
+from pathlib import Path
+
+import pytest
+from test_bad_decks import ROOT, check, run
+
+FILES = sorted((ROOT / "inputs" / "presets").glob("*.nml"))
+NAMES = [path.stem for path in FILES]
+VALUE = re.compile(r"^\s*(\w+)\s*=\s*(\S+)")
+
+
+def deck(preset, more=""):
+    """A block of few particles of a preset."""
+    return f"""&run t_end=1e-7 /
+&material id='m', preset='{preset}' {more} /
+&body id='b', box=0,0.004, 0,0.004, 0,0.004, spacing=1e-3, material='m', velocity=1,0,0 /
+"""
+
+
+def keys_of(text):
+    """Keys and values of the &material group of a deck."""
+    body = text[text.index("&material") :].split("\n/")[0]
+    found = {}
+    for line in body.splitlines():
+        if match := VALUE.match(line):
+            found[match[1]] = match[2].strip(",'")
+    return found
+
+
+def same(a, b):
+    """The same number or word."""
+    try:
+        return float(a) == float(b)
+    except ValueError:
+        return a == b
+
+
+@pytest.mark.parametrize("path", FILES, ids=NAMES)
+def test_every_number_has_a_source(path):
+    """Behind each number stand its unit and where it comes from."""
+    lines = path.read_text(encoding="ascii").splitlines()
+    assert 20 < len(lines[0]) <= 100
+    assert not lines[0].startswith("&")
+    numbers = [x for x in lines if (m := VALUE.match(x)) and m[2][0] in "-0123456789"]
+    assert len(numbers) >= 3
+    for line in numbers:
+        assert re.search(r" ! \[[^]]+\] .{4}", line), line
+        assert len(line) <= 120
+
+
+@pytest.mark.parametrize("path", FILES, ids=NAMES)
+def test_preset_runs_and_echoes_itself(path, tmp_path):
+    """The echo holds all keys of the file and none of its name; its own echo is the same."""
+    (tmp_path / "a.nml").write_text(deck(path.stem))
+    code, text = run(tmp_path, "run", "a.nml", "--out", "one")
+    assert code == 0, text
+    echo = (tmp_path / "one" / "a.echo.nml").read_text()
+    assert path.stem not in echo
+    found = keys_of(echo)
+    for key, value in keys_of(path.read_text()).items():
+        assert same(found[key], value), key
+    shutil.copy(tmp_path / "one" / "a.echo.nml", tmp_path / "a.nml")
+    code, text = run(tmp_path, "run", "a.nml", "--out", "two")
+    assert code == 0, text
+    assert (tmp_path / "two" / "a.echo.nml").read_text() == echo
+
+
+def test_keys_of_the_deck_win(tmp_path):
+    """A key of the deck, and one of the command line, stand over those of the preset."""
+    (tmp_path / "a.nml").write_text(deck("cfrp_woven", ", xt=1e9, yt=1.1e9"))
+    code, text = run(tmp_path, "run", "a.nml", "--out", "o", "--set", "material(m).yt=1.2e9")
+    assert code == 0, text
+    found = keys_of((tmp_path / "o" / "a.echo.nml").read_text())
+    assert (float(found["xt"]), float(found["yt"])) == (1e9, 1.2e9)
+    assert float(found["zt"]) == 60e6
+
+
+def test_list_and_file(tmp_path):
+    """--describe presets has a line for each; --describe NAME prints the file."""
+    code, text = run(tmp_path, "--describe", "presets")
+    assert code == 0
+    assert [line.split()[0] for line in text.splitlines()] == NAMES
+    code, text = run(tmp_path, "--describe", "cfrp_ud")
+    assert code == 0
+    assert text == (ROOT / "inputs" / "presets" / "cfrp_ud.nml").read_text()
+
+
+FAULTS = {
+    "unknown": ("cfrp_udd", "", ["2: ", "unknown preset 'cfrp_udd'", "'cfrp_ud'?", "cfrp_woven"]),
+    "empty": ("", "", ["2: ", "unknown preset ''"]),
+    "other_model": ("cfrp_ud", ", model='gruneisen'", ["'orthotropic_ply'", "take the key"]),
+    "other_key": ("cfrp_ud", ", bulk_modulus=1e9", ["2: ", "unknown key 'bulk_modulus'"]),
+    "bad_value": ("cfrp_ud", ", nu12=20", ["case.nml:2: ", "nu12", "not positive definite"]),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_fault_is_named(fault, tmp_path):
+    """What is wrong, where, and what there is."""
+    preset, more, words = FAULTS[fault]
+    code, text = check(tmp_path, deck(preset, more))
+    assert code == 2, text
+    for word in words:
+        assert word in text, text
+    assert "is missing" not in text
+
+
+def test_all_materials_are_told_together(tmp_path):
+    """Two bad materials: two messages."""
+    text = deck("cfrp_ud", ", nu12=20") + deck("cfrp_woven", ", nu13=20").split("\n")[1].replace(
+        "id='m'", "id='n'"
+    )
+    code, text = check(tmp_path, text)
+    assert code == 2
+    assert "nu12" in text
+    assert "nu13" in text
+
+
+def test_presets_need_no_files(tmp_path):
+    """The binary alone is enough."""
+    assert Path.cwd() != tmp_path
+    code, text = check(tmp_path, deck("cfrp_ud"))
+    assert code == 0, text
