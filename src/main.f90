@@ -8,6 +8,7 @@ program brisance
     use brz_errors, only: error_t, failed
     use brz_key, only: key_t
     use brz_key_table, only: all_keys
+    use brz_material_driver, only: drive_material
     use brz_run, only: run_deck
     use brz_version, only: commit, compiler, flags, precision, version
     implicit none
@@ -29,6 +30,8 @@ program brisance
         select case (options%command)
         case ('run')
             call run_deck(options, err)
+        case ('mat')
+            call drive_material(options, err)
         case ('version')
             write (output_unit, '(a)') 'Brisance '//version//' ('//commit//')', compiler, flags, &
                 'working precision: '//precision

@@ -9,9 +9,9 @@ module brz_command_line
     public :: options_t, read_command_line, usage
 
     type :: options_t
-        character(:), allocatable :: command !! 'run', 'version', 'help', 'describe'
+        character(:), allocatable :: command !! 'run', 'mat', 'version', 'help', 'describe'
         character(:), allocatable :: deck !! path of the deck
-        character(:), allocatable :: out !! folder of the results, '' = out/<job>
+        character(:), allocatable :: out !! run: folder of the results; mat: table; '' = out/<job>
         character(:), allocatable :: restart !! path of a checkpoint, 'latest', or ''
         character(:), allocatable :: backend !! 'cpu', 'gpu', 'auto', '' = as the deck says
         character(:), allocatable :: group !! group to describe, '' = all
@@ -34,6 +34,7 @@ contains
 
         text = &
             'usage: brisance run DECK [options]      run a scene'//lf// &
+            '       brisance mat DECK [options]      drive one material point'//lf// &
             '       brisance --describe [GROUP]      explain the groups and keys of a deck'//lf// &
             '       brisance --describe presets      list the materials that are built in'//lf// &
             '       brisance --version | --help'//lf// &
@@ -47,6 +48,8 @@ contains
             '  --set group.key=value    change a value of the deck, e.g. run.t_end=1e-4 or'//lf// &
             '                           body(plate).spacing=2e-3; may be repeated'//lf// &
             '  --backend cpu|gpu|auto   where to compute'//lf// &
+            'options of mat: --check, --replace, --set, and'//lf// &
+            '  --out FILE               table of the results (default out/<deck name>.csv)'//lf// &
             ''//lf// &
             'signals: USR1 writes a checkpoint; USR2, TERM and a file <job>.stop in the'//lf// &
             '         folder of the results write a checkpoint and stop with code 75'//lf// &
@@ -74,6 +77,10 @@ contains
             options%command = 'run'
             call read_options(args(2:), options, err)
             if (options%deck == '') call raise(err, exit_deck, 'run: no deck is named'//lf//usage())
+        case ('mat')
+            options%command = 'mat'
+            call read_options(args(2:), options, err)
+            if (options%deck == '') call raise(err, exit_deck, 'mat: no deck is named'//lf//usage())
         case ('--version', 'version')
             options%command = 'version'
         case ('--help', '-h', 'help')

@@ -14,10 +14,10 @@ module brz_build_case
     use brz_fill_case, only: fill_air, fill_body, fill_charge, fill_gas, fill_gauge, fill_run, &
                              fill_settings
     use brz_key, only: key_t
-    use brz_kinds, only: dp
+    use brz_text, only: string_t
     implicit none
     private
-    public :: build_case
+    public :: build_case, fill_material, take_warnings
 
 contains
 
@@ -46,7 +46,7 @@ contains
         call check_bodies(deck, case)
         call check_gauges(deck, case)
         call check_use(deck, case)
-        call take_warnings(deck, case)
+        call take_warnings(deck, case%warnings)
         call report_errors(deck, err)
         if (failed(err)) return
         call echo_deck(deck, keys, case%echo)
@@ -176,6 +176,8 @@ contains
                      'it needs both &air and &body')
             case ('solid')
                 if (.not. case%solid%present) call no_effect(deck, g, 'there is no &body')
+            case ('point', 'segment')
+                call no_effect(deck, g, 'only `brisance mat` drives a material point')
             end select
         end do
     end subroutine check_use
@@ -189,16 +191,15 @@ contains
                          'has no effect: '//why)
     end subroutine no_effect
 
-    !> The warnings as texts of the case, in the order in which they were found.
-    subroutine take_warnings(deck, case)
+    !> The warnings as texts, in the order in which they were found.
+    subroutine take_warnings(deck, warnings)
         type(deck_t), intent(in) :: deck
-        type(case_t), intent(inout) :: case
+        type(string_t), allocatable, intent(out) :: warnings(:)
         integer :: i
 
-        deallocate (case%warnings)
-        allocate (case%warnings(min(deck%n_warnings, max_shown)))
-        do i = 1, size(case%warnings)
-            case%warnings(i)%s = deck%warnings(i)%text
+        allocate (warnings(min(deck%n_warnings, max_shown)))
+        do i = 1, size(warnings)
+            warnings(i)%s = deck%warnings(i)%text
         end do
     end subroutine take_warnings
 end module brz_build_case

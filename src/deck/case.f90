@@ -9,7 +9,8 @@ module brz_case
     implicit none
     private
     public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
-                 body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t
+                 body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t, &
+                 point_case_t, segment_case_t
     public :: name_len, max_plies
 
     integer, parameter :: name_len = 32 !! longest id or option word
@@ -149,4 +150,26 @@ module brz_case
         type(string_t), allocatable :: warnings(:) !! what can be run but may not be meant
         character(:), allocatable :: echo !! the complete runnable deck with defaults marked
     end type case_t
+
+    !> &segment: a part of the path of a material point
+    type :: segment_case_t
+        real(dp) :: duration = 0 !! [s]
+        character(name_len) :: control = 'strain' !! or 'uniaxial_stress'
+        real(dp) :: l(3, 3) = 0 !! velocity gradient dv_i/dx_j [1/s]
+        character(1) :: axis = 'x' !! of the uniaxial stress
+        real(dp) :: rate = 0 !! rate of deformation along that axis [1/s]
+    end type segment_case_t
+
+    !> &point with its material and its path: what `brisance mat` is asked for
+    type :: point_case_t
+        character(name_len) :: job = '' !! name of the deck without folder and ending
+        type(material_case_t) :: material
+        integer :: steps = 1000 !! per segment
+        integer :: output_every = 1 !! steps between rows
+        real(dp) :: rotation = 0 !! of the ply about its normal [deg]
+        character(1) :: ply_axis = 'z' !! normal of the ply
+        real(dp) :: smoothing_length = 1e-3_dp !! [m]
+        type(segment_case_t), allocatable :: segments(:)
+        type(string_t), allocatable :: warnings(:)
+    end type point_case_t
 end module brz_case

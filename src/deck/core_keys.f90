@@ -29,6 +29,7 @@ contains
         call body_method_keys(keys)
         call gauge_keys(keys)
         call settings_keys(keys)
+        call point_keys(keys)
     end subroutine core_keys
 
     subroutine run_keys(keys)
@@ -279,4 +280,44 @@ contains
                 key_t(group='output', key='report_every', unit='s', default='5.0', lower=zero, &
                       meaning='Wall-clock time between lines of the log.')]
     end subroutine settings_keys
+
+    !> What `brisance mat` reads: one material point and the path it is driven along.
+    subroutine point_keys(keys)
+        type(key_t), allocatable, intent(inout) :: keys(:)
+        character(*), parameter :: p = 'point', s = 'segment'
+
+        keys = [keys, &
+                key_t(group=p, meaning='A material point, for `brisance mat`.'), &
+                key_t(group=p, key='material', kind=kind_text, default=required, &
+                      meaning='Id of its &material.'), &
+                key_t(group=p, key='steps', kind=kind_integer, default='1000', lower=one, &
+                      upper=1e8_dp, meaning='Steps per segment.'), &
+                key_t(group=p, key='output_every', kind=kind_integer, default='1', lower=one, &
+                      upper=1e8_dp, &
+                      meaning='Steps between rows of the table; ends of segments are always '// &
+                      'written.'), &
+                key_t(group=p, key='rotation', unit='deg', default='0.0', &
+                      meaning='Angle of the ply about its normal.'), &
+                key_t(group=p, key='ply_axis', kind=kind_text, default='z', choices='x|y|z', &
+                      meaning='Normal of the ply.'), &
+                key_t(group=p, key='smoothing_length', unit='m', default='0.001', lower=zero, &
+                      open_lower=.true., &
+                      meaning='Length over which a fracture energy is spent.'), &
+                key_t(group=s, meaning='A part of the path of `brisance mat`; they follow in '// &
+                      'the order of the deck.'), &
+                key_t(group=s, key='id', kind=kind_text, &
+                      meaning='Name, where --set has to tell segments apart.'), &
+                key_t(group=s, key='duration', unit='s', default=required, lower=zero, &
+                      open_lower=.true., meaning='Time that it takes.'), &
+                key_t(group=s, key='control', kind=kind_text, default='strain', &
+                      choices='strain|uniaxial_stress', &
+                      meaning='strain: l is given; uniaxial_stress: rate is given, all other '// &
+                      'stresses are held at zero.'), &
+                key_t(group=s, key='l', n_min=9, n_max=9, unit='1/s', &
+                      meaning='strain: velocity gradient dv_i/dx_j, row by row.'), &
+                key_t(group=s, key='axis', kind=kind_text, default='x', choices='x|y|z', &
+                      meaning='uniaxial_stress: axis of the stress.'), &
+                key_t(group=s, key='rate', unit='1/s', &
+                      meaning='uniaxial_stress: rate of deformation along the axis.')]
+    end subroutine point_keys
 end module brz_core_keys

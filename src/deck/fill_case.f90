@@ -9,7 +9,8 @@ module brz_fill_case
     use brz_layup, only: parse_layup
     implicit none
     private
-    public :: fill_run, fill_air, fill_gas, fill_charge, fill_body, fill_gauge, fill_settings
+    public :: fill_run, fill_air, fill_gas, fill_charge, fill_body, fill_gauge, fill_settings, &
+              name_job
 
 contains
 
@@ -20,7 +21,7 @@ contains
         character(8) :: axes(3)
         integer :: g, i, n
 
-        call name_job(deck, run)
+        call name_job(deck, run%job)
         run%title = ''
         g = find_group(deck, 'run')
         if (g == 0) return
@@ -50,18 +51,18 @@ contains
     end subroutine fill_run
 
     !> The name of the deck without folder and ending.
-    subroutine name_job(deck, run)
+    subroutine name_job(deck, job)
         type(deck_t), intent(inout) :: deck
-        type(run_case_t), intent(inout) :: run
+        character(*), intent(inout) :: job
         integer :: first, last
 
         first = index(deck%file, '/', back=.true.) + 1
         last = index(deck%file(first:), '.', back=.true.) + first - 2
         if (last < first) last = len(deck%file)
-        run%job = deck%file(first:last)
-        if (last - first + 1 > len(run%job)) &
+        job = deck%file(first:last)
+        if (last - first + 1 > len(job)) &
             call add_warning(deck, 0, "the name of the deck is long: the job is called '"// &
-                             trim(run%job)//"'")
+                             trim(job)//"'")
     end subroutine name_job
 
     subroutine fill_air(deck, g, case)
