@@ -8,7 +8,7 @@
 !> History: plastic strain [-]
 module brz_gruneisen
     use brz_kinds, only: dp, rk
-    use brz_algebra, only: double_dot, rotate_voigt, rotation_exp, to_voigt
+    use brz_deviator, only: mises_stress, return_deviator, trial_deviator
     use brz_key, only: none, required
     use brz_kinematics, only: volume_step
     use brz_material, only: material_t, point_t, material_ok, material_clamped, &
@@ -128,36 +128,17 @@ contains
         real(rk), intent(out) :: work !! done by it, per volume, stress after the return [J/m3]
         real(rk), intent(out) :: plastic !! the part of `work` that is plastic [J/m3]
         real(rk), intent(out) :: strain !! increment of plastic strain
-        real(rk) :: q(3, 3), d(6), trial(6), mean, mises, keep
-        integer :: i
+        real(rk) :: q(3, 3), de(6), trial(6), mises, keep
 
-        call rotation_exp(l, dt/2, q)
-        call to_voigt(l, d)
-        mean = (d(1) + d(2) + d(3))/3
-        do i = 1, 3
-            d(i) = d(i) - mean
-        end do
-        call rotate_voigt(q, s)
-        do i = 1, 6
-            trial(i) = s(i) + 2*g*dt*d(i)
-        end do
-        mises = sqrt(1.5_rk*double_dot(trial, trial))
+        call trial_deviator(g, dt, l, s, q, de, trial)
+        mises = mises_stress(trial)
         keep = 1
         strain = 0
         if (mises > yield) then
             keep = yield/mises
             if (g > 0) strain = (mises - yield)/(3*g)
         end if
-        do i = 1, 6
-            s(i) = (s(i) + keep*trial(i))/2
-        end do
-        work = double_dot(s, d)*dt
-        plastic = 0
-        if (g > 0) plastic = double_dot(s, trial)*(1 - keep)/(2*g)
-        do i = 1, 6
-            s(i) = keep*trial(i)
-        end do
-        call rotate_voigt(q, s)
+        call return_deviator(g, keep, de, trial, q, s, work, plastic)
     end subroutine deviator_step
 
     !> Wave speeds; never below half of c0, which acts again as soon as a cut-off ends.
