@@ -70,7 +70,7 @@ contains
         if (.not. is_usable(deck%groups(g), 'material')) return
         m = find_group(deck, 'material', trim(id))
         if (m > 0) then
-            call fill_material(deck%groups(m), keys, point%material)
+            call fill_material(deck, deck%groups(m), keys, point%material)
         else
             call complain(deck, g, 'material', "there is no &material with id='"//trim(id)//"'"// &
                           known_materials(deck, trim(id)))
