@@ -2,7 +2,7 @@
 !> The gas at a point, for gauges.
 module brz_air_probe
     use brz_kinds, only: dp, rk
-    use brz_air_state, only: air_t, wall_t
+    use brz_air_state, only: air_t, cell_gamma, wall_t
     use brz_gas, only: to_primitive
     implicit none
     private
@@ -64,8 +64,8 @@ contains
         real(dp) :: state(5)
         real(rk) :: q(5), w(5)
 
-        q = air%u(cell(1), cell(2), cell(3), :)
-        call to_primitive(air%gamma, q, w)
+        q = air%u(cell(1), cell(2), cell(3), 1:5)
+        call to_primitive(cell_gamma(air, cell(1), cell(2), cell(3)), q, w)
         state = w
     end function primitive_of
 

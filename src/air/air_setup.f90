@@ -9,10 +9,15 @@ module brz_air_setup
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_gas, only: to_conserved
     use brz_grid_lines, only: n_blocks
+    use brz_scheme, only: max_var
     implicit none
     private
     public :: set_up_air, make_grid, time_step_ramp
 
+    ! in the order of the codes in brz_scheme
+    character(*), parameter :: reconstruction_names(4) = [character(16) :: 'first_order', 'muscl', &
+        'weno3', 'weno5z']
+    character(*), parameter :: flux_names(2) = [character(16) :: 'steger_warming', 'hllc']
     real(dp), parameter :: on_plane = 1e-6_dp
     !! how exactly a plane must halve a charge, in half sides
 
@@ -27,11 +32,11 @@ contains
 
         air%present = case%air%present
         if (.not. air%present) return
-        air%gamma = real(case%air%gamma, rk)
+        call choose_scheme(case, air, err)
+        if (failed(err)) return
         air%rho_rest = real(case%air%density, rk)
         air%p_rest = real(case%air%pressure, rk)
         air%fallback = case%air%fallback
-        if (case%air%reconstruction == 'first_order') air%order = 1
         do d = 1, 3
             do s = 1, 2
                 call boundary_code(case%air%bc(s, d), air%bc(s, d), err)
@@ -50,9 +55,49 @@ contains
         if (.not. allocated(case%charges)) return
         allocate (air%charge(size(case%charges)))
         do m = 1, size(case%charges)
-            call place_charge(air, case%charges(m), air%charge(m), err)
+            call place_charge(air, case%charges(m), has_own_gas(case, m), air%charge(m), err)
         end do
     end subroutine set_up_air
+
+    !> Numerical scheme and gases: charges with a ratio of specific heats of their own need a sixth
+    !> conserved variable, and all of them the same ratio.
+    subroutine choose_scheme(case, air, err)
+        type(case_t), intent(in) :: case
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+        real(dp) :: gamma
+        integer :: m
+
+        air%scheme%gamma = real(case%air%gamma, rk)
+        air%scheme%reconstruction = findloc(reconstruction_names, case%air%reconstruction, dim=1)
+        air%scheme%flux = findloc(flux_names, case%air%flux, dim=1)
+        if (air%scheme%reconstruction*air%scheme%flux == 0) &
+            call raise(err, exit_deck, "&air: unknown reconstruction '" &
+                //trim(case%air%reconstruction)//"' or flux '"//trim(case%air%flux)//"'")
+        air%n_stages = merge(2, 3, case%air%integrator == 'ssprk2')
+        if (.not. allocated(case%charges)) return
+        gamma = 0
+        do m = 1, size(case%charges)
+            if (.not. has_own_gas(case, m)) cycle
+            if (air%scheme%mixture .and. abs(case%charges(m)%gamma - gamma) > 0) &
+                call raise(err, exit_deck, "&charge id='"//trim(case%charges(m)%id) &
+                    //"': only one gamma besides that of the air can be carried, and another" &
+                    //" charge has a different one")
+            gamma = case%charges(m)%gamma
+            air%scheme%mixture = .true.
+            air%scheme%gamma_products = real(gamma, rk)
+            air%n_var = 6
+        end do
+    end subroutine choose_scheme
+
+    !> True if a charge has a ratio of specific heats other than that of the air.
+    pure logical function has_own_gas(case, m)
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: m !! number of the charge
+
+        has_own_gas = case%charges(m)%gamma > 1 .and. &
+                      abs(case%charges(m)%gamma - case%air%gamma) > 0
+    end function has_own_gas
 
     !> Factor on the time step: it grows from a tenth to one over the first steps, because the
     !> speeds that a balloon of hot gas will cause are not there yet.
@@ -92,7 +137,7 @@ contains
         integer, intent(in) :: cells(3) !! 1: direction not modelled
         type(air_t), intent(inout) :: air !! its gas and its boundaries are set
         integer :: n(3), g(3), c, blocks
-        real(rk) :: rest(5)
+        real(rk) :: rest(max_var)
 
         air%present = .true.
         air%n = cells
@@ -101,15 +146,18 @@ contains
         air%dx = (hi - lo)/cells
         n = air%n
         g = air%g
-        allocate (air%u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), 5))
-        call to_conserved(air%gamma, [air%rho_rest, 0.0_rk, 0.0_rk, 0.0_rk, air%p_rest], rest)
-        do c = 1, 5
+        allocate (air%u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), &
+            air%n_var))
+        rest = 0
+        call to_conserved(air%scheme%gamma, [air%rho_rest, 0.0_rk, 0.0_rk, 0.0_rk, air%p_rest], &
+            rest)
+        do c = 1, air%n_var
             air%u(:, :, :, c) = rest(c)
         end do
         allocate (air%u_start, air%rate, source=air%u)
         air%rate = 0
         blocks = max(n_blocks(n, 1), n_blocks(n, 2), n_blocks(n, 3))
-        allocate (air%edge(5, blocks), source=0.0_dp)
+        allocate (air%edge(air%n_var, blocks), source=0.0_dp)
         allocate (air%row_sum(5, n(2)*n(3)), source=0.0_dp)
         allocate (air%suspect(blocks), source=0)
         allocate (air%lowered(0:n(1), 0:n(2), 0:n(3)), source=0_int8)
@@ -122,14 +170,16 @@ contains
         type(gas_case_t), intent(in) :: gas
         integer :: i, j, k
         real(dp) :: x(3)
-        real(rk) :: q(5)
+        real(rk) :: q(max_var)
 
-        call to_conserved(air%gamma, real([gas%density, gas%velocity, gas%pressure], rk), q)
+        q = 0
+        call to_conserved(air%scheme%gamma, real([gas%density, gas%velocity, gas%pressure], rk), q)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 do i = 1, air%n(1)
                     x = air%lo + ([i, j, k] - 0.5_dp)*air%dx
-                    if (all(x >= gas%lo .and. x <= gas%hi .or. air%n == 1)) air%u(i, j, k, :) = q
+                    if (all(x >= gas%lo .and. x <= gas%hi .or. air%n == 1)) &
+                        air%u(i, j, k, :) = q(:air%n_var)
                 end do
             end do
         end do
@@ -139,14 +189,15 @@ contains
     !>
     !> Cells that its surface cuts are mixed by volume. The density is scaled so that the mass, and
     !> with it the energy, is exact: the whole charge, or what symmetry planes leave of it.
-    subroutine place_charge(air, charge, report, err)
+    subroutine place_charge(air, charge, own_gas, report, err)
         type(air_t), intent(inout) :: air
         type(charge_case_t), intent(in) :: charge
+        logical, intent(in) :: own_gas !! it is of products, not of air
         type(charge_report_t), intent(out) :: report
         type(error_t), intent(inout) :: err
         type(shape_t) :: shape
         real(dp) :: share, filled, depth
-        real(rk) :: hot(2)
+        real(rk) :: hot(3)
         integer :: lo(3), hi(3)
 
         depth = product(air%dx*air%n, mask=air%n == 1)
@@ -160,7 +211,7 @@ contains
             lo = max(1, floor((shape%at - shape%half - air%lo)/air%dx))
             hi = min(air%n, ceiling((shape%at + shape%half - air%lo)/air%dx) + 1)
         end where
-        call pour(air, shape, lo, hi, [0.0_rk, 0.0_rk], filled)
+        call pour(air, shape, lo, hi, [0.0_rk, 0.0_rk, 0.0_rk], filled)
         if (.not. filled > 0) then
             call raise(err, exit_deck, "&charge id='"//trim(charge%id) &
                 //"' fills no cell; use smaller cells")
@@ -170,7 +221,8 @@ contains
         report%radius = minval(shape%half)
         report%cells = minval(merge(shape%half/air%dx, huge(1.0_dp), air%n > 1))
         report%scale = report%mass/(charge%density*filled)
-        hot = real(report%scale*charge%density*[1.0_dp, charge%energy], rk)
+        hot = real(report%scale*charge%density*[1.0_dp, charge%energy, &
+            merge(1.0_dp, 0.0_dp, own_gas)], rk)
         call pour(air, shape, lo, hi, hot, filled)
     end subroutine place_charge
 
@@ -180,7 +232,8 @@ contains
         type(air_t), intent(inout) :: air
         type(shape_t), intent(in) :: shape
         integer, intent(in) :: lo(3), hi(3) !! range of cells to look at
-        real(rk), intent(in) :: density(2) !! mass and energy per volume [kg/m3, J/m3]
+        real(rk), intent(in) :: density(3)
+        !! mass, energy, mass of products, per volume [kg/m3, J/m3, kg/m3]
         real(dp), intent(out) :: filled !! volume [m3]
         integer :: i, j, k
         real(dp) :: part
@@ -196,6 +249,8 @@ contains
                     air%u(i, j, k, :) = real(1 - part, rk)*air%u(i, j, k, :)
                     air%u(i, j, k, 1) = air%u(i, j, k, 1) + real(part, rk)*density(1)
                     air%u(i, j, k, 5) = air%u(i, j, k, 5) + real(part, rk)*density(2)
+                    if (air%n_var == 6) air%u(i, j, k, 6) = air%u(i, j, k, 6) &
+                        + real(part, rk)*density(3)
                 end do
             end do
         end do

@@ -2,14 +2,16 @@
 !> The state of the air: conserved variables on a Cartesian grid, and the walls inside it.
 module brz_air_state
     use brz_kinds, only: dp, int8, int64, rk
+    use brz_scheme, only: mixture_gamma, scheme_t
     implicit none
     private
     public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t
     public :: n_ghost, lines_per_block
+    public :: cell_gamma
     public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic
     public :: air_ok, air_unphysical
 
-    integer, parameter :: n_ghost = 2 !! ghost layers in a direction that is modelled
+    integer, parameter :: n_ghost = 3 !! ghost layers in a direction that is modelled
     integer, parameter :: lines_per_block = 16
     !! lines of cells that are swept together, the vector dimension
     integer, parameter :: bc_outflow = 1, bc_wall = 2, bc_symmetry = 3, bc_periodic = 4
@@ -20,8 +22,8 @@ module brz_air_state
     !> Buffers of one thread for a block of lines.
     type :: sweep_work_t
         real(rk), allocatable :: q(:, :, :)
-        !! (lines, 5, -1:n+2) conserved variables, normal momentum in slot 2
-        real(rk), allocatable :: f(:, :, :) !! (lines, 5, 0:n) fluxes, then rates
+        !! (lines, n_var, 1-n_ghost:n+n_ghost) conserved variables, normal momentum in slot 2
+        real(rk), allocatable :: f(:, :, :) !! (lines, n_var, 0:n) fluxes, then rates
     end type sweep_work_t
 
     !> What became of a charge on the grid.
@@ -33,8 +35,9 @@ module brz_air_state
         real(dp) :: scale = 1 !! factor on the density that makes the mass exact
     end type charge_report_t
 
-    !> Conserved variables are density, momentum x, y, z [kg/(m2 s)] and total energy per volume.
-    !> Arrays run over (1-g1:n1+g1, 1-g2:n2+g2, 1-g3:n3+g3, 5) with g = n_ghost where n > 1, else 0.
+    !> Conserved variables are density, momentum x, y, z [kg/(m2 s)] and total energy per volume,
+    !> and where n_var = 6 the density of the products of explosives, rho Y. Arrays run over
+    !> (1-g1:n1+g1, 1-g2:n2+g2, 1-g3:n3+g3, n_var) with g = n_ghost where n > 1, else 0.
     type :: air_t
         logical :: present = .false.
         integer :: n(3) = 1 !! cells; 1: direction not modelled
@@ -42,9 +45,10 @@ module brz_air_state
         real(dp) :: lo(3) = 0 !! low corner [m]
         real(dp) :: dx(3) = 1 !! cell sides [m]
         integer :: bc(2, 3) = bc_outflow !! (low/high, direction)
-        integer :: order = 3 !! 1: first order, 3: WENO3
+        integer :: n_var = 5 !! conserved variables; 6 if a charge has a gas of its own
+        type(scheme_t) :: scheme !! reconstruction, flux, gases
+        integer :: n_stages = 3 !! of the Runge-Kutta method: 2 or 3
         logical :: fallback = .true.
-        real(rk) :: gamma = 1.4_rk
         real(rk) :: rho_rest = 1.225_rk, p_rest = 101325 !! undisturbed air
         real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the ledger
         real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (ghosts unused)
@@ -54,13 +58,14 @@ module brz_air_state
         !! faces that fell back to first order, all stages of all steps
         real(dp) :: outflow(5) = 0
         !! mass, momentum, energy that left through the outer faces, all steps
+        real(dp) :: outflow_products = 0 !! mass of products that left likewise [kg]
         type(charge_report_t), allocatable :: charge(:) !! one for each &charge
         integer :: bad_cell(3) = 0 !! first unphysical cell of a step that failed
         real(rk) :: bad_state(5) = 0 !! what its conserved variables would have become
         ! work arrays of the sweeps; nothing outside a step reads them
         type(sweep_work_t), allocatable :: work(:) !! (0:threads-1)
         real(dp), allocatable :: edge(:, :)
-        !! (5, blocks) what leaves a block of lines at its two ends, per area and time
+        !! (n_var, blocks) what leaves a block of lines at its two ends, per area and time
         real(dp), allocatable :: row_sum(:, :) !! (5, n2*n3) totals of rows along x
         integer, allocatable :: suspect(:)
         !! (blocks) cells of a block whose next state looks unphysical
@@ -104,4 +109,16 @@ module brz_air_state
         !! (n_faces) integral of p* A dt over the step, along the side [N s]
         type(cut_t) :: cut(3) !! for the sweeps, one for each direction
     end type wall_t
+
+contains
+
+    !> Ratio of specific heats of the gas in a cell [-].
+    pure real(rk) function cell_gamma(air, i, j, k)
+        type(air_t), intent(in) :: air
+        integer, intent(in) :: i, j, k !! cell
+
+        cell_gamma = air%scheme%gamma
+        if (air%scheme%mixture) cell_gamma = mixture_gamma(air%scheme, &
+            air%u(i, j, k, 6)/air%u(i, j, k, 1))
+    end function cell_gamma
 end module brz_air_state

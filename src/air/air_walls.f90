@@ -3,8 +3,9 @@
 !> cuts out of the plain scheme. All lists grow only, and their order is that of the grid.
 module brz_air_walls
     use brz_kinds, only: int8, rk
-    use brz_air_state, only: air_t, bc_outflow, bc_periodic, cut_t, wall_t
+    use brz_air_state, only: air_t, bc_outflow, bc_periodic, cut_t, n_ghost, wall_t
     use brz_grid_lines, only: block_of, n_blocks
+    use brz_scheme, only: reach_of
     implicit none
     private
     public :: set_up_walls, build_walls, image_of
@@ -121,10 +122,10 @@ contains
         type(air_t), intent(in) :: air
         type(wall_t), intent(inout) :: wall
         integer, intent(in) :: d !! direction
-        integer :: m, from, p(4)
+        integer :: m, from, p(2*n_ghost)
 
-        p = [-1, 0, air%n(d) + 1, air%n(d) + 2]
-        do m = 1, 4
+        p = ghosts_of(air%n(d))
+        do m = 1, size(p)
             from = image_of(air, d, p(m))
             select case (d)
             case (1)
@@ -139,6 +140,14 @@ contains
             end select
         end do
     end subroutine fill_ghost_maps
+
+    !> Positions of the ghosts of a line of n cells.
+    pure function ghosts_of(n) result(p)
+        integer, intent(in) :: n
+        integer :: p(2*n_ghost), m
+
+        p = [(m, m=1 - n_ghost, 0), (n + m, m=1, n_ghost)]
+    end function ghosts_of
 
     !> List the faces between a gas cell inside the box and a solid cell or its image.
     !>
@@ -176,21 +185,21 @@ contains
         wall%impulse = 0
     end subroutine list_faces
 
-    !> List the faces of direction d whose four cells hold both gas and solid, sorted by block.
+    !> List the faces of direction d whose stencils hold both gas and solid, sorted by block.
     subroutine list_cuts(air, wall, d)
         type(air_t), intent(in) :: air
         type(wall_t), intent(inout) :: wall
         integer, intent(in) :: d !! direction
-        integer :: c, i, b, n, pass, m, p(5)
+        integer :: c, i, b, n, pass, m, p(2*n_ghost + 1)
 
         n = air%n(d)
         do pass = 1, 2
             if (pass == 1) wall%cut(d)%first = 0
             do c = 1, wall%n_cells
                 i = wall%cell(d, c)
-                p = [i, 0, 0, 0, 0]
+                p(1) = i
                 m = 1
-                if (i <= 2 .or. i >= n - 1) call list_images(air, d, i, m, p)
+                if (i <= n_ghost .or. i > n - n_ghost) call list_images(air, d, i, m, p)
                 call cuts_of(air, wall, d, c, p(1:m), pass == 2)
             end do
             if (pass == 1) call make_room(wall%cut(d))
@@ -209,11 +218,11 @@ contains
         integer, intent(in) :: d !! direction
         integer, intent(in) :: i !! index along it
         integer, intent(inout) :: m !! positions so far
-        integer, intent(inout) :: p(5)
-        integer :: g, ghost(4)
+        integer, intent(inout) :: p(2*n_ghost + 1)
+        integer :: g, ghost(2*n_ghost)
 
-        ghost = [-1, 0, air%n(d) + 1, air%n(d) + 2]
-        do g = 1, 4
+        ghost = ghosts_of(air%n(d))
+        do g = 1, size(ghost)
             if (image_of(air, d, ghost(g)) /= i) cycle
             m = m + 1
             p(m) = ghost(g)
@@ -228,16 +237,17 @@ contains
         integer, intent(in) :: c !! solid cell
         integer, intent(in) :: p(:) !! its position and those of its images
         logical, intent(in) :: place !! false: count
-        integer :: m, f, q, b, gas, cell(3)
+        integer :: m, f, q, b, gas, reach, cell(3)
         logical :: lowest
 
         cell = wall%cell(:, c)
         b = block_of(air%n, d, cell)
+        reach = reach_of(air%scheme)
         do m = 1, size(p)
-            do f = max(p(m) - 2, 0), min(p(m) + 1, air%n(d))
+            do f = max(p(m) - reach, 0), min(p(m) + reach - 1, air%n(d))
                 lowest = .true.
                 gas = 0
-                do q = f - 1, f + 2
+                do q = f + 1 - reach, f + reach
                     cell(d) = q
                     if (wall%solid(cell(1), cell(2), cell(3)) == 0) then
                         gas = gas + 1

@@ -11,8 +11,8 @@ module brz_grid_lines
 
     integer, parameter :: across(2, 3) = reshape([2, 3, 1, 3, 1, 2], [2, 3])
     !! transverse directions, fastest first
-    integer, parameter :: turned(5, 3) = reshape([1, 2, 3, 4, 5, 1, 3, 4, 2, 5, 1, 4, 2, 3, 5], &
-        [5, 3])
+    integer, parameter :: turned(6, 3) = reshape( &
+        [1, 2, 3, 4, 5, 6, 1, 3, 4, 2, 5, 6, 1, 4, 2, 3, 5, 6], [6, 3])
     !! conserved variable in slot m of a state turned into direction d (cyclic)
 
 contains

@@ -18,6 +18,7 @@ module brz_coupling_state
 
     type :: coupling_t
         logical :: present = .false.
+        integer :: n_var = 5 !! conserved variables of the air
         real(rk) :: spread = 1.5_rk !! depth over which a load is spread, in air cells
         real(rk) :: reference_pressure = 0 !! taken off every load [Pa]
         logical :: wraps(3) = .false. !! periodic directions of the air
@@ -38,14 +39,14 @@ module brz_coupling_state
         integer :: n_donors = 0, n_buried = 0
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0
-        real(rk), allocatable :: donation(:, :) !! (5, n_donors) share of each receiver
-        real(rk), allocatable :: ledger(:, :) !! (5, n_cells) copy of the ledgers
+        real(rk), allocatable :: donation(:, :) !! (n_var, n_donors) share of each receiver
+        real(rk), allocatable :: ledger(:, :) !! (n_var, n_cells) copy of the ledgers
         real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
         ! debts of gas cells
         integer :: n_debts = 0
         integer(int32), allocatable :: slot(:, :, :) !! (n1, n2, n3) place among the debts, or 0
         integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
-        real(rk), allocatable :: debt(:, :) !! (5, n_debts) per cell volume, as air%u
+        real(rk), allocatable :: debt(:, :) !! (n_var, n_debts) per cell volume, as air%u
         ! loads
         real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]
         real(rk), allocatable :: v_before(:, :) !! (3, particles by id) velocity a step before [m/s]

@@ -2,7 +2,8 @@
 !> What happens to the gas of one cell when the solid comes or goes. Point physics: compiled for the
 !> CPU and for the GPU.
 !>
-!> Conserved variables are density, momentum x, y, z and total energy per volume, as in air_t.
+!> Conserved variables are density, momentum x, y, z, total energy and products per volume, as in
+!> air_t; the last is zero where no products are carried.
 module brz_ledger_rules
     use brz_gas, only: to_conserved
     use brz_kinds, only: rk
@@ -28,10 +29,10 @@ contains
     !@cuf attributes(host,device) &
     pure subroutine fresh_gas(gamma, w, follows, u, rest)
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
-        real(rk), intent(in) :: w(5) !! surroundings: density, velocity, pressure
+        real(rk), intent(in) :: w(6) !! surroundings: density, velocity, pressure, products' share
         real(rk), intent(in) :: follows !! part of the gas that follows the solid, 0..1
-        real(rk), intent(inout) :: u(5) !! the ledger; on return the gas
-        real(rk), intent(out) :: rest(5) !! ledger less gas
+        real(rk), intent(inout) :: u(6) !! the ledger; on return the gas
+        real(rk), intent(out) :: rest(6) !! ledger less gas
         real(rk) :: q, v(5)
         integer :: i
 
@@ -39,13 +40,15 @@ contains
             rest(i) = u(i)
             v(i) = w(i)
         end do
+        rest(6) = u(6)
         if (u(1) < w(1)/2 .and. follows < 0.5_rk) then
             q = max(u(1)/w(1), follows, thinnest)
             v(1) = w(1)*q
             v(5) = w(5)*q**gamma
         end if
         call to_conserved(gamma, v, u)
-        do i = 1, 5
+        u(6) = u(1)*w(6)
+        do i = 1, 6
             rest(i) = rest(i) - u(i)
         end do
     end subroutine fresh_gas
@@ -75,10 +78,11 @@ contains
     !> Hand part of a debt to the gas of its cell: a twentieth, or less where that would be a jolt.
     !@cuf attributes(host,device) &
     pure subroutine release_debt(u, debt)
-        real(rk), intent(inout) :: u(5) !! gas
-        real(rk), intent(inout) :: debt(5)
-        real(rk) :: part, inner, changed, v(5), d(5)
+        real(rk), intent(inout) :: u(6) !! gas
+        real(rk), intent(inout) :: debt(6)
+        real(rk) :: part, inner, changed, v(6), d(6)
         integer :: i, halvings
+        logical :: paid
 
         part = pace
         if (abs(debt(1))*part > jolt*u(1)) part = jolt*u(1)/abs(debt(1))
@@ -95,12 +99,16 @@ contains
             part = part/2
         end do
         if (halvings > 60) return
+        ! products only as far as their share stays within 0..1
+        v(6) = u(6) + part*debt(6)
+        paid = part == 1 .and. v(6) >= 0 .and. v(6) <= v(1)
+        v(6) = max(0.0_rk, min(v(1), v(6)))
         ! the debt loses exactly what the gas gains
-        do i = 1, 5
+        do i = 1, 6
             d(i) = v(i) - u(i)
             debt(i) = debt(i) - d(i)
             u(i) = v(i)
-            if (part == 1) debt(i) = 0
+            if (paid .or. (part == 1 .and. i < 6)) debt(i) = 0
         end do
     end subroutine release_debt
 end module brz_ledger_rules

@@ -5,47 +5,72 @@ module brz_air_faces
     use brz_air_state, only: air_t, bc_symmetry, bc_wall, wall_t
     use brz_face_flux, only: cut_face, gas_face
     use brz_grid_lines, only: turned
+    use brz_products, only: face_fraction
+    use brz_scheme, only: first_order, max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: flux_at, typical_scale
+    public :: flux_at, set_scale
 
 contains
 
     !> Flux through the face above a cell in direction d.
-    subroutine flux_at(air, wall, order, d, low, f, p_star, speed)
+    subroutine flux_at(air, wall, scheme, d, low, f, p_star, speed)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
-        integer, intent(in) :: order !! 1: first order, 3: WENO3
+        type(scheme_t), intent(in) :: scheme
         integer, intent(in) :: d !! direction
         integer, intent(in) :: low(3) !! cell below the face
-        real(rk), intent(out) :: f(5) !! flux, normal momentum in slot 2
+        real(rk), intent(out) :: f(max_var) !! flux, normal momentum in slot 2
         real(rk), intent(out) :: p_star !! pressure on the wall, 0 where there is none [Pa]
         real(rk), intent(out) :: speed !! normal velocity of the wall, 0 where there is none [m/s]
-        real(rk) :: q(5, 4), v(4), scale(5)
-        integer :: c, m, at(3), solid(4)
+        real(rk) :: q(5, -2:3), v(-2:3), y(-2:3), gamma(-2:3)
+        integer :: c, m, at(3), solid(-2:3)
 
         at = low
         solid = 0
         v = 0
-        do m = 1, 4
-            at(d) = low(d) + m - 2
+        y = 0
+        gamma = scheme%gamma
+        do m = -2, 3
+            at(d) = low(d) + m
             do c = 1, 5
                 q(c, m) = air%u(at(1), at(2), at(3), turned(c, d))
             end do
-            if (.not. wall%present) cycle
-            solid(m) = wall%solid(at(1), at(2), at(3))
-            if (solid(m) == 1) v(m) = wall_speed(air, wall, d, at)
+            if (wall%present) then
+                solid(m) = wall%solid(at(1), at(2), at(3))
+                if (solid(m) == 1) v(m) = wall_speed(air, wall, d, at)
+            end if
+            if (air%n_var < 6 .or. solid(m) == 1) cycle
+            y(m) = air%u(at(1), at(2), at(3), 6)/q(1, m)
+            gamma(m) = mixture_gamma(scheme, y(m))
         end do
-        call typical_scale(air, scale)
         p_star = 0
         speed = 0
         if (all(solid == 0)) then
-            call gas_face(order, air%gamma, scale, q, f)
+            call gas_face(scheme, gamma, q, f)
         else
-            call cut_face(order, air%gamma, scale, solid, v, q, f, p_star)
-            if (solid(2) /= solid(3)) speed = v(2)*solid(2) + v(3)*solid(3)
+            call cut_face(scheme, gamma, solid, v, q, f, p_star)
+            if (solid(0) /= solid(1)) speed = v(0)*solid(0) + v(1)*solid(1)
         end if
+        f(6) = 0
+        if (air%n_var == 6) f(6) = f(1)*fraction_at(scheme, solid, f(1), y)
     end subroutine flux_at
+
+    !> Mass fraction of the products that the mass flux through a face carries.
+    pure real(rk) function fraction_at(scheme, solid, mass_flux, y) result(share)
+        type(scheme_t), intent(in) :: scheme
+        integer, intent(in) :: solid(-2:3) !! 1 where the cell holds solid
+        real(rk), intent(in) :: mass_flux !! [kg/(m2 s)]
+        real(rk), intent(in) :: y(-2:3) !! mass fractions of the gas cells
+        real(rk) :: z(-1:2)
+
+        z = y(-1:2)
+        if (solid(0) == 1) z(0) = y(1)
+        if (solid(1) == 1) z(1) = y(0)
+        if (solid(-1) == 1 .or. scheme%reconstruction == first_order) z(-1) = z(0)
+        if (solid(2) == 1 .or. scheme%reconstruction == first_order) z(2) = z(1)
+        share = face_fraction(mass_flux, z(-1), z(0), z(1), z(2))
+    end function fraction_at
 
     !> Normal velocity of a solid cell or of the image of one, which a mirror turns round.
     pure function wall_speed(air, wall, d, at) result(v)
@@ -62,16 +87,14 @@ contains
         if (bc == bc_wall .or. bc == bc_symmetry) v = -v
     end function wall_speed
 
-    !> 1/(typical flux)^2 of mass, momentum and energy, from the undisturbed air.
-    pure subroutine typical_scale(air, scale)
-        type(air_t), intent(in) :: air
-        real(rk), intent(out) :: scale(5)
+    !> 1/(typical value)^2 of the fluxes of mass, momentum and energy, from the undisturbed air.
+    pure subroutine set_scale(air)
+        type(air_t), intent(inout) :: air
         real(rk) :: c
 
-        c = sqrt(air%gamma*air%p_rest/air%rho_rest)
-        scale(1) = 1/(air%rho_rest*c)**2
-        scale(2) = 1/(air%rho_rest*c*c)**2
-        scale(3:4) = scale(2)
-        scale(5) = 1/(air%rho_rest*c*c*c)**2
-    end subroutine typical_scale
+        c = sqrt(air%scheme%gamma*air%p_rest/air%rho_rest)
+        air%scheme%scale(1) = 1/(air%rho_rest*c)**2
+        air%scheme%scale(2:4) = 1/(air%rho_rest*c*c)**2
+        air%scheme%scale(5) = 1/(air%rho_rest*c*c*c)**2
+    end subroutine set_scale
 end module brz_air_faces

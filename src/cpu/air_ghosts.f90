@@ -5,7 +5,7 @@
 !> Only ghosts straight across a face are filled; no stencil reaches into edges or corners.
 module brz_air_ghosts
     use brz_kinds, only: rk
-    use brz_air_state, only: air_t, bc_symmetry, bc_wall
+    use brz_air_state, only: air_t, bc_symmetry, bc_wall, n_ghost
     use brz_air_walls, only: image_of
     implicit none
     private
@@ -16,27 +16,25 @@ contains
     !> Fill the ghosts of all directions that are modelled.
     subroutine fill_ghosts(air)
         type(air_t), intent(inout) :: air
-        integer :: d, m, p(4), side
+        integer :: d, m, p, side
         real(rk) :: sign
 
         do d = 1, 3
             if (air%n(d) == 1) cycle
-            p = [0, -1, air%n(d) + 1, air%n(d) + 2]
-            do m = 1, 4
-                side = (m + 1)/2
+            do side = 1, 2
                 sign = 1
                 if (air%bc(side, d) == bc_wall .or. air%bc(side, d) == bc_symmetry) sign = -1
-                call copy_layer(air%n, air%g, air%u, d, p(m), image_of(air, d, p(m)), sign)
+                do m = 1, n_ghost
+                    p = merge(1 - m, air%n(d) + m, side == 1)
+                    call copy_layer(air, d, p, image_of(air, d, p), sign)
+                end do
             end do
         end do
     end subroutine fill_ghosts
 
     !> Copy one layer of cells normal to d; the normal momentum is multiplied by `sign`.
-    subroutine copy_layer(n, g, u, d, to, from, sign)
-        integer, intent(in) :: n(3) !! cells
-        integer, intent(in) :: g(3) !! ghost layers
-        real(rk), intent(inout) :: u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), &
-            1 - g(3):n(3) + g(3), 5)
+    subroutine copy_layer(air, d, to, from, sign)
+        type(air_t), intent(inout) :: air
         integer, intent(in) :: d !! direction
         integer, intent(in) :: to, from !! indices of the layers along d
         real(rk), intent(in) :: sign
@@ -44,17 +42,17 @@ contains
         real(rk) :: s
 
         lo = 1
-        hi = n
+        hi = air%n
         lo(d) = to
         hi(d) = to
         shift = 0
         shift(d) = from - to
-        do c = 1, 5
+        do c = 1, air%n_var
             s = merge(sign, 1.0_rk, c == d + 1)
             do k = lo(3), hi(3)
                 do j = lo(2), hi(2)
                     do i = lo(1), hi(1)
-                        u(i, j, k, c) = s*u(i + shift(1), j + shift(2), k + shift(3), c)
+                        air%u(i, j, k, c) = s*air%u(i + shift(1), j + shift(2), k + shift(3), c)
                     end do
                 end do
             end do

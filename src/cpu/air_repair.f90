@@ -9,9 +9,10 @@ module brz_air_repair
     use brz_kinds, only: dp, int8, rk
     use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic, lines_per_block, wall_t
     use brz_air_faces, only: flux_at
-    use brz_air_sweep, only: stage_t
+    use brz_air_sweep, only: stage_t, stray
     use brz_air_walls, only: image_of
     use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
+    use brz_scheme, only: first_order, max_var, scheme_t
     implicit none
     private
     public :: repair
@@ -31,7 +32,7 @@ contains
 
         n_faces = 0
         call find_suspects(air, wall, last, stage, n_bad)
-        if (air%fallback .and. air%order /= 1) then
+        if (air%fallback .and. air%scheme%reconstruction /= first_order) then
             do pass = 1, passes
                 before = n_faces
                 do m = 1, n_bad
@@ -104,14 +105,17 @@ contains
         real(rk), intent(in) :: floor !! least ratio of new to old
         integer, intent(in) :: cell(3)
         integer, intent(inout) :: n_bad
-        real(rk) :: old(5), new(5)
+        real(rk) :: old(max_var), new(max_var)
 
         if (wall%present) then
             if (wall%solid(cell(1), cell(2), cell(3)) == 1) return
         end if
-        old = air%u(cell(1), cell(2), cell(3), :)
-        new = old + stage%dt*air%rate(cell(1), cell(2), cell(3), :)
-        if (new(1) > floor*old(1) .and. inner(new)*old(1) > floor*inner(old)*new(1)) return
+        old(:air%n_var) = air%u(cell(1), cell(2), cell(3), :)
+        new(:air%n_var) = old(:air%n_var) + stage%dt*air%rate(cell(1), cell(2), cell(3), :)
+        if (new(1) > floor*old(1) .and. inner(new)*old(1) > floor*inner(old)*new(1)) then
+            if (air%n_var < 6) return
+            if (new(6) >= -stray*new(1) .and. new(6) <= (1 + stray)*new(1)) return
+        end if
         n_bad = n_bad + 1
         call grow(air%bad, n_bad)
         air%bad(:, n_bad) = cell
@@ -132,7 +136,8 @@ contains
         integer, intent(inout) :: status
         real(rk) :: new(5)
 
-        new = air%u(cell(1), cell(2), cell(3), :) + stage%dt*air%rate(cell(1), cell(2), cell(3), :)
+        new = air%u(cell(1), cell(2), cell(3), 1:5) &
+            + stage%dt*air%rate(cell(1), cell(2), cell(3), 1:5)
         if (new(1) > 0 .and. abs(inner(new)) <= huge(1.0_rk)) return
         status = air_unphysical
         air%bad_cell = cell
@@ -172,15 +177,18 @@ contains
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: d !! direction
         integer, intent(in) :: low(3) !! cell below the face
-        real(rk) :: f(5), df(5), p, dp_star, speed
-        real(dp) :: area
+        type(scheme_t) :: lower
+        real(rk) :: f(max_var), df(max_var), p, dp_star, speed
+        real(dp) :: area, out
         integer :: m, high(3)
 
         high = low
         high(d) = high(d) + 1
         if (air%bc(1, d) == bc_periodic) high(d) = image_of(air, d, high(d))
-        call flux_at(air, wall, air%order, d, low, f, p, speed)
-        call flux_at(air, wall, 1, d, low, df, dp_star, speed)
+        call flux_at(air, wall, air%scheme, d, low, f, p, speed)
+        lower = air%scheme
+        lower%reconstruction = first_order
+        call flux_at(air, wall, lower, d, low, df, dp_star, speed)
         df = df - f
         dp_star = dp_star - p
         area = product(air%dx)/air%dx(d)
@@ -189,12 +197,12 @@ contains
         if (wall%present) &
             call change_impulse(wall, d, low, high, real(stage%share*area, rk)*dp_star)
         if (air%bc(1, d) == bc_periodic) return
+        if (low(d) > 0 .and. low(d) < air%n(d)) return
+        out = merge(-stage%share, stage%share, low(d) == 0)*area
         do m = 1, 5
-            if (low(d) == 0) air%outflow(turned(m, d)) = air%outflow(turned(m, d)) &
-                - stage%share*area*df(m)
-            if (low(d) == air%n(d)) air%outflow(turned(m, d)) = air%outflow(turned(m, d)) &
-                + stage%share*area*df(m)
+            air%outflow(turned(m, d)) = air%outflow(turned(m, d)) + out*df(m)
         end do
+        air%outflow_products = air%outflow_products + out*df(6)
     end subroutine lower_face
 
     !> Add a change of flux into a cell to its rate; the load of a wall is not kept in the ledger.
@@ -203,10 +211,11 @@ contains
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: d !! direction
         integer, intent(in) :: cell(3)
-        real(rk), intent(in) :: df(5) !! what flows in, per area and time, normal momentum in slot 2
+        real(rk), intent(in) :: df(max_var)
+        !! what flows in, per area and time, normal momentum in slot 2
         real(rk), intent(in) :: push !! the part of it that is pressure on the wall [Pa]
         real(rk), intent(in) :: speed !! velocity of the wall [m/s]
-        real(rk) :: f(5)
+        real(rk) :: f(max_var)
         integer :: m
 
         if (cell(d) < 1 .or. cell(d) > air%n(d)) return
@@ -217,7 +226,7 @@ contains
                 f(5) = f(5) - push*speed
             end if
         end if
-        do m = 1, 5
+        do m = 1, air%n_var
             air%rate(cell(1), cell(2), cell(3), turned(m, d)) = &
                 air%rate(cell(1), cell(2), cell(3), turned(m, d)) + f(m)*real(1/air%dx(d), rk)
         end do

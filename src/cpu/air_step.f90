@@ -1,21 +1,25 @@
 ! SPDX-License-Identifier: MIT
-!> One time step of the air: three Runge-Kutta stages of sweeps (SSP-RK3 of Shu and Osher).
+!> One time step of the air: two or three Runge-Kutta stages of sweeps (SSP-RK2, which is Heun's
+!> method, and SSP-RK3, of Shu and Osher).
 module brz_air_step
     use brz_kinds, only: dp, rk
-    use brz_air_state, only: air_ok, air_t, bc_periodic, lines_per_block, wall_t
-    use brz_air_faces, only: typical_scale
+    use brz_air_state, only: air_ok, air_t, bc_periodic, lines_per_block, n_ghost, wall_t
+    use brz_air_faces, only: set_scale
     use brz_air_ghosts, only: fill_ghosts
     use brz_air_repair, only: repair
     use brz_air_sweep, only: stage_t, sweep
     use brz_grid_lines, only: n_blocks
+    use brz_scheme, only: max_var
     use omp_lib, only: omp_get_max_threads
     implicit none
     private
     public :: air_step
 
     ! u := (1 - new) u_start + new (u + dt rate); the rates count with `share` in the whole step
-    real(rk), parameter :: new(3) = [1.0_rk, 0.25_rk, 2/3.0_rk]
-    real(rk), parameter :: share(3) = [1/6.0_rk, 1/6.0_rk, 2/3.0_rk]
+    real(rk), parameter :: new(3, 2:3) = reshape([1.0_rk, 0.5_rk, 0.0_rk, &
+        1.0_rk, 0.25_rk, 2/3.0_rk], [3, 2])
+    real(rk), parameter :: share(3, 2:3) = reshape([0.5_rk, 0.5_rk, 0.0_rk, &
+        1/6.0_rk, 1/6.0_rk, 2/3.0_rk], [3, 2])
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
     real(rk), parameter :: least_ratio = 1e-3_rk
     !! of new to old density or pressure, before a fallback
@@ -40,10 +44,10 @@ contains
         last = findloc(air%n > 1, .true., dim=1, back=.true.)
         stage%dt = real(dt, rk)
         stage%floor = merge(least_ratio, 0.0_rk, air%fallback)
-        call typical_scale(air, stage%scale)
-        do m = 1, 3
+        call set_scale(air)
+        do m = 1, air%n_stages
             call fill_ghosts(air)
-            stage%share = share(m)*stage%dt
+            stage%share = share(m, air%n_stages)*stage%dt
             stage%first = .true.
             do d = 1, last
                 if (air%n(d) == 1) cycle
@@ -55,7 +59,7 @@ contains
             if (any(air%suspect(1:n_blocks(air%n, last)) > 0)) &
                 call repair(air, wall, last, stage, status)
             if (status /= air_ok) return
-            call update(air%n, air%g, stage%dt, m, air%u, air%u_start, air%rate)
+            call update(air, stage%dt, new(m, air%n_stages), m == 1)
         end do
     end subroutine air_step
 
@@ -71,8 +75,8 @@ contains
         n = maxval(air%n)
         allocate (air%work(0:omp_get_max_threads() - 1))
         do t = 0, omp_get_max_threads() - 1
-            allocate (air%work(t)%q(lines_per_block, 5, -1:n + 2), &
-                air%work(t)%f(lines_per_block, 5, 0:n))
+            allocate (air%work(t)%q(lines_per_block, air%n_var, 1 - n_ghost:n + n_ghost), &
+                air%work(t)%f(lines_per_block, air%n_var, 0:n))
         end do
     end subroutine make_buffers
 
@@ -81,51 +85,48 @@ contains
         type(air_t), intent(inout) :: air
         integer, intent(in) :: d !! direction
         real(rk), intent(in) :: share !! weight of the stage times dt [s]
-        real(dp) :: total(5)
+        real(dp) :: total(max_var)
         integer :: b
 
         if (air%bc(1, d) == bc_periodic) return
         total = 0
         do b = 1, n_blocks(air%n, d)
-            total = total + air%edge(:, b)
+            total(:air%n_var) = total(:air%n_var) + air%edge(:, b)
         end do
-        air%outflow = air%outflow + share*(product(air%dx)/air%dx(d))*total
+        air%outflow = air%outflow + share*(product(air%dx)/air%dx(d))*total(1:5)
+        air%outflow_products = air%outflow_products + share*(product(air%dx)/air%dx(d))*total(6)
     end subroutine add_outflow
 
     !> Combine the Euler step with the start of the step; the first stage keeps the start.
     !>
     !> Written in differences, so that a gas at rest does not change by a bit.
-    subroutine update(n, g, dt, m, u, u_start, rate)
-        integer, intent(in) :: n(3) !! cells
-        integer, intent(in) :: g(3) !! ghost layers
+    subroutine update(air, dt, part, first)
+        type(air_t), intent(inout) :: air
         real(rk), intent(in) :: dt !! time step [s]
-        integer, intent(in) :: m !! stage
-        real(rk), intent(inout) :: u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), &
-            1 - g(3):n(3) + g(3), 5)
-        real(rk), intent(inout) :: u_start(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), &
-            1 - g(3):n(3) + g(3), 5)
-        real(rk), intent(in) :: rate(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), &
-            1 - g(3):n(3) + g(3), 5)
+        real(rk), intent(in) :: part !! weight of the new state
+        logical, intent(in) :: first !! first stage
         integer :: i, j, k, c
 
-        !$omp parallel do collapse(2) schedule(static) if (size(rate) > few_numbers)
-        do c = 1, 5
-            do k = 1, n(3)
-                do j = 1, n(2)
-                    if (m == 1) then
-                        do i = 1, n(1)
-                            u_start(i, j, k, c) = u(i, j, k, c)
-                            u(i, j, k, c) = u(i, j, k, c) + dt*rate(i, j, k, c)
-                        end do
-                    else
-                        do i = 1, n(1)
-                            u(i, j, k, c) = u_start(i, j, k, c) + new(m) &
-                                *(u(i, j, k, c) - u_start(i, j, k, c) + dt*rate(i, j, k, c))
-                        end do
-                    end if
+        associate (u => air%u, u_start => air%u_start, rate => air%rate)
+            !$omp parallel do collapse(2) schedule(static) if (size(air%rate) > few_numbers)
+            do c = 1, air%n_var
+                do k = 1, air%n(3)
+                    do j = 1, air%n(2)
+                        if (first) then
+                            do i = 1, air%n(1)
+                                u_start(i, j, k, c) = u(i, j, k, c)
+                                u(i, j, k, c) = u(i, j, k, c) + dt*rate(i, j, k, c)
+                            end do
+                        else
+                            do i = 1, air%n(1)
+                                u(i, j, k, c) = u_start(i, j, k, c) + part &
+                                    *(u(i, j, k, c) - u_start(i, j, k, c) + dt*rate(i, j, k, c))
+                            end do
+                        end if
+                    end do
                 end do
             end do
-        end do
-        !$omp end parallel do
+            !$omp end parallel do
+        end associate
     end subroutine update
 end module brz_air_step

@@ -2,10 +2,10 @@
 !> Numbers about all of the air: the stable time step and the conserved totals.
 module brz_air_sums
     use brz_kinds, only: dp, rk
-    use brz_air_state, only: air_t, wall_t
+    use brz_air_state, only: air_t, cell_gamma, wall_t
     implicit none
     private
-    public :: air_time_step, air_totals
+    public :: air_time_step, air_totals, products_mass
 
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
 
@@ -46,7 +46,7 @@ contains
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: j, k !! row
         real(rk), intent(in) :: inverse(3) !! 1/dx of the directions that are modelled [1/m]
-        real(rk) :: r, m1, m2, m3, volume, speed, c2, all_inverse
+        real(rk) :: r, m1, m2, m3, gamma, volume, speed, c2, all_inverse
         integer :: i
         logical :: has_solid
 
@@ -54,6 +54,7 @@ contains
         if (wall%present) has_solid = any(wall%solid(1:air%n(1), j, k) /= 0)
         all_inverse = inverse(1) + inverse(2) + inverse(3)
         fastest_of_row = 0
+        gamma = air%scheme%gamma
         do i = 1, air%n(1)
             if (has_solid) then
                 if (wall%solid(i, j, k) /= 0) cycle
@@ -63,7 +64,8 @@ contains
             m2 = air%u(i, j, k, 3)
             m3 = air%u(i, j, k, 4)
             volume = 1/r
-            c2 = air%gamma*(air%gamma - 1)*(air%u(i, j, k, 5) &
+            if (air%scheme%mixture) gamma = cell_gamma(air, i, j, k)
+            c2 = gamma*(gamma - 1)*(air%u(i, j, k, 5) &
                 - 0.5_rk*(m1*m1 + m2*m2 + m3*m3)*volume)*volume
             speed = (abs(m1)*inverse(1) + abs(m2)*inverse(2) + abs(m3)*inverse(3))*volume &
                 + sqrt(max(c2, 0.0_rk))*all_inverse
@@ -98,7 +100,7 @@ contains
         ledger = 0
         if (wall%present) then
             do c = 1, wall%n_cells
-                ledger = ledger + air%u(wall%cell(1, c), wall%cell(2, c), wall%cell(3, c), :)
+                ledger = ledger + air%u(wall%cell(1, c), wall%cell(2, c), wall%cell(3, c), 1:5)
             end do
         end if
         gas = 0
@@ -108,4 +110,29 @@ contains
         gas = (gas - ledger)*product(air%dx)
         ledger = ledger*product(air%dx)
     end subroutine air_totals
+
+    !> Mass of the products of explosives in the gas and in the ledgers [kg].
+    real(dp) function products_mass(air)
+        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        integer :: i, j, k, row
+
+        products_mass = 0
+        if (air%n_var < 6) return
+        !$omp parallel do collapse(2) schedule(static) private(i, row) &
+        !$omp& if (size(air%rate) > few_numbers)
+        do k = 1, air%n(3)
+            do j = 1, air%n(2)
+                row = (k - 1)*air%n(2) + j
+                air%row_sum(1, row) = 0
+                do i = 1, air%n(1)
+                    air%row_sum(1, row) = air%row_sum(1, row) + air%u(i, j, k, 6)
+                end do
+            end do
+        end do
+        !$omp end parallel do
+        do row = 1, air%n(2)*air%n(3)
+            products_mass = products_mass + air%row_sum(1, row)
+        end do
+        products_mass = products_mass*product(air%dx)
+    end function products_mass
 end module brz_air_sums

@@ -5,24 +5,24 @@
 !> the same instructions and give the same bits; then split fluxes, fluxes, differences.
 module brz_air_sweep
     use brz_kinds, only: dp, rk
-    use brz_air_state, only: air_t, lines_per_block, sweep_work_t, wall_t
+    use brz_air_state, only: air_t, lines_per_block, n_ghost, sweep_work_t, wall_t
     use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
-    use brz_steger_warming, only: split_flux
-    use brz_weno3, only: weno3
+    use brz_scheme, only: max_var
     use brz_air_faces, only: flux_at
+    use brz_air_lines, only: line_fluxes
     use omp_lib, only: omp_get_thread_num
     implicit none
     private
-    public :: stage_t, sweep
+    public :: stage_t, sweep, stray
 
     integer, parameter :: nb = lines_per_block
+    real(rk), parameter :: stray = 1e3_rk*epsilon(1.0_rk) !! allowed of a mass fraction beyond 0..1
     integer, parameter :: few_cells = 8000 !! fewer are not worth waking the other threads
 
     !> What the sweeps must know of the stage.
     type :: stage_t
         real(rk) :: dt = 0 !! time step, for the test of the Euler step [s]
         real(rk) :: share = 0 !! dt times the weight of the stage in the whole step [s]
-        real(rk) :: scale(5) = 1 !! 1/(typical flux)^2, see weno3
         real(rk) :: floor = 0 !! least ratio of new to old density and pressure
         logical :: first = .true. !! first direction: the rates start from zero
         logical :: last = .true. !! last direction: the rates are complete
@@ -64,21 +64,22 @@ contains
         type(sweep_work_t), intent(inout) :: work
         type(place_t) :: place
         logical :: solid
-        integer :: n
+        integer :: n, nv
 
         n = air%n(d)
+        nv = air%n_var
         solid = .false.
         if (wall%present) solid = wall%cut(d)%has_solid(b) == 1
         call locate(air%n, air%g, d, b, place)
-        call load(n, size(air%u), air%u, place, turned(1, d), work%q)
+        call load(n, nv, size(air%u), air%u, place, turned(1, d), work%q)
         if (solid) call blank_solid(air, wall, d, b, work%q)
-        call line_fluxes(n, air%order, air%gamma, stage%scale, work%q, work%f)
+        call line_fluxes(n, nv, air%scheme, work%q, work%f)
         if (solid) call cut_fluxes(air, wall, d, b, stage%share, work%f)
-        call ends_of_lines(n, place%lines, turned(1, d), work%f, air%edge(1, b))
-        call difference(n, real(1/air%dx(d), rk), work%f)
+        call ends_of_lines(n, nv, place%lines, turned(1, d), work%f, air%edge(1, b))
+        call difference(n, nv, real(1/air%dx(d), rk), work%f)
         if (solid) call load_off_ledger(air, wall, d, b, work%f)
-        call store(n, size(air%rate), air%rate, place, turned(1, d), stage%first, work%f)
-        if (stage%last) call count_suspects(n, stage, work%q, work%f, air%suspect(b))
+        call store(n, nv, air%rate, place, turned(1, d), stage%first, work%f)
+        if (stage%last) call count_suspects(n, nv, stage, work%q, work%f, air%suspect(b))
     end subroutine sweep_block
 
     !> Find the lines of a block in an array of n cells with g ghost layers.
@@ -102,19 +103,20 @@ contains
         place%adjacent = place%lines == nb .and. place%start(nb) - place%start(1) == nb - 1
     end subroutine locate
 
-    !> Copy the lines of a block, two ghosts at each end, with the vectors turned into direction d.
-    pure subroutine load(n, length, u, place, turn, q)
+    !> Copy the lines of a block, ghosts and all, with the vectors turned into direction d.
+    pure subroutine load(n, nv, length, u, place, turn, q)
         integer, intent(in) :: n !! cells on a line
+        integer, intent(in) :: nv !! conserved variables
         integer, intent(in) :: length
         real(rk), intent(in) :: u(length)
         type(place_t), intent(in) :: place
-        integer, intent(in) :: turn(5) !! variable in each slot
-        real(rk), intent(out) :: q(nb, 5, -1:n + 2)
+        integer, intent(in) :: turn(nv) !! variable in each slot
+        real(rk), intent(out) :: q(nb, nv, 1 - n_ghost:n + n_ghost)
         integer :: c, i, l, at
 
         if (place%adjacent) then
-            do i = -1, n + 2
-                do c = 1, 5
+            do i = 1 - n_ghost, n + n_ghost
+                do c = 1, nv
                     at = place%start(1) + i*place%along + (turn(c) - 1)*place%apart - 1
                     do l = 1, nb
                         q(l, c, i) = u(at + l)
@@ -122,10 +124,10 @@ contains
                 end do
             end do
         else
-            do c = 1, 5
+            do c = 1, nv
                 do l = 1, nb
                     at = place%start(l) + (turn(c) - 1)*place%apart
-                    do i = -1, n + 2
+                    do i = 1 - n_ghost, n + n_ghost
                         q(l, c, i) = u(at + i*place%along)
                     end do
                 end do
@@ -136,19 +138,19 @@ contains
     !> Add the rates of a block to their places, or set them.
     !>
     !> The buffer leaves with the sums, which count_suspects needs after the last direction.
-    pure subroutine store(n, length, rate, place, turn, first, f)
+    pure subroutine store(n, nv, rate, place, turn, first, f)
         integer, intent(in) :: n !! cells on a line
-        integer, intent(in) :: length
-        real(rk), intent(inout) :: rate(length)
+        integer, intent(in) :: nv !! conserved variables
+        real(rk), intent(inout) :: rate(*)
         type(place_t), intent(in) :: place
-        integer, intent(in) :: turn(5) !! variable in each slot
+        integer, intent(in) :: turn(nv) !! variable in each slot
         logical, intent(in) :: first !! set, do not add
-        real(rk), intent(inout) :: f(nb, 5, 0:n) !! rate of cell i in place i-1
+        real(rk), intent(inout) :: f(nb, nv, 0:n) !! rate of cell i in place i-1
         integer :: c, i, l, at
 
         if (place%adjacent) then
             do i = 1, n
-                do c = 1, 5
+                do c = 1, nv
                     at = place%start(1) + i*place%along + (turn(c) - 1)*place%apart - 1
                     if (first) then
                         do l = 1, nb
@@ -163,7 +165,7 @@ contains
                 end do
             end do
         else
-            do c = 1, 5
+            do c = 1, nv
                 do l = 1, nb
                     at = place%start(l) + (turn(c) - 1)*place%apart
                     if (.not. first) then
@@ -180,66 +182,16 @@ contains
         end if
     end subroutine store
 
-    !> Fluxes through all faces of the lines of a block as if there were gas everywhere.
-    !>
-    !> Each cell is split once; the last four cells are kept, which is what a face needs.
-    pure subroutine line_fluxes(n, order, gamma, scale, q, f)
-        integer, intent(in) :: n !! cells on a line
-        integer, intent(in) :: order !! 1: first order, 3: WENO3
-        real(rk), intent(in) :: gamma !! ratio of specific heats [-]
-        real(rk), intent(in) :: scale(5) !! see weno3
-        real(rk), intent(in) :: q(nb, 5, -1:n + 2) !! conserved variables
-        real(rk), intent(out) :: f(nb, 5, 0:n) !! flux through the face above each cell
-        real(rk) :: up(nb, 5, 0:3), down(nb, 5, 0:3), state(5), plus(5), minus(5)
-        integer :: below, c, i, l, s0, s1, s2, s3
-
-        do i = -1, n + 2
-            s3 = iand(i, 3)
-            do l = 1, nb
-                state(1) = q(l, 1, i)
-                state(2) = q(l, 2, i)
-                state(3) = q(l, 3, i)
-                state(4) = q(l, 4, i)
-                state(5) = q(l, 5, i)
-                call split_flux(gamma, state, plus, minus)
-                up(l, 1, s3) = plus(1)
-                up(l, 2, s3) = plus(2)
-                up(l, 3, s3) = plus(3)
-                up(l, 4, s3) = plus(4)
-                up(l, 5, s3) = plus(5)
-                down(l, 1, s3) = minus(1)
-                down(l, 2, s3) = minus(2)
-                down(l, 3, s3) = minus(3)
-                down(l, 4, s3) = minus(4)
-                down(l, 5, s3) = minus(5)
-            end do
-            below = max(i - 2, 0) ! the first three cells only fill the window
-            s0 = iand(i - 3, 3)
-            s1 = iand(i - 2, 3)
-            s2 = iand(i - 1, 3)
-            if (i < 2) cycle
-            if (order == 1) then
-                f(:, :, below) = up(:, :, s1) + down(:, :, s2)
-                cycle
-            end if
-            do c = 1, 5
-                do l = 1, nb
-                    f(l, c, below) = weno3(up(l, c, s0), up(l, c, s1), up(l, c, s2), scale(c)) &
-                        + weno3(down(l, c, s3), down(l, c, s2), down(l, c, s1), scale(c))
-                end do
-            end do
-        end do
-    end subroutine line_fluxes
-
     !> Rates -(F above - F below)/dx, in place: that of cell i goes to place i-1.
-    pure subroutine difference(n, inverse_dx, f)
+    pure subroutine difference(n, nv, inverse_dx, f)
         integer, intent(in) :: n !! cells on a line
+        integer, intent(in) :: nv !! conserved variables
         real(rk), intent(in) :: inverse_dx !! [1/m]
-        real(rk), intent(inout) :: f(nb, 5, 0:n) !! fluxes in, rates out
+        real(rk), intent(inout) :: f(nb, nv, 0:n) !! fluxes in, rates out
         integer :: c, i, l
 
         do i = 1, n
-            do c = 1, 5
+            do c = 1, nv
                 do l = 1, nb
                     f(l, c, i - 1) = (f(l, c, i - 1) - f(l, c, i))*inverse_dx
                 end do
@@ -248,15 +200,16 @@ contains
     end subroutine difference
 
     !> What leaves the lines of a block at their two ends, summed line by line.
-    pure subroutine ends_of_lines(n, lines, turn, f, edge)
+    pure subroutine ends_of_lines(n, nv, lines, turn, f, edge)
         integer, intent(in) :: n !! cells on a line
+        integer, intent(in) :: nv !! conserved variables
         integer, intent(in) :: lines !! lines that count
-        integer, intent(in) :: turn(5) !! variable in each slot
-        real(rk), intent(in) :: f(nb, 5, 0:n) !! fluxes
-        real(dp), intent(out) :: edge(5) !! sum of fluxes out
+        integer, intent(in) :: turn(nv) !! variable in each slot
+        real(rk), intent(in) :: f(nb, nv, 0:n) !! fluxes
+        real(dp), intent(out) :: edge(nv) !! sum of fluxes out
         integer :: c, l
 
-        do c = 1, 5
+        do c = 1, nv
             edge(turn(c)) = 0
             do l = 1, lines
                 edge(turn(c)) = edge(turn(c)) + (real(f(l, c, n), dp) - real(f(l, c, 0), dp))
@@ -267,11 +220,12 @@ contains
     !> Count the cells whose Euler step loses nearly all density or pressure, or is not a number.
     !>
     !> Divisions are avoided by multiplying with densities. Solid cells may be among those counted.
-    pure subroutine count_suspects(n, stage, q, f, suspects)
+    pure subroutine count_suspects(n, nv, stage, q, f, suspects)
         integer, intent(in) :: n !! cells on a line
+        integer, intent(in) :: nv !! conserved variables
         type(stage_t), intent(in) :: stage
-        real(rk), intent(in) :: q(nb, 5, -1:n + 2) !! state before
-        real(rk), intent(in) :: f(nb, 5, 0:n) !! complete rate of cell i in place i-1
+        real(rk), intent(in) :: q(nb, nv, 1 - n_ghost:n + n_ghost) !! state before
+        real(rk), intent(in) :: f(nb, nv, 0:n) !! complete rate of cell i in place i-1
         integer, intent(out) :: suspects
         real(rk) :: r, m1, m2, m3, e, old, new
         integer :: i, l, bad(nb)
@@ -290,6 +244,12 @@ contains
                 bad(l) = bad(l) + merge(0, 1, &
                     r > stage%floor*q(l, 1, i) .and. new > stage%floor*old)
             end do
+            if (nv < 6) cycle
+            do l = 1, nb
+                r = q(l, 1, i) + stage%dt*f(l, 1, i - 1)
+                new = q(l, 6, i) + stage%dt*f(l, 6, i - 1)
+                bad(l) = bad(l) + merge(0, 1, new >= -stray*r .and. new <= (1 + stray)*r)
+            end do
         end do
         suspects = sum(bad)
     end subroutine count_suspects
@@ -300,16 +260,16 @@ contains
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: d !! direction
         integer, intent(in) :: b !! block
-        real(rk), intent(inout) :: q(nb, 5, -1:air%n(d) + 2)
+        real(rk), intent(inout) :: q(nb, air%n_var, 1 - n_ghost:air%n(d) + n_ghost)
         integer :: l, i, cell(3)
 
         do l = 1, nb
             call first_cell_of(air%n, d, min((b - 1)*nb + l, n_lines(air%n, d)), cell)
-            do i = -1, air%n(d) + 2
+            do i = 1 - n_ghost, air%n(d) + n_ghost
                 cell(d) = i
                 if (wall%solid(cell(1), cell(2), cell(3)) == 0) cycle
                 q(l, 1, i) = air%rho_rest
-                q(l, 2:5, i) = 0
+                q(l, 2:, i) = 0
             end do
         end do
     end subroutine blank_solid
@@ -321,17 +281,17 @@ contains
         integer, intent(in) :: d !! direction
         integer, intent(in) :: b !! block
         real(rk), intent(in) :: share !! weight of the stage times dt [s]
-        real(rk), intent(inout) :: f(nb, 5, 0:air%n(d)) !! fluxes
-        real(rk) :: flux(5), p_star, area
+        real(rk), intent(inout) :: f(nb, air%n_var, 0:air%n(d)) !! fluxes
+        real(rk) :: flux(max_var), p_star, area
         integer :: e, l, face, low(3)
 
         area = real(product(air%dx)/air%dx(d), rk)
         do e = wall%cut(d)%first(b), wall%cut(d)%first(b + 1) - 1
             low = wall%cut(d)%face(1:3, e)
-            call flux_at(air, wall, air%order, d, low, flux, p_star, wall%cut(d)%speed(e))
+            call flux_at(air, wall, air%scheme, d, low, flux, p_star, wall%cut(d)%speed(e))
             wall%cut(d)%push(e) = wall%cut(d)%side(e)*p_star*real(1/air%dx(d), rk)
             l = lane_of(air, d, b, low)
-            f(l, :, low(d)) = flux
+            f(l, :, low(d)) = flux(:air%n_var)
             face = wall%cut(d)%face(4, e)
             if (face > 0) wall%impulse(face) = wall%impulse(face) + share*area*p_star
         end do
@@ -343,7 +303,7 @@ contains
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: d !! direction
         integer, intent(in) :: b !! block
-        real(rk), intent(inout) :: f(nb, 5, 0:air%n(d)) !! rate of cell i in place i-1
+        real(rk), intent(inout) :: f(nb, air%n_var, 0:air%n(d)) !! rate of cell i in place i-1
         integer :: e, l, i
 
         do e = wall%cut(d)%first(b), wall%cut(d)%first(b + 1) - 1

@@ -6,6 +6,7 @@ module brz_coupling_debts
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: int32, rk
     use brz_ledger_rules, only: ledger_excess, ledger_ratio, release_debt
+    use brz_scheme, only: max_var
     implicit none
     private
     public :: add_debt, limit_ledgers, release_debts, settle_covered
@@ -17,7 +18,7 @@ contains
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
         integer(int32), intent(in) :: cell !! number of the cell
-        real(rk), intent(in) :: q(5)
+        real(rk), intent(in) :: q(:) !! (n_var)
         integer :: c(3), e
 
         c = cell_at(air%n, cell)
@@ -98,7 +99,7 @@ contains
             n = n + 1
         end do
         g = coupling%wall%cell(:, c)
-        u = air%u(g(1), g(2), g(3), :)
+        u = air%u(g(1), g(2), g(3), 1:5)
         ratio = ledger_ratio(u, rho/n, energy/n)
     end function ratio_of
 
@@ -107,7 +108,7 @@ contains
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
         integer, intent(in) :: c !! place in the wall list
-        real(rk) :: q(5)
+        real(rk) :: q(air%n_var)
         integer :: f, side, ijk(3)
 
         ijk = coupling%wall%cell(:, c)
@@ -124,16 +125,20 @@ contains
     subroutine release_debts(air, coupling)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
-        real(rk) :: u(5)
+        real(rk) :: u(max_var), debt(max_var)
         integer :: c(3), e
 
         if (coupling%n_debts == 0) return
-        !$omp parallel do schedule(static) private(c, u)
+        !$omp parallel do schedule(static) private(c, u, debt)
         do e = 1, coupling%n_debts
             c = cell_at(air%n, coupling%debt_cell(e))
-            u = air%u(c(1), c(2), c(3), :)
-            call release_debt(u, coupling%debt(:, e))
-            air%u(c(1), c(2), c(3), :) = u
+            u(6) = 0
+            debt(6) = 0
+            u(:air%n_var) = air%u(c(1), c(2), c(3), :)
+            debt(:air%n_var) = coupling%debt(:, e)
+            call release_debt(u, debt)
+            air%u(c(1), c(2), c(3), :) = u(:air%n_var)
+            coupling%debt(:, e) = debt(:air%n_var)
         end do
         call drop_paid(air, coupling)
     end subroutine release_debts
@@ -170,7 +175,7 @@ contains
         have = 0
         if (allocated(coupling%debt_cell)) have = size(coupling%debt_cell)
         if (have >= n) return
-        allocate (cell(2*n + 64), debt(5, 2*n + 64))
+        allocate (cell(2*n + 64), debt(coupling%n_var, 2*n + 64))
         if (have > 0) then
             cell(1:have) = coupling%debt_cell
             debt(:, 1:have) = coupling%debt

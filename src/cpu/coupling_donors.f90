@@ -106,7 +106,7 @@ contains
         type(coupling_t), intent(in) :: coupling
         integer :: c, e, m, s, ijk(3), from(3)
         integer(int8) :: kind_of
-        real(rk) :: share(5)
+        real(rk) :: share(coupling%n_var)
         logical :: inside
 
         if (coupling%n_donors == 0) return
@@ -163,7 +163,7 @@ contains
         if (allocated(coupling%donor)) have = size(coupling%donor)
         if (have >= n) return
         room = 2*n
-        allocate (donor(room), donation(5, room))
+        allocate (donor(room), donation(coupling%n_var, room))
         if (have > 0) then
             donor(1:have) = coupling%donor
             donation(:, 1:have) = coupling%donation

@@ -4,7 +4,7 @@
 !> Everything is a gather over cells in their own order, so the result depends neither on the order
 !> of the particles nor on the number of threads; only debts, which are few, are booked one by one.
 module brz_coupling_events
-    use brz_air_state, only: air_t
+    use brz_air_state, only: air_t, cell_gamma
     use brz_air_walls, only: build_walls
     use brz_cell_shells, only: cell_at, neighbour, number_of
     use brz_coupling_bins, only: at_least, fill_bins, find_cells, index_faces, mark_cells, &
@@ -16,6 +16,7 @@ module brz_coupling_events
     use brz_gas, only: to_primitive
     use brz_kinds, only: rk
     use brz_ledger_rules, only: fresh_gas
+    use brz_scheme, only: max_var, mixture_gamma
     use brz_solid_state, only: solid_t
     use brz_wall_riemann, only: wall_star
     implicit none
@@ -127,16 +128,17 @@ contains
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
         integer, intent(in) :: e !! number of the event
-        real(rk) :: w(5), u(5), rest(5), follows
+        real(rk) :: w(max_var), u(max_var), rest(max_var), follows
         integer :: c(3)
 
         c = cell_at(air%n, coupling%uncovered(e))
         call surroundings(air, coupling, c, w, follows)
-        u = air%u(c(1), c(2), c(3), :)
-        call fresh_gas(air%gamma, w, follows, u, rest)
-        air%u(c(1), c(2), c(3), :) = u
+        u(6) = 0
+        u(:air%n_var) = air%u(c(1), c(2), c(3), :)
+        call fresh_gas(mixture_gamma(air%scheme, w(6)), w, follows, u, rest)
+        air%u(c(1), c(2), c(3), :) = u(:air%n_var)
         coupling%donor(e) = coupling%uncovered(e)
-        coupling%donation(:, e) = rest
+        coupling%donation(:, e) = rest(:air%n_var)
     end subroutine fill_uncovered
 
     !> Mean state of the nearest cells that were gas and still are; air at rest where there is none.
@@ -148,9 +150,9 @@ contains
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
         integer, intent(in) :: c(3)
-        real(rk), intent(out) :: w(5) !! density, velocity, pressure
+        real(rk), intent(out) :: w(max_var) !! density, velocity, pressure, fraction of products
         real(rk), intent(out) :: follows
-        real(rk) :: thin, v(3), u(5), q(5)
+        real(rk) :: gamma, thin, v(3), u(5), q(5)
         logical :: normal(3)
         integer :: m, n, s, to(3)
 
@@ -162,12 +164,14 @@ contains
             n = 0
             do m = coupling%shells%first(s), coupling%shells%first(s + 1) - 1
                 if (.not. stays_gas(air, coupling, c, coupling%shells%offset(:, m), to)) cycle
-                u = air%u(to(1), to(2), to(3), :)
-                call to_primitive(air%gamma, u, q)
-                w = w + q
+                u = air%u(to(1), to(2), to(3), 1:5)
+                gamma = cell_gamma(air, to(1), to(2), to(3))
+                call to_primitive(gamma, u, q)
+                w(1:5) = w(1:5) + q
+                if (air%n_var == 6) w(6) = w(6) + air%u(to(1), to(2), to(3), 6)/q(1)
                 n = n + 1
                 thin = merge(1.0_rk, 0.0_rk, s <= touching)
-                if (s == 1) thin = left_behind(air%gamma, q, v, coupling%shells%offset(:, m))
+                if (s == 1) thin = left_behind(gamma, q, v, coupling%shells%offset(:, m))
                 follows = follows + thin
                 if (s == 1) normal = normal .or. coupling%shells%offset(:, m) /= 0
             end do
@@ -180,6 +184,7 @@ contains
         w(1) = air%rho_rest
         w(2:4) = v
         w(5) = air%p_rest
+        w(6) = 0
         follows = 0
     end subroutine surroundings
 
@@ -218,7 +223,7 @@ contains
             if (size(coupling%excess) < n) deallocate (coupling%excess, coupling%ledger)
         end if
         if (.not. allocated(coupling%excess)) then
-            allocate (coupling%excess(n + n/4), coupling%ledger(5, n + n/4))
+            allocate (coupling%excess(n + n/4), coupling%ledger(coupling%n_var, n + n/4))
         end if
         n = coupling%wall%n_faces
         if (allocated(coupling%surface)) then

@@ -24,7 +24,7 @@ contains
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
         integer :: c, ijk(3)
-        real(rk) :: gain(5), part
+        real(rk) :: gain(air%n_var), part
 
         if (coupling%shells%n < 3 .or. count(air%n > 1) == 1) return
         part = 1/3.0_rk**count(air%n > 1)
@@ -49,7 +49,7 @@ contains
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
         integer, intent(in) :: c !! place in the wall list
-        real(rk), intent(out) :: gain(5)
+        real(rk), intent(out) :: gain(:) !! (n_var)
         integer :: at, m, to(3)
         logical :: inside
 

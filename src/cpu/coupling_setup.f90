@@ -46,6 +46,7 @@ contains
         integer :: c, ijk(3)
 
         coupling%present = .true.
+        coupling%n_var = air%n_var
         coupling%spread = spread
         coupling%reference_pressure = reference_pressure
         coupling%wraps = air%bc(1, :) == bc_periodic .and. air%n > 1

@@ -2,12 +2,12 @@
 !> Mass, momentum and energy of gas, ledgers and debts.
 module brz_coupling_totals
     use brz_air_state, only: air_t
-    use brz_air_sums, only: air_totals
+    use brz_air_sums, only: air_totals, products_mass
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: dp
     implicit none
     private
-    public :: coupling_totals
+    public :: coupling_totals, coupling_products
 
 contains
 
@@ -22,7 +22,17 @@ contains
         call air_totals(air, coupling%wall, gas, ledger)
         debt = 0
         do e = 1, coupling%n_debts
-            debt = debt + coupling%debt(:, e)*product(air%dx)
+            debt = debt + coupling%debt(1:5, e)*product(air%dx)
         end do
     end subroutine coupling_totals
+
+    !> Mass of the products of explosives in gas, ledgers and debts [kg].
+    real(dp) function coupling_products(air, coupling)
+        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        type(coupling_t), intent(in) :: coupling
+
+        coupling_products = products_mass(air)
+        if (air%n_var == 6 .and. coupling%n_debts > 0) coupling_products = coupling_products &
+            + sum(real(coupling%debt(6, :coupling%n_debts), dp))*product(air%dx)
+    end function coupling_products
 end module brz_coupling_totals

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Velocities of the walls for the next step of the air, from the particles in the solid cells.
 module brz_coupling_velocity
-    use brz_air_state, only: air_t
+    use brz_air_state, only: air_t, cell_gamma
     use brz_coupling_bins, only: move_walls
     use brz_coupling_columns, only: area, face_above, weigh_columns, weight_of
     use brz_coupling_state, only: coupling_t, side_of
@@ -54,18 +54,19 @@ contains
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
         integer, intent(in) :: f !! wall face
-        real(rk) :: p, rho, u(5), w(5)
+        real(rk) :: gamma, p, rho, u(5), w(5)
         integer :: d, g(3), s
 
         g = coupling%wall%face(1:3, f)
         d = coupling%wall%face(4, f)
         s = coupling%wall%face(5, f)
-        u = air%u(g(1), g(2), g(3), :)
-        call to_primitive(air%gamma, u, w)
-        call wall_star(air%gamma, w(1), w(5), &
+        u = air%u(g(1), g(2), g(3), 1:5)
+        gamma = cell_gamma(air, g(1), g(2), g(3))
+        call to_primitive(gamma, u, w)
+        call wall_star(gamma, w(1), w(5), &
                        s*(w(1 + d) - coupling%wall%v(d, coupling%wall%face_cell(f))), p, rho)
         coupling%force(f) = real(s*(p - coupling%reference_pressure)*area(air, d), rk)
-        coupling%impedance(f) = real(sqrt(air%gamma*p*rho)*area(air, d), rk)
+        coupling%impedance(f) = real(sqrt(gamma*p*rho)*area(air, d), rk)
     end subroutine feel_gas
 
     !> Carry one wall to the middle of the step, in the directions in which it meets gas.

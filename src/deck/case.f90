@@ -42,8 +42,10 @@ module brz_case
         real(dp) :: gamma = 1.4_dp
         real(dp) :: cfl = 0.5_dp
         integer :: ramp_steps = 20 !! first steps, over which the time step grows from a tenth
-        character(name_len) :: reconstruction = 'weno3' !! 'first_order', 'weno3'
-        character(name_len) :: flux = 'steger_warming'
+        character(name_len) :: reconstruction = 'weno3'
+        !! 'first_order', 'muscl', 'weno3', 'weno5z'
+        character(name_len) :: flux = 'steger_warming' !! or 'hllc'
+        character(name_len) :: integrator = 'ssprk3' !! or 'ssprk2'
         logical :: fallback = .true. !! first-order fluxes where a state would become unphysical
     end type air_case_t
 
@@ -63,6 +65,7 @@ module brz_case
         real(dp) :: mass = 0 !! [kg]
         real(dp) :: density = 1630 !! [kg/m3]
         real(dp) :: energy = 4.29e6_dp !! [J/kg]
+        real(dp) :: gamma = 0 !! ratio of specific heats of its gas; 0: that of the air
         real(dp) :: at(3) = 0 !! centre [m]
         real(dp) :: aspect = 1 !! cylinder: length over diameter
         real(dp) :: sides(3) = 1 !! box: ratio of the sides

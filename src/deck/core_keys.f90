@@ -92,10 +92,14 @@ contains
                       meaning='First steps, over which the time step grows from a tenth to '// &
                       'the whole.'), &
                 key_t(group=g, key='reconstruction', kind=kind_text, default='weno3', &
-                      choices='weno3|first_order', &
-                      meaning='Reconstruction of the split fluxes at the faces.'), &
+                      choices='first_order|weno3', &
+                      meaning='Reconstruction at the faces: of the split fluxes with '// &
+                      'steger_warming.'), &
                 key_t(group=g, key='flux', kind=kind_text, default='steger_warming', &
-                      choices='steger_warming', meaning='Splitting of the fluxes.'), &
+                      choices='steger_warming', meaning='Flux: a splitting.'), &
+                key_t(group=g, key='integrator', kind=kind_text, default='ssprk3', &
+                      choices='ssprk3|ssprk2', &
+                      meaning='Runge-Kutta method: three stages or two.'), &
                 key_t(group=g, key='fallback', kind=kind_logical, default='.true.', &
                       meaning='First-order fluxes at faces where a state would become '// &
                       'unphysical; they are counted.')]
@@ -136,7 +140,10 @@ contains
                 key_t(group=g, key='explosive', kind=kind_text, default='tnt', choices='tnt', &
                       meaning='Explosive.'), &
                 key_t(group=g, key='eos', kind=kind_text, default='ideal', choices='ideal', &
-                      meaning='Equation of state of the products: that of the air.'), &
+                      meaning='Equation of state of the products: an ideal gas.'), &
+                key_t(group=g, key='gamma', lower=one, open_lower=.true., upper=5*one, &
+                      meaning='Ratio of the specific heats of the products; if absent they '// &
+                      'are taken for air. All charges that give one must give the same.'), &
                 key_t(group=g, key='shape', kind=kind_text, default='sphere', &
                       choices='sphere|cylinder|box', meaning='Shape.'), &
                 key_t(group=g, key='at', n_min=3, n_max=3, unit='m', default=required, &

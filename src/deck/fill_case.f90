@@ -81,6 +81,7 @@ contains
             call get(group, 'ramp_steps', air%ramp_steps)
             call get(group, 'reconstruction', air%reconstruction)
             call get(group, 'flux', air%flux)
+            call get(group, 'integrator', air%integrator)
             call get(group, 'fallback', air%fallback)
         end associate
         call fill_boundaries(deck, g, case)
@@ -141,6 +142,7 @@ contains
         call get(group, 'at', charge%at)
         call get(group, 'density', charge%density)
         call get(group, 'energy', charge%energy)
+        call get(group, 'gamma', charge%gamma)
         call get(group, 'aspect', charge%aspect)
         call get(group, 'sides', charge%sides)
         call get(group, 'axis', charge%axis)

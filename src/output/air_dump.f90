@@ -6,7 +6,7 @@
 !> cannot read cells of a flat image), in the middle of the box and as thick as the smallest cell
 !> side, so that a 2-D scene looks like a sheet and a 1-D scene like a rod.
 module brz_air_dump
-    use brz_air_state, only: air_t, wall_t
+    use brz_air_state, only: air_t, cell_gamma, wall_t
     use brz_errors, only: error_t
     use brz_gas, only: to_primitive
     use brz_hdf5_attribute, only: h5_put
@@ -25,6 +25,7 @@ module brz_air_dump
         real(real32), allocatable :: overpressure(:, :, :) !! over the undisturbed air [Pa]
         real(real32), allocatable :: velocity(:, :, :, :) !! (3, ...) [m/s]
         integer(int8), allocatable :: solid(:, :, :)
+        real(real32), allocatable :: products(:, :, :) !! mass fraction, if it is carried [-]
     end type fields_t
 
 contains
@@ -47,6 +48,7 @@ contains
         call write_field(file, 'CellData/overpressure', 'Pa', fields%overpressure, err)
         call write_field(file, 'CellData/velocity', 'm/s', fields%velocity, err)
         call write_field(file, 'CellData/solid', '-', fields%solid, err)
+        if (air%n_var == 6) call write_field(file, 'CellData/products', '-', fields%products, err)
         call end_dump(file, meta, err)
     end subroutine write_air_dump
 
@@ -81,6 +83,7 @@ contains
             allocate (fields%density(n(1), n(2), n(3)), fields%pressure(n(1), n(2), n(3)), &
                       fields%overpressure(n(1), n(2), n(3)), fields%velocity(3, n(1), n(2), n(3)), &
                       fields%solid(n(1), n(2), n(3)))
+            if (air%n_var == 6) allocate (fields%products(n(1), n(2), n(3)), source=0.0_real32)
         end associate
         !$omp parallel do collapse(2) schedule(static) private(i, u, w)
         do k = 1, air%n(3)
@@ -90,8 +93,10 @@ contains
                     if (wall%present) fields%solid(i, j, k) = wall%solid(i, j, k)
                     w = [air%rho_rest, 0.0_rk, 0.0_rk, 0.0_rk, air%p_rest]
                     if (fields%solid(i, j, k) == 0) then
-                        u = air%u(i, j, k, :)
-                        call to_primitive(air%gamma, u, w)
+                        u = air%u(i, j, k, 1:5)
+                        call to_primitive(cell_gamma(air, i, j, k), u, w)
+                        if (air%n_var == 6) &
+                            fields%products(i, j, k) = real(air%u(i, j, k, 6)/u(1), real32)
                     end if
                     fields%density(i, j, k) = real(w(1), real32)
                     fields%velocity(:, i, j, k) = real(w(2:4), real32)

@@ -40,6 +40,7 @@ contains
 
         call carry(file, 'air/u', air%u, err)
         call carry(file, 'air/outflow', air%outflow, err)
+        call carry(file, 'air/outflow_products', air%outflow_products, err)
         call carry(file, 'air/fallback_faces', air%fallback_faces, err)
     end subroutine carry_air
 
@@ -130,7 +131,8 @@ contains
             if (allocated(coupling%debt)) deallocate (coupling%debt, coupling%debt_cell)
         end if
         if (.not. allocated(coupling%debt)) &
-            allocate (coupling%debt(5, coupling%n_debts), coupling%debt_cell(coupling%n_debts))
+            allocate (coupling%debt(coupling%n_var, coupling%n_debts), &
+                      coupling%debt_cell(coupling%n_debts))
         associate (n => coupling%n_debts)
             call carry(file, 'coupling/debt_cell', coupling%debt_cell(:n), err)
             call carry(file, 'coupling/debt', coupling%debt(:, :n), err)

@@ -6,7 +6,7 @@ module brz_ledger
     use brz_air_energy, only: air_kinetic
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_totals, only: coupling_totals
+    use brz_coupling_totals, only: coupling_products, coupling_totals
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals, solid_totals_t
@@ -14,7 +14,7 @@ module brz_ledger
     private
     public :: ledger_t, ledger_start_t, take_stock, energy_columns, ledger_row, body_names, body_row
 
-    integer, parameter :: n_energy = 24, n_body = 14
+    integer, parameter :: n_energy = 26, n_body = 14
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
@@ -24,7 +24,8 @@ module brz_ledger
                                 'air_work[J]', 'load_work[J]', 'coupling[J]', 'total[J]', &
                                 'error[-]', 'air_mass[kg]', 'air_outflow[kg]', 'impulse_x[N s]', &
                                 'impulse_y[N s]', 'impulse_z[N s]', 'mass_error[-]', &
-                                'momentum_error[-]', 'fallback_faces[-]']
+                                'momentum_error[-]', 'fallback_faces[-]', &
+                                'products[kg]', 'products_out[kg]']
 
     !> Columns of bodies.csv, for every body.
     character(20), parameter :: body_columns(n_body) = [character(20) :: &
@@ -46,6 +47,8 @@ module brz_ledger
         real(dp) :: load_work = 0 !! work of the load on the particles so far [J]
         real(dp) :: impulse(3) = 0 !! momentum that the air gave to walls so far [N s]
         real(dp) :: total = 0 !! energy of everything, what is lost in coupling included [J]
+        real(dp) :: products = 0 !! mass of products of explosives in gas, ledgers and debts [kg]
+        real(dp) :: products_out = 0 !! what of it left through the outer faces so far [kg]
         real(dp) :: fallback_faces = 0 !! faces that fell back to first order so far
         real(dp) :: energy_error = 0, mass_error = 0, momentum_error = 0 !! relative
     end type ledger_t
@@ -77,6 +80,8 @@ contains
             ledger%gas_kinetic = air_kinetic(air, coupling%wall)
             ledger%kept = ledger%kept + debt
             ledger%outflow = air%outflow
+            ledger%products = coupling_products(air, coupling)
+            ledger%products_out = air%outflow_products
             ledger%fallback_faces = real(air%fallback_faces, dp)
         end if
         if (solid%present) then
@@ -105,7 +110,7 @@ contains
         type(ledger_t), intent(in) :: ledger
 
         momentum_scale = (ledger%gas(1) + ledger%outflow(1)) &
-                         *sqrt(real(air%gamma*air%p_rest/air%rho_rest, dp))
+                         *sqrt(real(air%scheme%gamma*air%p_rest/air%rho_rest, dp))
     end function momentum_scale
 
     !> Relative errors.
@@ -133,8 +138,9 @@ contains
                      ledger%hourglass, ledger%viscous, ledger%plastic, ledger%damage]
         row(12:16) = [ledger%air_work, ledger%load_work, ledger%air_work - ledger%load_work, &
                       ledger%total, ledger%energy_error]
-        row(17:24) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
-                      ledger%mass_error, ledger%momentum_error, ledger%fallback_faces]
+        row(17:26) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
+                      ledger%mass_error, ledger%momentum_error, ledger%fallback_faces, &
+                      ledger%products, ledger%products_out]
     end function ledger_row
 
     !> Columns of bodies.csv.

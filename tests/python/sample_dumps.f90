@@ -79,7 +79,7 @@ contains
                     v = real([i, j, k], rk)
                     air%u(i, j, k, 1) = rho
                     air%u(i, j, k, 2:4) = rho*v
-                    air%u(i, j, k, 5) = (air%p_rest + 1000*i)/(air%gamma - 1) &
+                    air%u(i, j, k, 5) = (air%p_rest + 1000*i)/(air%scheme%gamma - 1) &
                                         + rho*dot_product(v, v)/2
                 end do
             end do
