@@ -87,10 +87,15 @@ module brz_case
     !> &body
     type :: body_case_t
         character(name_len) :: id = ''
-        character(name_len) :: shape = 'box' !! 'box', 'sphere', 'cylinder'
-        real(dp) :: lo(3) = 0, hi(3) = 0 !! box: corners [m]
+        integer :: line = 0 !! of the group in the deck, for messages
+        character(name_len) :: shape = 'box' !! 'box', 'sphere', 'cylinder', 'bars'
+        real(dp) :: lo(3) = 0, hi(3) = 0 !! box, bars: corners [m]
         real(dp) :: centre(3) = 0, radius = 0, length = 0 !! sphere, cylinder [m]
-        character(1) :: axis = 'z' !! cylinder
+        real(dp) :: inner_radius = 0 !! of a hollow cylinder [m]
+        character(1) :: axis = 'z' !! cylinder, bars
+        real(dp) :: diameter = 0 !! bars [m]
+        integer :: bars(2) = 1 !! bars along the two directions across, in cyclic order
+        character(name_len) :: cuts(8) = '' !! bodies that make room for this one
         real(dp) :: spacing = 0 !! distance of the particles [m]
         character(name_len) :: material = ''
         integer :: material_index = 0
@@ -99,6 +104,8 @@ module brz_case
         character(1) :: ply_axis = 'z' !! normal of the plies
         character(name_len) :: fix(8) = '' !! 'sides', 'all', 'x-', 'x+', 'y-', 'y+', 'z-', 'z+'
         integer :: fix_layers = 3 !! particle layers that are held
+        integer :: n_fix_boxes = 0
+        real(dp) :: fix_box(6, 8) = 0 !! regions that are held: x0, x1, y0, y1, z0, z1 [m]
         real(dp) :: velocity(3) = 0 !! [m/s]
         real(dp) :: spin(3) = 0 !! angular velocity about the centre of mass [rad/s]
         character(name_len) :: formulation = 'bending' !! or 'corrected', 'corrected_hourglass'

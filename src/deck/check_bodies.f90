@@ -12,6 +12,23 @@ module brz_check_bodies
     public :: check_bodies, body_box, reference_hint
 
     character(*), parameter :: axes = 'xyz'
+
+    !> A key of &body that only some shapes have.
+    type :: shape_key_t
+        character(12) :: key
+        character(20) :: shapes
+        logical :: needed !! by all of them
+    end type shape_key_t
+
+    type(shape_key_t), parameter :: shape_keys(8) = [ &
+        shape_key_t('box', 'box bars', .true.), &
+        shape_key_t('centre', 'sphere cylinder', .true.), &
+        shape_key_t('radius', 'sphere cylinder', .true.), &
+        shape_key_t('length', 'cylinder', .true.), &
+        shape_key_t('axis', 'cylinder bars', .true.), &
+        shape_key_t('inner_radius', 'cylinder', .false.), &
+        shape_key_t('diameter', 'bars', .true.), &
+        shape_key_t('bars', 'bars', .false.)]
     real(dp), parameter :: slack = 1e-9_dp !! relative rounding of positions in the deck
 
 contains
@@ -32,7 +49,9 @@ contains
             call check_size(deck, g, case%run%dimension, case%bodies(k))
             if (.not. deck%groups(g)%bad) call cut_body(deck, g, case, case%bodies(k))
             if (.not. deck%groups(g)%bad) call check_in_air(deck, g, case, case%bodies(k))
-            if (.not. deck%groups(g)%bad) call check_overlap(deck, g, case, k)
+            if (.not. deck%groups(g)%bad) call check_bars(deck, g, case%run%dimension, &
+                                                          case%bodies(k))
+            if (.not. deck%groups(g)%bad) call check_cuts(deck, g, case, k)
         end do
     end subroutine check_bodies
 
@@ -77,32 +96,25 @@ contains
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(body_case_t), intent(in) :: body
-        character(8), parameter :: all(5) = [character(8) :: 'box', 'centre', 'radius', 'length', &
-                                             'axis']
-        integer :: n_needed, i
-        logical :: needed
+        character(:), allocatable :: key
+        integer :: i
 
         if (.not. is_usable(deck%groups(g), 'shape')) return
-        n_needed = 0
-        do i = 1, size(all)
-            select case (body%shape)
-            case ('box')
-                needed = i == 1
-            case ('sphere')
-                needed = i == 2 .or. i == 3
-            case default
-                needed = i > 1
-            end select
-            if (needed .and. .not. is_usable(deck%groups(g), trim(all(i)))) then
-                n_needed = n_needed + 1
-                call need_key(deck, g, body, trim(all(i)))
-            else if (.not. needed .and. is_given(deck%groups(g), trim(all(i)))) then
-                call complain(deck, g, trim(all(i)), "key '"//trim(all(i))// &
-                              "' has no place with shape='"// &
+        do i = 1, size(shape_keys)
+            key = trim(shape_keys(i)%key)
+            if (index(shape_keys(i)%shapes//' ', trim(body%shape)//' ') > 0) then
+                if (shape_keys(i)%needed .and. .not. is_usable(deck%groups(g), key)) &
+                    call need_key(deck, g, body, key)
+            else if (is_given(deck%groups(g), key)) then
+                call complain(deck, g, key, "key '"//key//"' has no place with shape='"// &
                               trim(body%shape)//"'; take it out or change the shape")
             end if
         end do
-        if (body%shape == 'box') call check_corners(deck, g, body%lo, body%hi)
+        if (body%shape == 'box' .or. body%shape == 'bars') &
+            call check_corners(deck, g, body%lo, body%hi)
+        if (body%shape == 'cylinder' .and. .not. body%inner_radius < body%radius) &
+            call complain(deck, g, 'inner_radius', 'inner_radius '//to_text(body%inner_radius)// &
+                          ' m leaves nothing of the radius '//to_text(body%radius)//' m')
     end subroutine check_shape
 
     !> A key that is missing for this shape; one that is there but wrong has its message already.
@@ -144,6 +156,11 @@ contains
                              to_text(body%n_plies)//' plies, but only '//to_text(nint(n(axis)))// &
                              ' layers of particles along '//body%ply_axis// &
                              ': not every ply is present')
+        if (n(axis) > body%n_plies .and. mod(nint(n(axis)), body%n_plies) /= 0) &
+            call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                             to_text(nint(n(axis)))//' layers of particles along '// &
+                             body%ply_axis//' for '//to_text(body%n_plies)//' plies: a layer '// &
+                             'belongs to the ply at its middle, so plies are not equally thick')
     end subroutine check_size
 
     !> Planes of symmetry: a box is cut, and nothing may lie wholly behind one.
@@ -164,7 +181,7 @@ contains
                               axes(i:i)//'=0; '// &
                               'only the positive side is modelled')
             else if (lo(i) < tolerance) then
-                if (body%shape == 'box') body%lo(i) = 0
+                if (body%shape == 'box') body%lo(i) = 0 ! bars keep their row
                 if (lo(i) < -tolerance .and. abs(lo(i) + hi(i)) > tolerance) &
                     call warn_cut(deck, g, i, 'is not symmetric about it, but its mirror image is')
                 if (abs(body%velocity(i)) > 0) &
@@ -208,24 +225,52 @@ contains
         end if
     end subroutine check_in_air
 
-    !> Boxes that share space are seldom meant.
-    subroutine check_overlap(deck, g, case, k)
+    !> The bodies that a body cuts must exist, and not cut it in turn.
+    subroutine check_cuts(deck, g, case, k)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g, k
         type(case_t), intent(in) :: case
-        real(dp) :: gap
-        integer :: i
+        integer :: c, i
 
-        if (case%bodies(k)%shape /= 'box') return
-        gap = 1e-6_dp*case%bodies(k)%spacing
-        do i = 1, k - 1
-            if (case%bodies(i)%shape /= 'box') cycle
-            if (any(case%bodies(k)%lo > case%bodies(i)%hi - gap)) cycle
-            if (any(case%bodies(i)%lo > case%bodies(k)%hi - gap)) cycle
-            call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
-                             "it overlaps the body '"//trim(case%bodies(i)%id)//"'")
+        do c = 1, size(case%bodies(k)%cuts)
+            associate (id => case%bodies(k)%cuts(c))
+                if (id == '') exit
+                i = findloc(case%bodies%id, id, 1)
+                if (i == 0) then
+                    call complain(deck, g, 'cuts', "there is no &body with id='"//trim(id)//"'"// &
+                                  reference_hint(trim(id), case%bodies%id))
+                else if (i == k .or. any(case%bodies(i)%cuts == case%bodies(k)%id)) then
+                    call complain(deck, g, 'cuts', "the bodies '"//trim(case%bodies(k)%id)// &
+                                  "' and '"//trim(id)//"' cut each other; one must give way")
+                end if
+            end associate
         end do
-    end subroutine check_overlap
+    end subroutine check_cuts
+
+    !> Bars are three-dimensional and have room in their box.
+    subroutine check_bars(deck, g, dimension, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g, dimension
+        type(body_case_t), intent(in) :: body
+        integer :: a, i
+        real(dp) :: side
+
+        if (body%shape /= 'bars') return
+        if (dimension < 3) then
+            call complain(deck, g, 'shape', "shape='bars' needs dimension=3")
+            return
+        end if
+        do i = 1, 2
+            a = modulo(index(axes, body%axis) + i - 1, 3) + 1
+            side = (body%hi(a) - body%lo(a))*(1 + slack)
+            if (side < body%bars(i)*body%diameter) call complain(deck, g, 'box', &
+                to_text(body%bars(i))//' bars of '//to_text(body%diameter)//' m do not fit '// &
+                'between '//axes(a:a)//'='//to_text(body%lo(a))//' and '//to_text(body%hi(a)))
+        end do
+        if (body%diameter < 0.5_dp*body%spacing) call complain(deck, g, 'diameter', 'bars of '// &
+            to_text(body%diameter)//' m are thinner than half a spacing of '// &
+            to_text(body%spacing)//' m')
+    end subroutine check_bars
 
     !> Corners of the smallest box around a body [m].
     pure subroutine body_box(body, lo, hi)
@@ -235,7 +280,7 @@ contains
 
         lo = body%lo
         hi = body%hi
-        if (body%shape == 'box') return
+        if (body%shape == 'box' .or. body%shape == 'bars') return
         half = body%radius
         if (body%shape == 'cylinder') half(index(axes, body%axis)) = body%length/2
         lo = body%centre - half

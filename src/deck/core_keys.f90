@@ -186,17 +186,31 @@ contains
                 key_t(group=g, key='id', kind=kind_text, default=required, &
                       meaning='Name of the body.'), &
                 key_t(group=g, key='shape', kind=kind_text, default='box', &
-                      choices='box|sphere|cylinder', meaning='Shape; planes of symmetry cut it.'), &
+                      choices='box|sphere|cylinder|bars', &
+                      meaning='Shape; planes of symmetry cut it. bars: rows of equal '// &
+                      'round bars.'), &
                 key_t(group=g, key='box', n_min=6, n_max=6, unit='m', &
-                      meaning='Box: corners x0, x1, y0, y1, z0, z1.'), &
+                      meaning='Box: corners x0, x1, y0, y1, z0, z1. Bars: the box that they '// &
+                      'fill, from the outside of the first to that of the last.'), &
                 key_t(group=g, key='centre', n_min=3, n_max=3, unit='m', &
                       meaning='Sphere, cylinder: centre.'), &
                 key_t(group=g, key='radius', unit='m', lower=zero, open_lower=.true., &
                       meaning='Sphere, cylinder: radius.'), &
                 key_t(group=g, key='length', unit='m', lower=zero, open_lower=.true., &
                       meaning='Cylinder: length.'), &
+                key_t(group=g, key='inner_radius', unit='m', default='0.0', lower=zero, &
+                      meaning='Cylinder: radius of the hole along its axis.'), &
                 key_t(group=g, key='axis', kind=kind_text, default='z', choices='x|y|z', &
-                      meaning='Cylinder: its axis.'), &
+                      meaning='Cylinder, bars: direction of the axis.'), &
+                key_t(group=g, key='diameter', unit='m', lower=zero, open_lower=.true., &
+                      meaning='Bars: diameter. Area, mass and axial stiffness are exact at any '// &
+                      'spacing.'), &
+                key_t(group=g, key='bars', kind=kind_integer, n_min=2, n_max=2, default='1, 1', &
+                      lower=one, upper=10000*one, &
+                      meaning='Bars: number of bars in the two directions across them, in '// &
+                      'cyclic order (y and z for axis x).'), &
+                key_t(group=g, key='cuts', kind=kind_text, n_max=8, &
+                      meaning='Ids of bodies that make room for this one where they overlap.'), &
                 key_t(group=g, key='spacing', unit='m', default=required, lower=zero, &
                       open_lower=.true., meaning='Distance of the particles.'), &
                 key_t(group=g, key='material', kind=kind_text, default=required, &
@@ -213,6 +227,9 @@ contains
                 key_t(group=g, key='fix_layers', kind=kind_integer, default='3', lower=one, &
                       upper=1000*one, &
                       meaning='Layers of particles that are held at such a face.'), &
+                key_t(group=g, key='fix_box', n_min=6, n_max=48, unit='m', &
+                      meaning='Regions in which particles are held: x0, x1, y0, y1, z0, z1 '// &
+                      'of each, up to eight.'), &
                 key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', &
                       default='0.0, 0.0, 0.0', meaning='Initial velocity.'), &
                 key_t(group=g, key='spin', n_min=3, n_max=3, unit='rad/s', &

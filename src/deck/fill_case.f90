@@ -3,10 +3,12 @@
 module brz_fill_case
     use brz_case, only: air_case_t, body_case_t, case_t, charge_case_t, gas_case_t, gauge_case_t, &
                         run_case_t
-    use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_group, group_t
+    use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_entry, &
+                        find_group, group_t
     use brz_get, only: get, is_usable
     use brz_kinds, only: dp
     use brz_layup, only: parse_layup
+    use brz_text, only: to_text
     implicit none
     private
     public :: fill_run, fill_air, fill_gas, fill_charge, fill_body, fill_gauge, fill_settings, &
@@ -156,12 +158,17 @@ contains
 
         associate (group => deck%groups(g))
             body%id = group%id
+            body%line = group%line
             call get(group, 'shape', body%shape)
             call get_box(group, body%lo, body%hi)
             call get(group, 'centre', body%centre)
             call get(group, 'radius', body%radius)
             call get(group, 'length', body%length)
+            call get(group, 'inner_radius', body%inner_radius)
             call get(group, 'axis', body%axis)
+            call get(group, 'diameter', body%diameter)
+            call get(group, 'bars', body%bars)
+            call get(group, 'cuts', body%cuts, n)
             call get(group, 'spacing', body%spacing)
             call get(group, 'material', body%material)
             call get(group, 'ply_axis', body%ply_axis)
@@ -178,7 +185,26 @@ contains
             call get(group, 'cfl', body%cfl)
         end associate
         call fill_plies(deck, g, body)
+        call fill_regions(deck, g, body)
     end subroutine fill_body
+
+    !> Regions that are held, six numbers each.
+    subroutine fill_regions(deck, g, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(body_case_t), intent(inout) :: body
+        real(dp) :: box(size(body%fix_box))
+        integer :: n
+
+        if (.not. is_usable(deck%groups(g), 'fix_box')) return
+        n = deck%groups(g)%entries(find_entry(deck%groups(g), 'fix_box'))%n
+        box = 0
+        call get(deck%groups(g), 'fix_box', box)
+        body%fix_box = reshape(box, shape(body%fix_box))
+        body%n_fix_boxes = n/6
+        if (mod(n, 6) /= 0) call complain(deck, g, 'fix_box', 'fix_box takes six numbers for '// &
+            'each region: x0, x1, y0, y1, z0, z1; found '//to_text(n))
+    end subroutine fill_regions
 
     subroutine fill_plies(deck, g, body)
         type(deck_t), intent(inout) :: deck

@@ -4,7 +4,8 @@
 !> `set_up_solid` fills everything but the neighbour list and the accelerations; `start_solid`
 !> (brz_solid_step) does that.
 module brz_body_setup
-    use brz_body_shape, only: inside, lay_shape, particle_volume, point_of, shape_t
+    use brz_body_points, only: place_points, points_t
+    use brz_body_shape, only: bar_layers, shape_t
     use brz_case, only: body_case_t, case_t
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int8, rk
@@ -26,7 +27,7 @@ contains
         type(case_t), intent(in) :: case
         type(solid_t), intent(out) :: solid
         type(error_t), intent(inout) :: err
-        type(shape_t), allocatable :: shapes(:)
+        type(points_t), allocatable :: points(:)
         integer :: b
 
         solid%notes = ''
@@ -35,15 +36,15 @@ contains
         allocate (solid%materials(size(case%materials)))
         call make_materials(case, solid%materials, err)
         if (failed(err)) return
-        allocate (solid%bodies(size(case%bodies)), shapes(size(case%bodies)))
-        call lay_bodies(case, solid, shapes, err)
+        allocate (solid%bodies(size(case%bodies)), points(size(case%bodies)))
+        call lay_bodies(case, solid, points, err)
         if (failed(err)) return
         solid%n_hist = maxval(solid%materials(solid%bodies%material)%n_hist)
         call allocate_solid(solid)
         do b = 1, size(solid%bodies)
-            call fill_body(case%bodies(b), shapes(b), solid, solid%bodies(b))
-            call move_body(case%bodies(b), shapes(b), solid, solid%bodies(b))
-            call hold_body(case%bodies(b), shapes(b), solid, solid%bodies(b))
+            call fill_body(case%bodies(b), points(b), solid, solid%bodies(b))
+            call move_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
+            call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
         end do
         solid%asleep = .not. any(abs(solid%v) > 0)
     end subroutine set_up_solid
@@ -67,10 +68,10 @@ contains
     end subroutine make_materials
 
     !> Lattices, ranges of particles and settings of all bodies.
-    subroutine lay_bodies(case, solid, shapes, err)
+    subroutine lay_bodies(case, solid, points, err)
         type(case_t), intent(in) :: case
         type(solid_t), intent(inout) :: solid
-        type(shape_t), intent(out) :: shapes(:)
+        type(points_t), intent(out) :: points(:)
         type(error_t), intent(inout) :: err
         real(dp) :: middle(3)
         integer :: a, b, n
@@ -84,18 +85,19 @@ contains
             if (case%air%present) solid%depth = solid%depth*(case%air%hi(a) - case%air%lo(a))
         end do
         solid%skin = case%solid%skin*minval(case%bodies%spacing)
+        call place_points(case, solid%mirror, solid%depth, middle, points, err)
         n = 0
-        do b = 1, size(shapes)
-            call lay_shape(case%bodies(b), solid%dimension, solid%mirror, solid%depth, middle, &
-                           shapes(b))
+        do b = 1, size(points)
+            if (failed(err)) return
             call settle(case%bodies(b), solid%bodies(b), err)
             solid%bodies(b)%first = n + 1
-            n = n + count_points(case%bodies(b), shapes(b))
+            n = n + size(points(b)%x, 2)
             solid%bodies(b)%last = n
-            if (solid%bodies(b)%last < solid%bodies(b)%first) call raise(err, exit_deck, &
-                "&body id='"//trim(case%bodies(b)%id)//"' holds no particle: it lies beyond a "// &
-                'symmetry plane, or is smaller than its spacing')
-            call judge_spacing(case%bodies(b), shapes(b), solid%notes)
+            call judge_spacing(case%bodies(b), points(b)%shape, solid%notes)
+            solid%bodies(b)%volume_scale = points(b)%scale
+            if (case%bodies(b)%shape == 'bars') solid%bodies(b)%across = &
+                bar_layers(case%bodies(b), points(b)%shape, &
+                           merge(2, 1, case%bodies(b)%axis == 'x'))
         end do
         solid%n = n
     end subroutine lay_bodies
@@ -128,26 +130,6 @@ contains
         end select
     end subroutine settle
 
-    integer function count_points(input, shape) result(n)
-        type(body_case_t), intent(in) :: input
-        type(shape_t), intent(in) :: shape
-        integer :: i, j, k
-
-        if (input%shape == 'box') then
-            n = product(shape%n)
-            if (any(shape%hi(:shape%dimension) <= shape%lo(:shape%dimension))) n = 0
-            return
-        end if
-        n = 0
-        do k = 1, shape%n(3)
-            do j = 1, shape%n(2)
-                do i = 1, shape%n(1)
-                    if (inside(input, shape%dimension, point_of(shape, [i, j, k]))) n = n + 1
-                end do
-            end do
-        end do
-    end function count_points
-
     !> Report a box whose sides are no whole number of spacings.
     subroutine judge_spacing(input, shape, notes)
         type(body_case_t), intent(in) :: input
@@ -163,45 +145,35 @@ contains
             'layers are '//d(1)//', '//d(2)//', '//d(3)//' m apart'//new_line('a')
     end subroutine judge_spacing
 
-    !> Place the particles of a body on its lattice, unloaded and at rest.
-    subroutine fill_body(input, shape, solid, body)
+    !> Place the particles of a body, unloaded and at rest.
+    subroutine fill_body(input, points, solid, body)
         type(body_case_t), intent(in) :: input
-        type(shape_t), intent(in) :: shape
+        type(points_t), intent(in) :: points
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(point_t) :: point
-        real(dp) :: x(3), volume
-        integer :: i, j, k, n, ply
+        integer :: n, ply
 
-        volume = particle_volume(input, shape)
         ply = -1
-        n = body%first - 1
-        do k = 1, shape%n(3)
-            do j = 1, shape%n(2)
-                do i = 1, shape%n(1)
-                    x = point_of(shape, [i, j, k])
-                    if (.not. inside(input, shape%dimension, x)) cycle
-                    n = n + 1
-                    solid%id(n) = n
-                    solid%x(:, n) = x
-                    solid%x_ref(:, n) = x
-                    solid%volume(n) = real(volume, rk)
-                    solid%mass(n) = real(volume*solid%materials(body%material)%density, rk)
-                    solid%ply(n) = ply_of(input, shape, x)
-                    if (solid%ply(n) /= ply) then
-                        ply = solid%ply(n)
-                        call start_point(solid%materials(body%material), ply_angle(input, ply), &
-                                         input%ply_axis, point)
-                    end if
-                    solid%mu(n) = point%mu
-                    solid%energy(n) = point%energy
-                    solid%stress(:, n) = point%stress
-                    solid%hist(:, n) = point%hist(:solid%n_hist)
-                    solid%damage(n) = point%damage
-                    solid%c_wave(n) = point%c_wave
-                    solid%c_bulk(n) = point%c_bulk
-                end do
-            end do
+        do n = body%first, body%last
+            solid%id(n) = n
+            solid%x(:, n) = points%x(:, n - body%first + 1)
+            solid%x_ref(:, n) = solid%x(:, n)
+            solid%volume(n) = real(points%volume, rk)
+            solid%mass(n) = real(points%volume*solid%materials(body%material)%density, rk)
+            solid%ply(n) = ply_of(input, points%shape, solid%x(:, n))
+            if (solid%ply(n) /= ply) then
+                ply = solid%ply(n)
+                call start_point(solid%materials(body%material), ply_angle(input, ply), &
+                                 input%ply_axis, point)
+            end if
+            solid%mu(n) = point%mu
+            solid%energy(n) = point%energy
+            solid%stress(:, n) = point%stress
+            solid%hist(:, n) = point%hist(:solid%n_hist)
+            solid%damage(n) = point%damage
+            solid%c_wave(n) = point%c_wave
+            solid%c_bulk(n) = point%c_bulk
         end do
     end subroutine fill_body
 
@@ -267,6 +239,9 @@ contains
         end do
         deep = input%fix_layers*shape%spacing
         do i = body%first, body%last
+            do f = 1, input%n_fix_boxes
+                if (in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)) solid%fixed(i) = 1
+            end do
             do a = 1, solid%dimension
                 if (held(1, a) .and. solid%x(a, i) < lowest(shape, a) + deep(a)) solid%fixed(i) = 1
                 if (held(2, a) .and. solid%x(a, i) > shape%full_hi(a) - deep(a)) solid%fixed(i) = 1
@@ -275,6 +250,14 @@ contains
             if (solid%fixed(i) == 1) solid%v(:, i) = 0
         end do
     end subroutine hold_body
+
+    pure logical function in_box(x, box, dimension)
+        real(dp), intent(in) :: x(3), box(6) !! [m]
+        integer, intent(in) :: dimension
+
+        in_box = all(x(:dimension) >= box(1:2*dimension:2) .and. &
+                     x(:dimension) <= box(2:2*dimension:2))
+    end function in_box
 
     pure real(dp) function lowest(shape, a)
         type(shape_t), intent(in) :: shape

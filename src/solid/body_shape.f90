@@ -7,7 +7,9 @@ module brz_body_shape
     use brz_kinds, only: dp
     implicit none
     private
-    public :: shape_t, lay_shape, point_of, inside, particle_volume
+    public :: shape_t, lay_shape, take_lattice, point_of, inside, exact_volume, bar_layers
+
+    real(dp), parameter :: pi = acos(-1.0_dp)
 
     !> A lattice that covers a body, cut at the symmetry planes.
     type :: shape_t
@@ -18,6 +20,7 @@ module brz_body_shape
         integer :: n(3) = 1 !! layers
         logical :: on_plane(3) = .false. !! cut, or resting on a symmetry plane
         real(dp) :: depth = 1 !! extent of what is not modelled [m or m2]
+        real(dp) :: start(3) = 0 !! low corner of the lattice [m]
     end type shape_t
 
 contains
@@ -42,21 +45,40 @@ contains
             if (a > dimension) then
                 s%lo(a) = middle(a) - body%spacing/2
                 s%hi(a) = middle(a) + body%spacing/2
+                s%start(a) = s%lo(a)
                 cycle
             end if
             s%on_plane(a) = mirror(a) .and. s%lo(a) < body%spacing/4
             if (s%on_plane(a)) s%lo(a) = 0
             side = s%hi(a) - s%lo(a)
-            if (body%shape == 'box') then
+            s%start(a) = s%lo(a)
+            if (body%shape == 'box' .or. (body%shape == 'bars' .and. a == axis_of(body))) then
                 s%n(a) = max(1, nint(side/body%spacing))
                 s%spacing(a) = side/s%n(a)
+            else if (s%on_plane(a)) then
+                s%n(a) = ceiling(side/body%spacing)
             else
                 s%n(a) = max(1, 2*ceiling(side/(2*body%spacing)))
-                if (s%on_plane(a)) s%n(a) = ceiling(side/body%spacing)
-                if (.not. s%on_plane(a)) s%lo(a) = (s%lo(a) + s%hi(a) - s%n(a)*body%spacing)/2
+                s%start(a) = (s%lo(a) + s%hi(a) - s%n(a)*body%spacing)/2
             end if
         end do
     end subroutine lay_shape
+
+    !> Let a body use the layers of the box that it cuts: its particles then take the places of
+    !> particles of the box.
+    pure subroutine take_lattice(box, s)
+        type(shape_t), intent(in) :: box
+        type(shape_t), intent(inout) :: s
+        integer :: a, first, last
+
+        do a = 1, s%dimension
+            first = max(0, floor((s%lo(a) - box%start(a))/box%spacing(a)) - 1)
+            last = min(box%n(a), ceiling((s%hi(a) - box%start(a))/box%spacing(a)) + 1)
+            s%spacing(a) = box%spacing(a)
+            s%start(a) = box%start(a) + first*box%spacing(a)
+            s%n(a) = max(0, last - first)
+        end do
+    end subroutine take_lattice
 
     !> Corners of the box around a body.
     pure subroutine extent(body, lo, hi)
@@ -64,7 +86,7 @@ contains
         real(dp), intent(out) :: lo(3), hi(3)
         real(dp) :: half(3)
 
-        if (body%shape == 'box') then
+        if (body%shape == 'box' .or. body%shape == 'bars') then
             lo = body%lo
             hi = body%hi
             return
@@ -84,62 +106,142 @@ contains
     !> Lattice point of the layers i.
     pure function point_of(s, i) result(x)
         type(shape_t), intent(in) :: s
-        integer, intent(in) :: i(3) !! from 1
-        real(dp) :: x(3)
+        integer, intent(in) :: i(3) !! layers, from 1; below 1 beyond a symmetry plane
+        real(dp) :: x(3) !! [m]
 
-        x = s%lo + (i - 0.5_dp)*s%spacing
+        x = s%start + (i - 0.5_dp)*s%spacing
     end function point_of
 
-    !> True for a point of the body; directions that are not modelled do not count.
-    pure logical function inside(body, dimension, x)
-        type(body_case_t), intent(in) :: body
-        integer, intent(in) :: dimension
-        real(dp), intent(in) :: x(3)
-        real(dp) :: d(3)
-        integer :: a
-
-        inside = .true.
-        if (body%shape == 'box') return
-        d = x - body%centre
-        d(dimension + 1:) = 0
-        if (body%shape == 'cylinder') then
-            a = axis_of(body)
-            inside = abs(d(a)) <= body%length/2
-            d(a) = 0
-        end if
-        inside = inside .and. dot_product(d, d) <= body%radius**2
-    end function inside
-
-    !> Volume of a particle that makes the volume of the whole body exact.
-    real(dp) function particle_volume(body, s) result(volume)
+    !> True for a point more than `margin` inside a body, on its lattice `s`; directions that are
+    !> not modelled do not count.
+    pure logical function inside(body, s, x, margin)
         type(body_case_t), intent(in) :: body
         type(shape_t), intent(in) :: s
-        integer :: count, i, j, k, lo(3)
-        real(dp), parameter :: pi = acos(-1.0_dp)
-        real(dp) :: exact
+        real(dp), intent(in) :: x(3), margin !! [m]
+        real(dp) :: d(3)
+        integer :: a, n
+        logical :: within(3)
 
-        volume = product(s%spacing(:s%dimension))*s%depth
-        if (body%shape == 'box') return
-        lo = 1
-        where (s%on_plane) lo = 1 - s%n
-        count = 0
-        do k = lo(3), s%n(3)
-            do j = lo(2), s%n(2)
-                do i = lo(1), s%n(1)
-                    if (inside(body, s%dimension, point_of(s, [i, j, k]))) count = count + 1
-                end do
+        n = s%dimension
+        within = x > s%full_lo + margin .and. x < s%full_hi - margin
+        if (body%shape == 'bars') then ! which may stand half a spacing beside their box
+            do a = 1, 3
+                if (a /= axis_of(body)) within(a) = in_bar(body, s, a, x(a), margin)
             end do
-        end do
-        if (s%dimension == 1) then
-            exact = 2*body%radius
-            if (body%shape == 'cylinder' .and. axis_of(body) == 1) exact = body%length
-        else if (s%dimension == 2) then
-            exact = pi*body%radius**2
-            if (body%shape == 'cylinder' .and. axis_of(body) < 3) exact = 2*body%radius*body%length
-        else
-            exact = 4*pi/3*body%radius**3
-            if (body%shape == 'cylinder') exact = pi*body%radius**2*body%length
         end if
-        volume = exact*s%depth/max(count, 1)
-    end function particle_volume
+        inside = all(within(:n))
+        if (.not. inside .or. body%shape == 'box' .or. body%shape == 'bars') return
+        d = x - body%centre
+        d(n + 1:) = 0
+        if (body%shape == 'cylinder') d(axis_of(body)) = 0
+        inside = dot_product(d, d) <= (body%radius - margin)**2
+        if (body%inner_radius > 0) &
+            inside = inside .and. dot_product(d, d) >= (body%inner_radius + margin)**2
+    end function inside
+
+    !> True for a coordinate within the layers of one of the bars.
+    pure logical function in_bar(body, s, a, x, margin)
+        type(body_case_t), intent(in) :: body
+        type(shape_t), intent(in) :: s
+        integer, intent(in) :: a !! direction across the bars
+        real(dp), intent(in) :: x, margin !! [m]
+        real(dp) :: first
+        integer :: k, layers
+
+        in_bar = .false.
+        layers = bar_layers(body, s, a)
+        do k = 1, body%bars(merge(1, 2, a == mod(axis_of(body), 3) + 1))
+            first = anint((bar_centre(body, a, k) - s%start(a))/s%spacing(a) - 0.5_dp*layers)
+            first = s%start(a) + first*s%spacing(a)
+            in_bar = in_bar .or. (x > first + margin .and. &
+                                  x < first + layers*s%spacing(a) - margin)
+        end do
+    end function in_bar
+
+    !> Layers of particles across a bar.
+    pure integer function bar_layers(body, s, a)
+        type(body_case_t), intent(in) :: body
+        type(shape_t), intent(in) :: s
+        integer, intent(in) :: a !! direction across the bars
+
+        bar_layers = max(1, nint(body%diameter/s%spacing(a)))
+    end function bar_layers
+
+    !> Centre of bar k of a row: the outer ones touch the sides of the box, one alone is in its
+    !> middle [m].
+    pure real(dp) function bar_centre(body, a, k)
+        type(body_case_t), intent(in) :: body
+        integer, intent(in) :: a, k
+        integer :: n
+
+        n = body%bars(merge(1, 2, a == mod(axis_of(body), 3) + 1))
+        bar_centre = (body%lo(a) + body%hi(a))/2
+        if (n > 1) bar_centre = body%lo(a) + body%diameter/2 &
+                                + (body%hi(a) - body%lo(a) - body%diameter)*(k - 1)/(n - 1)
+    end function bar_centre
+
+    !> Volume of the part of a shape that is modelled; a shape that a plane cuts counts as
+    !> symmetric about it [m3].
+    pure real(dp) function exact_volume(body, s) result(volume)
+        type(body_case_t), intent(in) :: body
+        type(shape_t), intent(in) :: s
+        real(dp) :: area
+        integer :: a
+
+        select case (body%shape)
+        case ('box')
+            volume = product(s%hi(:s%dimension) - s%lo(:s%dimension))*s%depth
+            return
+        case ('bars')
+            area = pi*body%diameter**2/4
+            volume = area*(s%hi(axis_of(body)) - s%lo(axis_of(body)))
+            do a = 1, 3
+                if (a /= axis_of(body)) volume = volume*bars_modelled(body, s, a)
+            end do
+            return
+        case ('sphere')
+            volume = ball(s%dimension, body%radius)
+        case default
+            a = axis_of(body)
+            if (a <= s%dimension) then
+                volume = body%length*(ball(s%dimension - 1, body%radius) &
+                                      - ball(s%dimension - 1, body%inner_radius))
+            else
+                volume = ball(s%dimension, body%radius) - ball(s%dimension, body%inner_radius)
+            end if
+        end select
+        volume = volume*s%depth/2.0_dp**count(s%on_plane)
+    end function exact_volume
+
+    !> Volume of a ball in so many dimensions.
+    pure real(dp) function ball(dimension, radius)
+        integer, intent(in) :: dimension
+        real(dp), intent(in) :: radius
+
+        select case (dimension)
+        case (0); ball = merge(1, 0, radius > 0)
+        case (1); ball = 2*radius
+        case (2); ball = pi*radius**2
+        case default; ball = 4*pi/3*radius**3
+        end select
+    end function ball
+
+    !> Number of bars of a row on the positive side; one on the plane is half a bar.
+    pure real(dp) function bars_modelled(body, s, a) result(n)
+        type(body_case_t), intent(in) :: body
+        type(shape_t), intent(in) :: s
+        integer, intent(in) :: a
+        real(dp) :: c
+        integer :: k
+
+        n = 0
+        do k = 1, body%bars(merge(1, 2, a == mod(axis_of(body), 3) + 1))
+            c = bar_centre(body, a, k)
+            if (s%on_plane(a) .and. abs(c) < 1e-6_dp*body%diameter) then
+                n = n + 0.5_dp
+            else if (c > 0 .or. .not. s%on_plane(a)) then
+                n = n + 1
+            end if
+        end do
+    end function bars_modelled
 end module brz_body_shape

@@ -44,6 +44,8 @@ module brz_solid_state
         integer :: material = 0 !! place in solid%materials
         integer :: formulation = form_bending
         real(dp) :: spacing = 0 !! [m]
+        real(dp) :: volume_scale = 1 !! volume of a particle over that of its lattice cell
+        integer :: across = 0 !! bars: particles across the diameter
         real(rk) :: h = 0 !! smoothing length, constant [m]
         real(rk) :: alpha = 1, beta = 2, zeta = 2, zeta_viscous = 0
         real(rk) :: cfl = 0.4_rk

@@ -3,6 +3,7 @@
 module brz_check
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_air_setup, only: time_step_ramp
+    use brz_check_bodies, only: body_box
     use brz_errors, only: error_t
     use brz_kinds, only: dp, real32
     use brz_simulation, only: simulation_t
@@ -81,13 +82,31 @@ contains
 
         do b = 1, size(sim%solid%bodies)
             associate (body => sim%solid%bodies(b), solid => sim%solid)
-                write (output_unit, '(3a, i0, 3a, es10.3, a)') 'body         ', trim(body%id), &
-                    ': ', body%last - body%first + 1, ' particles at ', &
-                    to_text(real(1e3_dp*body%spacing, real32)), &
-                    ' mm,', sum(real(solid%mass(body%first:body%last), dp)), ' kg'
+                write (output_unit, '(3a, i0, 3a, es10.3, a, f0.4)') 'body         ', &
+                    trim(body%id), ': ', body%last - body%first + 1, ' particles at ', &
+                    to_text(real(1e3_dp*body%spacing, real32)), ' mm,', &
+                    sum(real(solid%mass(body%first:body%last), dp)), ' kg, volume scaled by ', &
+                    body%volume_scale
+                if (body%across > 0) write (output_unit, '(a, i0, a)') '             ', &
+                    body%across, ' particles per bar diameter'
+                if (sim%case%bodies(b)%n_plies > 0) write (output_unit, '(a, i0, a, f0.2, a)') &
+                    '             ', sim%case%bodies(b)%n_plies, ' plies of ', &
+                    layers_of(sim, b)/sim%case%bodies(b)%n_plies, ' layers of particles'
             end associate
         end do
         write (output_unit, '(a, i0, a, f0.1, a)') 'solids       ', sim%solid%n, ' particles, ', &
             1e-6_dp*bytes_per_particle(sim%solid)*sim%solid%n, ' MB without neighbour lists'
     end subroutine check_solid
+
+    !> Layers of particles across the plies of a body.
+    pure real(dp) function layers_of(sim, b) result(layers)
+        type(simulation_t), intent(in) :: sim
+        integer, intent(in) :: b !! body
+        real(dp) :: lo(3), hi(3)
+        integer :: a
+
+        call body_box(sim%case%bodies(b), lo, hi)
+        a = index('xyz', sim%case%bodies(b)%ply_axis)
+        layers = max(1, nint((hi(a) - lo(a))/sim%case%bodies(b)%spacing))
+    end function layers_of
 end module brz_check

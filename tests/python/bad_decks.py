@@ -67,6 +67,25 @@ BAD = [
     swap("unit_in_number", "spacing=0.01", "spacing=10mm", 9, "spacing", "'10mm'"),
     swap("decimal_comma", "mass=1.5", "mass=1,5", 7, "mass", "1.5"),
     swap("fraction", "mass=1.5", "mass=3/2", 7, "write fractions as numbers"),
+    # bodies
+    swap("cuts_nobody", "material='steel' /", "material='steel', cuts='slab' /", 9, "'slab'"),
+    swap("cuts_itself", "material='steel' /", "material='steel', cuts='plate' /", 9, "cut each"),
+    swap("odd_region", "material='steel' /", "material='steel', fix_box=1,2,3,4,5,6,7 /", 9, "six"),
+    swap(
+        "no_pipe",
+        PLATE,
+        "shape='cylinder', centre=3*0.2, radius=0.05, length=0.1, inner_radius=0.05",
+        9,
+        "leaves nothing",
+    ),
+    swap("key_of_bars", PLATE, PLATE + ", diameter=0.01", 9, "diameter", "no place"),
+    swap(
+        "crowded_bars",
+        PLATE,
+        PLATE + ", shape='bars', axis='y', diameter=0.012, bars=1,2",
+        9,
+        "2 bars of 0.012 m do not fit between x=0.05 and 0.07",
+    ),
     # range
     swap("negative_density", "density=7850", "density=-7850", 8, "density", "[kg/m3]", "-7850"),
     swap("zero_t_end", "t_end=1e-4", "t_end=0", 2, "> 0.0 [s]"),
