@@ -8,6 +8,7 @@ module brz_materials
     use brz_case, only: material_case_t
     use brz_errors, only: error_t, raise, exit_deck
     use brz_gruneisen, only: gruneisen, describe_gruneisen, update_gruneisen
+    use brz_hjc, only: hjc, describe_hjc, update_hjc
     use brz_key, only: key_t
     use brz_linear_elastic, only: linear_elastic, describe_linear_elastic, update_linear_elastic
     use brz_material, only: material_t, point_t, n_hist, material_ok, material_not_finite, &
@@ -30,10 +31,11 @@ contains
     subroutine list_models(models)
         type(model_t), allocatable, intent(out) :: models(:)
 
-        allocate (models(3))
+        allocate (models(4))
         call describe_linear_elastic(models(1))
         call describe_gruneisen(models(2))
         call describe_orthotropic_ply(models(3))
+        call describe_hjc(models(4))
     end subroutine list_models
 
     !> The physics of one step of one material point. ... and a line here.
@@ -48,6 +50,7 @@ contains
         case (linear_elastic); call update_linear_elastic(material, dt, l, point, status)
         case (gruneisen); call update_gruneisen(material, dt, l, point, status)
         case (orthotropic_ply); call update_orthotropic_ply(material, dt, h, l, point, status)
+        case (hjc); call update_hjc(material, dt, l, point, status)
         case default; status = material_unknown
         end select
     end subroutine apply_model
@@ -97,7 +100,8 @@ contains
         if (.not. (rate*dt <= most_strain)) status = material_step_too_large
         if (.not. (rate <= huge(rate) .and. dt >= 0 .and. h >= 0 .and. h <= huge(h) .and. &
                    point%mu > -1 .and. point%mu <= most_mu .and. stress <= most_stress .and. &
-                   abs(point%energy) <= most_energy .and. history <= most_history)) &
+                   abs(point%energy) <= most_energy .and. history <= most_history .and. &
+                   point%damage >= 0 .and. point%damage <= 1)) &
             status = material_not_finite
     end subroutine check_input
 

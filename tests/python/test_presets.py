@@ -48,7 +48,7 @@ def test_every_number_has_a_source(path):
     numbers = [x for x in lines if (m := VALUE.match(x)) and m[2][0] in "-0123456789"]
     assert len(numbers) >= 3
     for line in numbers:
-        assert re.search(r" ! \[[^]]+\] .{4}", line), line
+        assert re.search(r" ! \[[^]]+\] .{3}", line), line
         assert len(line) <= 120
 
 

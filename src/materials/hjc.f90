@@ -1,0 +1,314 @@
+! SPDX-License-Identifier: MIT
+!> Concrete of Holmquist, Johnson and Cook: crushing pressure, strength by pressure, damage.
+!>
+!> Deck:    &material model='hjc'
+!> Method:  pressure as a function of compression and its largest value (hjc_pressure.f90), radial
+!>          return to Y = fc min(([A (1 - D) + B (p/fc)^N] (1 + C ln rate), SMAX), damage by plastic
+!>          and crushing strain; see docs/materials.md
+!> Source:  Holmquist, Johnson & Cook 1993; tension as in docs/materials.md
+!> History: plastic strain, largest compression, eroded (0 or 1); the damage is that of the point
+module brz_hjc
+    use brz_kinds, only: dp, rk
+    use brz_algebra, only: double_dot
+    use brz_deviator, only: mises_stress, return_deviator, trial_deviator
+    use brz_hjc_pressure, only: crushing_strain, dense_curve, densest, full_modulus, hjc_pressure, &
+                                unloading_modulus, loading_curve, unload_reversible, n_keys, &
+                                p_density, p_shear, p_a, p_b, p_n, p_c, p_fc, p_t, p_rate, &
+                                p_efmin, p_smax, p_p_crush, p_mu_crush, p_p_lock, p_mu_lock, &
+                                p_d1, p_d2, p_k1, p_k2, p_k3, p_floor, p_unload, p_erosion, &
+                                p_limit, p_k_el, p_k_tran, p_mu_plock, p_full
+    use brz_key, only: key_t, none, required
+    use brz_kinematics, only: volume_step
+    use brz_material, only: material_t, point_t, material_ok, material_clamped, n_par
+    use brz_model, only: model_t, real_key, text_key
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: hjc, describe_hjc, update_hjc
+
+    integer, parameter :: hjc = 9 !! code of the model
+    character(*), parameter :: name = 'hjc'
+    integer, parameter :: erosion_tension = 2, erosion_strain = 3
+    integer, parameter :: h_plastic = 1, h_mu_max = 2, h_eroded = 3
+
+contains
+
+    subroutine describe_hjc(model)
+        type(model_t), intent(inout) :: model
+
+        model%code = hjc
+        model%name = name
+        allocate (model%keys(n_keys))
+        call describe_strength(model)
+        call describe_pressure(model)
+        call describe_options(model)
+        model%n_hist = 3
+        model%history(h_plastic) = 'plastic_strain'
+        model%history(h_mu_max) = 'mu_max'
+        model%history(h_eroded) = 'eroded'
+        model%derive => derive
+    end subroutine describe_hjc
+
+    subroutine describe_strength(model)
+        type(model_t), intent(inout) :: model
+
+        model%keys(p_density) = number('density', 'kg/m3', 'unloaded density')
+        model%keys(p_shear) = number('shear_modulus', 'Pa', 'shear modulus')
+        model%keys(p_a) = number('a', '-', 'cohesive strength over fc')
+        model%keys(p_b) = number('b', '-', 'pressure hardening over fc')
+        model%keys(p_n) = number('n', '-', 'exponent of the pressure hardening')
+        model%keys(p_c) = real_key(name, 'c', '-', required, 'rate coefficient', 0.0_dp)
+        model%keys(p_fc) = number('fc', 'Pa', 'strength to which stresses are referred')
+        model%keys(p_t) = number('t', 'Pa', 'largest mean tension (hydrostatic, not uniaxial)')
+        model%keys(p_rate) = real_key(name, 'reference_rate', '1/s', '1', &
+                                      'rate at which the rate factor is 1', 0.0_dp, &
+                                      open_lower=.true.)
+        model%keys(p_efmin) = number('efmin', '-', 'least plastic strain to fracture')
+        model%keys(p_smax) = number('smax', '-', 'largest strength over fc')
+        model%keys(p_d1) = number('d1', '-', 'damage constant')
+        model%keys(p_d2) = number('d2', '-', 'damage exponent')
+    end subroutine describe_strength
+
+    subroutine describe_pressure(model)
+        type(model_t), intent(inout) :: model
+
+        model%keys(p_p_crush) = number('p_crush', 'Pa', 'pressure at which crushing starts')
+        model%keys(p_mu_crush) = number('mu_crush', '-', 'compression at which crushing starts')
+        model%keys(p_p_lock) = number('p_lock', 'Pa', 'pressure at which crushing is complete')
+        model%keys(p_mu_lock) = number('mu_lock', '-', &
+                                       'compression of the crushed material at zero pressure')
+        model%keys(p_k1) = number('k1', 'Pa', 'first modulus of the crushed material')
+        model%keys(p_k2) = real_key(name, 'k2', 'Pa', required, 'its second modulus')
+        model%keys(p_k3) = real_key(name, 'k3', 'Pa', required, 'its third modulus')
+    end subroutine describe_pressure
+
+    subroutine describe_options(model)
+        type(model_t), intent(inout) :: model
+
+        model%keys(p_floor) = real_key(name, 'rate_floor', '-', '1', &
+            'least rate over reference_rate that the rate factor sees', 0.0_dp, open_lower=.true.)
+        model%keys(p_unload) = text_key(name, 'unload', 'paper', 'paper|reversible', &
+            'beyond p_lock: back on a line of slope k1, or on the curve of loading')
+        model%keys(p_erosion) = text_key(name, 'erosion', 'none', 'none|tension|strain', &
+            'no stress but pressure, for ever: never; pulled apart at full damage; at a strain')
+        model%keys(p_limit) = real_key(name, 'erosion_strain', '-', none, &
+            "erosion='strain': plastic strain at which it erodes", 0.0_dp, open_lower=.true.)
+    end subroutine describe_options
+
+    !> A number that must be given, and be positive.
+    pure function number(key, unit, meaning) result(row)
+        character(*), intent(in) :: key, unit, meaning
+        type(key_t) :: row
+
+        row = real_key(name, key, unit, required, meaning, 0.0_dp, open_lower=.true.)
+    end function number
+
+    !> Slopes of the pressure curve; refuses a curve that is not monotone or makes energy.
+    subroutine derive(material, given, fault)
+        type(material_t), intent(inout) :: material
+        logical, intent(in) :: given(:)
+        character(:), allocatable, intent(out) :: fault
+
+        associate (par => material%par)
+            if (given(p_limit) .neqv. int(par(p_erosion)) == erosion_strain) then
+                fault = "erosion_strain and erosion='strain' belong together"
+                return
+            end if
+            call check_dense(par, fault)
+            if (allocated(fault)) return
+            par(p_k_el) = par(p_p_crush)/par(p_mu_crush)
+            par(p_mu_plock) = lock_compression(par)
+            if (par(p_mu_plock) <= par(p_mu_crush) .or. par(p_p_lock) <= par(p_p_crush)) then
+                fault = 'crushing must end (p_lock, mu_lock) above where it starts '// &
+                        '(p_crush, mu_crush)'
+                return
+            end if
+            par(p_k_tran) = (par(p_p_lock) - par(p_p_crush))/(par(p_mu_plock) - par(p_mu_crush))
+            par(p_full) = full_modulus(par)
+            call check_slopes(par, fault)
+            material%density = par(p_density)
+            material%bulk = par(p_k_el)
+            material%shear = par(p_shear)
+            material%c_wave = sqrt((par(p_k_el) + 4*par(p_shear)/3)/par(p_density))
+        end associate
+    end subroutine derive
+
+    !> The cubic must rise over its whole range.
+    subroutine check_dense(par, fault)
+        real(rk), intent(in) :: par(n_par)
+        character(:), allocatable, intent(inout) :: fault
+        real(rk) :: x(3), p, slope
+        integer :: i
+
+        x = [0.0_rk, densest, 0.0_rk]
+        if (par(p_k3) > 0) x(3) = min(max(-par(p_k2)/(3*par(p_k3)), 0.0_rk), densest)
+        do i = 1, 3
+            call dense_curve(par, par(p_mu_lock) + x(i)*(1 + par(p_mu_lock)), p, slope)
+            if (.not. slope > 0) fault = 'k1 + 2 k2 x + 3 k3 x^2 must be positive for x from 0 '// &
+                'to 1: the pressure must rise with the compression'
+        end do
+    end subroutine check_dense
+
+    !> Compression at p_lock: root of the cubic, by bisection of a rising function.
+    pure function lock_compression(par) result(mu)
+        real(rk), intent(in) :: par(n_par)
+        real(rk) :: mu, low, high, p, slope
+        integer :: i
+
+        low = par(p_mu_lock)
+        high = par(p_mu_lock) + 1
+        do i = 1, 200
+            call dense_curve(par, high, p, slope)
+            if (p > par(p_p_lock)) exit
+            high = 2*high
+        end do
+        do i = 1, 200
+            mu = (low + high)/2
+            call dense_curve(par, mu, p, slope)
+            if (p < par(p_p_lock)) then
+                low = mu
+            else
+                high = mu
+            end if
+        end do
+    end function lock_compression
+
+    !> The way back must be steeper than the way there: else a cycle makes energy.
+    subroutine check_slopes(par, fault)
+        real(rk), intent(in) :: par(n_par)
+        character(:), allocatable, intent(inout) :: fault
+        real(rk) :: mu, p, slope
+        integer :: i
+        integer, parameter :: samples = 1000
+
+        if (par(p_k_tran) >= par(p_k_el)) then
+            fault = 'the slope of crushing, '//to_text(par(p_k_tran))//' Pa, is not below '// &
+                    'the elastic slope p_crush/mu_crush'
+            return
+        else if (par(p_k_tran) >= par(p_k1)) then
+            fault = 'the slope of crushing, '//to_text(par(p_k_tran))//' Pa, is not below k1'
+            return
+        end if
+        do i = 1, samples
+            mu = par(p_mu_crush) + (par(p_mu_plock) - par(p_mu_crush))*i/samples
+            call loading_curve(par, mu, p, slope)
+            if (unloading_modulus(par, mu) > par(p_k_tran)) cycle
+            fault = 'crushed material would unload on a softer line than it was loaded on: '// &
+                    'raise k1, or p_crush/mu_crush'
+            return
+        end do
+    end subroutine check_slopes
+
+    !> One step of one material point; see `update_material` for the contract.
+    !@cuf attributes(host,device) &
+    pure subroutine update_hjc(material, dt, l, point, status)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: dt !! [s]
+        real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
+        type(point_t), intent(inout) :: point
+        integer, intent(out) :: status
+        real(rk) :: s(6), q(3, 3), de(6), trial(6), mu, mu_max, mu_old, dv, v_mid, p_old, p_eos, p
+        real(rk) :: stiffest, damage, mises, yield, keep, work, plastic, strain, crushed
+        integer :: i
+
+        damage = min(max(point%damage, 0.0_rk), 1.0_rk)
+        mu_old = max(point%hist(h_mu_max), 0.0_rk)
+        mu = point%mu
+        call volume_step(material%density, l, dt, mu, dv, v_mid)
+        call hjc_pressure(material%par, mu, mu_old, p_eos, stiffest)
+        mu_max = max(mu_old, mu)
+        crushed = 0
+        if (mu_max > mu_old) crushed = max(0.0_rk, crushing_strain(material%par, mu_max) &
+                                           - crushing_strain(material%par, mu_old))
+        p = max(p_eos, -material%par(p_t)*(1 - damage))
+        p_old = -(point%stress(1) + point%stress(2) + point%stress(3))/3
+        do i = 1, 6
+            s(i) = point%stress(i)
+        end do
+        do i = 1, 3
+            s(i) = s(i) + p_old
+        end do
+        call trial_deviator(material%par(p_shear), dt, l, s, q, de, trial)
+        mises = mises_stress(trial)
+        yield = strength(material%par, p, damage, sqrt(double_dot(de, de)*2/3), dt)
+        if (point%hist(h_eroded) > 0) yield = 0
+        keep = 1
+        strain = 0
+        if (mises > yield) then
+            keep = yield/mises
+            strain = (mises - yield)/(3*material%par(p_shear))
+        end if
+        call return_deviator(material%par(p_shear), keep, de, trial, q, s, work, plastic)
+        call add_damage(material%par, (p_old + p)/2, strain + crushed, damage)
+        p = max(p_eos, -material%par(p_t)*(1 - damage))
+        if (point%hist(h_eroded) > 0) p = max(p, 0.0_rk)
+        point%hist(h_plastic) = point%hist(h_plastic) + strain
+        point%hist(h_mu_max) = mu_max
+        call erode(material%par, p_eos, damage, point%hist(h_plastic), point%hist(h_eroded))
+        do i = 1, 3
+            point%stress(i) = s(i) - p
+            point%stress(i + 3) = s(i + 3)
+        end do
+        point%mu = mu
+        point%energy = point%energy + work*v_mid - (p_old + p)/2*dv
+        point%damage = damage
+        point%work(1) = plastic*v_mid + max(p_old + p, 0.0_rk)/2*crushed*material%density*v_mid**2
+        point%work(2) = 0
+        point%c_bulk = sqrt(stiffest/material%density)
+        point%c_wave = sqrt((stiffest + 4*material%par(p_shear)/(3*max(1 + mu, 0.5_rk))) &
+                            /material%density)
+        status = material_ok
+        if (mu > material%par(p_mu_lock) + densest*(1 + material%par(p_mu_lock))) &
+            status = material_clamped
+    end subroutine update_hjc
+
+    !> Yield stress: by pressure, damage and rate, at most SMAX; to zero at the cut-off in tension.
+    !@cuf attributes(host,device) &
+    pure function strength(par, p, damage, strain, dt) result(yield)
+        real(rk), intent(in) :: par(n_par), p, damage
+        real(rk), intent(in) :: strain, dt !! equivalent strain of the step, its time [s]
+        real(rk) :: yield, least, factor
+
+        if (p > 0) then
+            yield = par(p_a)*(1 - damage) + par(p_b)*exp(par(p_n)*log(p/par(p_fc)))
+        else
+            yield = par(p_a)*max(0.0_rk, 1 - damage + p/par(p_t))
+        end if
+        least = par(p_floor)*par(p_rate)*dt
+        factor = par(p_floor)
+        if (strain > least) factor = strain/(par(p_rate)*dt)
+        yield = yield*max(0.0_rk, 1 + par(p_c)*log(factor))
+        yield = par(p_fc)*min(yield, par(p_smax))
+    end function strength
+
+    !> Damage by plastic and crushing strain, over the strain to fracture at the mean pressure.
+    !@cuf attributes(host,device) &
+    pure subroutine add_damage(par, p, strain, damage)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: p !! mean of the step [Pa]
+        real(rk), intent(in) :: strain
+        real(rk), intent(inout) :: damage
+        real(rk) :: reach
+
+        if (.not. strain > 0) return
+        reach = max(p + par(p_t), 0.0_rk)/par(p_fc)
+        if (par(p_d2) < 1 .or. par(p_d2) > 1) reach = reach**par(p_d2)
+        damage = min(1.0_rk, damage + strain/max(par(p_efmin), par(p_d1)*reach))
+    end subroutine add_damage
+
+    !> Erosion, from the next step on.
+    !@cuf attributes(host,device) &
+    pure subroutine erode(par, p_eos, damage, plastic, eroded)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: p_eos !! pressure without the cut-off [Pa]
+        real(rk), intent(in) :: damage, plastic
+        real(rk), intent(inout) :: eroded
+
+        select case (int(par(p_erosion)))
+        case (erosion_tension)
+            if (damage >= 1 .and. p_eos < -par(p_t)) eroded = 1
+        case (erosion_strain)
+            if (plastic > par(p_limit)) eroded = 1
+        end select
+    end subroutine erode
+end module brz_hjc
