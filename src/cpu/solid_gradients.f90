@@ -5,13 +5,15 @@
 !> for pass 2, its row of `pair`.
 module brz_solid_gradients
     use brz_algebra, only: inverse3, to_matrix, multiply3
-    use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms
+    use brz_artificial_stress, only: artificial_none, artificial_stress
+    use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms, shear_limiter
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_material, only: point_t
     use brz_materials, only: update_material
-    use brz_solid_state, only: body_t, form_bending, lanes, pair_affine, pair_c, pair_density, &
-                               pair_keep, pair_stress, pair_volume, solid_t, worth_threads
+    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_uncorrected, &
+                               lanes, pair_affine, pair_hold, pair_keep, pair_linear, &
+                               pair_quadratic, pair_stress, pair_volume, solid_t, worth_threads
     implicit none
     private
     public :: gradient_pass
@@ -210,7 +212,12 @@ contains
             sums(c) = 1
             sums(at_x + 4*c - 3) = 1
         end do
-        call correction(solid%dimension, sums, b, weak)
+        if (body%formulation == form_uncorrected) then
+            weak = 0
+            b = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
+        else
+            call correction(solid%dimension, sums, b, weak)
+        end if
         call multiply3(sums(at_g + 1), b, h)
         if (dt > 0) then
             call midstep_gradient(h, real(dt, rk), l)
@@ -219,19 +226,48 @@ contains
         rate = abs(h(1, 1) + h(2, 2) + h(3, 3))
         limit = min(limit, real(body%cfl*body%h &
                                 /(solid%c_wave(i) + 0.6_rk*body%beta*body%h*rate), dp))
-        solid%pair(pair_density, i) = solid%materials(body%material)%density*(1 + solid%mu(i))
-        solid%pair(pair_volume, i) = solid%volume(i)
-        solid%pair(pair_c, i) = solid%c_bulk(i)
         call to_matrix(solid%stress(:, i), s)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
         if (body%formulation == form_bending) then
             if (weak /= 0) solid%cut(i) = 1
             call multiply3(sums(at_x + 1), b, s)
-            call invert_or_cut(s, h, solid%cut(i))
         end if
-        call copy_matrix(h, solid%pair(pair_affine + 1, i))
-        solid%pair(pair_keep, i) = (1 - solid%damage(i))*(1 - solid%cut(i))
+        call fill_row(solid, body, i, h, s)
     end subroutine advance
+
+    !> What pass 2 needs of particle i, but for its stress.
+    subroutine fill_row(solid, body, i, h, a)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+        real(rk), intent(in) :: h(3, 3) !! velocity gradient [1/s]
+        real(rk), intent(in) :: a(3, 3) !! 'bending': dX/dx
+        real(rk) :: q(3, 3), rho, z
+
+        rho = solid%materials(body%material)%density*(1 + solid%mu(i))
+        z = 1
+        if (body%balsara) z = shear_limiter(h, solid%c_bulk(i)/body%h)
+        solid%pair(pair_volume, i) = solid%volume(i)
+        solid%pair(pair_linear, i) = z*body%alpha*rho*solid%c_bulk(i)/2
+        solid%pair(pair_quadratic, i) = z*body%beta*rho/2
+        select case (body%formulation)
+        case (form_bending)
+            z = body%zeta*solid%materials(body%material)%shear
+            call invert_or_cut(a, q, solid%cut(i))
+            q = z*q
+        case (form_corrected_hourglass)
+            z = body%zeta_viscous*body%h*rho*solid%c_bulk(i)
+            q = h
+        case default
+            z = 0
+            q = h
+            if (body%artificial /= artificial_none) call artificial_stress(body%artificial, &
+                body%artificial_strength, rho, solid%stress(:, i), q)
+        end select
+        solid%pair(pair_hold, i) = z
+        call copy_matrix(q, solid%pair(pair_affine + 1, i))
+        solid%pair(pair_keep, i) = (1 - solid%damage(i))*(1 - solid%cut(i))
+    end subroutine fill_row
 
     pure subroutine copy_matrix(a, b)
         real(rk), intent(in) :: a(3, 3)

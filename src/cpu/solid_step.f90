@@ -57,12 +57,14 @@ contains
         if (solid%dt_last > 0) dt = min(dt, growth*solid%dt_last)
     end function solid_time_step
 
-    !> One time step under the present `load`.
+    !> One time step under the present `load`. The first kick is half a step; its heat is booked
+    !> now that the length of the step is known.
     subroutine solid_step(solid, dt, err)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
 
+        if (solid%steps == 0) call force_pass(solid, dt/2)
         call kick_and_drift(solid, dt)
         solid%dt_last = dt
         solid%steps = solid%steps + 1

@@ -15,7 +15,8 @@ module brz_solid_totals
         real(dp) :: momentum(3) = 0 !! [N s]
         real(dp) :: angular(3) = 0 !! angular momentum about the origin [N m s]
         real(dp) :: kinetic = 0, internal = 0 !! [J]
-        real(dp) :: hourglass = 0 !! energy held by the hourglass force [J]
+        real(dp) :: hourglass = 0 !! energy held by the stiff hourglass force [J]
+        real(dp) :: artificial = 0 !! energy held by the artificial stress [J]
         real(dp) :: damage = 0 !! mean over the mass
     end type solid_totals_t
 
@@ -47,6 +48,8 @@ contains
         totals%damage = sums(13)/max(sums(1), tiny(1.0_dp))
         if (b == 0) totals%hourglass = sum(solid%bodies%ledger%hourglass)
         if (b /= 0) totals%hourglass = solid%bodies(b)%ledger%hourglass
+        if (b == 0) totals%artificial = sum(solid%bodies%ledger%artificial)
+        if (b /= 0) totals%artificial = solid%bodies(b)%ledger%artificial
     end subroutine solid_totals
 
     subroutine sum_block(solid, first, last, part)

@@ -108,8 +108,11 @@ module brz_case
         real(dp) :: fix_box(6, 8) = 0 !! regions that are held: x0, x1, y0, y1, z0, z1 [m]
         real(dp) :: velocity(3) = 0 !! [m/s]
         real(dp) :: spin(3) = 0 !! angular velocity about the centre of mass [rad/s]
-        character(name_len) :: formulation = 'bending' !! or 'corrected', 'corrected_hourglass'
-        real(dp) :: alpha = 1, beta = 2 !! artificial viscosity
+        character(name_len) :: formulation = 'auto' !! see the deck reference
+        real(dp) :: alpha = -1, beta = -1 !! artificial viscosity; negative: that of the formulation
+        character(name_len) :: limiter = 'none' !! or 'balsara'
+        character(name_len) :: artificial_stress = 'auto' !! or 'none', 'monaghan', 'gray'
+        real(dp) :: artificial_strength = -1 !! negative: the usual one
         real(dp) :: zeta = 2 !! position-based hourglass stiffness ('bending')
         real(dp) :: zeta_viscous = 0.05_dp !! viscous hourglass force ('corrected_hourglass')
         real(dp) :: smoothing = 1.2_dp !! smoothing length over spacing

@@ -242,14 +242,23 @@ contains
         character(*), parameter :: g = 'body'
 
         keys = [keys, &
-                key_t(group=g, key='formulation', kind=kind_text, default='bending', &
-                      choices='bending|corrected_hourglass|corrected', &
-                      meaning='bending: what bends and may break; corrected_hourglass: what '// &
-                      'fragments or flows; corrected: neither hourglass force.'), &
-                key_t(group=g, key='alpha', default='1.0', lower=zero, upper=10*one, &
-                      meaning='Linear artificial viscosity.'), &
-                key_t(group=g, key='beta', default='2.0', lower=zero, upper=10*one, &
-                      meaning='Quadratic artificial viscosity.'), &
+                key_t(group=g, key='formulation', kind=kind_text, default='auto', &
+                      choices='auto|bending|corrected_hourglass|corrected|uncorrected|paper', &
+                      meaning='auto: bending for elastic materials and plies (they bend and '// &
+                      'may break), corrected_hourglass for all others (they flow or fragment).'), &
+                key_t(group=g, key='alpha', lower=zero, upper=10*one, &
+                      meaning='Linear artificial viscosity; 1, with paper 2, if absent.'), &
+                key_t(group=g, key='beta', lower=zero, upper=20*one, &
+                      meaning='Quadratic artificial viscosity; 2, with paper 10, if absent.'), &
+                key_t(group=g, key='limiter', kind=kind_text, default='none', &
+                      choices='none|balsara', &
+                      meaning='balsara: less artificial viscosity where the material shears.'), &
+                key_t(group=g, key='artificial_stress', kind=kind_text, default='auto', &
+                      choices='auto|none|monaghan|gray', &
+                      meaning='Repulsion in tension, by pressure or by principal stresses; '// &
+                      'auto: monaghan with paper, else none.'), &
+                key_t(group=g, key='artificial_strength', lower=zero, upper=one, &
+                      meaning='Its strength; 0.2 for monaghan, 0.3 for gray if absent.'), &
                 key_t(group=g, key='zeta', default='2.0', lower=zero, upper=4*one, &
                       meaning='bending: stiffness of the hourglass force.'), &
                 key_t(group=g, key='zeta_viscous', default='0.05', lower=zero, upper=one, &

@@ -8,12 +8,12 @@ module brz_body_setup
     use brz_body_shape, only: bar_layers, shape_t
     use brz_case, only: body_case_t, case_t
     use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_formulation, only: settle_formulation
     use brz_kinds, only: dp, int8, rk
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
     use brz_solid_arrays, only: allocate_solid
-    use brz_solid_state, only: body_t, form_bending, form_corrected, form_corrected_hourglass, &
-                               solid_t
+    use brz_solid_state, only: body_t, solid_t
     implicit none
     private
     public :: set_up_solid
@@ -89,7 +89,8 @@ contains
         n = 0
         do b = 1, size(points)
             if (failed(err)) return
-            call settle(case%bodies(b), solid%bodies(b), err)
+            call settle(case%bodies(b), trim(case%materials(case%bodies(b)%material_index)%model), &
+                        solid%bodies(b), err)
             solid%bodies(b)%first = n + 1
             n = n + size(points(b)%x, 2)
             solid%bodies(b)%last = n
@@ -103,31 +104,16 @@ contains
     end subroutine lay_bodies
 
     !> Copy the settings of a body from the deck.
-    subroutine settle(input, body, err)
+    subroutine settle(input, model, body, err)
         type(body_case_t), intent(in) :: input
+        character(*), intent(in) :: model !! of its material
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
 
         body%id = input%id
         body%material = input%material_index
         body%spacing = input%spacing
-        body%h = real(input%smoothing*input%spacing, rk)
-        body%alpha = real(input%alpha, rk)
-        body%beta = real(input%beta, rk)
-        body%zeta = real(input%zeta, rk)
-        body%zeta_viscous = real(input%zeta_viscous, rk)
-        body%cfl = real(input%cfl, rk)
-        select case (input%formulation)
-        case ('corrected')
-            body%formulation = form_corrected
-        case ('corrected_hourglass')
-            body%formulation = form_corrected_hourglass
-        case ('bending')
-            body%formulation = form_bending
-        case default
-            call raise(err, exit_deck, "&body id='"//trim(input%id)// &
-                       "': unknown formulation '"//trim(input%formulation)//"'")
-        end select
+        call settle_formulation(input, model, body, err)
     end subroutine settle
 
     !> Report a box whose sides are no whole number of spacings.

@@ -7,10 +7,11 @@
 !> Source: docs/solid.md section 3; Randles & Libersky 1996, Bonet & Lok 1999
 module brz_gradient
     use brz_algebra, only: inverse3, multiply3, to_matrix
+    use brz_eigen, only: diagonalise
     use brz_kinds, only: rk
     implicit none
     private
-    public :: moment_terms, outer_terms, correction, midstep_gradient
+    public :: moment_terms, outer_terms, correction, midstep_gradient, shear_limiter
 
     ! smaller eigenvalues of M are not inverted in full; at the corner of a regular block the
     ! smallest is 0.25 in 2-D and 0.18 in 3-D
@@ -94,19 +95,9 @@ contains
         real(rk), intent(inout) :: a(3, 3) !! symmetric, destroyed
         real(rk), intent(out) :: b(3, 3)
         real(rk) :: q(3, 3), l(3)
-        integer :: i, j, sweep
+        integer :: i, j
 
-        do j = 1, 3
-            do i = 1, 3
-                q(i, j) = 0
-            end do
-            q(j, j) = 1
-        end do
-        do sweep = 1, 8
-            call rotate_away(a, q, 1, 2)
-            call rotate_away(a, q, 1, 3)
-            call rotate_away(a, q, 2, 3)
-        end do
+        call diagonalise(a, q)
         do i = 1, 3
             l(i) = a(i, i)/weakest**2
             if (a(i, i) > weakest) l(i) = 1/a(i, i)
@@ -118,37 +109,6 @@ contains
             end do
         end do
     end subroutine tamed_inverse
-
-    !> One Jacobi rotation: makes a(i, j) vanish and turns the eigenvectors q with it.
-    !@cuf attributes(host,device) &
-    pure subroutine rotate_away(a, q, i, j)
-        real(rk), intent(inout) :: a(3, 3), q(3, 3)
-        integer, intent(in) :: i, j
-        real(rk) :: half, t, c, s, u, w
-        integer :: k
-
-        if (abs(a(i, j)) <= tiny(1.0_rk)) return
-        half = (a(j, j) - a(i, i))/(2*a(i, j))
-        t = sign(1.0_rk, half)/(abs(half) + sqrt(half*half + 1))
-        c = 1/sqrt(t*t + 1)
-        s = t*c
-        do k = 1, 3
-            u = a(k, i)
-            w = a(k, j)
-            a(k, i) = c*u - s*w
-            a(k, j) = s*u + c*w
-        end do
-        do k = 1, 3
-            u = a(i, k)
-            w = a(j, k)
-            a(i, k) = c*u - s*w
-            a(j, k) = s*u + c*w
-            u = q(k, i)
-            w = q(k, j)
-            q(k, i) = c*u - s*w
-            q(k, j) = s*u + c*w
-        end do
-    end subroutine rotate_away
 
     !> Velocity gradient in the middle of the step, L = H (I - dt/2 H)^-1.
     !>
@@ -172,4 +132,19 @@ contains
         call inverse3(a, b, ok)
         call multiply3(h, b, l)
     end subroutine midstep_gradient
+
+    !> Share of the viscosity that is left where a flow shears: |div v|/(|div v| + |curl v|).
+    !>
+    !> Source: Balsara 1995
+    !@cuf attributes(host,device) &
+    pure function shear_limiter(h, rate) result(share)
+        real(rk), intent(in) :: h(3, 3) !! dv/dx [1/s]
+        real(rk), intent(in) :: rate !! sound speed over smoothing length [1/s]
+        real(rk) :: share
+        real(rk) :: div, curl
+
+        div = abs(h(1, 1) + h(2, 2) + h(3, 3))
+        curl = sqrt((h(3, 2) - h(2, 3))**2 + (h(1, 3) - h(3, 1))**2 + (h(2, 1) - h(1, 2))**2)
+        share = div/(div + curl + 1e-4_rk*rate)
+    end function shear_limiter
 end module brz_gradient

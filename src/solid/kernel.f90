@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Wendland C2 kernel W = a (1 - q/2)^4 (2 q + 1), q = r/h, support 2 h.
 !>
-!> Only its slope enters the pair sums, as F = -W'/r >= 0, so that grad_i W = -F x_ij. The same
+!> Its slope enters the pair sums as F = -W'/r >= 0, so that grad_i W = -F x_ij. The same
 !> polynomial serves in 1-D, 2-D and 3-D; the normalisation differs. Point physics.
 !>
 !> Source: Wendland 1995; docs/solid.md section 2
@@ -9,7 +9,7 @@ module brz_kernel
     use brz_kinds, only: rk
     implicit none
     private
-    public :: kernel_scale, kernel_slope
+    public :: kernel_scale, kernel_shape, kernel_slope
 
 contains
 
@@ -42,4 +42,16 @@ contains
         c = max(1 - half_over_h*r, 0.0_rk)
         f = scale*c*c*c
     end function kernel_slope
+
+    !> Kernel over its value at the centre, W(r)/W(0); 0 beyond the support.
+    !@cuf attributes(host,device) &
+    pure function kernel_shape(half_over_h, r) result(w)
+        real(rk), intent(in) :: half_over_h !! 1/(2 h) [1/m]
+        real(rk), intent(in) :: r !! [m]
+        real(rk) :: w
+        real(rk) :: c
+
+        c = max(1 - half_over_h*r, 0.0_rk)
+        w = c*c*c*c*(4*half_over_h*r + 1)
+    end function kernel_shape
 end module brz_kernel

@@ -33,8 +33,8 @@ contains
         real(rk), intent(in) :: h !! smoothing length [m]
         real(rk), intent(in) :: r2 !! |x_ij|^2 [m2]
         real(rk), intent(in) :: vr !! v_ij.x_ij [m2/s]
-        real(rk), intent(in) :: linear !! alpha rho_ij c_ij [kg/(m2 s)]
-        real(rk), intent(in) :: quadratic !! beta rho_ij [kg/m3]
+        real(rk), intent(in) :: linear !! sum over the two particles of alpha rho c/2 [kg/(m2 s)]
+        real(rk), intent(in) :: quadratic !! sum of beta rho/2 [kg/m3]
         real(rk) :: u
         real(rk) :: phi
 
@@ -48,7 +48,7 @@ contains
     !> sum_j V_j F_ij (v_ij - H_i x_ij) (x) x_ij = 0: no torque, and never negative heat in i.
     !@cuf attributes(host,device) &
     pure subroutine hourglass_viscous(zi, zj, hi, hj, dv, r, f, heat)
-        real(rk), intent(in) :: zi, zj !! zeta h w times rho c of the two particles
+        real(rk), intent(in) :: zi, zj !! w times zeta h rho c of the two particles
         real(rk), intent(in) :: hi(9), hj(9) !! velocity gradients at the new positions [1/s]
         real(rk), intent(in) :: dv(3), r(3) !! v_ij, x_ij
         real(rk), intent(out) :: f(3) !! on i [N]
@@ -67,29 +67,42 @@ contains
         heat = zi*(d(1)*dv(1) + d(2)*dv(2) + d(3)*dv(3))
     end subroutine hourglass_viscous
 
-    !> Stiff hourglass force: pulls x_ij towards the image of X_ij under the mean deformation.
+    !> Stiff hourglass force: pulls x_ij towards the image of X_ij under the deformations.
     !>
-    !> With the corrected gradient, sum_j V_j F_ij (F_i X_ij - x_ij) (x) x_ij = 0: no torque. A
-    !> pair that left the stretches 1/1.6..1.6 is no longer held.
+    !> Each particle's own stiffness goes with its own deformation F: with P = z F the force is
+    !> y (P_i X_ij - z_i x_ij) and the same of j. With the corrected gradient,
+    !> sum_j V_j F_ij (F_i X_ij - x_ij) (x) x_ij = 0: no torque. A pair that left the stretches
+    !> 1/1.6..1.6 is no longer held.
     !@cuf attributes(host,device) &
-    pure subroutine hourglass_stiff(z, fi, fj, x_ref, r, f)
-        real(rk), intent(in) :: z !! 2 zeta G w times what damage leaves of it
-        real(rk), intent(in) :: fi(9), fj(9) !! deformation dx/dX of the two particles
+    pure subroutine hourglass_stiff(y, z, pi, pj, x_ref, r, f)
+        real(rk), intent(in) :: y !! w times what damage leaves of it
+        real(rk), intent(in) :: z !! sum of the stiffnesses zeta G of the two particles [Pa]
+        real(rk), intent(in) :: pi(9), pj(9) !! their stiffness times deformation dx/dX [Pa]
         real(rk), intent(in) :: x_ref(3) !! X_ij [m]
         real(rk), intent(in) :: r(3) !! x_ij [m]
         real(rk), intent(out) :: f(3) !! on i [N]
-        real(rk), parameter :: most = 1.6_rk**2
-        real(rk) :: a, b, y, x(3)
+        real(rk) :: h
 
-        x(1) = x_ref(1)/2
-        x(2) = x_ref(2)/2
-        x(3) = x_ref(3)/2
-        a = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
-        b = 4*(x(1)*x(1) + x(2)*x(2) + x(3)*x(3))
-        y = z
-        if (a > most*b .or. b > most*a) y = 0
-        f(1) = y*((fi(1) + fj(1))*x(1) + (fi(4) + fj(4))*x(2) + (fi(7) + fj(7))*x(3) - r(1))
-        f(2) = y*((fi(2) + fj(2))*x(1) + (fi(5) + fj(5))*x(2) + (fi(8) + fj(8))*x(3) - r(2))
-        f(3) = y*((fi(3) + fj(3))*x(1) + (fi(6) + fj(6))*x(2) + (fi(9) + fj(9))*x(3) - r(3))
+        h = y
+        if (overstretched(x_ref, r)) h = 0
+        f(1) = h*((pi(1) + pj(1))*x_ref(1) + (pi(4) + pj(4))*x_ref(2) + (pi(7) + pj(7))*x_ref(3) &
+                  - z*r(1))
+        f(2) = h*((pi(2) + pj(2))*x_ref(1) + (pi(5) + pj(5))*x_ref(2) + (pi(8) + pj(8))*x_ref(3) &
+                  - z*r(2))
+        f(3) = h*((pi(3) + pj(3))*x_ref(1) + (pi(6) + pj(6))*x_ref(2) + (pi(9) + pj(9))*x_ref(3) &
+                  - z*r(3))
     end subroutine hourglass_stiff
+
+    !> True for a pair that the stiff hourglass force has let go.
+    !@cuf attributes(host,device) &
+    pure function overstretched(x_ref, r) result(yes)
+        real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]
+        logical :: yes
+        real(rk), parameter :: most = 1.6_rk**2
+        real(rk) :: a, b
+
+        a = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
+        b = x_ref(1)*x_ref(1) + x_ref(2)*x_ref(2) + x_ref(3)*x_ref(3)
+        yes = a > most*b .or. b > most*a
+    end function overstretched
 end module brz_pair_force

@@ -4,34 +4,41 @@
 !> Time levels: x, stress and history live at the step, v half a step before (leapfrog). The
 !> velocity at the step is v + dt_last/2 a. A kick is v += (dt_last + dt)/2 a + dt load/mass.
 module brz_solid_state
+    use brz_artificial_stress, only: artificial_none
     use brz_kinds, only: dp, int8, int32, int64, rk
     use brz_material, only: material_t
     implicit none
     private
     public :: solid_t, body_t, ledger_t, search_t
-    public :: form_corrected, form_corrected_hourglass, form_bending, lanes
+    public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, lanes
     public :: worth_threads
-    public :: n_pair, pair_volume, pair_density, pair_c, pair_keep, pair_stress, pair_affine
+    public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, pair_affine, &
+              pair_hold
 
-    integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3
+    integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
+                          form_uncorrected = 4
     integer, parameter :: lanes = 8 !! neighbour lists are padded with the particle itself to a
                                     !! multiple of this
 
     integer, parameter :: worth_threads = 2048 !! fewer particles are faster on one thread
     ! what a pair force needs of a particle, in one contiguous row of `pair`
     integer, parameter :: pair_volume = 1 !! [m3]
-    integer, parameter :: pair_density = 2 !! [kg/m3]
-    integer, parameter :: pair_c = 3 !! sound speed in the viscosity [m/s]
+    integer, parameter :: pair_linear = 2 !! linear viscosity, alpha rho c/2 [kg/(m2 s)]
+    integer, parameter :: pair_quadratic = 3 !! quadratic viscosity, beta rho/2 [kg/m3]
     integer, parameter :: pair_keep = 4 !! share of the hourglass force that is left, 0..1
     integer, parameter :: pair_stress = 4 !! + 1..9: stress times gradient correction [Pa]
-    integer, parameter :: pair_affine = 13 !! + 1..9: 'bending': dx/dX; else dv/dx [1/s]
+    !> + 1..9: 'bending': zeta G dx/dX [Pa]; artificial stress: R; else dv/dx [1/s]
+    integer, parameter :: pair_affine = 13
+    integer, parameter :: pair_hold = 23 !! strength of the hourglass force: zeta h rho c or zeta G
     integer, parameter :: n_pair = 24 !! a whole number of cache lines; also a buffer for sorting
 
     !> What one body has done with its energy so far, all in J.
     type :: ledger_t
         real(dp) :: viscous = 0 !! heat by artificial viscosity
-        real(dp) :: hourglass = 0 !! energy held by (or fed to) the hourglass force
-        real(dp) :: hourglass_ahead = 0 !! its change in the half step to come
+        real(dp) :: hourglass_heat = 0 !! heat by the viscous hourglass force
+        real(dp) :: hourglass = 0 !! energy held by (or fed to) the stiff hourglass force
+        real(dp) :: artificial = 0 !! energy held by the artificial stress
+        real(dp) :: ahead = 0 !! change of one of these two in the half step to come
         real(dp) :: load = 0 !! work of the air on the body
         real(dp) :: plastic = 0 !! plastic work
         real(dp) :: damage = 0 !! work spent in damage
@@ -48,6 +55,10 @@ module brz_solid_state
         integer :: across = 0 !! bars: particles across the diameter
         real(rk) :: h = 0 !! smoothing length, constant [m]
         real(rk) :: alpha = 1, beta = 2, zeta = 2, zeta_viscous = 0
+        logical :: balsara = .false. !! less viscosity in shear
+        integer :: artificial = artificial_none !! artificial stress, see brz_artificial_stress
+        real(rk) :: artificial_strength = 0, artificial_power = 0
+        real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)
         real(rk) :: cfl = 0.4_rk
         real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
         type(ledger_t) :: ledger

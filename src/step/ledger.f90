@@ -14,13 +14,14 @@ module brz_ledger
     private
     public :: ledger_t, ledger_start_t, take_stock, energy_columns, ledger_row, body_names, body_row
 
-    integer, parameter :: n_energy = 26, n_body = 14
+    integer, parameter :: n_energy = 28, n_body = 14
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
                                 'time[s]', 'air_kinetic[J]', 'air_internal[J]', 'air_outflow[J]', &
                                 'air_ledger[J]', 'solid_kinetic[J]', 'solid_internal[J]', &
-                                'hourglass[J]', 'viscous[J]', 'plastic[J]', 'damage[J]', &
+                                'hourglass[J]', 'artificial[J]', 'viscous[J]', &
+                                'hourglass_heat[J]', 'plastic[J]', 'damage[J]', &
                                 'air_work[J]', 'load_work[J]', 'coupling[J]', 'total[J]', &
                                 'error[-]', 'air_mass[kg]', 'air_outflow[kg]', 'impulse_x[N s]', &
                                 'impulse_y[N s]', 'impulse_z[N s]', 'mass_error[-]', &
@@ -41,8 +42,9 @@ module brz_ledger
         real(dp) :: gas_kinetic = 0 !! part of the gas energy [J]
         real(dp) :: kept(5) = 0 !! the same in ledgers and debts
         real(dp) :: outflow(5) = 0 !! what left through the outer faces so far
-        real(dp) :: solid_kinetic = 0, solid_internal = 0, hourglass = 0 !! [J]
-        real(dp) :: viscous = 0, plastic = 0, damage = 0 !! parts of solid_internal so far [J]
+        real(dp) :: solid_kinetic = 0, solid_internal = 0, hourglass = 0, artificial = 0 !! [J]
+        !> parts of solid_internal so far [J]
+        real(dp) :: viscous = 0, hourglass_heat = 0, plastic = 0, damage = 0
         real(dp) :: air_work = 0 !! energy that the air gave to moving walls so far [J]
         real(dp) :: load_work = 0 !! work of the load on the particles so far [J]
         real(dp) :: impulse(3) = 0 !! momentum that the air gave to walls so far [N s]
@@ -89,6 +91,8 @@ contains
             ledger%solid_kinetic = sums%kinetic
             ledger%solid_internal = sums%internal
             ledger%hourglass = sums%hourglass
+            ledger%artificial = sums%artificial
+            ledger%hourglass_heat = sum(solid%bodies%ledger%hourglass_heat)
             ledger%viscous = sum(solid%bodies%ledger%viscous)
             ledger%plastic = sum(solid%bodies%ledger%plastic)
             ledger%damage = sum(solid%bodies%ledger%damage)
@@ -99,7 +103,7 @@ contains
         all = ledger%gas + ledger%kept + ledger%outflow
         all(2:4) = all(2:4) + ledger%impulse
         ledger%total = all(5) + ledger%solid_kinetic + ledger%solid_internal + ledger%hourglass &
-                       + ledger%air_work - ledger%load_work
+                       + ledger%artificial + ledger%air_work - ledger%load_work
         if (.not. start%known) start = ledger_start_t(.true., ledger%total, all(1), all(2:4))
         call judge(start, all, momentum_scale(air, ledger), ledger)
     end subroutine take_stock
@@ -134,11 +138,12 @@ contains
 
         row(1:4) = [ledger%time, ledger%gas_kinetic, ledger%gas(5) - ledger%gas_kinetic, &
                     ledger%outflow(5)]
-        row(5:11) = [ledger%kept(5), ledger%solid_kinetic, ledger%solid_internal, &
-                     ledger%hourglass, ledger%viscous, ledger%plastic, ledger%damage]
-        row(12:16) = [ledger%air_work, ledger%load_work, ledger%air_work - ledger%load_work, &
+        row(5:13) = [ledger%kept(5), ledger%solid_kinetic, ledger%solid_internal, &
+                     ledger%hourglass, ledger%artificial, ledger%viscous, ledger%hourglass_heat, &
+                     ledger%plastic, ledger%damage]
+        row(14:18) = [ledger%air_work, ledger%load_work, ledger%air_work - ledger%load_work, &
                       ledger%total, ledger%energy_error]
-        row(17:26) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
+        row(19:28) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
                       ledger%mass_error, ledger%momentum_error, ledger%fallback_faces, &
                       ledger%products, ledger%products_out]
     end function ledger_row

@@ -1,0 +1,193 @@
+! SPDX-License-Identifier: MIT
+!> Pass 2, the loops over the direct neighbours of a particle, eight pairs at a time.
+!>
+!> One loop for each set of forces, so that no body pays for a force that it does not use. All
+!> loops are vectorised by the compiler: their inner loop has constant length and no branch.
+module brz_solid_pair_sums
+    use brz_kernel, only: kernel_slope
+    use brz_kinds, only: dp, int32, rk
+    use brz_pair_force, only: hourglass_stiff, hourglass_viscous, stress_force, viscous_force
+    use brz_solid_state, only: lanes, n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
+                               pair_quadratic, pair_stress, pair_volume
+    implicit none
+    private
+    public :: centre_t, sum_plain, sum_viscous, sum_stiff, viscosity
+    public :: n_terms, at_heat, at_friction, at_drag, at_hold
+
+    ! slots of the sums: 1..3 force of the stress [N]
+    integer, parameter :: at_heat = 4 !! heat of the viscosity [W]
+    integer, parameter :: at_friction = 5 !! heat of the viscous hourglass force [W]
+    integer, parameter :: at_drag = 5 !! + 1..3: viscous forces [N]
+    integer, parameter :: at_hold = 8 !! + 1..3: stiff hourglass force, or artificial stress [N]
+    integer, parameter :: n_terms = 11
+
+    !> The particle whose pairs are summed over, and the kernel.
+    type :: centre_t
+        integer :: i = 0
+        integer :: count = 0 !! entries of its list
+        real(rk) :: scale = 0, half_over_h = 0, h = 0
+    end type centre_t
+
+contains
+
+    !> Add the lanes in a fixed order.
+    pure subroutine add_lanes(m, acc, f)
+        integer, intent(in) :: m
+        real(rk), intent(in) :: acc(lanes, m)
+        real(rk), intent(out) :: f(n_terms)
+        integer :: t
+
+        f = 0
+        do t = 1, m
+            f(t) = ((acc(1, t) + acc(5, t)) + (acc(2, t) + acc(6, t))) &
+                   + ((acc(3, t) + acc(7, t)) + (acc(4, t) + acc(8, t)))
+        end do
+    end subroutine add_lanes
+
+    !> Stress and viscosity over the direct neighbours.
+    subroutine sum_plain(n, p, x, v, pair, list, f)
+        integer, intent(in) :: n
+        type(centre_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, n)
+        real(rk), intent(in) :: v(3, n), pair(n_pair, n)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: f(n_terms)
+        real(rk) :: acc(lanes, at_hold), r(3), dv(3), own(n_pair), other(n_pair), g(3), w, u, r2, vr
+        integer :: k, l, j, t
+
+        own = pair(:, p%i)
+        acc = 0
+        do k = 0, p%count - 1, lanes
+            !GCC$ unroll 1
+            do l = 1, lanes
+                j = list(k + l)
+                do t = 1, 3
+                    r(t) = real(x(t, p%i) - x(t, j), rk)
+                    dv(t) = v(t, p%i) - v(t, j)
+                end do
+                do t = 1, pair_affine
+                    other(t) = pair(t, j)
+                end do
+                r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
+                vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
+                w = own(pair_volume)*other(pair_volume) &
+                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
+                call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
+                u = viscosity(p, own, other, w, r2, vr)
+                do t = 1, 3
+                    acc(l, t) = acc(l, t) + g(t)
+                    acc(l, at_drag + t) = acc(l, at_drag + t) + u*r(t)
+                end do
+                acc(l, at_heat) = acc(l, at_heat) - u*vr/2
+            end do
+        end do
+        call add_lanes(at_hold, acc, f)
+    end subroutine sum_plain
+
+    !> Stress, viscosity and viscous hourglass force over the direct neighbours.
+    subroutine sum_viscous(n, p, x, v, pair, list, f)
+        integer, intent(in) :: n
+        type(centre_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, n)
+        real(rk), intent(in) :: v(3, n), pair(n_pair, n)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: f(n_terms)
+        real(rk) :: acc(lanes, at_hold), r(3), dv(3), own(n_pair), other(n_pair), g(3), d(3)
+        real(rk) :: w, u, y, r2, vr, heat
+        integer :: k, l, j, t
+
+        own = pair(:, p%i)
+        acc = 0
+        do k = 0, p%count - 1, lanes
+            !GCC$ unroll 1
+            do l = 1, lanes
+                j = list(k + l)
+                do t = 1, 3
+                    r(t) = real(x(t, p%i) - x(t, j), rk)
+                    dv(t) = v(t, p%i) - v(t, j)
+                end do
+                do t = 1, pair_affine
+                    other(t) = pair(t, j)
+                end do
+                do t = pair_affine + 1, pair_hold
+                    other(t) = pair(t, j)
+                end do
+                r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
+                vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
+                w = own(pair_volume)*other(pair_volume) &
+                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
+                call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
+                u = viscosity(p, own, other, w, r2, vr)
+                y = w*own(pair_keep)*other(pair_keep)
+                call hourglass_viscous(y*own(pair_hold), y*other(pair_hold), &
+                                       own(pair_affine + 1), other(pair_affine + 1), dv, r, d, heat)
+                do t = 1, 3
+                    acc(l, t) = acc(l, t) + g(t)
+                    acc(l, at_drag + t) = acc(l, at_drag + t) + (u*r(t) + d(t))
+                end do
+                acc(l, at_heat) = acc(l, at_heat) - u*vr/2
+                acc(l, at_friction) = acc(l, at_friction) + heat
+            end do
+        end do
+        call add_lanes(at_hold, acc, f)
+    end subroutine sum_viscous
+
+    !> Stress, viscosity and stiff hourglass force over the direct neighbours.
+    subroutine sum_stiff(n, p, x, v, x_ref, pair, list, f)
+        integer, intent(in) :: n
+        type(centre_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, n), x_ref(3, n)
+        real(rk), intent(in) :: v(3, n), pair(n_pair, n)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: f(n_terms)
+        real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), other(n_pair), g(3), d(3)
+        real(rk) :: w, u, r2, vr
+        integer :: k, l, j, t
+
+        own = pair(:, p%i)
+        acc = 0
+        do k = 0, p%count - 1, lanes
+            !GCC$ unroll 1
+            do l = 1, lanes
+                j = list(k + l)
+                do t = 1, 3
+                    r(t) = real(x(t, p%i) - x(t, j), rk)
+                    dx(t) = real(x_ref(t, p%i) - x_ref(t, j), rk)
+                    dv(t) = v(t, p%i) - v(t, j)
+                end do
+                do t = 1, pair_affine
+                    other(t) = pair(t, j)
+                end do
+                do t = pair_affine + 1, pair_hold
+                    other(t) = pair(t, j)
+                end do
+                r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
+                vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
+                w = own(pair_volume)*other(pair_volume) &
+                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
+                call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
+                u = viscosity(p, own, other, w, r2, vr)
+                call hourglass_stiff(w*own(pair_keep)*other(pair_keep), &
+                                     own(pair_hold) + other(pair_hold), own(pair_affine + 1), &
+                                     other(pair_affine + 1), dx, r, d)
+                do t = 1, 3
+                    acc(l, t) = acc(l, t) + g(t)
+                    acc(l, at_drag + t) = acc(l, at_drag + t) + u*r(t)
+                    acc(l, at_hold + t) = acc(l, at_hold + t) + d(t)
+                end do
+                acc(l, at_heat) = acc(l, at_heat) - u*vr/2
+            end do
+        end do
+        call add_lanes(n_terms, acc, f)
+    end subroutine sum_stiff
+
+    !> Monaghan's viscosity of a pair, as a factor of x_ij.
+    pure function viscosity(p, own, other, w, r2, vr) result(u)
+        type(centre_t), intent(in) :: p
+        real(rk), intent(in) :: own(n_pair), other(n_pair), w, r2, vr
+        real(rk) :: u
+
+        u = viscous_force(w, p%h, r2, vr, own(pair_linear) + other(pair_linear), &
+                          own(pair_quadratic) + other(pair_quadratic))
+    end function viscosity
+end module brz_solid_pair_sums

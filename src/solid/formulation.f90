@@ -1,0 +1,87 @@
+! SPDX-License-Identifier: MIT
+!> How a body is computed: the settings of the deck, completed by what follows from them.
+module brz_formulation
+    use brz_artificial_stress, only: artificial_gray, artificial_monaghan, artificial_none
+    use brz_case, only: body_case_t
+    use brz_errors, only: error_t, exit_deck, raise
+    use brz_kernel, only: kernel_shape
+    use brz_kinds, only: rk
+    use brz_solid_state, only: body_t, form_bending, form_corrected, form_corrected_hourglass, &
+                               form_uncorrected
+    implicit none
+    private
+    public :: settle_formulation
+
+contains
+
+    !> Fill the numbers of a body's formulation from the deck.
+    subroutine settle_formulation(input, model, body, err)
+        type(body_case_t), intent(in) :: input
+        character(*), intent(in) :: model !! of its material
+        type(body_t), intent(inout) :: body
+        type(error_t), intent(inout) :: err
+
+        body%h = real(input%smoothing*input%spacing, rk)
+        body%zeta = real(input%zeta, rk)
+        body%zeta_viscous = real(input%zeta_viscous, rk)
+        body%cfl = real(input%cfl, rk)
+        body%balsara = input%limiter == 'balsara'
+        body%alpha = merge(2, 1, input%formulation == 'paper')
+        body%beta = merge(10, 2, input%formulation == 'paper')
+        if (input%alpha >= 0) body%alpha = real(input%alpha, rk)
+        if (input%beta >= 0) body%beta = real(input%beta, rk)
+        select case (input%formulation)
+        case ('auto')
+            body%formulation = form_corrected_hourglass
+            if (bends(model)) body%formulation = form_bending
+        case ('corrected')
+            body%formulation = form_corrected
+        case ('corrected_hourglass')
+            body%formulation = form_corrected_hourglass
+        case ('bending')
+            body%formulation = form_bending
+        case ('uncorrected', 'paper')
+            body%formulation = form_uncorrected
+        case default
+            call refuse(input, "unknown formulation '"//trim(input%formulation)//"'", err)
+        end select
+        call settle_artificial(input, body, err)
+    end subroutine settle_formulation
+
+    !> What is elastic until it fails bends; metals and concrete flow or fragment.
+    pure logical function bends(model)
+        character(*), intent(in) :: model
+
+        bends = model == 'linear_elastic' .or. model == 'orthotropic_ply'
+    end function bends
+
+    !> Artificial stress: where it may act, and its strength, 0.2 (Monaghan) or 0.3 (Gray).
+    subroutine settle_artificial(input, body, err)
+        type(body_case_t), intent(in) :: input
+        type(body_t), intent(inout) :: body
+        type(error_t), intent(inout) :: err
+
+        body%artificial = artificial_none
+        if (input%artificial_stress == 'monaghan' .or. &
+            (input%formulation == 'paper' .and. input%artificial_stress == 'auto')) &
+            body%artificial = artificial_monaghan
+        if (input%artificial_stress == 'gray') body%artificial = artificial_gray
+        if (body%artificial == artificial_none) return
+        if (body%formulation /= form_uncorrected .and. body%formulation /= form_corrected) &
+            call refuse(input, 'artificial_stress goes with formulation=''uncorrected'', '// &
+                        '''paper'' or ''corrected''; the hourglass forces replace it', err)
+        body%artificial_strength = merge(0.3_rk, 0.2_rk, body%artificial == artificial_gray)
+        if (input%artificial_strength >= 0) &
+            body%artificial_strength = real(input%artificial_strength, rk)
+        body%shape_at_spacing = kernel_shape(1/(2*body%h), real(input%spacing, rk))
+        body%artificial_power = 1/body%shape_at_spacing
+    end subroutine settle_artificial
+
+    subroutine refuse(input, what, err)
+        type(body_case_t), intent(in) :: input
+        character(*), intent(in) :: what
+        type(error_t), intent(inout) :: err
+
+        call raise(err, exit_deck, "&body id='"//trim(input%id)//"': "//what)
+    end subroutine refuse
+end module brz_formulation
