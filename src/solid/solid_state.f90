@@ -12,8 +12,8 @@ module brz_solid_state
     public :: solid_t, body_t, ledger_t, search_t
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, lanes
     public :: worth_threads
-    public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, pair_affine, &
-              pair_hold
+    public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
+              pair_affine, pair_hold
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
                           form_uncorrected = 4
