@@ -5,10 +5,12 @@
 !> models, and the case of the dispatcher. (Two models of the same code do not compile.)
 module brz_materials
     use brz_kinds, only: rk
+    use brz_bilinear_j2, only: bilinear_j2, describe_bilinear_j2, update_bilinear_j2
     use brz_case, only: material_case_t
     use brz_errors, only: error_t, raise, exit_deck
     use brz_gruneisen, only: gruneisen, describe_gruneisen, update_gruneisen
     use brz_hjc, only: hjc, describe_hjc, update_hjc
+    use brz_johnson_cook, only: johnson_cook, describe_johnson_cook, update_johnson_cook
     use brz_key, only: key_t
     use brz_linear_elastic, only: linear_elastic, describe_linear_elastic, update_linear_elastic
     use brz_material, only: material_t, point_t, n_hist, material_ok, material_not_finite, &
@@ -16,6 +18,7 @@ module brz_materials
     use brz_model, only: model_t, load_parameters, material_label
     use brz_orthotropic_ply, only: orthotropic_ply, describe_orthotropic_ply, &
                                    update_orthotropic_ply
+    use brz_polynomial_eos, only: polynomial_eos, describe_polynomial_eos, update_polynomial_eos
     implicit none
     private
     public :: material_keys, make_material, start_point, update_material, history_names
@@ -31,11 +34,14 @@ contains
     subroutine list_models(models)
         type(model_t), allocatable, intent(out) :: models(:)
 
-        allocate (models(4))
+        allocate (models(7))
         call describe_linear_elastic(models(1))
         call describe_gruneisen(models(2))
         call describe_orthotropic_ply(models(3))
-        call describe_hjc(models(4))
+        call describe_polynomial_eos(models(4))
+        call describe_bilinear_j2(models(5))
+        call describe_johnson_cook(models(6))
+        call describe_hjc(models(7))
     end subroutine list_models
 
     !> The physics of one step of one material point. ... and a line here.
@@ -51,6 +57,9 @@ contains
         case (gruneisen); call update_gruneisen(material, dt, l, point, status)
         case (orthotropic_ply); call update_orthotropic_ply(material, dt, h, l, point, status)
         case (hjc); call update_hjc(material, dt, l, point, status)
+        case (polynomial_eos); call update_polynomial_eos(material, dt, l, point, status)
+        case (bilinear_j2); call update_bilinear_j2(material, dt, l, point, status)
+        case (johnson_cook); call update_johnson_cook(material, dt, l, point, status)
         case default; status = material_unknown
         end select
     end subroutine apply_model
@@ -169,7 +178,7 @@ contains
         character(1), intent(in) :: axis !! stacking axis 'x', 'y', 'z'
         type(point_t), intent(out) :: point
         type(model_t), allocatable :: models(:)
-        integer :: i
+        integer :: i, k
 
         point%mu = 0
         point%energy = 0
@@ -182,6 +191,10 @@ contains
         call list_models(models)
         do i = 1, size(models)
             if (models(i)%code /= material%model) cycle
+            do k = 1, n_hist
+                if (models(i)%history_start(k) > 0) &
+                    point%hist(k) = material%par(models(i)%history_start(k))
+            end do
             if (associated(models(i)%start)) call models(i)%start(material, angle, axis, point)
         end do
     end subroutine start_point

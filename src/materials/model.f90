@@ -20,6 +20,7 @@ module brz_model
         integer :: n_hist = 0 !! history in use
         character(32) :: history(n_hist) = '' !! names of the slots worth a dump, '' for the others
         character(12) :: history_unit(n_hist) = '-'
+        integer :: history_start(n_hist) = 0 !! slot of `par` that it starts from; 0: from zero
         procedure(derive_i), pointer, nopass :: derive => null()
         procedure(start_i), pointer, nopass :: start => null() !! null: all zero
     end type model_t

@@ -14,7 +14,7 @@ module point_tools
     use brz_text, only: string_t
     implicit none
     private
-    public :: material_from, fault_of, fresh, press_to, shear, move, pressure, mises
+    public :: material_from, fault_of, fresh, press_to, shear, move, strain_by, pressure, mises
 
     real(rk), parameter, public :: h_test = 1e-3_rk !! smoothing length of all tests [m]
 
@@ -100,6 +100,16 @@ contains
             if (status > 0) error stop 'move: the material refused'
         end do
     end subroutine move
+
+    !> Velocity gradient of uniaxial strain along an axis [1/s].
+    pure function strain_by(axis, rate) result(l)
+        integer, intent(in) :: axis
+        real(rk), intent(in) :: rate
+        real(rk) :: l(3, 3)
+
+        l = 0
+        l(axis, axis) = rate
+    end function strain_by
 
     pure real(rk) function pressure(point)
         type(point_t), intent(in) :: point

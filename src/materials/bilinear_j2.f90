@@ -1,0 +1,144 @@
+! SPDX-License-Identifier: MIT
+!> Steel with linear hardening, rate dependence after Cowper and Symonds, and a failure strain.
+!>
+!> Deck:    &material model='bilinear_j2'
+!> Method:  p = K mu; radial return to Y = (fy + H eps_p) (1 + (rate/D)^(1/P)), implicit in the
+!>          plastic rate; H = E Et/(E - Et)
+!> Source:  Cowper & Symonds 1957
+!> History: plastic strain [-]; the damage of the point is plastic over failure strain
+module brz_bilinear_j2
+    use brz_equation_of_state, only: eos_linear, k_a1, k_density, k_kind, n_block
+    use brz_isotropic, only: begin_step, end_step, no_cutoff, on_surface, refine_root, step_t
+    use brz_key, only: none, required
+    use brz_kinds, only: dp, rk
+    use brz_material, only: material_t, point_t, n_par
+    use brz_model, only: model_t, real_key
+    implicit none
+    private
+    public :: bilinear_j2, describe_bilinear_j2, update_bilinear_j2
+
+    integer, parameter :: bilinear_j2 = 5 !! code of the model
+    character(*), parameter :: name = 'bilinear_j2'
+    integer, parameter :: p_density = 1, p_young = 2, p_poisson = 3, p_yield = 4, p_tangent = 5, &
+                          p_rate = 6, p_exponent = 7, p_failure = 8, n_keys = 8
+    integer, parameter :: p_hardening = 9, p_power = 10, p_block = 11 !! derived
+    integer, parameter :: h_strain = 1 !! history: plastic strain
+    integer, parameter :: most_passes = 50
+
+contains
+
+    subroutine describe_bilinear_j2(model)
+        type(model_t), intent(inout) :: model
+
+        model%code = bilinear_j2
+        model%name = name
+        allocate (model%keys(n_keys))
+        model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
+                                         'unloaded density', 0.0_dp, open_lower=.true.)
+        model%keys(p_young) = real_key(name, 'youngs_modulus', 'Pa', required, &
+                                       "Young's modulus", 0.0_dp, open_lower=.true.)
+        model%keys(p_poisson) = real_key(name, 'poisson_ratio', '-', required, &
+                                         "Poisson's ratio", -1.0_dp, 0.4999_dp, open_lower=.true.)
+        model%keys(p_yield) = real_key(name, 'yield_stress', 'Pa', required, &
+                                       'yield stress at rest', 0.0_dp, open_lower=.true.)
+        model%keys(p_tangent) = real_key(name, 'tangent_modulus', 'Pa', '0', &
+                                         'slope of the uniaxial curve after yield', 0.0_dp)
+        model%keys(p_rate) = real_key(name, 'cowper_symonds_d', '1/s', none, &
+            'rate at which the yield stress doubles; absent: no rate dependence', 0.0_dp, &
+            open_lower=.true.)
+        model%keys(p_exponent) = real_key(name, 'cowper_symonds_p', '-', '5', &
+                                          'the rate acts with the power 1/p', 1.0_dp)
+        model%keys(p_failure) = real_key(name, 'failure_strain', '-', none, &
+            'plastic strain at which it breaks; absent: never', 0.0_dp, open_lower=.true.)
+        model%n_hist = 1
+        model%history(h_strain) = 'plastic_strain'
+        model%derive => derive
+    end subroutine describe_bilinear_j2
+
+    subroutine derive(material, given, fault)
+        type(material_t), intent(inout) :: material
+        logical, intent(in) :: given(:)
+        character(:), allocatable, intent(out) :: fault
+
+        associate (par => material%par)
+            if (par(p_tangent) >= par(p_young)) then
+                fault = 'tangent_modulus must be below youngs_modulus'
+                return
+            end if
+            if (.not. given(p_rate)) par(p_rate) = 0
+            if (.not. given(p_failure)) par(p_failure) = huge(1.0_rk)
+            par(p_hardening) = par(p_tangent)*par(p_young)/(par(p_young) - par(p_tangent))
+            par(p_power) = 1/par(p_exponent)
+            material%density = par(p_density)
+            material%bulk = par(p_young)/(3*(1 - 2*par(p_poisson)))
+            material%shear = par(p_young)/(2*(1 + par(p_poisson)))
+            material%c_wave = sqrt((material%bulk + 4*material%shear/3)/material%density)
+            par(p_block:p_block + n_block - 1) = 0
+            par(p_block + k_kind - 1) = eos_linear
+            par(p_block + k_density - 1) = material%density
+            par(p_block + k_a1 - 1) = material%bulk
+        end associate
+    end subroutine derive
+
+    !> One step of one material point; see `update_material` for the contract.
+    !@cuf attributes(host,device) &
+    pure subroutine update_bilinear_j2(material, dt, l, point, status)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: dt !! [s]
+        real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
+        type(point_t), intent(inout) :: point
+        integer, intent(out) :: status
+        type(step_t) :: step
+        real(rk) :: keep, strain, least
+        logical :: failed
+
+        call begin_step(material, dt, l, point, step)
+        failed = point%damage >= 1
+        keep = 0
+        strain = 0
+        least = 0
+        if (.not. failed) then
+            strain = plastic_increment(material%par, 3*material%shear, dt, step%mises, &
+                                       point%hist(h_strain))
+            keep = 1
+            if (strain > 0) keep = max(0.0_rk, 1 - 3*material%shear*strain/step%mises)
+            least = no_cutoff
+        end if
+        call end_step(material, material%par(p_block), least, keep, step, point, status)
+        if (status > 0) return
+        point%hist(h_strain) = point%hist(h_strain) + strain
+        if (failed) then
+            point%work(2) = point%work(1)
+            point%work(1) = 0
+        else
+            point%damage = min(1.0_rk, point%hist(h_strain)/material%par(p_failure))
+        end if
+    end subroutine update_bilinear_j2
+
+    !> Plastic strain x of a step: q - 3G x = Y(eps_p + x, x/dt), 0 where the trial is elastic.
+    !@cuf attributes(host,device) &
+    pure function plastic_increment(par, g3, dt, mises, before) result(x)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: g3 !! three times the shear modulus [Pa]
+        real(rk), intent(in) :: dt, mises !! step [s], trial stress [Pa]
+        real(rk), intent(in) :: before !! plastic strain at the start
+        real(rk) :: x, excess, low, high, static, factor
+        integer :: pass
+
+        x = 0
+        excess = mises - par(p_yield) - par(p_hardening)*before
+        if (excess <= 0) return
+        x = excess/(g3 + par(p_hardening))
+        if (par(p_rate) <= 0 .or. dt <= 0) return
+        low = 0
+        high = x
+        do pass = 1, most_passes
+            static = par(p_yield) + par(p_hardening)*(before + x)
+            factor = (x/(dt*par(p_rate)))**par(p_power)
+            excess = mises - g3*x - static*(1 + factor)
+            if (abs(excess) <= on_surface*static + 4*epsilon(x)*mises) exit
+            call refine_root(excess, -g3 - par(p_hardening)*(1 + factor) &
+                             - static*factor*par(p_power)/x, low, high, x)
+        end do
+    end function plastic_increment
+end module brz_bilinear_j2

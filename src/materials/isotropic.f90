@@ -1,0 +1,126 @@
+! SPDX-License-Identifier: MIT
+!> One step of an isotropic material with an equation of state: all but its strength.
+!>
+!> A model calls `begin_step`, decides from the trial stress which part of the deviator to keep, and
+!> calls `end_step`. Pressure and energy are solved together (pressure_step); the deviator is that
+!> of deviator.f90. Point physics: compiled for the CPU and for the GPU.
+module brz_isotropic
+    use brz_deviator, only: trial_deviator, return_deviator, mises_stress
+    use brz_equation_of_state, only: eos_terms_t, eos_terms, n_block
+    use brz_kinds, only: rk
+    use brz_kinematics, only: volume_step
+    use brz_material, only: material_t, point_t, material_ok, material_clamped, &
+                            material_step_too_large
+    use brz_mie_gruneisen, only: pressure_step
+    implicit none
+    private
+    public :: step_t, begin_step, end_step, refine_root, no_cutoff, on_surface
+
+    real(rk), parameter :: no_cutoff = -1e15_rk !! least pressure where tension has no limit [Pa]
+    !> A returned stress that is off the yield stress by this part of it is good enough.
+    real(rk), parameter :: on_surface = 1e-10_rk + 16*epsilon(1.0_rk)
+
+    !> A step between its elastic trial and its end.
+    type :: step_t
+        real(rk) :: mises !! equivalent stress of the elastic trial [Pa]
+        real(rk) :: rate !! total equivalent deviatoric rate sqrt(2/3 d':d') [1/s]
+        real(rk) :: mu !! compression at the end
+        real(rk) :: dv, v_mid !! change and mean of the specific volume [m3/kg]
+        real(rk) :: p_old, p !! pressure at the start and at the end [Pa]
+        real(rk) :: plastic !! plastic work, or what a failure releases [J/kg]
+        real(rk) :: s(6), trial(6), de(6), q(3, 3) !! see deviator.f90
+    end type step_t
+
+contains
+
+    !> New volume and elastic trial.
+    !@cuf attributes(host,device) &
+    pure subroutine begin_step(material, dt, l, point, step)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: dt !! [s]
+        real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
+        type(point_t), intent(in) :: point
+        type(step_t), intent(out) :: step
+        integer :: i
+
+        step%mu = point%mu
+        call volume_step(material%density, l, dt, step%mu, step%dv, step%v_mid)
+        step%p_old = -(point%stress(1) + point%stress(2) + point%stress(3))/3
+        do i = 1, 3
+            step%s(i) = point%stress(i) + step%p_old
+            step%s(i + 3) = point%stress(i + 3)
+        end do
+        call trial_deviator(material%shear, dt, l, step%s, step%q, step%de, step%trial)
+        step%mises = mises_stress(step%trial)
+        step%rate = 2*mises_stress(step%de)/(3*max(dt, tiny(dt)))
+    end subroutine begin_step
+
+    !> Return, pressure, energy, stress, wave speeds. On a positive status the point is as it was.
+    !@cuf attributes(host,device) &
+    pure subroutine end_step(material, eos, least, keep, step, point, status)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: eos(n_block)
+        real(rk), intent(in) :: least !! the pressure never falls below this [Pa]
+        real(rk), intent(in) :: keep !! yield stress over trial stress; 1: elastic
+        type(step_t), intent(inout) :: step
+        type(point_t), intent(inout) :: point
+        integer, intent(out) :: status
+        type(eos_terms_t) :: terms
+        real(rk) :: energy, work
+        integer :: i
+        logical :: ok
+
+        call return_deviator(material%shear, keep, step%de, step%trial, step%q, step%s, work, &
+                             step%plastic)
+        step%plastic = step%plastic*step%v_mid
+        energy = point%energy + work*step%v_mid
+        call eos_terms(eos, step%mu, terms)
+        call pressure_step(terms%a, terms%b*material%density, least, step%dv, step%p_old, energy, &
+                           step%p, ok)
+        status = material_step_too_large
+        if (.not. ok) return
+        status = material_ok
+        if (terms%clamped) status = material_clamped
+        do i = 1, 3
+            point%stress(i) = step%s(i) - step%p
+            point%stress(i + 3) = step%s(i + 3)
+        end do
+        point%mu = step%mu
+        point%energy = energy
+        point%work(1) = step%plastic
+        point%work(2) = 0
+        call wave_speeds(material, terms, step%p, point)
+    end subroutine end_step
+
+    !> Wave speeds; never below half of the unloaded one, which acts again when a cut-off ends.
+    !@cuf attributes(host,device) &
+    pure subroutine wave_speeds(material, terms, p, point)
+        type(material_t), intent(in) :: material
+        type(eos_terms_t), intent(in) :: terms
+        real(rk), intent(in) :: p
+        type(point_t), intent(inout) :: point
+        real(rk) :: k, ratio
+
+        ratio = 1 + point%mu
+        k = terms%a_slope + terms%b_slope*material%density*point%energy + terms%b*p/ratio**2
+        k = max(k, material%bulk/4)
+        point%c_bulk = sqrt(k/material%density)
+        point%c_wave = sqrt((k + 4*material%shear/(3*max(ratio, 0.5_rk)))/material%density)
+    end subroutine wave_speeds
+
+    !> One pass of Newton's method for a falling function, kept inside its bracket by bisection.
+    !@cuf attributes(host,device) &
+    pure subroutine refine_root(f, slope, low, high, x)
+        real(rk), intent(in) :: f, slope !! at x; the slope is negative
+        real(rk), intent(inout) :: low, high !! f(low) > 0 >= f(high)
+        real(rk), intent(inout) :: x !! next guess out
+
+        if (f > 0) then
+            low = x
+        else
+            high = x
+        end if
+        x = x - f/slope
+        if (.not. (x > low .and. x < high)) x = (low + high)/2
+    end subroutine refine_root
+end module brz_isotropic
