@@ -64,11 +64,11 @@ contains
         n = air%n(d)
         image_of = p
         if (p < 1) then
-            image_of = 1 - p
+            image_of = min(1 - p, n)
             if (air%bc(1, d) == bc_outflow) image_of = 1
             if (air%bc(1, d) == bc_periodic) image_of = p + n
         else if (p > n) then
-            image_of = 2*n + 1 - p
+            image_of = max(2*n + 1 - p, 1)
             if (air%bc(2, d) == bc_outflow) image_of = n
             if (air%bc(2, d) == bc_periodic) image_of = p - n
         end if

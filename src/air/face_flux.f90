@@ -6,9 +6,10 @@
 module brz_face_flux
     use brz_kinds, only: rk
     use brz_gas, only: mirror, to_primitive
-    use brz_scheme, only: first_order, scheme_t
+    use brz_hllc, only: hllc_flux
+    use brz_reconstruction, only: face_value, thinness
+    use brz_scheme, only: first_order, hllc, scheme_t
     use brz_steger_warming, only: split_flux
-    use brz_weno3, only: weno3
     use brz_wall_riemann, only: wall_flux
     implicit none
     private
@@ -23,28 +24,82 @@ contains
         real(rk), intent(in) :: gamma(-2:3) !! ratio of specific heats of each cell [-]
         real(rk), intent(in) :: q(5, -2:3) !! conserved variables, normal momentum in slot 2
         real(rk), intent(out) :: f(5) !! flux in the positive direction
-        real(rk) :: plus(5, -2:3), minus(5, -2:3)
-        integer :: c
 
-        call split_flux(gamma(0), q(1, 0), plus(1, 0), minus(1, 0))
-        call split_flux(gamma(1), q(1, 1), plus(1, 1), minus(1, 1))
-        if (scheme%reconstruction == first_order) then
-            do c = 1, 5
-                f(c) = plus(c, 0) + minus(c, 1)
-            end do
-            return
+        if (scheme%flux == hllc) then
+            call riemann_face(scheme, gamma, q, f)
+        else
+            call split_face(scheme, gamma, q, f)
         end if
-        call split_flux(gamma(-1), q(1, -1), plus(1, -1), minus(1, -1))
-        call split_flux(gamma(2), q(1, 2), plus(1, 2), minus(1, 2))
-        do c = 1, 5
-            f(c) = weno3(plus(c, -1), plus(c, 0), plus(c, 1), scheme%scale(c)) &
-                + weno3(minus(c, 2), minus(c, 1), minus(c, 0), scheme%scale(c))
-        end do
     end subroutine gas_face
+
+    !> Flux by splitting; the reconstruction works on the split fluxes.
+    !@cuf attributes(host,device) &
+    pure subroutine split_face(scheme, gamma, q, f)
+        type(scheme_t), intent(in) :: scheme
+        real(rk), intent(in) :: gamma(-2:3) !! ratio of specific heats of each cell [-]
+        real(rk), intent(in) :: q(5, -2:3) !! conserved variables, normal momentum in slot 2
+        real(rk), intent(out) :: f(5) !! flux in the positive direction
+        real(rk) :: plus(5, -2:3), minus(5, -2:3), up(-2:2), down(-2:2)
+        integer :: c, m
+
+        do m = -2, 3
+            call split_flux(gamma(m), q(1, m), plus(1, m), minus(1, m))
+        end do
+        do c = 1, 5
+            do m = -2, 2
+                up(m) = plus(c, m)
+                down(m) = minus(c, 1 - m)
+            end do
+            f(c) = face_value(scheme, c, up) + face_value(scheme, c, down)
+        end do
+    end subroutine split_face
+
+    !> Flux by the Riemann problem of the primitive variables reconstructed on the two sides.
+    !@cuf attributes(host,device) &
+    pure subroutine riemann_face(scheme, gamma, q, f)
+        type(scheme_t), intent(in) :: scheme
+        real(rk), intent(in) :: gamma(-2:3) !! ratio of specific heats of each cell [-]
+        real(rk), intent(in) :: q(5, -2:3) !! conserved variables, normal momentum in slot 2
+        real(rk), intent(out) :: f(5) !! flux in the positive direction
+        real(rk) :: w(5, -2:3), below(5), above(5), not_used(5)
+        integer :: m
+
+        do m = -2, 3
+            call to_primitive(gamma(m), q(1, m), w(1, m))
+        end do
+        call cell_faces(scheme, w(1, -2), not_used, below)
+        call cell_faces(scheme, w(1, -1), above, not_used)
+        call hllc_flux(gamma(0), below, gamma(1), above, f)
+    end subroutine riemann_face
+
+    !> Values at the two faces of the third of five cells.
+    !@cuf attributes(host,device) &
+    pure subroutine cell_faces(scheme, w, low, high)
+        type(scheme_t), intent(in) :: scheme
+        real(rk), intent(in) :: w(5, -2:2) !! density, velocity, pressure
+        real(rk), intent(out) :: low(5), high(5) !! the same at its lower and upper face
+        real(rk) :: up(-2:2), down(-2:2)
+        integer :: c, m
+
+        do c = 1, 5
+            do m = -2, 2
+                up(m) = w(c, m)
+                down(m) = w(c, -m)
+            end do
+            low(c) = face_value(scheme, c, down)
+            high(c) = face_value(scheme, c, up)
+        end do
+        if (thinness(w(1, 0), low(1), high(1)) <= 0 .and. &
+            thinness(w(5, 0), low(5), high(5)) <= 0) return
+        do c = 1, 5
+            low(c) = w(c, 0)
+            high(c) = w(c, 0)
+        end do
+    end subroutine cell_faces
 
     !> Flux between cells 0 and 1 where some of the cells hold solid.
     !>
-    !> A solid cell of the stencil is replaced by the mirror image of the gas cell next to it.
+    !> A solid cell of the stencil is replaced by the mirror image of the gas in front of it.
     !> Between gas and solid it is the flux at the wall; between two solid cells nothing flows.
     !@cuf attributes(host,device) &
     pure subroutine cut_face(scheme, gamma, solid, v, q, f, p_star)
@@ -78,16 +133,33 @@ contains
                 s(c, m) = q(c, m)
             end do
         end do
+        call mirror_if_solid(solid(-1), v(-1), q(1, 0), gamma(0), s(1, -1), g(-1))
+        call mirror_if_solid(solid(2), v(2), q(1, 1), gamma(1), s(1, 2), g(2))
         if (solid(-1) == 1) then
-            call mirror(q(1, 0), v(-1), s(1, -1))
-            g(-1) = gamma(0)
+            call mirror_if_solid(1, v(-1), q(1, 1), gamma(1), s(1, -2), g(-2))
+        else
+            call mirror_if_solid(solid(-2), v(-2), q(1, -1), gamma(-1), s(1, -2), g(-2))
         end if
         if (solid(2) == 1) then
-            call mirror(q(1, 1), v(2), s(1, 2))
-            g(2) = gamma(1)
+            call mirror_if_solid(1, v(2), q(1, 0), gamma(0), s(1, 3), g(3))
+        else
+            call mirror_if_solid(solid(3), v(3), q(1, 2), gamma(2), s(1, 3), g(3))
         end if
         call gas_face(scheme, g, s, f)
     end subroutine cut_face
+
+    !> Put the mirror image of a cell in the place of one that holds solid.
+    !@cuf attributes(host,device) &
+    pure subroutine mirror_if_solid(solid, v, q, gamma, image, gamma_image)
+        integer, intent(in) :: solid !! 1 where the cell holds solid
+        real(rk), intent(in) :: v !! normal velocity of the solid [m/s]
+        real(rk), intent(in) :: q(5), gamma !! gas in front of it
+        real(rk), intent(inout) :: image(5), gamma_image !! its place
+
+        if (solid /= 1) return
+        call mirror(q, v, image)
+        gamma_image = gamma
+    end subroutine mirror_if_solid
 
     !> Normal velocity one cell further from the wall, mirrored if that cell holds solid too.
     !@cuf attributes(host,device) &

@@ -5,9 +5,10 @@
 !> it comes from (Larrouturou 1991), so that fractions stay within 0..1.
 module brz_products
     use brz_kinds, only: rk
+    use brz_muscl, only: muscl
     implicit none
     private
-    public :: face_fraction, limited_slope
+    public :: face_fraction
 
 contains
 
@@ -18,17 +19,6 @@ contains
         real(rk), intent(in) :: a, b, c, d !! fractions of four cells in a row [-]
         real(rk) :: y
 
-        y = merge(b + 0.5_rk*limited_slope(b - a, c - b), &
-            c - 0.5_rk*limited_slope(c - b, d - c), mass_flux >= 0)
+        y = merge(muscl(a, b, c), muscl(d, c, b), mass_flux >= 0)
     end function face_fraction
-
-    !> Van Leer's limiter: the harmonic mean of two differences, zero where their signs differ.
-    !@cuf attributes(host,device) &
-    pure function limited_slope(a, b) result(s)
-        real(rk), intent(in) :: a, b !! differences to the two neighbours
-        real(rk) :: s, ab
-
-        ab = max(a*b, 0.0_rk)
-        s = 2*ab/merge(a + b, 1.0_rk, ab > 0)
-    end function limited_slope
 end module brz_products

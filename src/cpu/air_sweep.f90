@@ -254,7 +254,8 @@ contains
         suspects = sum(bad)
     end subroutine count_suspects
 
-    !> Put a quiet state without pressure into the solid cells: its split fluxes are all zero.
+    !> Put a quiet state without pressure into the solid cells: between two of them all fluxes are
+    !> zero, and those between gas and solid are replaced afterwards.
     subroutine blank_solid(air, wall, d, b, q)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall

@@ -92,14 +92,16 @@ contains
                       meaning='First steps, over which the time step grows from a tenth to '// &
                       'the whole.'), &
                 key_t(group=g, key='reconstruction', kind=kind_text, default='weno3', &
-                      choices='first_order|weno3', &
+                      choices='first_order|muscl|weno3|weno5z', &
                       meaning='Reconstruction at the faces: of the split fluxes with '// &
-                      'steger_warming.'), &
+                      'steger_warming, of density, velocity and pressure with hllc.'), &
                 key_t(group=g, key='flux', kind=kind_text, default='steger_warming', &
-                      choices='steger_warming', meaning='Flux: a splitting.'), &
+                      choices='steger_warming|hllc', &
+                      meaning='Flux: by splitting, or by an approximate Riemann solver that '// &
+                      'keeps contacts.'), &
                 key_t(group=g, key='integrator', kind=kind_text, default='ssprk3', &
                       choices='ssprk3|ssprk2', &
-                      meaning='Runge-Kutta method: three stages or two.'), &
+                      meaning='Runge-Kutta method: three stages or two; weno5z needs three.'), &
                 key_t(group=g, key='fallback', kind=kind_logical, default='.true.', &
                       meaning='First-order fluxes at faces where a state would become '// &
                       'unphysical; they are counted.')]
