@@ -98,7 +98,7 @@ contains
         strain = 0
         least = 0
         if (.not. failed) then
-            strain = plastic_increment(material%par, 3*material%shear, dt, step%mises, &
+            strain = plastic_increment(material%par, 3*material%shear, dt, step, &
                                        point%hist(h_strain))
             keep = 1
             if (strain > 0) keep = max(0.0_rk, 1 - 3*material%shear*strain/step%mises)
@@ -117,26 +117,32 @@ contains
 
     !> Plastic strain x of a step: q - 3G x = Y(eps_p + x, x/dt), 0 where the trial is elastic.
     !@cuf attributes(host,device) &
-    pure function plastic_increment(par, g3, dt, mises, before) result(x)
+    pure function plastic_increment(par, g3, dt, step, before) result(x)
         real(rk), intent(in) :: par(n_par)
         real(rk), intent(in) :: g3 !! three times the shear modulus [Pa]
-        real(rk), intent(in) :: dt, mises !! step [s], trial stress [Pa]
+        real(rk), intent(in) :: dt !! [s]
+        type(step_t), intent(in) :: step
         real(rk), intent(in) :: before !! plastic strain at the start
         real(rk) :: x, excess, low, high, static, factor
         integer :: pass
 
         x = 0
-        excess = mises - par(p_yield) - par(p_hardening)*before
+        static = par(p_yield) + par(p_hardening)*before
+        excess = step%mises - static
         if (excess <= 0) return
-        x = excess/(g3 + par(p_hardening))
+        high = excess/(g3 + par(p_hardening))
+        x = high
         if (par(p_rate) <= 0 .or. dt <= 0) return
+        ! at first: all of the rate is plastic, or where that is too much, none of the stress is
+        factor = (step%rate/par(p_rate))**par(p_power)
+        x = (excess - static*factor)/(g3 + par(p_hardening)*(1 + factor))
+        if (.not. x > 0) x = min(high, dt*par(p_rate)*(excess/static)**par(p_exponent))
         low = 0
-        high = x
         do pass = 1, most_passes
             static = par(p_yield) + par(p_hardening)*(before + x)
             factor = (x/(dt*par(p_rate)))**par(p_power)
-            excess = mises - g3*x - static*(1 + factor)
-            if (abs(excess) <= on_surface*static + 4*epsilon(x)*mises) exit
+            excess = step%mises - g3*x - static*(1 + factor)
+            if (abs(excess) <= on_surface*static + 4*epsilon(x)*step%mises) exit
             call refine_root(excess, -g3 - par(p_hardening)*(1 + factor) &
                              - static*factor*par(p_power)/x, low, high, x)
         end do

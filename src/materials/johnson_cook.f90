@@ -50,7 +50,7 @@ contains
         model%history(h_temperature) = 'temperature'
         model%history_unit(h_temperature) = 'K'
         model%derive => derive
-        model%history_start(h_temperature) = p_start
+        model%rest => rest
     end subroutine describe_johnson_cook
 
     subroutine describe_strength(model)
@@ -131,6 +131,13 @@ contains
             if (int(par(p_heating)) /= by_energy) material%n_hist = h_isentrope - 1
         end associate
     end subroutine derive
+
+    subroutine rest(material, point)
+        type(material_t), intent(in) :: material
+        type(point_t), intent(inout) :: point
+
+        point%hist(h_temperature) = material%par(p_start)
+    end subroutine rest
 
     !> One step of one material point; see `update_material` for the contract.
     !@cuf attributes(host,device) &

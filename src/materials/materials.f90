@@ -7,9 +7,12 @@ module brz_materials
     use brz_kinds, only: rk
     use brz_bilinear_j2, only: bilinear_j2, describe_bilinear_j2, update_bilinear_j2
     use brz_case, only: material_case_t
+    use brz_detonation_products, only: detonation_products, describe_detonation_products, &
+                                       update_detonation_products
     use brz_errors, only: error_t, raise, exit_deck
     use brz_gruneisen, only: gruneisen, describe_gruneisen, update_gruneisen
     use brz_hjc, only: hjc, describe_hjc, update_hjc
+    use brz_ideal_gas, only: ideal_gas, describe_ideal_gas, update_ideal_gas
     use brz_johnson_cook, only: johnson_cook, describe_johnson_cook, update_johnson_cook
     use brz_key, only: key_t
     use brz_linear_elastic, only: linear_elastic, describe_linear_elastic, update_linear_elastic
@@ -34,7 +37,7 @@ contains
     subroutine list_models(models)
         type(model_t), allocatable, intent(out) :: models(:)
 
-        allocate (models(7))
+        allocate (models(9))
         call describe_linear_elastic(models(1))
         call describe_gruneisen(models(2))
         call describe_orthotropic_ply(models(3))
@@ -42,6 +45,8 @@ contains
         call describe_bilinear_j2(models(5))
         call describe_johnson_cook(models(6))
         call describe_hjc(models(7))
+        call describe_ideal_gas(models(8))
+        call describe_detonation_products(models(9))
     end subroutine list_models
 
     !> The physics of one step of one material point. ... and a line here.
@@ -60,6 +65,9 @@ contains
         case (polynomial_eos); call update_polynomial_eos(material, dt, l, point, status)
         case (bilinear_j2); call update_bilinear_j2(material, dt, l, point, status)
         case (johnson_cook); call update_johnson_cook(material, dt, l, point, status)
+        case (ideal_gas); call update_ideal_gas(material, dt, l, point, status)
+        case (detonation_products)
+            call update_detonation_products(material, dt, l, point, status)
         case default; status = material_unknown
         end select
     end subroutine apply_model
@@ -178,7 +186,7 @@ contains
         character(1), intent(in) :: axis !! stacking axis 'x', 'y', 'z'
         type(point_t), intent(out) :: point
         type(model_t), allocatable :: models(:)
-        integer :: i, k
+        integer :: i
 
         point%mu = 0
         point%energy = 0
@@ -191,10 +199,7 @@ contains
         call list_models(models)
         do i = 1, size(models)
             if (models(i)%code /= material%model) cycle
-            do k = 1, n_hist
-                if (models(i)%history_start(k) > 0) &
-                    point%hist(k) = material%par(models(i)%history_start(k))
-            end do
+            if (associated(models(i)%rest)) call models(i)%rest(material, point)
             if (associated(models(i)%start)) call models(i)%start(material, angle, axis, point)
         end do
     end subroutine start_point

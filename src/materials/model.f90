@@ -20,9 +20,9 @@ module brz_model
         integer :: n_hist = 0 !! history in use
         character(32) :: history(n_hist) = '' !! names of the slots worth a dump, '' for the others
         character(12) :: history_unit(n_hist) = '-'
-        integer :: history_start(n_hist) = 0 !! slot of `par` that it starts from; 0: from zero
         procedure(derive_i), pointer, nopass :: derive => null()
         procedure(start_i), pointer, nopass :: start => null() !! null: all zero
+        procedure(rest_i), pointer, nopass :: rest => null() !! the same without a direction
     end type model_t
 
     abstract interface
@@ -42,6 +42,13 @@ module brz_model
             character(1), intent(in) :: axis !! normal of the ply: 'x', 'y', 'z'
             type(point_t), intent(inout) :: point
         end subroutine start_i
+
+        !> State of a point at t = 0.
+        subroutine rest_i(material, point)
+            import :: material_t, point_t
+            type(material_t), intent(in) :: material
+            type(point_t), intent(inout) :: point
+        end subroutine rest_i
     end interface
 
 contains
