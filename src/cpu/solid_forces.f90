@@ -5,6 +5,7 @@ module brz_solid_forces
     use brz_kernel, only: kernel_scale, kernel_shape, kernel_slope
     use brz_kinds, only: dp, int64, rk
     use brz_pair_force, only: hourglass_stiff, hourglass_viscous, stress_force
+    use brz_solid_bonds, only: add_bonded_forces
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, centre_t, n_terms, &
                                    sum_plain, sum_stiff, sum_viscous, viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, n_pair, &
@@ -79,6 +80,11 @@ contains
                                solid%list(solid%first(i)), f)
             end select
             if (solid%image(i) < solid%first(i + 1)) call add_images(solid, body, p, f)
+            if (solid%links%bonds) call add_bonded_forces(solid, i, f)
+            if (solid%links%present) then
+                f(1:3) = f(1:3) + solid%links%push(1:3, i)
+                f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + solid%links%push(4:6, i)
+            end if
             if (body%artificial /= artificial_none) call add_artificial(solid, body, p, f)
             solid%volume(i) = solid%mass(i)/(solid%materials(body%material)%density &
                                              *(1 + solid%mu(i)))

@@ -11,6 +11,7 @@ module brz_solid_gradients
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_material, only: point_t
     use brz_materials, only: update_material
+    use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_uncorrected, &
                                lanes, pair_affine, pair_hold, pair_keep, pair_linear, &
                                pair_quadratic, pair_stress, pair_volume, solid_t, worth_threads
@@ -85,6 +86,8 @@ contains
                                solid%list(solid%first(i)), sums)
             end if
             if (solid%image(i) < solid%first(i + 1)) call add_images(solid, p, sums)
+            if (solid%links%bonds) call add_bonded_gradients(solid, i, sums(:at_g), &
+                                                             sums(at_g + 1:at_x), sums(at_x + 1:))
             call advance(solid, body, dt, p%i, k, sums, limit)
         end do
     end subroutine gradient_block

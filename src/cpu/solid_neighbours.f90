@@ -8,6 +8,7 @@ module brz_solid_neighbours
     use brz_cell_grid, only: cell_span, fill_cells, lay_grid
     use brz_kinds, only: dp, int32, int64, int8
     use brz_particle_order, only: reorder_particles
+    use brz_solid_links, only: build_links
     use brz_solid_state, only: body_t, lanes, solid_t, worth_threads
     implicit none
     private
@@ -37,6 +38,7 @@ contains
             call make_room(solid, solid%first(solid%bodies(b)%last + 1) - 1)
             call fill_body(solid, solid%bodies(b), reach(solid, b))
         end do
+        call build_links(solid)
     end subroutine build_neighbours
 
     !> True when a particle has moved more than half the skin since the list was built.

@@ -5,8 +5,11 @@
 module brz_solid_step
     use brz_errors, only: error_t, exit_numerical, raise
     use brz_kinds, only: dp, int8, int64, rk
+    use brz_solid_bonds, only: break_bonds
+    use brz_solid_contact, only: contact_pass, find_touch
     use brz_solid_forces, only: force_pass
     use brz_solid_gradients, only: gradient_pass
+    use brz_solid_links, only: first_bonds
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
     use brz_solid_state, only: form_bending, solid_t, worth_threads
     implicit none
@@ -29,10 +32,20 @@ contains
         do i = 1, solid%n
             solid%support(i) = count_intact(solid, i)
         end do
+        call meet(solid)
         call gradient_pass(solid, 0.0_dp)
+        call contact_pass(solid, 0.0_dp)
         call force_pass(solid, 0.0_dp)
         call report_bad(solid, err)
     end subroutine start_solid
+
+    !> How the bodies meet at the start.
+    subroutine meet(solid)
+        type(solid_t), intent(inout) :: solid
+
+        if (solid%links%bonds) call first_bonds(solid)
+        if (solid%links%present) call find_touch(solid)
+    end subroutine meet
 
     !> After a restart: what a checkpoint does not hold follows from what it holds.
     subroutine resume_solid(solid)
@@ -74,6 +87,8 @@ contains
             call end_support(solid)
         end if
         call gradient_pass(solid, dt)
+        call break_bonds(solid)
+        call contact_pass(solid, dt)
         call force_pass(solid, dt)
         call report_bad(solid, err)
     end subroutine solid_step

@@ -17,6 +17,7 @@ module brz_solid_totals
         real(dp) :: kinetic = 0, internal = 0 !! [J]
         real(dp) :: hourglass = 0 !! energy held by the stiff hourglass force [J]
         real(dp) :: artificial = 0 !! energy held by the artificial stress [J]
+        real(dp) :: contact = 0 !! energy held by the springs of contact [J]
         real(dp) :: damage = 0 !! mean over the mass
     end type solid_totals_t
 
@@ -46,10 +47,15 @@ contains
         totals%kinetic = sums(11)
         totals%internal = sums(12)
         totals%damage = sums(13)/max(sums(1), tiny(1.0_dp))
-        if (b == 0) totals%hourglass = sum(solid%bodies%ledger%hourglass)
-        if (b /= 0) totals%hourglass = solid%bodies(b)%ledger%hourglass
-        if (b == 0) totals%artificial = sum(solid%bodies%ledger%artificial)
-        if (b /= 0) totals%artificial = solid%bodies(b)%ledger%artificial
+        if (b == 0) then
+            totals%hourglass = sum(solid%bodies%ledger%hourglass)
+            totals%artificial = sum(solid%bodies%ledger%artificial)
+            totals%contact = sum(solid%bodies%ledger%contact)
+        else
+            totals%hourglass = solid%bodies(b)%ledger%hourglass
+            totals%artificial = solid%bodies(b)%ledger%artificial
+            totals%contact = solid%bodies(b)%ledger%contact
+        end if
     end subroutine solid_totals
 
     subroutine sum_block(solid, first, last, part)

@@ -4,6 +4,7 @@ module brz_build_case
     use brz_case, only: case_t, material_case_t
     use brz_check_bodies, only: check_bodies
     use brz_check_air, only: check_air, check_charges, check_gas
+    use brz_check_interactions, only: check_interactions
     use brz_check_gauges, only: check_gauges
     use brz_complete, only: ensure_group, parse_defaults
     use brz_deck, only: add_error, add_warning, deck_t, entry_t, find_entry, find_group, &
@@ -44,6 +45,7 @@ contains
         call check_gas(deck, case)
         call check_charges(deck, case)
         call check_bodies(deck, case)
+        call check_interactions(deck, case)
         call check_gauges(deck, case)
         call check_use(deck, case)
         call take_warnings(deck, case%warnings)

@@ -11,7 +11,7 @@ module brz_case
     public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
                  body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t, &
                  point_case_t, segment_case_t
-    public :: name_len, max_plies
+    public :: name_len, max_plies, interaction_case_t
 
     integer, parameter :: name_len = 32 !! longest id or option word
     integer, parameter :: max_plies = 256 !! most plies of one body
@@ -119,6 +119,17 @@ module brz_case
         real(dp) :: cfl = 0.4_dp
     end type body_case_t
 
+    !> &interaction: how bodies meet; later ones cover earlier ones
+    type :: interaction_case_t
+        integer :: body(2) = 0 !! places of the bodies, 0: every body
+        character(name_len) :: law = 'contact' !! or 'bonded', 'none'
+        real(dp) :: friction = 0 !! Coulomb's coefficient
+        real(dp) :: stiffness = 1, damping = 1 !! factors
+        logical :: shared_pressure = .false.
+        real(dp) :: tensile_strength = huge(1.0_dp), shear_strength = huge(1.0_dp) !! [Pa]
+        character(name_len) :: bond_law = 'quadratic' !! or 'cut_off'
+    end type interaction_case_t
+
     !> &gauge
     type :: gauge_case_t
         character(name_len) :: id = ''
@@ -156,6 +167,7 @@ module brz_case
         type(charge_case_t), allocatable :: charges(:)
         type(material_case_t), allocatable :: materials(:)
         type(body_case_t), allocatable :: bodies(:)
+        type(interaction_case_t), allocatable :: interactions(:)
         type(gauge_case_t), allocatable :: gauges(:)
         type(solid_case_t) :: solid
         type(coupling_case_t) :: coupling

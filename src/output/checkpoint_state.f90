@@ -74,6 +74,9 @@ contains
         call carry(file, 'solid/fixed', solid%fixed, err)
         call carry(file, 'solid/cut', solid%cut, err)
         call carry_bodies(file, solid, err)
+        if (.not. solid%links%present) return
+        call carry(file, 'solid/touch', solid%links%touch, err)
+        call carry(file, 'solid/bond', solid%links%bond, err)
     end subroutine carry_solid
 
     !> The sums that each body keeps: its reaction and, whatever components it may get, its ledger.

@@ -9,6 +9,7 @@ module brz_body_setup
     use brz_case, only: body_case_t, case_t
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation, only: settle_formulation
+    use brz_interaction_setup, only: set_up_interactions
     use brz_kinds, only: dp, int8, rk
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
@@ -40,6 +41,7 @@ contains
         call lay_bodies(case, solid, points, err)
         if (failed(err)) return
         solid%n_hist = maxval(solid%materials(solid%bodies%material)%n_hist)
+        call set_up_interactions(case, solid, err)
         call allocate_solid(solid)
         do b = 1, size(solid%bodies)
             call fill_body(case%bodies(b), points(b), solid, solid%bodies(b))

@@ -9,7 +9,7 @@ module brz_kernel
     use brz_kinds, only: rk
     implicit none
     private
-    public :: kernel_scale, kernel_shape, kernel_slope
+    public :: kernel_scale, kernel_shape, kernel_slope, kernel_value
 
 contains
 
@@ -54,4 +54,14 @@ contains
         c = max(1 - half_over_h*r, 0.0_rk)
         w = c*c*c*c*(4*half_over_h*r + 1)
     end function kernel_shape
+
+    !> The kernel itself from its slope, W = F (h^2 + 3 h r/2 - r^2)/5.
+    !@cuf attributes(host,device) &
+    pure function kernel_value(slope, h, r) result(w)
+        real(rk), intent(in) :: slope !! from kernel_slope
+        real(rk), intent(in) :: h, r !! [m]
+        real(rk) :: w
+
+        w = slope*(h*h + 1.5_rk*h*r - r*r)/5
+    end function kernel_value
 end module brz_kernel

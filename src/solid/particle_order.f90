@@ -35,6 +35,9 @@ contains
             call reorder_i(n, s%order, solid%support, s%cell)
             call reorder_b(n, s%order, solid%fixed, s%b)
             call reorder_b(n, s%order, solid%cut, s%b)
+            if (.not. solid%links%present) return
+            call reorder_r(1, n, s%order, solid%links%touch, solid%pair)
+            call reorder_b(n, s%order, solid%links%bond, s%b)
         end associate
     end subroutine reorder_particles
 

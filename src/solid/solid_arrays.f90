@@ -2,7 +2,7 @@
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
     use brz_kinds, only: dp
-    use brz_solid_state, only: n_pair, solid_t
+    use brz_solid_state, only: bond_none, n_pair, solid_t
     implicit none
     private
     public :: allocate_solid, bytes_per_particle
@@ -28,7 +28,27 @@ contains
         end associate
         call clear(solid)
         call cut_blocks(solid)
+        if (solid%links%present) call allocate_links(solid)
     end subroutine allocate_solid
+
+    !> What particles need to meet those of other bodies.
+    subroutine allocate_links(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b
+
+        associate (n => solid%n, links => solid%links)
+            allocate (links%body(n), links%first(n + 1), links%touch(n), links%bond(n))
+            allocate (links%press(5, n), links%push(6, n))
+            do b = 1, size(solid%bodies)
+                links%body(solid%bodies(b)%first:solid%bodies(b)%last) = b
+            end do
+            links%first = 1
+            links%touch = 1
+            links%bond = bond_none
+            links%press = 0
+            links%push = 0
+        end associate
+    end subroutine allocate_links
 
     subroutine clear(solid)
         type(solid_t), intent(inout) :: solid
@@ -79,5 +99,8 @@ contains
         bytes = (storage_size(solid%x)*9 + storage_size(solid%v)*(22 + solid%n_hist + n_pair) &
                  + storage_size(solid%id)*5 + storage_size(solid%fixed)*3 &
                  + storage_size(solid%first)*2)/8.0_dp
+        if (solid%links%present) &
+            bytes = bytes + (storage_size(solid%v)*12 + storage_size(solid%first) &
+                             + storage_size(solid%id) + storage_size(solid%fixed))/8.0_dp
     end function bytes_per_particle
 end module brz_solid_arrays

@@ -5,13 +5,14 @@
 !> velocity at the step is v + dt_last/2 a. A kick is v += (dt_last + dt)/2 a + dt load/mass.
 module brz_solid_state
     use brz_artificial_stress, only: artificial_none
+    use brz_contact, only: meeting_t
     use brz_kinds, only: dp, int8, int32, int64, rk
     use brz_material, only: material_t
     implicit none
     private
     public :: solid_t, body_t, ledger_t, search_t
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, lanes
-    public :: worth_threads
+    public :: worth_threads, links_t, bond_none, bond_whole, bond_broken
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold
 
@@ -20,6 +21,7 @@ module brz_solid_state
     integer, parameter :: lanes = 8 !! neighbour lists are padded with the particle itself to a
                                     !! multiple of this
 
+    integer(int8), parameter :: bond_none = 0, bond_whole = 1, bond_broken = 2
     integer, parameter :: worth_threads = 2048 !! fewer particles are faster on one thread
     ! what a pair force needs of a particle, in one contiguous row of `pair`
     integer, parameter :: pair_volume = 1 !! [m3]
@@ -42,6 +44,9 @@ module brz_solid_state
         real(dp) :: load = 0 !! work of the air on the body
         real(dp) :: plastic = 0 !! plastic work
         real(dp) :: damage = 0 !! work spent in damage
+        real(dp) :: contact = 0 !! energy that the springs of contact hold
+        real(dp) :: contact_heat = 0 !! heat of damping, and of shared pressure, in contact
+        real(dp) :: friction = 0 !! heat of friction
     end type ledger_t
 
     !> One body: particles first..last, one material, one formulation.
@@ -76,6 +81,23 @@ module brz_solid_state
         real(dp), allocatable :: sums(:, :) !! (sums, blocks) partial sums of a pass
         integer, allocatable :: bad(:) !! (blocks) first particle with an impossible state, 0: none
     end type search_t
+
+    !> Pairs of particles of different bodies. Nothing is allocated where no two bodies meet.
+    type :: links_t
+        logical :: present = .false.
+        logical :: bonds = .false. !! some bodies are bonded
+        type(meeting_t), allocatable :: table(:, :) !! (bodies, bodies) law of i's and j's body
+        integer(int32), allocatable :: body(:) !! (n) body of a particle
+        integer(int64), allocatable :: first(:) !! (n+1) first link of a particle
+        integer(int32), allocatable :: list(:) !! particle of another body
+        integer(int8), allocatable :: mask(:) !! mirrored axes of an entry, bits 0..2
+        real(rk), allocatable :: cell(:) !! (bodies) lattice volume per mass of particle [m3/kg]
+        real(rk), allocatable :: touch(:) !! (n) kernel sum at which contact begins
+        integer(int8), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
+        real(rk), allocatable :: press(:, :) !! (5, n) pressure of contact [Pa]; its gradient of
+                                             !! the kernel sum [1/m]; stiffness [Pa]
+        real(rk), allocatable :: push(:, :) !! (6, n) forces of contact: springs, drag [N]
+    end type links_t
 
     type :: solid_t
         logical :: present = .false.
@@ -121,5 +143,6 @@ module brz_solid_state
         integer(int64), allocatable :: image(:) !! (n) entries from here on are mirror images
         integer(int32), allocatable :: list(:) !! neighbour, padded with i itself
         integer(int8), allocatable :: mask(:) !! mirrored axes of an entry, bits 0..2
+        type(links_t) :: links !! between different bodies
     end type solid_t
 end module brz_solid_state

@@ -14,7 +14,7 @@ module brz_ledger
     private
     public :: ledger_t, ledger_start_t, take_stock, energy_columns, ledger_row, body_names, body_row
 
-    integer, parameter :: n_energy = 28, n_body = 14
+    integer, parameter :: n_energy = 31, n_body = 14
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
@@ -26,7 +26,8 @@ module brz_ledger
                                 'error[-]', 'air_mass[kg]', 'air_outflow[kg]', 'impulse_x[N s]', &
                                 'impulse_y[N s]', 'impulse_z[N s]', 'mass_error[-]', &
                                 'momentum_error[-]', 'fallback_faces[-]', &
-                                'products[kg]', 'products_out[kg]']
+                                'products[kg]', 'products_out[kg]', &
+                                'contact[J]', 'contact_heat[J]', 'friction[J]']
 
     !> Columns of bodies.csv, for every body.
     character(20), parameter :: body_columns(n_body) = [character(20) :: &
@@ -45,6 +46,7 @@ module brz_ledger
         real(dp) :: solid_kinetic = 0, solid_internal = 0, hourglass = 0, artificial = 0 !! [J]
         !> parts of solid_internal so far [J]
         real(dp) :: viscous = 0, hourglass_heat = 0, plastic = 0, damage = 0
+        real(dp) :: contact(3) = 0 !! held by contact; heat of contact and friction so far [J]
         real(dp) :: air_work = 0 !! energy that the air gave to moving walls so far [J]
         real(dp) :: load_work = 0 !! work of the load on the particles so far [J]
         real(dp) :: impulse(3) = 0 !! momentum that the air gave to walls so far [N s]
@@ -96,6 +98,8 @@ contains
             ledger%viscous = sum(solid%bodies%ledger%viscous)
             ledger%plastic = sum(solid%bodies%ledger%plastic)
             ledger%damage = sum(solid%bodies%ledger%damage)
+            ledger%contact = [sums%contact, sum(solid%bodies%ledger%contact_heat), &
+                              sum(solid%bodies%ledger%friction)]
             ledger%load_work = sum(solid%bodies%ledger%load)
         end if
         ledger%air_work = coupling%work
@@ -103,7 +107,8 @@ contains
         all = ledger%gas + ledger%kept + ledger%outflow
         all(2:4) = all(2:4) + ledger%impulse
         ledger%total = all(5) + ledger%solid_kinetic + ledger%solid_internal + ledger%hourglass &
-                       + ledger%artificial + ledger%air_work - ledger%load_work
+                       + ledger%artificial + ledger%contact(1) + ledger%air_work &
+                       - ledger%load_work
         if (.not. start%known) start = ledger_start_t(.true., ledger%total, all(1), all(2:4))
         call judge(start, all, momentum_scale(air, ledger), ledger)
     end subroutine take_stock
@@ -146,6 +151,7 @@ contains
         row(19:28) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
                       ledger%mass_error, ledger%momentum_error, ledger%fallback_faces, &
                       ledger%products, ledger%products_out]
+        row(29:31) = ledger%contact
     end function ledger_row
 
     !> Columns of bodies.csv.

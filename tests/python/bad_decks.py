@@ -67,6 +67,29 @@ BAD = [
     swap("unit_in_number", "spacing=0.01", "spacing=10mm", 9, "spacing", "'10mm'"),
     swap("decimal_comma", "mass=1.5", "mass=1,5", 7, "mass", "1.5"),
     swap("fraction", "mass=1.5", "mass=3/2", 7, "write fractions as numbers"),
+    # interactions
+    swap(
+        "meet_nobody",
+        "&output",
+        "&interaction law='none', bodies='plates' /\n&output",
+        12,
+        "did you",
+    ),
+    swap(
+        "meet_itself",
+        "&output",
+        "&interaction law='none', bodies=2*'plate' /\n&output",
+        12,
+        "itself",
+    ),
+    swap(
+        "no_bond",
+        "&output",
+        "&interaction law='contact', shear_strength=1e6 /\n&output",
+        12,
+        "shear_strength",
+        "no place with law='contact'",
+    ),
     # bodies
     swap("cuts_nobody", "material='steel' /", "material='steel', cuts='slab' /", 9, "'slab'"),
     swap("cuts_itself", "material='steel' /", "material='steel', cuts='plate' /", 9, "cut each"),

@@ -1,0 +1,148 @@
+! SPDX-License-Identifier: MIT
+!> Bonds between bodies: their particles take part in each other's sums as one continuum does,
+!> until a bond breaks for good.
+module brz_solid_bonds
+    use brz_contact, only: bond_effort, law_bonded
+    use brz_gradient, only: moment_terms, outer_terms
+    use brz_kernel, only: kernel_slope
+    use brz_kinds, only: int64, rk
+    use brz_pair_force, only: hourglass_stiff, hourglass_viscous, stress_force, viscous_force
+    use brz_solid_links, only: is_bonded, link_mirror
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, n_terms
+    use brz_solid_state, only: bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
+                               n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
+                               pair_quadratic, pair_stress, pair_volume, solid_t, worth_threads
+    implicit none
+    private
+    public :: add_bonded_gradients, add_bonded_forces, break_bonds
+
+    !> Geometry of one bonded pair.
+    type :: pair_t
+        integer :: j = 0
+        real(rk) :: s(3) = 1 !! signs of the mirrored components
+        real(rk) :: r(3) = 0, dv(3) = 0, dx(3) = 0 !! x_ij, v_ij, X_ij
+        real(rk) :: slope = 0 !! F_ij
+    end type pair_t
+
+contains
+
+    subroutine look(solid, i, k, p)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        integer(int64), intent(in) :: k !! link
+        type(pair_t), intent(out) :: p
+
+        p%j = solid%links%list(k)
+        p%s = real(link_mirror(int(solid%links%mask(k))), rk)
+        p%r = real(solid%x(:, i) - p%s*solid%x(:, p%j), rk)
+        p%dx = real(solid%x_ref(:, i) - p%s*solid%x_ref(:, p%j), rk)
+        p%dv = solid%v(:, i) - p%s*solid%v(:, p%j)
+        associate (m => solid%links%table(solid%links%body(i), solid%links%body(p%j)))
+            p%slope = kernel_slope(m%scale, m%half_over_h, &
+                                   sqrt(p%r(1)**2 + p%r(2)**2 + p%r(3)**2))
+        end associate
+    end subroutine look
+
+    !> Add the bonded partners of particle i to its moments and gradients (see pass 1).
+    subroutine add_bonded_gradients(solid, i, moment, velocity, reference)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        real(rk), intent(inout) :: moment(6), velocity(9), reference(9)
+        type(pair_t) :: p
+        real(rk) :: m(6), g(9), a(9)
+        integer(int64) :: k
+
+        do k = solid%links%first(i), solid%links%first(i + 1) - 1
+            if (.not. is_bonded(solid%links, i, solid%links%list(k))) cycle
+            call look(solid, i, k, p)
+            call moment_terms(solid%volume(p%j)*p%slope, p%r, m)
+            call outer_terms(solid%volume(p%j)*p%slope, p%dv, p%r, g)
+            call outer_terms(solid%volume(p%j)*p%slope, p%dx, p%r, a)
+            moment = moment + m
+            velocity = velocity + g
+            reference = reference + a
+        end do
+    end subroutine add_bonded_gradients
+
+    !> Add the forces of the bonded partners of particle i (see pass 2).
+    subroutine add_bonded_forces(solid, i, f)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        real(rk), intent(inout) :: f(n_terms)
+        type(pair_t) :: p
+        real(rk) :: own(n_pair), other(n_pair), g(3), d(3), w, u, y, vr, heat
+        integer(int64) :: k
+        integer :: t
+
+        own = solid%pair(:, i)
+        do k = solid%links%first(i), solid%links%first(i + 1) - 1
+            if (.not. is_bonded(solid%links, i, solid%links%list(k))) cycle
+            call look(solid, i, k, p)
+            other = solid%pair(:, p%j)
+            do t = 1, 3
+                associate (a => pair_stress + 3*t, b => pair_affine + 3*t)
+                    other(a - 2:a) = p%s(t)*p%s*other(a - 2:a)
+                    other(b - 2:b) = p%s(t)*p%s*other(b - 2:b)
+                end associate
+            end do
+            associate (m => solid%links%table(solid%links%body(i), solid%links%body(p%j)), &
+                       drag => f(at_drag + 1:at_drag + 3), r => p%r)
+                w = own(pair_volume)*other(pair_volume)*p%slope
+                vr = dot_product(r, p%dv)
+                u = viscous_force(w, m%h, dot_product(r, r), vr, &
+                                  own(pair_linear) + other(pair_linear), &
+                                  own(pair_quadratic) + other(pair_quadratic))
+                call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
+                f(1:3) = f(1:3) + g
+                drag = drag + u*r
+                f(at_heat) = f(at_heat) - u*vr/2
+                y = w*own(pair_keep)*other(pair_keep)
+                if (m%formulation == form_bending) then
+                    call hourglass_stiff(y, own(pair_hold) + other(pair_hold), &
+                                         own(pair_affine + 1), other(pair_affine + 1), p%dx, r, d)
+                    f(at_hold + 1:) = f(at_hold + 1:) + d
+                else if (m%formulation == form_corrected_hourglass) then
+                    call hourglass_viscous(y*own(pair_hold), y*other(pair_hold), &
+                                           own(pair_affine + 1), other(pair_affine + 1), p%dv, r, &
+                                           d, heat)
+                    drag = drag + d
+                    f(at_friction) = f(at_friction) + heat
+                end if
+            end associate
+        end do
+    end subroutine add_bonded_forces
+
+    !> Break the bonds of particles whose traction on the bond exceeds its strength.
+    subroutine break_bonds(solid)
+        type(solid_t), intent(inout) :: solid
+        type(pair_t) :: p
+        real(rk) :: n(3), effort
+        integer :: i
+        integer(int64) :: k
+
+        if (.not. solid%links%bonds) return
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(p, n, effort, k)
+        do i = 1, solid%n
+            if (solid%links%bond(i) /= bond_whole) cycle
+            n = 0
+            effort = 0
+            do k = solid%links%first(i), solid%links%first(i + 1) - 1
+                if (solid%links%table(solid%links%body(i), &
+                                      solid%links%body(solid%links%list(k)))%law &
+                    /= law_bonded) cycle
+                call look(solid, i, k, p)
+                n = n + solid%volume(p%j)*p%slope*p%r
+            end do
+            if (.not. dot_product(n, n) > 0) cycle
+            n = n/norm2(n)
+            do k = solid%links%first(i), solid%links%first(i + 1) - 1
+                associate (m => solid%links%table(solid%links%body(i), &
+                                                  solid%links%body(solid%links%list(k))))
+                    if (m%law == law_bonded) &
+                        effort = max(effort, bond_effort(m, solid%stress(:, i), n))
+                end associate
+            end do
+            if (effort >= 1) solid%links%bond(i) = bond_broken
+        end do
+    end subroutine break_bonds
+end module brz_solid_bonds

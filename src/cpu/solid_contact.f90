@@ -1,0 +1,225 @@
+! SPDX-License-Identifier: MIT
+!> Contact between bodies: forces, heat, energy and time step, in gather loops of their own.
+!>
+!> Forces are equal and opposite pair by pair and do not depend on the number of threads.
+module brz_solid_contact
+    use brz_contact, only: contact_drag, contact_normal, contact_push, meeting_t
+    use brz_kernel, only: kernel_slope, kernel_value
+    use brz_kinds, only: dp, int64, rk
+    use brz_pair_force, only: viscous_force
+    use brz_solid_links, only: is_bonded, link_mirror
+    use brz_solid_state, only: pair_linear, pair_quadratic, solid_t, worth_threads
+    implicit none
+    private
+    public :: contact_pass, find_touch
+
+    real(dp), parameter :: spring_share = 0.5_dp !! of the period of a contact over 2 pi
+    real(dp), parameter :: crossing_share = 0.2_dp !! spacings that a pair may approach in a step
+
+    !> What the links of one particle add up to.
+    type :: sums_t
+        real(rk) :: force(3) = 0 !! of springs [N]
+        real(rk) :: drag(3) = 0 !! of what makes heat [N]
+        real(rk) :: heat(2) = 0 !! of damping and shared pressure; of friction [W]
+        real(rk) :: energy = 0 !! held by springs [J]
+        real(rk) :: stiffness = 0 !! [N/m]
+    end type sums_t
+
+contains
+
+    !> Forces of contact at the present positions into `push`; heat over dt, the step just made.
+    subroutine contact_pass(solid, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: limit
+        integer :: i, k
+
+        if (.not. solid%links%present) return
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
+        do k = 1, size(solid%block, 2)
+            do i = solid%block(2, k), solid%block(3, k)
+                if (solid%links%first(i + 1) > solid%links%first(i)) call press(solid, i)
+            end do
+        end do
+        limit = solid%dt_limit
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i) &
+        !$omp reduction(min: limit)
+        do k = 1, size(solid%block, 2)
+            solid%search%sums(1:3, k) = 0
+            do i = solid%block(2, k), solid%block(3, k)
+                if (solid%links%first(i + 1) > solid%links%first(i)) then
+                    call add_up(solid, dt, i, solid%search%sums(:, k), limit)
+                else
+                    solid%links%push(:, i) = 0
+                end if
+            end do
+        end do
+        solid%dt_limit = limit
+        call book(solid)
+    end subroutine contact_pass
+
+    !> Energy, heat of damping and of friction of all blocks to their bodies, in fixed order.
+    subroutine book(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: k
+
+        solid%bodies%ledger%contact = 0
+        do k = 1, size(solid%block, 2)
+            associate (ledger => solid%bodies(solid%block(1, k))%ledger, &
+                       sums => solid%search%sums(:, k))
+                ledger%contact = ledger%contact + sums(1)
+                ledger%contact_heat = ledger%contact_heat + sums(2)
+                ledger%friction = ledger%friction + sums(3)
+            end associate
+        end do
+    end subroutine book
+
+    !> Kernel sum over other bodies at the start: where it exceeds that of a flat surface, as in a
+    !> bar within concrete, contact begins there.
+    subroutine find_touch(solid)
+        type(solid_t), intent(inout) :: solid
+        real(rk) :: s, stiffness
+        integer :: i
+
+        do i = 1, solid%n
+            call kernel_sum(solid, i, .true., s, stiffness, solid%links%press(:, i))
+            solid%links%touch(i) = max(1.0_rk, s)
+        end do
+    end subroutine find_touch
+
+    !> Pressure of contact of particle i, and the sum of V F x_ij that shows its normal.
+    subroutine press(solid, i)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: i
+        real(rk) :: s, stiffness
+
+        call kernel_sum(solid, i, .false., s, stiffness, solid%links%press(:, i))
+        solid%links%press(1, i) = stiffness*max(s - solid%links%touch(i), 0.0_rk)
+        solid%links%press(5, i) = stiffness
+    end subroutine press
+
+    !> Kernel sum over the particles of other bodies, 1 at a flat surface one spacing away.
+    subroutine kernel_sum(solid, i, all, s, stiffness, normal)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        logical, intent(in) :: all !! bonded partners as well
+        real(rk), intent(out) :: s
+        real(rk), intent(out) :: stiffness !! mean of the partners [Pa]
+        real(rk), intent(out) :: normal(5) !! in 2..4: sum of V F x_ij/touch
+        real(rk) :: r(3), slope, distance, v, w
+        integer :: j
+        integer(int64) :: k
+
+        s = 0
+        stiffness = 0
+        normal = 0
+        do k = solid%links%first(i), solid%links%first(i + 1) - 1
+            j = solid%links%list(k)
+            if (.not. all) then
+                if (is_bonded(solid%links, i, j)) cycle
+            end if
+            associate (m => solid%links%table(solid%links%body(i), solid%links%body(j)))
+                r = real(solid%x(:, i) - link_mirror(int(solid%links%mask(k)))*solid%x(:, j), rk)
+                distance = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
+                slope = kernel_slope(m%scale, m%half_over_h, distance)
+                v = solid%links%cell(solid%links%body(j))*solid%mass(j)/real(solid%depth, rk)
+                w = v*kernel_value(slope, m%h, distance)/m%touch
+                s = s + w
+                stiffness = stiffness + w*m%stiffness
+                normal(2:4) = normal(2:4) + v*slope*r/m%touch
+            end associate
+        end do
+        if (s > 0) stiffness = stiffness/s
+    end subroutine kernel_sum
+
+    !> Force on particle i, its share of the energies, and what time step it bears.
+    subroutine add_up(solid, dt, i, sums, limit)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt
+        integer, intent(in) :: i
+        real(dp), intent(inout) :: sums(:), limit
+        type(sums_t) :: total
+        integer(int64) :: k
+
+        associate (p => solid%links%press(:, i), &
+                   v => solid%links%cell(solid%links%body(i))*solid%mass(i))
+            if (p(1) > 0) then
+                total%energy = v*p(1)*p(1)/(2*p(5))
+                total%stiffness = v*p(5)*dot_product(p(2:4), p(2:4))
+            end if
+            do k = solid%links%first(i), solid%links%first(i + 1) - 1
+                if (is_bonded(solid%links, i, solid%links%list(k))) cycle
+                call add_pair(solid, i, k, total, limit)
+            end do
+        end associate
+        solid%links%push(:, i) = [total%force, total%drag]
+        if (total%stiffness > 0) limit = min(limit, spring_share*sqrt(real(solid%mass(i), dp) &
+                                                                      /total%stiffness))
+        solid%energy(i) = solid%energy(i) + real(dt, rk)*(total%heat(1) + total%heat(2)) &
+                          /solid%mass(i)
+        sums(1) = sums(1) + total%energy
+        sums(2) = sums(2) + dt*total%heat(1)
+        sums(3) = sums(3) + dt*total%heat(2)
+    end subroutine add_up
+
+    !> What link k adds to the sums of particle i.
+    subroutine add_pair(solid, i, k, total, limit)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        integer(int64), intent(in) :: k
+        type(sums_t), intent(inout) :: total
+        real(dp), intent(inout) :: limit
+        real(rk) :: r(3), dv(3), n(3), f(3), s(3), heat(2), cells, distance, slope, u, vr, energy
+        real(rk) :: area, toward
+        integer :: j
+
+        j = solid%links%list(k)
+        s = real(link_mirror(int(solid%links%mask(k))), rk)
+        r = real(solid%x(:, i) - s*solid%x(:, j), rk)
+        distance = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
+        dv = solid%v(:, i) - s*solid%v(:, j)
+        vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
+        associate (m => solid%links%table(solid%links%body(i), solid%links%body(j)), &
+                   back => solid%links%table(solid%links%body(j), solid%links%body(i)), &
+                   p => solid%links%press(:, i), q => solid%links%press(:, j))
+            if (distance > 2*m%h) return
+            if (vr < 0) limit = min(limit, crossing_share*m%spacing*distance/(-real(vr, dp)))
+            slope = kernel_slope(m%scale, m%half_over_h, distance)
+            cells = solid%links%cell(solid%links%body(i))*solid%mass(i) &
+                    *solid%links%cell(solid%links%body(j))*solid%mass(j)/real(solid%depth, rk)
+            call contact_push(m, cells*slope, p(1)/m%touch + q(1)/back%touch, distance, u, energy)
+            total%energy = total%energy + energy/2
+            total%force = total%force + u*r
+            if (.not. (p(1) + q(1) > 0 .or. energy > 0)) return
+            call contact_normal(p(1), p(2:4), q(1), s*q(2:4), r, n)
+            toward = r(1)*n(1) + r(2)*n(2) + r(3)*n(3)
+            area = cells*slope*max(toward, 0.0_rk)*2/(m%slope + back%slope)
+            call contact_drag(m, area, u*toward, dv, n, f, heat)
+            total%drag = total%drag + f
+            total%heat = total%heat + heat/2
+            total%stiffness = total%stiffness + cells*q(5)*(slope*distance/back%touch)**2 &
+                              *solid%links%cell(solid%links%body(i))*solid%mass(i)
+            if (energy > 0) total%stiffness = total%stiffness + m%core/(m%spacing/2)
+            if (.not. m%shared) return
+            u = shared_force(solid, i, j, slope, distance*distance, vr)
+            total%drag = total%drag + u*r
+            total%heat(1) = total%heat(1) - u*vr/2
+        end associate
+    end subroutine add_pair
+
+    !> Mean pressure and viscosity of a pair that shares them, as a factor of x_ij.
+    pure real(rk) function shared_force(solid, i, j, slope, r2, vr) result(u)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i, j
+        real(rk), intent(in) :: slope, r2, vr
+        real(rk) :: w, pressure
+
+        w = solid%volume(i)*solid%volume(j)*slope/real(solid%depth, rk)
+        pressure = -(solid%stress(1, i) + solid%stress(2, i) + solid%stress(3, i) &
+                     + solid%stress(1, j) + solid%stress(2, j) + solid%stress(3, j))/3
+        u = w*max(pressure, 0.0_rk) &
+            + viscous_force(w, solid%links%table(solid%links%body(i), solid%links%body(j))%h, r2, &
+                            vr, solid%pair(pair_linear, i) + solid%pair(pair_linear, j), &
+                            solid%pair(pair_quadratic, i) + solid%pair(pair_quadratic, j))
+    end function shared_force
+end module brz_solid_contact

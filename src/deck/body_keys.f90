@@ -1,0 +1,150 @@
+! SPDX-License-Identifier: MIT
+!> Rows of the key table for bodies and for how they meet.
+module brz_body_keys
+    use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text, required
+    use brz_kinds, only: dp
+    implicit none
+    private
+    public :: body_keys
+
+    real(dp), parameter :: zero = 0, one = 1
+
+contains
+
+    !> Append the rows of &body and &interaction.
+    subroutine body_keys(keys)
+        type(key_t), allocatable, intent(inout) :: keys(:)
+
+        call shape_keys(keys)
+        call method_keys(keys)
+        call interaction_keys(keys)
+    end subroutine body_keys
+
+    subroutine shape_keys(keys)
+        type(key_t), allocatable, intent(inout) :: keys(:)
+        character(*), parameter :: g = 'body'
+
+        keys = [keys, &
+                key_t(group=g, &
+                      meaning='A solid body of particles on a lattice. Without one no solid '// &
+                      'is computed.'), &
+                key_t(group=g, key='id', kind=kind_text, default=required, &
+                      meaning='Name of the body.'), &
+                key_t(group=g, key='shape', kind=kind_text, default='box', &
+                      choices='box|sphere|cylinder|bars', &
+                      meaning='Shape; planes of symmetry cut it. bars: rows of equal '// &
+                      'round bars.'), &
+                key_t(group=g, key='box', n_min=6, n_max=6, unit='m', &
+                      meaning='Box: corners x0, x1, y0, y1, z0, z1. Bars: the box that they '// &
+                      'fill, from the outside of the first to that of the last.'), &
+                key_t(group=g, key='centre', n_min=3, n_max=3, unit='m', &
+                      meaning='Sphere, cylinder: centre.'), &
+                key_t(group=g, key='radius', unit='m', lower=zero, open_lower=.true., &
+                      meaning='Sphere, cylinder: radius.'), &
+                key_t(group=g, key='length', unit='m', lower=zero, open_lower=.true., &
+                      meaning='Cylinder: length.'), &
+                key_t(group=g, key='inner_radius', unit='m', default='0.0', lower=zero, &
+                      meaning='Cylinder: radius of the hole along its axis.'), &
+                key_t(group=g, key='axis', kind=kind_text, default='z', choices='x|y|z', &
+                      meaning='Cylinder, bars: direction of the axis.'), &
+                key_t(group=g, key='diameter', unit='m', lower=zero, open_lower=.true., &
+                      meaning='Bars: diameter. Area, mass and axial stiffness are exact at any '// &
+                      'spacing.'), &
+                key_t(group=g, key='bars', kind=kind_integer, n_min=2, n_max=2, default='1, 1', &
+                      lower=one, upper=10000*one, &
+                      meaning='Bars: number of bars in the two directions across them, in '// &
+                      'cyclic order (y and z for axis x).'), &
+                key_t(group=g, key='cuts', kind=kind_text, n_max=8, &
+                      meaning='Ids of bodies that make room for this one where they overlap.'), &
+                key_t(group=g, key='spacing', unit='m', default=required, lower=zero, &
+                      open_lower=.true., meaning='Distance of the particles.'), &
+                key_t(group=g, key='material', kind=kind_text, default=required, &
+                      meaning='Id of its &material.'), &
+                key_t(group=g, key='plies', kind=kind_text, unit='deg', longest=2048, &
+                      meaning="Angles of the plies from the low to the high side, such as "// &
+                      "'0/45/-45/90', '7*(0/90)' or '[0/90]s' (mirrored)."), &
+                key_t(group=g, key='ply_axis', kind=kind_text, default='z', choices='x|y|z', &
+                      meaning='Normal of the plies.'), &
+                key_t(group=g, key='fix', kind=kind_text, n_max=8, &
+                      choices='sides|all|x-|x+|y-|y+|z-|z+', &
+                      meaning='Faces that are held; sides: all but the two across the '// &
+                      'thinnest direction.'), &
+                key_t(group=g, key='fix_layers', kind=kind_integer, default='3', lower=one, &
+                      upper=1000*one, &
+                      meaning='Layers of particles that are held at such a face.'), &
+                key_t(group=g, key='fix_box', n_min=6, n_max=48, unit='m', &
+                      meaning='Regions in which particles are held: x0, x1, y0, y1, z0, z1 '// &
+                      'of each, up to eight.'), &
+                key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', &
+                      default='0.0, 0.0, 0.0', meaning='Initial velocity.'), &
+                key_t(group=g, key='spin', n_min=3, n_max=3, unit='rad/s', &
+                      default='0.0, 0.0, 0.0', &
+                      meaning='Initial angular velocity about the centre of mass.')]
+    end subroutine shape_keys
+
+    subroutine method_keys(keys)
+        type(key_t), allocatable, intent(inout) :: keys(:)
+        character(*), parameter :: g = 'body'
+
+        keys = [keys, &
+                key_t(group=g, key='formulation', kind=kind_text, default='auto', &
+                      choices='auto|bending|corrected_hourglass|corrected|uncorrected|paper', &
+                      meaning='auto: bending for elastic materials and plies (they bend and '// &
+                      'may break), corrected_hourglass for all others (they flow or fragment).'), &
+                key_t(group=g, key='alpha', lower=zero, upper=10*one, &
+                      meaning='Linear artificial viscosity; 1, with paper 2, if absent.'), &
+                key_t(group=g, key='beta', lower=zero, upper=20*one, &
+                      meaning='Quadratic artificial viscosity; 2, with paper 10, if absent.'), &
+                key_t(group=g, key='limiter', kind=kind_text, default='none', &
+                      choices='none|balsara', &
+                      meaning='balsara: less artificial viscosity where the material shears.'), &
+                key_t(group=g, key='artificial_stress', kind=kind_text, default='auto', &
+                      choices='auto|none|monaghan|gray', &
+                      meaning='Repulsion in tension, by pressure or by principal stresses; '// &
+                      'auto: monaghan with paper, else none.'), &
+                key_t(group=g, key='artificial_strength', lower=zero, upper=one, &
+                      meaning='Its strength; 0.2 for monaghan, 0.3 for gray if absent.'), &
+                key_t(group=g, key='zeta', default='2.0', lower=zero, upper=4*one, &
+                      meaning='bending: stiffness of the hourglass force.'), &
+                key_t(group=g, key='zeta_viscous', default='0.05', lower=zero, upper=one, &
+                      meaning='corrected_hourglass: strength of the viscous hourglass force.'), &
+                key_t(group=g, key='smoothing', default='1.2', lower=one, upper=2*one, &
+                      meaning='Smoothing length over spacing.'), &
+                key_t(group=g, key='cfl', default='0.4', lower=zero, open_lower=.true., &
+                      upper=one, meaning='Time step of the body: c dt/h.')]
+    end subroutine method_keys
+
+    subroutine interaction_keys(keys)
+        type(key_t), allocatable, intent(inout) :: keys(:)
+        character(*), parameter :: g = 'interaction'
+
+        keys = [keys, &
+                key_t(group=g, &
+                      meaning='How bodies meet; later groups cover earlier ones. Without any, '// &
+                      'a body is bonded to those that it cuts and in contact with all others.'), &
+                key_t(group=g, key='id', kind=kind_text, meaning='Name of the interaction.'), &
+                key_t(group=g, key='bodies', kind=kind_text, n_max=2, default="'*'", &
+                      meaning="Ids of two bodies; one: that body and every other; '*': all."), &
+                key_t(group=g, key='law', kind=kind_text, default=required, &
+                      choices='contact|bonded|none', &
+                      meaning='contact: they press, damp and rub; bonded: one continuum; none: '// &
+                      'they pass through each other.'), &
+                key_t(group=g, key='friction', default='0.0', lower=zero, upper=2*one, &
+                      meaning="contact: Coulomb's coefficient."), &
+                key_t(group=g, key='stiffness', default='1.0', lower=0.1_dp, upper=2*one, &
+                      meaning='contact: stiffness over that of one spacing of material.'), &
+                key_t(group=g, key='damping', default='1.0', lower=zero, upper=2*one, &
+                      meaning='contact: damping on approach over half the linear viscosity.'), &
+                key_t(group=g, key='shared_pressure', kind=kind_logical, default='.false.', &
+                      meaning='contact: share pressure and viscosity across the contact, for '// &
+                      'impacts beyond 1 km/s.'), &
+                key_t(group=g, key='tensile_strength', unit='Pa', lower=zero, &
+                      open_lower=.true., &
+                      meaning='bonded: tension that breaks the bond; it never breaks if absent.'), &
+                key_t(group=g, key='shear_strength', unit='Pa', lower=zero, open_lower=.true., &
+                      meaning='bonded: shear that breaks the bond; it never breaks if absent.'), &
+                key_t(group=g, key='bond_law', kind=kind_text, default='quadratic', &
+                      choices='quadratic|cut_off', &
+                      meaning='bonded: both strengths act together, or each for itself.')]
+    end subroutine interaction_keys
+end module brz_body_keys

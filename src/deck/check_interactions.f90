@@ -1,0 +1,88 @@
+! SPDX-License-Identifier: MIT
+!> Interactions between bodies: their values, and the bodies that they name.
+module brz_check_interactions
+    use brz_case, only: case_t, interaction_case_t, name_len
+    use brz_check_bodies, only: reference_hint
+    use brz_deck, only: add_warning, complain, deck_t, group_label
+    use brz_get, only: get, is_given
+    implicit none
+    private
+    public :: check_interactions
+
+contains
+
+    !> Fill and check the interactions of a case; its bodies must be there.
+    subroutine check_interactions(deck, case)
+        type(deck_t), intent(inout) :: deck
+        type(case_t), intent(inout) :: case
+        integer :: g, k
+
+        allocate (case%interactions(count(deck%groups(:deck%n)%name == 'interaction')))
+        k = 0
+        do g = 1, deck%n
+            if (deck%groups(g)%name /= 'interaction') cycle
+            k = k + 1
+            call fill(deck, g, case%interactions(k))
+            call find_bodies(deck, g, case, case%interactions(k))
+            call check_keys(deck, g, case%interactions(k))
+        end do
+    end subroutine check_interactions
+
+    subroutine fill(deck, g, i)
+        type(deck_t), intent(in) :: deck
+        integer, intent(in) :: g
+        type(interaction_case_t), intent(inout) :: i
+
+        associate (group => deck%groups(g))
+            call get(group, 'law', i%law)
+            call get(group, 'friction', i%friction)
+            call get(group, 'stiffness', i%stiffness)
+            call get(group, 'damping', i%damping)
+            call get(group, 'shared_pressure', i%shared_pressure)
+            call get(group, 'tensile_strength', i%tensile_strength)
+            call get(group, 'shear_strength', i%shear_strength)
+            call get(group, 'bond_law', i%bond_law)
+        end associate
+    end subroutine fill
+
+    !> Places of the bodies that are named.
+    subroutine find_bodies(deck, g, case, interaction)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(interaction_case_t), intent(inout) :: interaction
+        character(name_len) :: id(2)
+        integer :: i, n
+
+        id = '*'
+        call get(deck%groups(g), 'bodies', id, n)
+        do i = 1, n
+            if (id(i) == '*') cycle
+            interaction%body(i) = findloc(case%bodies%id, id(i), 1)
+            if (interaction%body(i) == 0) call complain(deck, g, 'bodies', &
+                "there is no &body with id='"//trim(id(i))//"'"// &
+                reference_hint(trim(id(i)), case%bodies%id))
+        end do
+        if (n == 2 .and. id(1) == id(2) .and. id(1) /= '*') call complain(deck, g, 'bodies', &
+            'a body does not meet itself; name two bodies')
+        if (size(case%bodies) < 2) call add_warning(deck, deck%groups(g)%line, &
+            group_label(deck%groups(g))//'has no effect: it needs two bodies')
+    end subroutine find_bodies
+
+    !> Keys that the law does not have.
+    subroutine check_keys(deck, g, interaction)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(interaction_case_t), intent(in) :: interaction
+        character(16), parameter :: of_bond(3) = &
+            [character(16) :: 'tensile_strength', 'shear_strength', 'bond_law']
+        integer :: i
+
+        do i = 1, size(of_bond)
+            if (interaction%law /= 'bonded' .and. is_given(deck%groups(g), trim(of_bond(i)))) &
+                call complain(deck, g, trim(of_bond(i)), "key '"//trim(of_bond(i))// &
+                              "' has no place with law='"//trim(interaction%law)// &
+                              "'; take it out or change the law")
+        end do
+    end subroutine check_keys
+end module brz_check_interactions

@@ -1,0 +1,121 @@
+! SPDX-License-Identifier: MIT
+!> Contact and bonds between particles of different bodies. Point physics.
+!>
+!> Each particle sums the kernel over the particles of other bodies. Where the sum exceeds that of a
+!> flat surface one spacing away the bodies press on each other, with the potential energy
+!> V kappa e^2/2 of the excess e: central forces, equal and opposite, and a surface of particles
+!> is flat to 0.4 % of a spacing. Damping and friction act along and across the common normal.
+!>
+!> Source: docs/solid.md section 9
+module brz_contact
+    use brz_kinds, only: rk
+    implicit none
+    private
+    public :: meeting_t, law_none, law_contact, law_bonded
+    public :: contact_normal, contact_push, contact_drag, bond_effort
+
+    integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2
+    real(rk), parameter :: hard_core = 0.5_rk !! closer than this many spacings a pair is a spring
+
+    !> How a particle of one body meets those of another.
+    type :: meeting_t
+        integer :: law !! law_none, ...
+        real(rk) :: h, scale, half_over_h !! mean smoothing length, see brz_kernel
+        real(rk) :: spacing !! mean distance of particles [m]
+        real(rk) :: touch !! kernel sum of a flat surface of the other body one spacing away
+        real(rk) :: slope !! force of such a surface per pressure, for areas of pairs [-]
+        real(rk) :: stiffness !! kappa [Pa]
+        real(rk) :: core !! bulk modulus times area of the hard core [N]
+        real(rk) :: impedance !! of damping, alpha/2 sqrt(K rho) [kg/(m2 s)]
+        real(rk) :: friction !! Coulomb's coefficient
+        real(rk) :: stick !! impedance of friction below Coulomb's limit [kg/(m2 s)]
+        logical :: shared !! pressures of the two bodies are shared
+        integer :: formulation !! common to both bodies, 0: they differ
+        real(rk) :: tensile, shear !! strengths of a bond [Pa]
+        logical :: quadratic !! both strengths act together
+    end type meeting_t
+
+contains
+
+    !> Common normal of a pair, from j to i: that of the surfaces that press, or along the pair
+    !> where only hard cores meet.
+    !@cuf attributes(host,device) &
+    pure subroutine contact_normal(pi, gi, pj, gj, r, n)
+        real(rk), intent(in) :: pi, pj !! pressures of contact [Pa]
+        real(rk), intent(in) :: gi(3), gj(3) !! sums of V F x_ij over the other bodies
+        real(rk), intent(in) :: r(3) !! x_ij [m]
+        real(rk), intent(out) :: n(3) !! unit vector, or 0
+        real(rk) :: length, wi, wj
+
+        wi = pi/max(sqrt(gi(1)*gi(1) + gi(2)*gi(2) + gi(3)*gi(3)), tiny(length))
+        wj = pj/max(sqrt(gj(1)*gj(1) + gj(2)*gj(2) + gj(3)*gj(3)), tiny(length))
+        n = wi*gi - wj*gj
+        length = sqrt(n(1)*n(1) + n(2)*n(2) + n(3)*n(3))
+        if (.not. length > tiny(length)) then
+            n = r
+            length = max(sqrt(n(1)*n(1) + n(2)*n(2) + n(3)*n(3)), tiny(length))
+        end if
+        n = n/length
+    end subroutine contact_normal
+
+    !> Spring force of a pair, as a factor of x_ij, and the energy of its hard core.
+    !@cuf attributes(host,device) &
+    pure subroutine contact_push(m, w, pressure, distance, u, energy)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: w !! V_i V_j F_ij, volumes of lattice cells
+        real(rk), intent(in) :: pressure !! kappa e/touch of both [Pa]
+        real(rk), intent(in) :: distance !! |x_ij| [m]
+        real(rk), intent(out) :: u !! force on i over x_ij [N/m]
+        real(rk), intent(out) :: energy !! of the core [J]
+        real(rk) :: gap
+
+        gap = max(hard_core*m%spacing - distance, 0.0_rk)
+        energy = m%core*gap*gap/(2*hard_core*m%spacing)
+        u = w*pressure + m%core*gap/(hard_core*m%spacing)/max(distance, 1e-6_rk*m%spacing)
+    end subroutine contact_push
+
+    !> Damping on approach, and Coulomb's friction, of a pair that is pressed together.
+    !>
+    !> Below Coulomb's limit friction is viscous: a pair at rest under shear creeps at
+    !> traction/stick.
+    !@cuf attributes(host,device) &
+    pure subroutine contact_drag(m, area, push, dv, n, f, heat)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: area !! of the pair [m2]
+        real(rk), intent(in) :: push !! normal force of the spring [N]
+        real(rk), intent(in) :: dv(3), n(3) !! v_ij, normal from j to i
+        real(rk), intent(out) :: f(3) !! on i [N]
+        real(rk), intent(out) :: heat(2) !! power of damping and of friction [W]
+        real(rk) :: vn, damp, vt(3), speed, drag
+
+        vn = min(dv(1)*n(1) + dv(2)*n(2) + dv(3)*n(3), 0.0_rk)
+        damp = -m%impedance*area*vn
+        f = damp*n
+        heat(1) = -damp*vn
+        vt = dv - (dv(1)*n(1) + dv(2)*n(2) + dv(3)*n(3))*n
+        speed = sqrt(vt(1)*vt(1) + vt(2)*vt(2) + vt(3)*vt(3))
+        drag = min(m%friction*(max(push, 0.0_rk) + damp), m%stick*area*speed)
+        f = f - drag/max(speed, tiny(speed))*vt
+        heat(2) = drag*speed
+    end subroutine contact_drag
+
+    !> Traction of a stress on a bond over its strength: 1 breaks it.
+    !@cuf attributes(host,device) &
+    pure function bond_effort(m, s, n) result(effort)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: s(6) !! stress xx, yy, zz, xy, yz, xz [Pa]
+        real(rk), intent(in) :: n(3) !! unit normal of the bond
+        real(rk) :: effort
+        real(rk) :: t(3), tension, shear
+
+        t(1) = s(1)*n(1) + s(4)*n(2) + s(6)*n(3)
+        t(2) = s(4)*n(1) + s(2)*n(2) + s(5)*n(3)
+        t(3) = s(6)*n(1) + s(5)*n(2) + s(3)*n(3)
+        tension = t(1)*n(1) + t(2)*n(2) + t(3)*n(3)
+        shear = sqrt(max(t(1)*t(1) + t(2)*t(2) + t(3)*t(3) - tension*tension, 0.0_rk))
+        tension = max(tension, 0.0_rk)/m%tensile
+        shear = shear/m%shear
+        effort = max(tension, shear)
+        if (m%quadratic) effort = sqrt(tension*tension + shear*shear)
+    end function bond_effort
+end module brz_contact

@@ -1,0 +1,155 @@
+! SPDX-License-Identifier: MIT
+!> The table of laws between bodies, from the deck and the bodies themselves.
+module brz_interaction_setup
+    use brz_case, only: case_t, interaction_case_t
+    use brz_contact, only: law_bonded, law_contact, law_none, meeting_t
+    use brz_errors, only: error_t, exit_deck, raise
+    use brz_kernel, only: kernel_scale, kernel_slope, kernel_value
+    use brz_kinds, only: dp, rk
+    use brz_solid_state, only: solid_t
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: set_up_interactions
+
+    real(dp), parameter :: most_ratio = 2, good_ratio = 1.1_dp !! of spacings across a bond
+
+contains
+
+    !> Laws of all pairs of bodies; `solid%links%present` where any two of them meet.
+    subroutine set_up_interactions(case, solid, err)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        type(interaction_case_t) :: rule
+        integer :: a, b
+
+        associate (n => size(solid%bodies))
+            if (n < 2) return
+            allocate (solid%links%table(n, n))
+            do b = 1, n
+                do a = 1, n
+                    call find_rule(case, a, b, rule)
+                    if (a == b) rule%law = 'none'
+                    call make_meeting(solid, rule, a, b, solid%links%table(a, b))
+                    if (a < b .and. rule%law == 'bonded') call judge_bond(solid, a, b, err)
+                end do
+            end do
+        end associate
+        solid%links%present = any(solid%links%table%law /= law_none)
+        solid%links%bonds = any(solid%links%table%law == law_bonded)
+        if (.not. solid%links%present) return
+        solid%links%cell = [(real(1/(solid%materials(solid%bodies(b)%material)%density &
+                                     *solid%bodies(b)%volume_scale), rk), b=1, size(solid%bodies))]
+    end subroutine set_up_interactions
+
+    !> The last rule of the deck that fits; else bonded where one cuts the other, else contact.
+    pure subroutine find_rule(case, a, b, rule)
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: a, b
+        type(interaction_case_t), intent(out) :: rule
+        integer :: i
+
+        if (any(case%bodies(a)%cuts == case%bodies(b)%id .and. case%bodies(b)%id /= '') .or. &
+            any(case%bodies(b)%cuts == case%bodies(a)%id .and. case%bodies(a)%id /= '')) &
+            rule%law = 'bonded'
+        if (.not. allocated(case%interactions)) return
+        do i = 1, size(case%interactions)
+            associate (body => case%interactions(i)%body)
+                if ((fits(body(1), a) .and. fits(body(2), b)) .or. &
+                    (fits(body(1), b) .and. fits(body(2), a))) rule = case%interactions(i)
+            end associate
+        end do
+    end subroutine find_rule
+
+    pure logical function fits(named, body)
+        integer, intent(in) :: named !! 0: every body
+        integer, intent(in) :: body
+
+        fits = named == 0 .or. named == body
+    end function fits
+
+    !> The numbers of a law between bodies a (of particle i) and b.
+    subroutine make_meeting(solid, rule, a, b, m)
+        type(solid_t), intent(in) :: solid
+        type(interaction_case_t), intent(in) :: rule
+        integer, intent(in) :: a, b
+        type(meeting_t), intent(out) :: m
+        real(dp) :: bulk, density, touch, slope
+
+        associate (p => solid%bodies(a), q => solid%bodies(b), &
+                   s => solid%materials(solid%bodies(a)%material), &
+                   t => solid%materials(solid%bodies(b)%material))
+            select case (rule%law)
+            case ('none'); m%law = law_none
+            case ('bonded'); m%law = law_bonded
+            case default; m%law = law_contact
+            end select
+            m%h = (p%h + q%h)/2
+            m%scale = kernel_scale(m%h, solid%dimension)
+            m%half_over_h = 1/(2*m%h)
+            m%spacing = real((p%spacing + q%spacing)/2, rk)
+            call sum_flat(solid%dimension, q%spacing, m, touch, slope)
+            m%touch = real(touch, rk)
+            m%slope = real(slope*m%spacing, rk)
+            bulk = 2*real(s%bulk, dp)*t%bulk/(real(s%bulk, dp) + t%bulk)*rule%stiffness
+            density = 2*real(s%density, dp)*t%density/(real(s%density, dp) + t%density)
+            m%stiffness = real(bulk/2*(touch/(slope*m%spacing))**2, rk)
+            m%core = real(bulk*m%spacing**(solid%dimension - 1)*solid%depth, rk)
+            m%stick = real(sqrt(bulk*density), rk)
+            m%impedance = real(rule%damping/2, rk)*(p%alpha + q%alpha)/2*m%stick
+            m%friction = real(rule%friction, rk)
+            m%shared = rule%shared_pressure
+            m%formulation = merge(p%formulation, 0, p%formulation == q%formulation)
+        end associate
+        m%tensile = real(min(rule%tensile_strength, real(huge(1.0_rk), dp)), rk)
+        m%shear = real(min(rule%shear_strength, real(huge(1.0_rk), dp)), rk)
+        m%quadratic = rule%bond_law == 'quadratic'
+    end subroutine make_meeting
+
+    !> Kernel sum over a flat surface of a lattice whose first layer is one mean spacing away,
+    !> and how fast it falls with the distance [1/m].
+    subroutine sum_flat(dimension, spacing, m, touch, slope)
+        integer, intent(in) :: dimension
+        real(dp), intent(in) :: spacing !! of that lattice [m]
+        type(meeting_t), intent(in) :: m
+        real(dp), intent(out) :: touch, slope
+        real(dp) :: r, z, f
+        integer :: i, j, k, n, most(2)
+
+        n = ceiling(2*m%h/spacing)
+        most = 0
+        most(:dimension - 1) = n
+        touch = 0
+        slope = 0
+        do k = 0, n
+            do j = -most(2), most(2)
+                do i = -most(1), most(1)
+                    z = m%spacing + k*spacing
+                    r = sqrt((i*spacing)**2 + (j*spacing)**2 + z**2)
+                    f = spacing**dimension*kernel_slope(m%scale, m%half_over_h, real(r, rk))
+                    touch = touch + kernel_value(real(f, rk), m%h, real(r, rk))
+                    slope = slope + f*z
+                end do
+            end do
+        end do
+    end subroutine sum_flat
+
+    !> A bond joins one continuum: lattices must not differ too much.
+    subroutine judge_bond(solid, a, b, err)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: a, b
+        type(error_t), intent(inout) :: err
+        real(dp) :: ratio
+
+        associate (p => solid%bodies(a), q => solid%bodies(b))
+            ratio = max(p%h/q%h, q%h/p%h)
+            if (ratio > most_ratio) call raise(err, exit_deck, "&interaction: the bodies '"// &
+                trim(p%id)//"' and '"//trim(q%id)//"' are bonded, but their smoothing lengths "// &
+                'differ by a factor of '//to_text(ratio)//'; at most '//to_text(most_ratio))
+            if (ratio > good_ratio) solid%notes = solid%notes//"bodies '"//trim(p%id)//"' and '"// &
+                trim(q%id)//"' are bonded with smoothing lengths that differ by a factor of "// &
+                to_text(ratio)//': waves are reflected at the bond'//new_line('a')
+        end associate
+    end subroutine judge_bond
+end module brz_interaction_setup
