@@ -2,7 +2,7 @@
 !> From the deck to the air at time zero: grid, undisturbed gas, boxes of gas, charges.
 module brz_air_setup
     use brz_kinds, only: dp, int8, rk
-    use brz_air_state, only: air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall, &
+    use brz_air_state, only: air_t, brick, bc_outflow, bc_periodic, bc_symmetry, bc_wall, &
         charge_report_t, n_ghost
     use brz_case, only: case_t, charge_case_t, gas_case_t
     use brz_charge_shape, only: filled_part, make_shape, shape_t
@@ -37,6 +37,7 @@ contains
         air%rho_rest = real(case%air%density, rk)
         air%p_rest = real(case%air%pressure, rk)
         air%fallback = case%air%fallback
+        air%activity = case%air%activity
         do d = 1, 3
             do s = 1, 2
                 call boundary_code(case%air%bc(s, d), air%bc(s, d), err)
@@ -137,8 +138,6 @@ contains
         integer, intent(in) :: cells(3) !! 1: direction not modelled
         type(air_t), intent(inout) :: air !! its gas and its boundaries are set
         integer :: n(3), g(3), c, blocks
-        real(rk) :: rest(max_var)
-
         air%present = .true.
         air%n = cells
         air%g = merge(n_ghost, 0, cells > 1)
@@ -148,11 +147,10 @@ contains
         g = air%g
         allocate (air%u(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3), &
             air%n_var))
-        rest = 0
         call to_conserved(air%scheme%gamma, [air%rho_rest, 0.0_rk, 0.0_rk, 0.0_rk, air%p_rest], &
-            rest)
+            air%rest)
         do c = 1, air%n_var
-            air%u(:, :, :, c) = rest(c)
+            air%u(:, :, :, c) = air%rest(c)
         end do
         allocate (air%u_start, air%rate, source=air%u)
         air%rate = 0
@@ -162,6 +160,9 @@ contains
         allocate (air%suspect(blocks), source=0)
         allocate (air%lowered(0:n(1), 0:n(2), 0:n(3)), source=0_int8)
         allocate (air%repair(4, 0), air%bad(3, 0))
+        g = (n + brick - 1)/brick
+        allocate (air%reached(g(1), g(2), g(3)), source=0_int8)
+        allocate (air%awake(g(1), g(2), g(3)), source=1_int8)
     end subroutine make_grid
 
     !> Give the cells whose centre lies in a box of gas its state.

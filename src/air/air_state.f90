@@ -2,11 +2,11 @@
 !> The state of the air: conserved variables on a Cartesian grid, and the walls inside it.
 module brz_air_state
     use brz_kinds, only: dp, int8, int64, rk
-    use brz_scheme, only: mixture_gamma, scheme_t
+    use brz_scheme, only: max_var, mixture_gamma, scheme_t
     implicit none
     private
     public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t
-    public :: n_ghost, lines_per_block
+    public :: n_ghost, lines_per_block, brick
     public :: cell_gamma
     public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic
     public :: air_ok, air_unphysical
@@ -14,6 +14,7 @@ module brz_air_state
     integer, parameter :: n_ghost = 3 !! ghost layers in a direction that is modelled
     integer, parameter :: lines_per_block = 16
     !! lines of cells that are swept together, the vector dimension
+    integer, parameter :: brick = 8 !! cells per side of a brick, which is awake or not as a whole
     integer, parameter :: bc_outflow = 1, bc_wall = 2, bc_symmetry = 3, bc_periodic = 4
     integer, parameter :: air_ok = 0 !! status of a step: done
     integer, parameter :: air_unphysical = 1
@@ -24,6 +25,7 @@ module brz_air_state
         real(rk), allocatable :: q(:, :, :)
         !! (lines, n_var, 1-n_ghost:n+n_ghost) conserved variables, normal momentum in slot 2
         real(rk), allocatable :: f(:, :, :) !! (lines, n_var, 0:n) fluxes, then rates
+        real(rk), allocatable :: ends(:, :, :) !! (lines, n_var, 2) fluxes through the outer faces
     end type sweep_work_t
 
     !> What became of a charge on the grid.
@@ -50,6 +52,8 @@ module brz_air_state
         integer :: n_stages = 3 !! of the Runge-Kutta method: 2 or 3
         logical :: fallback = .true.
         real(rk) :: rho_rest = 1.225_rk, p_rest = 101325 !! undisturbed air
+        real(rk) :: rest(max_var) = 0 !! its conserved variables
+        logical :: activity = .false. !! leave out what nothing has reached
         real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the ledger
         real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (ghosts unused)
         real(rk), allocatable :: rate(:, :, :, :)
@@ -62,6 +66,10 @@ module brz_air_state
         type(charge_report_t), allocatable :: charge(:) !! one for each &charge
         integer :: bad_cell(3) = 0 !! first unphysical cell of a step that failed
         real(rk) :: bad_state(5) = 0 !! what its conserved variables would have become
+        integer(int8), allocatable :: reached(:, :, :) !! (bricks) 1: something has reached it
+        integer(int8), allocatable :: awake(:, :, :)
+        !! (bricks) 1: it is computed; who changes u between two steps far from all solid sets all
+        !! to 1, for air_time_step
         ! work arrays of the sweeps; nothing outside a step reads them
         type(sweep_work_t), allocatable :: work(:) !! (0:threads-1)
         real(dp), allocatable :: edge(:, :)

@@ -2,7 +2,8 @@
 !> Ghost cells of the air: outflow copies the last cell, walls and symmetry planes mirror, a
 !> periodic box goes on from the other end.
 !>
-!> Only ghosts straight across a face are filled; no stencil reaches into edges or corners.
+!> Ghosts of gas at rest must be at rest to the bit: see brz_air_activity. Only ghosts straight
+!> across a face are filled; no stencil reaches into edges or corners.
 module brz_air_ghosts
     use brz_kinds, only: rk
     use brz_air_state, only: air_t, bc_symmetry, bc_wall, n_ghost

@@ -3,7 +3,8 @@
 !> method, and SSP-RK3, of Shu and Osher).
 module brz_air_step
     use brz_kinds, only: dp, rk
-    use brz_air_state, only: air_ok, air_t, bc_periodic, lines_per_block, n_ghost, wall_t
+    use brz_air_state, only: air_ok, air_t, brick, bc_periodic, lines_per_block, n_ghost, wall_t
+    use brz_air_activity, only: find_awake, next_run
     use brz_air_faces, only: set_scale
     use brz_air_ghosts, only: fill_ghosts
     use brz_air_repair, only: repair
@@ -45,6 +46,7 @@ contains
         stage%dt = real(dt, rk)
         stage%floor = merge(least_ratio, 0.0_rk, air%fallback)
         call set_scale(air)
+        call find_awake(air, wall)
         do m = 1, air%n_stages
             call fill_ghosts(air)
             stage%share = share(m, air%n_stages)*stage%dt
@@ -76,7 +78,8 @@ contains
         allocate (air%work(0:omp_get_max_threads() - 1))
         do t = 0, omp_get_max_threads() - 1
             allocate (air%work(t)%q(lines_per_block, air%n_var, 1 - n_ghost:n + n_ghost), &
-                air%work(t)%f(lines_per_block, air%n_var, 0:n))
+                air%work(t)%f(lines_per_block, air%n_var, 0:n), &
+                air%work(t)%ends(lines_per_block, air%n_var, 2))
         end do
     end subroutine make_buffers
 
@@ -105,24 +108,31 @@ contains
         real(rk), intent(in) :: dt !! time step [s]
         real(rk), intent(in) :: part !! weight of the new state
         logical, intent(in) :: first !! first stage
-        integer :: i, j, k, c
+        integer :: i, j, k, c, lo, hi
 
         associate (u => air%u, u_start => air%u_start, rate => air%rate)
-            !$omp parallel do collapse(2) schedule(static) if (size(air%rate) > few_numbers)
+            !$omp parallel do collapse(2) schedule(dynamic, 4) private(i, j, lo, hi) &
+            !$omp& if (size(air%rate) > few_numbers)
             do c = 1, air%n_var
                 do k = 1, air%n(3)
                     do j = 1, air%n(2)
-                        if (first) then
-                            do i = 1, air%n(1)
-                                u_start(i, j, k, c) = u(i, j, k, c)
-                                u(i, j, k, c) = u(i, j, k, c) + dt*rate(i, j, k, c)
-                            end do
-                        else
-                            do i = 1, air%n(1)
-                                u(i, j, k, c) = u_start(i, j, k, c) + part &
-                                    *(u(i, j, k, c) - u_start(i, j, k, c) + dt*rate(i, j, k, c))
-                            end do
-                        end if
+                        hi = 0
+                        do
+                            call next_run(air%awake(:, (j - 1)/brick + 1, (k - 1)/brick + 1), &
+                                air%n(1), lo, hi)
+                            if (lo > air%n(1)) exit
+                            if (first) then
+                                do i = lo, hi
+                                    u_start(i, j, k, c) = u(i, j, k, c)
+                                    u(i, j, k, c) = u(i, j, k, c) + dt*rate(i, j, k, c)
+                                end do
+                            else
+                                do i = lo, hi
+                                    u(i, j, k, c) = u_start(i, j, k, c) + part &
+                                        *(u(i, j, k, c) - u_start(i, j, k, c) + dt*rate(i, j, k, c))
+                                end do
+                            end if
+                        end do
                     end do
                 end do
             end do

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Numbers about all of the air: the stable time step and the conserved totals.
 module brz_air_sums
-    use brz_kinds, only: dp, rk
-    use brz_air_state, only: air_t, cell_gamma, wall_t
+    use brz_air_activity, only: next_run
+    use brz_kinds, only: dp, int8, rk
+    use brz_air_state, only: air_t, brick, cell_gamma, wall_t
     implicit none
     private
     public :: air_time_step, air_totals, products_mass
@@ -20,15 +21,17 @@ contains
         type(wall_t), intent(in) :: wall
         real(dp), intent(in) :: cfl !! Courant number [-]
         real(rk) :: fastest, inverse(3)
-        integer :: j, k, c
+        integer :: j, k, c, at(3)
 
         inverse = merge(real(1/air%dx, rk), 0.0_rk, air%n > 1)
         fastest = 0
+        at = findloc(air%awake, 0_int8)
+        if (at(1) > 0) fastest = fastest_of_row(air, wall, (at - 1)*brick + 1, 1, inverse)
         !$omp parallel do collapse(2) schedule(static) reduction(max: fastest) &
         !$omp& if (size(air%rate) > few_numbers)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
-                fastest = max(fastest, fastest_of_row(air, wall, j, k, inverse))
+                fastest = max(fastest, fastest_awake(air, wall, j, k, inverse))
             end do
         end do
         !$omp end parallel do
@@ -40,22 +43,44 @@ contains
         air_time_step = cfl/fastest
     end function air_time_step
 
-    !> Largest sum_d (|u_d| + c)/dx_d of the gas cells of one row along x.
-    pure real(rk) function fastest_of_row(air, wall, j, k, inverse)
+    !> Largest sum_d (|u_d| + c)/dx_d of the awake cells of one row along x.
+    pure real(rk) function fastest_awake(air, wall, j, k, inverse)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: j, k !! row
         real(rk), intent(in) :: inverse(3) !! 1/dx of the directions that are modelled [1/m]
+        integer :: lo, hi
+
+        fastest_awake = 0
+        hi = 0
+        do
+            call next_run(air%awake(:, (j - 1)/brick + 1, (k - 1)/brick + 1), air%n(1), lo, hi)
+            if (lo > air%n(1)) exit
+            fastest_awake = max(fastest_awake, &
+                fastest_of_row(air, wall, [lo, j, k], hi - lo + 1, inverse))
+        end do
+    end function fastest_awake
+
+    !> Largest sum_d (|u_d| + c)/dx_d of some gas cells in a row along x.
+    pure real(rk) function fastest_of_row(air, wall, first, n, inverse)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: first(3) !! the first of them
+        integer, intent(in) :: n !! how many
+        real(rk), intent(in) :: inverse(3) !! 1/dx of the directions that are modelled [1/m]
         real(rk) :: r, m1, m2, m3, gamma, volume, speed, c2, all_inverse
-        integer :: i
+        integer :: i, j, k, last
         logical :: has_solid
 
+        j = first(2)
+        k = first(3)
+        last = first(1) + n - 1
         has_solid = .false.
-        if (wall%present) has_solid = any(wall%solid(1:air%n(1), j, k) /= 0)
+        if (wall%present) has_solid = any(wall%solid(first(1):last, j, k) /= 0)
         all_inverse = inverse(1) + inverse(2) + inverse(3)
         fastest_of_row = 0
         gamma = air%scheme%gamma
-        do i = 1, air%n(1)
+        do i = first(1), last
             if (has_solid) then
                 if (wall%solid(i, j, k) /= 0) cycle
             end if

@@ -4,9 +4,11 @@
 !> A block is copied to a buffer in which its direction comes first, so that x, y and z run through
 !> the same instructions and give the same bits; then split fluxes, fluxes, differences.
 module brz_air_sweep
-    use brz_kinds, only: dp, rk
-    use brz_air_state, only: air_t, lines_per_block, n_ghost, sweep_work_t, wall_t
-    use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
+    use brz_kinds, only: dp, int8, rk
+    use brz_air_activity, only: awake_along, next_run
+    use brz_air_state, only: air_t, brick, lines_per_block, n_ghost, sweep_work_t, wall_t
+    use brz_grid_lines, only: first_cell_of, line_of, n_blocks, n_lines, turned
+    use brz_gas, only: pressure
     use brz_scheme, only: max_var
     use brz_air_faces, only: flux_at
     use brz_air_lines, only: line_fluxes
@@ -28,14 +30,20 @@ module brz_air_sweep
         logical :: last = .true. !! last direction: the rates are complete
     end type stage_t
 
-    !> Where the lines of a block lie in an array seen as a row of numbers.
-    type :: place_t
+    !> A part of a block of lines, and where it lies in an array seen as a row of numbers.
+    type :: run_t
+        integer :: grid(3) = 1 !! cells of the air
+        integer :: d = 1 !! direction
+        integer :: block = 1
+        integer :: lo = 1, hi = 0 !! cells along the lines
+        integer :: n = 0 !! their number
+        logical :: has_solid = .false. !! some cell of the block holds solid
         integer :: lines = nb !! lines that count, the others repeat the last one
         logical :: adjacent = .false. !! the lines are neighbours in memory
         integer :: start(nb) = 0 !! place of cell 0 of each line
         integer :: along = 1 !! distance of neighbours on a line
         integer :: apart = 1 !! distance of two variables
-    end type place_t
+    end type run_t
 
 contains
 
@@ -47,14 +55,14 @@ contains
         type(stage_t), intent(in) :: stage
         integer :: b
 
-        !$omp parallel do schedule(static) if (product(air%n) > few_cells)
+        !$omp parallel do schedule(dynamic, 4) if (product(air%n) > few_cells)
         do b = 1, n_blocks(air%n, d)
             call sweep_block(air, wall, d, b, stage, air%work(omp_get_thread_num()))
         end do
         !$omp end parallel do
     end subroutine sweep
 
-    !> One block of lines.
+    !> One block of lines: the parts of it that are awake.
     subroutine sweep_block(air, wall, d, b, stage, work)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
@@ -62,62 +70,86 @@ contains
         integer, intent(in) :: b !! block
         type(stage_t), intent(in) :: stage
         type(sweep_work_t), intent(inout) :: work
-        type(place_t) :: place
-        logical :: solid
-        integer :: n, nv
+        integer(int8) :: awake((air%n(d) + brick - 1)/brick)
+        type(run_t) :: run
 
-        n = air%n(d)
-        nv = air%n_var
-        solid = .false.
-        if (wall%present) solid = wall%cut(d)%has_solid(b) == 1
-        call locate(air%n, air%g, d, b, place)
-        call load(n, nv, size(air%u), air%u, place, turned(1, d), work%q)
-        if (solid) call blank_solid(air, wall, d, b, work%q)
-        call line_fluxes(n, nv, air%scheme, work%q, work%f)
-        if (solid) call cut_fluxes(air, wall, d, b, stage%share, work%f)
-        call ends_of_lines(n, nv, place%lines, turned(1, d), work%f, air%edge(1, b))
-        call difference(n, nv, real(1/air%dx(d), rk), work%f)
-        if (solid) call load_off_ledger(air, wall, d, b, work%f)
-        call store(n, nv, air%rate, place, turned(1, d), stage%first, work%f)
-        if (stage%last) call count_suspects(n, nv, stage, work%q, work%f, air%suspect(b))
+        if (stage%last) air%suspect(b) = 0
+        work%ends = 0
+        work%ends(:, 2, :) = pressure(air%scheme%gamma, air%rest)
+        call awake_along(air, d, b, awake)
+        run%grid = air%n
+        run%d = d
+        run%block = b
+        if (wall%present) run%has_solid = wall%cut(d)%has_solid(b) == 1
+        call locate(air%n, air%g, d, b, run)
+        do
+            call next_run(awake, air%n(d), run%lo, run%hi)
+            if (run%lo > air%n(d)) exit
+            run%n = run%hi - run%lo + 1
+            call sweep_run(air, wall, run, stage, work)
+        end do
+        call sum_ends(air%n_var, run%lines, turned(1, d), work%ends, air%edge(1, b))
     end subroutine sweep_block
 
+    !> A part of a block of lines, as lines of their own.
+    subroutine sweep_run(air, wall, run, stage, work)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        type(run_t), intent(in) :: run
+        type(stage_t), intent(in) :: stage
+        type(sweep_work_t), intent(inout) :: work
+        integer :: n, nv
+
+        n = run%n
+        nv = air%n_var
+        call load(n, nv, size(air%u), air%u, run, turned(1, run%d), work%q)
+        if (run%has_solid) call blank_solid(air, wall, run, work%q)
+        call line_fluxes(n, nv, air%scheme, work%q, work%f)
+        if (run%has_solid) call cut_fluxes(air, wall, run, stage%share, work%f)
+        if (run%lo == 1) work%ends(:, :, 1) = work%f(:, :, 0)
+        if (run%hi == air%n(run%d)) work%ends(:, :, 2) = work%f(:, :, n)
+        call difference(n, nv, real(1/air%dx(run%d), rk), work%f)
+        if (run%has_solid) call load_off_ledger(wall, run, nv, work%f)
+        call store(n, nv, air%rate, run, turned(1, run%d), stage%first, work%f)
+        if (stage%last) call count_suspects(n, nv, stage, work%q, work%f, air%suspect(run%block))
+    end subroutine sweep_run
+
     !> Find the lines of a block in an array of n cells with g ghost layers.
-    pure subroutine locate(n, g, d, b, place)
+    pure subroutine locate(n, g, d, b, run)
         integer, intent(in) :: n(3) !! cells
         integer, intent(in) :: g(3) !! ghost layers of the array
         integer, intent(in) :: d !! direction
         integer, intent(in) :: b !! block
-        type(place_t), intent(out) :: place
+        type(run_t), intent(inout) :: run
         integer :: l, cell(3), step(3)
 
         step = [1, n(1) + 2*g(1), (n(1) + 2*g(1))*(n(2) + 2*g(2))]
-        place%along = step(d)
-        place%apart = step(3)*(n(3) + 2*g(3))
-        place%lines = min(nb, n_lines(n, d) - (b - 1)*nb)
+        run%along = step(d)
+        run%apart = step(3)*(n(3) + 2*g(3))
+        run%lines = min(nb, n_lines(n, d) - (b - 1)*nb)
         do l = 1, nb
-            call first_cell_of(n, d, (b - 1)*nb + min(l, place%lines), cell)
+            call first_cell_of(n, d, (b - 1)*nb + min(l, run%lines), cell)
             cell(d) = 0
-            place%start(l) = 1 + dot_product(cell + g - 1, step)
+            run%start(l) = 1 + dot_product(cell + g - 1, step)
         end do
-        place%adjacent = place%lines == nb .and. place%start(nb) - place%start(1) == nb - 1
+        run%adjacent = run%lines == nb .and. run%start(nb) - run%start(1) == nb - 1
     end subroutine locate
 
     !> Copy the lines of a block, ghosts and all, with the vectors turned into direction d.
-    pure subroutine load(n, nv, length, u, place, turn, q)
+    pure subroutine load(n, nv, length, u, run, turn, q)
         integer, intent(in) :: n !! cells on a line
         integer, intent(in) :: nv !! conserved variables
         integer, intent(in) :: length
         real(rk), intent(in) :: u(length)
-        type(place_t), intent(in) :: place
+        type(run_t), intent(in) :: run
         integer, intent(in) :: turn(nv) !! variable in each slot
         real(rk), intent(out) :: q(nb, nv, 1 - n_ghost:n + n_ghost)
         integer :: c, i, l, at
 
-        if (place%adjacent) then
+        if (run%adjacent) then
             do i = 1 - n_ghost, n + n_ghost
                 do c = 1, nv
-                    at = place%start(1) + i*place%along + (turn(c) - 1)*place%apart - 1
+                    at = run%start(1) + (run%lo - 1 + i)*run%along + (turn(c) - 1)*run%apart - 1
                     do l = 1, nb
                         q(l, c, i) = u(at + l)
                     end do
@@ -126,9 +158,9 @@ contains
         else
             do c = 1, nv
                 do l = 1, nb
-                    at = place%start(l) + (turn(c) - 1)*place%apart
+                    at = run%start(l) + (run%lo - 1)*run%along + (turn(c) - 1)*run%apart
                     do i = 1 - n_ghost, n + n_ghost
-                        q(l, c, i) = u(at + i*place%along)
+                        q(l, c, i) = u(at + i*run%along)
                     end do
                 end do
             end do
@@ -138,20 +170,20 @@ contains
     !> Add the rates of a block to their places, or set them.
     !>
     !> The buffer leaves with the sums, which count_suspects needs after the last direction.
-    pure subroutine store(n, nv, rate, place, turn, first, f)
+    pure subroutine store(n, nv, rate, run, turn, first, f)
         integer, intent(in) :: n !! cells on a line
         integer, intent(in) :: nv !! conserved variables
         real(rk), intent(inout) :: rate(*)
-        type(place_t), intent(in) :: place
+        type(run_t), intent(in) :: run
         integer, intent(in) :: turn(nv) !! variable in each slot
         logical, intent(in) :: first !! set, do not add
         real(rk), intent(inout) :: f(nb, nv, 0:n) !! rate of cell i in place i-1
         integer :: c, i, l, at
 
-        if (place%adjacent) then
+        if (run%adjacent) then
             do i = 1, n
                 do c = 1, nv
-                    at = place%start(1) + i*place%along + (turn(c) - 1)*place%apart - 1
+                    at = run%start(1) + (run%lo - 1 + i)*run%along + (turn(c) - 1)*run%apart - 1
                     if (first) then
                         do l = 1, nb
                             rate(at + l) = f(l, c, i - 1)
@@ -167,15 +199,15 @@ contains
         else
             do c = 1, nv
                 do l = 1, nb
-                    at = place%start(l) + (turn(c) - 1)*place%apart
+                    at = run%start(l) + (run%lo - 1)*run%along + (turn(c) - 1)*run%apart
                     if (.not. first) then
                         do i = 1, n
-                            f(l, c, i - 1) = rate(at + i*place%along) + f(l, c, i - 1)
+                            f(l, c, i - 1) = rate(at + i*run%along) + f(l, c, i - 1)
                         end do
                     end if
-                    if (l > place%lines) cycle
+                    if (l > run%lines) cycle
                     do i = 1, n
-                        rate(at + i*place%along) = f(l, c, i - 1)
+                        rate(at + i*run%along) = f(l, c, i - 1)
                     end do
                 end do
             end do
@@ -200,22 +232,22 @@ contains
     end subroutine difference
 
     !> What leaves the lines of a block at their two ends, summed line by line.
-    pure subroutine ends_of_lines(n, nv, lines, turn, f, edge)
-        integer, intent(in) :: n !! cells on a line
+    pure subroutine sum_ends(nv, lines, turn, ends, edge)
         integer, intent(in) :: nv !! conserved variables
         integer, intent(in) :: lines !! lines that count
         integer, intent(in) :: turn(nv) !! variable in each slot
-        real(rk), intent(in) :: f(nb, nv, 0:n) !! fluxes
+        real(rk), intent(in) :: ends(nb, nv, 2) !! fluxes through the first and the last face
         real(dp), intent(out) :: edge(nv) !! sum of fluxes out
         integer :: c, l
 
         do c = 1, nv
             edge(turn(c)) = 0
             do l = 1, lines
-                edge(turn(c)) = edge(turn(c)) + (real(f(l, c, n), dp) - real(f(l, c, 0), dp))
+                edge(turn(c)) = edge(turn(c)) &
+                    + (real(ends(l, c, 2), dp) - real(ends(l, c, 1), dp))
             end do
         end do
-    end subroutine ends_of_lines
+    end subroutine sum_ends
 
     !> Count the cells whose Euler step loses nearly all density or pressure, or is not a number.
     !>
@@ -226,7 +258,7 @@ contains
         type(stage_t), intent(in) :: stage
         real(rk), intent(in) :: q(nb, nv, 1 - n_ghost:n + n_ghost) !! state before
         real(rk), intent(in) :: f(nb, nv, 0:n) !! complete rate of cell i in place i-1
-        integer, intent(out) :: suspects
+        integer, intent(inout) :: suspects !! they are added
         real(rk) :: r, m1, m2, m3, e, old, new
         integer :: i, l, bad(nb)
 
@@ -251,23 +283,23 @@ contains
                 bad(l) = bad(l) + merge(0, 1, new >= -stray*r .and. new <= (1 + stray)*r)
             end do
         end do
-        suspects = sum(bad)
+        suspects = suspects + sum(bad)
     end subroutine count_suspects
 
     !> Put a quiet state without pressure into the solid cells: between two of them all fluxes are
     !> zero, and those between gas and solid are replaced afterwards.
-    subroutine blank_solid(air, wall, d, b, q)
+    subroutine blank_solid(air, wall, run, q)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
-        integer, intent(in) :: d !! direction
-        integer, intent(in) :: b !! block
-        real(rk), intent(inout) :: q(nb, air%n_var, 1 - n_ghost:air%n(d) + n_ghost)
-        integer :: l, i, cell(3)
+        type(run_t), intent(in) :: run
+        real(rk), intent(inout) :: q(nb, air%n_var, 1 - n_ghost:run%n + n_ghost)
+        integer :: l, i, line, cell(3)
 
         do l = 1, nb
-            call first_cell_of(air%n, d, min((b - 1)*nb + l, n_lines(air%n, d)), cell)
-            do i = 1 - n_ghost, air%n(d) + n_ghost
-                cell(d) = i
+            line = min((run%block - 1)*nb + l, n_lines(air%n, run%d))
+            call first_cell_of(air%n, run%d, line, cell)
+            do i = 1 - n_ghost, run%n + n_ghost
+                cell(run%d) = run%lo - 1 + i
                 if (wall%solid(cell(1), cell(2), cell(3)) == 0) cycle
                 q(l, 1, i) = air%rho_rest
                 q(l, 2:, i) = 0
@@ -276,56 +308,55 @@ contains
     end subroutine blank_solid
 
     !> Replace the fluxes of the faces that a solid cell cuts, and book the impulse on the walls.
-    subroutine cut_fluxes(air, wall, d, b, share, f)
+    subroutine cut_fluxes(air, wall, run, share, f)
         type(air_t), intent(in) :: air
         type(wall_t), intent(inout) :: wall
-        integer, intent(in) :: d !! direction
-        integer, intent(in) :: b !! block
+        type(run_t), intent(in) :: run
         real(rk), intent(in) :: share !! weight of the stage times dt [s]
-        real(rk), intent(inout) :: f(nb, air%n_var, 0:air%n(d)) !! fluxes
+        real(rk), intent(inout) :: f(nb, air%n_var, 0:run%n) !! fluxes
         real(rk) :: flux(max_var), p_star, area
-        integer :: e, l, face, low(3)
+        integer :: d, e, l, face, low(3)
 
+        d = run%d
         area = real(product(air%dx)/air%dx(d), rk)
-        do e = wall%cut(d)%first(b), wall%cut(d)%first(b + 1) - 1
+        do e = wall%cut(d)%first(run%block), wall%cut(d)%first(run%block + 1) - 1
             low = wall%cut(d)%face(1:3, e)
+            if (low(d) < run%lo - 1 .or. low(d) > run%hi) cycle
             call flux_at(air, wall, air%scheme, d, low, flux, p_star, wall%cut(d)%speed(e))
             wall%cut(d)%push(e) = wall%cut(d)%side(e)*p_star*real(1/air%dx(d), rk)
-            l = lane_of(air, d, b, low)
-            f(l, :, low(d)) = flux(:air%n_var)
+            l = lane_of(run, low)
+            f(l, :, low(d) - run%lo + 1) = flux(:air%n_var)
             face = wall%cut(d)%face(4, e)
             if (face > 0) wall%impulse(face) = wall%impulse(face) + share*area*p_star
         end do
     end subroutine cut_fluxes
 
     !> Take the pressure on its walls, and the work of it, off the ledger of a solid cell.
-    subroutine load_off_ledger(air, wall, d, b, f)
-        type(air_t), intent(in) :: air
+    subroutine load_off_ledger(wall, run, nv, f)
         type(wall_t), intent(in) :: wall
-        integer, intent(in) :: d !! direction
-        integer, intent(in) :: b !! block
-        real(rk), intent(inout) :: f(nb, air%n_var, 0:air%n(d)) !! rate of cell i in place i-1
-        integer :: e, l, i
+        type(run_t), intent(in) :: run
+        integer, intent(in) :: nv !! conserved variables
+        real(rk), intent(inout) :: f(nb, nv, 0:run%n) !! rate of cell i in place i-1
+        integer :: d, e, l, i
 
-        do e = wall%cut(d)%first(b), wall%cut(d)%first(b + 1) - 1
+        d = run%d
+        do e = wall%cut(d)%first(run%block), wall%cut(d)%first(run%block + 1) - 1
             if (wall%cut(d)%side(e) == 0) cycle
-            i = wall%cut(d)%face(d, e) ! below the face, and so its place if the solid is above
+            ! the cell below the face has the place of the solid if that is above
+            i = wall%cut(d)%face(d, e) - run%lo + 1
             if (wall%cut(d)%side(e) < 0) i = i - 1
-            if (i < 0 .or. i >= air%n(d)) cycle
-            l = lane_of(air, d, b, wall%cut(d)%face(1:3, e))
+            if (i < 0 .or. i >= run%n) cycle
+            l = lane_of(run, wall%cut(d)%face(1:3, e))
             f(l, 2, i) = f(l, 2, i) - wall%cut(d)%push(e)
             f(l, 5, i) = f(l, 5, i) - wall%cut(d)%push(e)*wall%cut(d)%speed(e)
         end do
     end subroutine load_off_ledger
 
     !> Place of a line within its block.
-    pure integer function lane_of(air, d, b, cell)
-        use brz_grid_lines, only: line_of
-        type(air_t), intent(in) :: air
-        integer, intent(in) :: d !! direction
-        integer, intent(in) :: b !! block
+    pure integer function lane_of(run, cell)
+        type(run_t), intent(in) :: run
         integer, intent(in) :: cell(3) !! a cell on the line
 
-        lane_of = line_of(air%n, d, cell) - (b - 1)*nb
+        lane_of = line_of(run%grid, run%d, cell) - (run%block - 1)*nb
     end function lane_of
 end module brz_air_sweep

@@ -46,6 +46,7 @@ module brz_case
         !! 'first_order', 'muscl', 'weno3', 'weno5z'
         character(name_len) :: flux = 'steger_warming' !! or 'hllc'
         character(name_len) :: integrator = 'ssprk3' !! or 'ssprk2'
+        logical :: activity = .true. !! leave out what nothing has reached
         logical :: fallback = .true. !! first-order fluxes where a state would become unphysical
     end type air_case_t
 

@@ -102,6 +102,9 @@ contains
                 key_t(group=g, key='integrator', kind=kind_text, default='ssprk3', &
                       choices='ssprk3|ssprk2', &
                       meaning='Runge-Kutta method: three stages or two; weno5z needs three.'), &
+                key_t(group=g, key='activity', kind=kind_logical, default='.true.', &
+                      meaning='Leave out cells that nothing has reached; the results are the '// &
+                      'same.'), &
                 key_t(group=g, key='fallback', kind=kind_logical, default='.true.', &
                       meaning='First-order fluxes at faces where a state would become '// &
                       'unphysical; they are counted.')]

@@ -84,6 +84,7 @@ contains
             call get(group, 'reconstruction', air%reconstruction)
             call get(group, 'flux', air%flux)
             call get(group, 'integrator', air%integrator)
+            call get(group, 'activity', air%activity)
             call get(group, 'fallback', air%fallback)
         end associate
         call fill_boundaries(deck, g, case)

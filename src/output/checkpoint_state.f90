@@ -39,6 +39,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call carry(file, 'air/u', air%u, err)
+        call carry(file, 'air/reached', air%reached, err)
         call carry(file, 'air/outflow', air%outflow, err)
         call carry(file, 'air/outflow_products', air%outflow_products, err)
         call carry(file, 'air/fallback_faces', air%fallback_faces, err)
