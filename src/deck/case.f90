@@ -33,6 +33,7 @@ module brz_case
     !> &air
     type :: air_case_t
         logical :: present = .false.
+        character(name_len) :: geometry = 'cartesian' !! 'spherical', 'cylindrical', 'planar'
         real(dp) :: lo(3) = 0, hi(3) = 1 !! corners of the box [m]
         integer :: cells(3) = 1 !! 1 in a direction that is not modelled
         !> (low/high, direction): 'outflow', 'wall', 'symmetry', 'periodic'
@@ -61,11 +62,14 @@ module brz_case
     type :: charge_case_t
         character(name_len) :: id = ''
         character(name_len) :: explosive = 'tnt'
-        character(name_len) :: eos = 'ideal'
+        character(name_len) :: start = '3d' !! or '1d'
+        character(name_len) :: eos = 'ideal' !! or 'jwl'
+        character(name_len) :: burn = 'programmed' !! or 'instant'
         character(name_len) :: shape = 'sphere' !! 'sphere', 'cylinder', 'box'
         real(dp) :: mass = 0 !! [kg]
         real(dp) :: density = 1630 !! [kg/m3]
-        real(dp) :: energy = 4.29e6_dp !! [J/kg]
+        real(dp) :: energy = 7.0e9_dp/1630 !! [J/kg]
+        real(dp) :: velocity = 6930 !! of the detonation [m/s]
         real(dp) :: gamma = 0 !! ratio of specific heats of its gas; 0: that of the air
         real(dp) :: at(3) = 0 !! centre [m]
         real(dp) :: aspect = 1 !! cylinder: length over diameter

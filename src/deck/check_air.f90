@@ -2,6 +2,7 @@
 !> Geometry of the air, of boxes of gas and of charges.
 module brz_check_air
     use brz_case, only: case_t, charge_case_t
+    use brz_check_start, only: check_geometry, check_start, is_radial
     use brz_deck, only: add_warning, complain, deck_t, find_group, group_label, &
                         may_be_misspelt
     use brz_get, only: is_usable
@@ -24,6 +25,8 @@ contains
 
         g = find_group(deck, 'air')
         if (g == 0) return
+        call check_geometry(deck, case)
+        if (is_radial(case)) return
         call check_corners(deck, g, case%air%lo, case%air%hi)
         if (case%air%reconstruction == 'weno5z' .and. case%air%integrator == 'ssprk2') &
             call complain(deck, g, 'integrator', "fifth order is unstable with two stages; use "// &
@@ -63,6 +66,7 @@ contains
                     call complain(deck, g, 'id', 'a box of gas needs &air')
                 cycle
             end if
+            if (is_radial(case)) cycle
             call check_corners(deck, g, case%gas(k)%lo, case%gas(k)%hi)
             if (deck%groups(g)%bad .or. air_bad(deck)) cycle
             if (any(case%gas(k)%hi <= case%air%lo .or. case%gas(k)%lo >= case%air%hi)) &
@@ -85,10 +89,12 @@ contains
                 cycle
             end if
             if (deck%groups(g)%bad .or. air_bad(deck)) cycle
+            call check_start(deck, g, case, case%charges(k))
+            if (is_radial(case)) cycle
             if (any(case%charges(k)%at < case%air%lo .or. case%charges(k)%at > case%air%hi)) then
                 call complain(deck, g, 'at', 'its centre '//point_text(case%charges(k)%at)// &
                               ' lies outside the air, '//air_text(case))
-            else
+            else if (case%charges(k)%start == '3d') then
                 call check_charge_size(deck, g, case, case%charges(k))
             end if
         end do
@@ -113,10 +119,11 @@ contains
                           ' cells lie across its radius of '// &
                           cells_text(1000*minval(half, mask=active))// &
                           ' mm; at least 3 are needed, 8 are good: use '// &
-                          'smaller cells or a larger mass')
+                          "smaller cells or a larger mass, or start='1d'")
         else if (n < good_cells) then
             call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))//'only '// &
-                             cells_text(n)//' cells lie across its radius; 8 or more are good')
+                             cells_text(n)//' cells lie across its radius; 8 or more are good '// &
+                             "(start='1d' needs none)")
         end if
         do i = 1, 3
             if (.not. active(i)) cycle

@@ -4,6 +4,7 @@ module brz_check_gauges
     use brz_case, only: case_t, gauge_case_t
     use brz_check_air, only: box_text, point_text
     use brz_check_bodies, only: body_box, reference_hint
+    use brz_check_start, only: is_radial
     use brz_deck, only: complain, deck_t, find_group, may_be_misspelt
     use brz_get, only: is_usable
     use brz_kinds, only: dp
@@ -25,6 +26,7 @@ contains
             k = k + 1
             call find_body(deck, g, case, case%gauges(k))
             if (.not. deck%groups(g)%bad) call check_quantity(deck, g, case, case%gauges(k))
+            if (is_radial(case)) cycle
             if (.not. deck%groups(g)%bad) call check_place(deck, g, case, case%gauges(k))
         end do
     end subroutine check_gauges
@@ -55,7 +57,10 @@ contains
 
         of_body = index(gauge%quantity, 'displacement') == 1
         of_air = any(gauge%quantity == [character(12) :: 'pressure', 'overpressure', 'density'])
-        if (of_body .and. gauge%body_index == 0) then
+        if (is_radial(case) .and. index(gauge%quantity, 'velocity') == 1) then
+            call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
+                          "' needs a direction; along a radius measure the speed")
+        else if (of_body .and. gauge%body_index == 0) then
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
                           "' is that of a body: add body='...'")
         else if (of_air .and. gauge%body_index > 0) then

@@ -5,6 +5,7 @@
 !> keys of the material models are more rows of the same kind, with the model as owner.
 module brz_core_keys
     use brz_body_keys, only: body_keys
+    use brz_explosives, only: explosive_names
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text, none, required
     use brz_kinds, only: dp
     implicit none
@@ -70,10 +71,14 @@ contains
                 key_t(group=g, &
                       meaning='The air: a box of equal cells. Without it no fluid is '// &
                       'computed.'), &
-                key_t(group=g, key='box', n_min=6, n_max=6, unit='m', default=required, &
+                key_t(group=g, key='geometry', kind=kind_text, default='cartesian', &
+                      choices='cartesian|spherical|cylindrical|planar', &
+                      meaning='cartesian: a box of cells. Otherwise one charge in open air, '// &
+                      'along the radius alone; takes neither box nor cells.'), &
+                key_t(group=g, key='box', n_min=6, n_max=6, unit='m', &
                       meaning='Corners of the box: x0, x1, y0, y1, z0, z1.'), &
                 key_t(group=g, key='cells', kind=kind_integer, n_min=3, n_max=3, &
-                      default=required, lower=one, upper=1e6_dp, &
+                      lower=one, upper=1e6_dp, &
                       meaning='Cells in x, y, z; 1 in a direction that is not modelled.'), &
                 key_t(group=g, key='bc', kind=kind_text, n_max=6, default='outflow', &
                       choices='outflow|wall|symmetry|periodic', &
@@ -142,21 +147,33 @@ contains
                       open_lower=.true., &
                       meaning='Mass of the whole charge, also of the parts behind planes of '// &
                       'symmetry.'), &
-                key_t(group=g, key='explosive', kind=kind_text, default='tnt', choices='tnt', &
-                      meaning='Explosive.'), &
-                key_t(group=g, key='eos', kind=kind_text, default='ideal', choices='ideal', &
-                      meaning='Equation of state of the products: an ideal gas.'), &
+                key_t(group=g, key='explosive', kind=kind_text, default='tnt', &
+                      choices=explosive_names, &
+                      meaning='Explosive: gives density, energy, detonation velocity and the '// &
+                      'constants of JWL.'), &
+                key_t(group=g, key='start', kind=kind_text, default='3d', choices='3d|1d', &
+                      meaning='3d: a balloon of hot gas on the grid of the air. 1d: computed '// &
+                      'along the radius until the shock nears an obstacle, then mapped.'), &
+                key_t(group=g, key='eos', kind=kind_text, default='ideal', choices='ideal|jwl', &
+                      meaning='Equation of state of the products: ideal gas, or Jones-Wilkins-'// &
+                      "Lee, which needs start='1d' or a one-dimensional geometry."), &
+                key_t(group=g, key='burn', kind=kind_text, default='programmed', &
+                      choices='programmed|instant', &
+                      meaning="eos='jwl': a detonation from the centre, or burnt at once at "// &
+                      'constant volume.'), &
                 key_t(group=g, key='gamma', lower=one, open_lower=.true., upper=5*one, &
-                      meaning='Ratio of the specific heats of the products; if absent they '// &
-                      'are taken for air. All charges that give one must give the same.'), &
+                      meaning='Ratio of the specific heats of the products. If absent: that '// &
+                      'of the air, or with jwl 1 + omega. All charges must give the same.'), &
                 key_t(group=g, key='shape', kind=kind_text, default='sphere', &
                       choices='sphere|cylinder|box', meaning='Shape.'), &
                 key_t(group=g, key='at', n_min=3, n_max=3, unit='m', default=required, &
                       meaning='Centre.'), &
-                key_t(group=g, key='density', unit='kg/m3', default='1630.0', lower=zero, &
-                      open_lower=.true., meaning='Density of the explosive.'), &
-                key_t(group=g, key='energy', unit='J/kg', default='4.29e6', lower=zero, &
-                      open_lower=.true., meaning='Energy set free by detonation.'), &
+                key_t(group=g, key='density', unit='kg/m3', lower=zero, open_lower=.true., &
+                      meaning='Density of the explosive, if not that of the table.'), &
+                key_t(group=g, key='energy', unit='J/kg', lower=zero, open_lower=.true., &
+                      meaning='Energy set free by detonation, if not that of the table.'), &
+                key_t(group=g, key='velocity', unit='m/s', lower=zero, open_lower=.true., &
+                      meaning='Velocity of the detonation, if not that of the table.'), &
                 key_t(group=g, key='aspect', default='1.0', lower=zero, open_lower=.true., &
                       meaning='Cylinder: length over diameter.'), &
                 key_t(group=g, key='sides', n_min=3, n_max=3, default='1.0, 1.0, 1.0', &

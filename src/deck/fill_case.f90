@@ -5,6 +5,7 @@ module brz_fill_case
                         run_case_t
     use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_entry, &
                         find_group, group_t
+    use brz_explosives, only: explosives, find_explosive
     use brz_get, only: get, is_usable
     use brz_kinds, only: dp
     use brz_layup, only: parse_layup
@@ -74,6 +75,7 @@ contains
 
         associate (group => deck%groups(g), air => case%air)
             air%present = .true.
+            call get(group, 'geometry', air%geometry)
             call get_box(group, air%lo, air%hi)
             call get(group, 'cells', air%cells)
             call get(group, 'density', air%density)
@@ -136,15 +138,26 @@ contains
     subroutine fill_charge(group, charge)
         type(group_t), intent(in) :: group
         type(charge_case_t), intent(inout) :: charge
+        integer :: row
 
         charge%id = group%id
         call get(group, 'mass', charge%mass)
         call get(group, 'explosive', charge%explosive)
+        call get(group, 'start', charge%start)
         call get(group, 'eos', charge%eos)
+        call get(group, 'burn', charge%burn)
+        row = find_explosive(charge%explosive)
+        if (row > 0) then
+            charge%density = explosives(row)%density
+            charge%energy = explosives(row)%energy/explosives(row)%density
+            charge%velocity = explosives(row)%velocity
+            if (charge%eos == 'jwl') charge%gamma = 1 + explosives(row)%omega
+        end if
         call get(group, 'shape', charge%shape)
         call get(group, 'at', charge%at)
         call get(group, 'density', charge%density)
         call get(group, 'energy', charge%energy)
+        call get(group, 'velocity', charge%velocity)
         call get(group, 'gamma', charge%gamma)
         call get(group, 'aspect', charge%aspect)
         call get(group, 'sides', charge%sides)

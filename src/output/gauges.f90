@@ -7,14 +7,17 @@
 module brz_gauges
     use brz_air_probe, only: gas_state_at
     use brz_air_state, only: air_t, wall_t
+    use brz_blast1d_profile, only: blast1d_at
+    use brz_blast1d_state, only: blast1d_t
     use brz_case, only: case_t, gauge_case_t, name_len
+    use brz_check_start, only: is_radial
     use brz_errors, only: error_t, raise, exit_deck
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: velocity_at_step
     implicit none
     private
-    public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_row
+    public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_row, radial_gauge_row
 
     !> What can be measured, and where.
     type :: quantity_t
@@ -49,6 +52,7 @@ module brz_gauges
         integer :: n = 0
         type(gauge_t), allocatable :: list(:) !! (n)
         real(dp) :: rest = 0 !! pressure of the undisturbed air [Pa]
+        logical :: active(3) = .true. !! directions in which the air is modelled
     end type gauges_t
 
 contains
@@ -62,6 +66,7 @@ contains
         integer :: g
 
         gauges%rest = case%air%pressure
+        gauges%active = case%air%cells > 1 .or. is_radial(case)
         if (allocated(case%gauges)) gauges%n = size(case%gauges)
         allocate (gauges%list(gauges%n))
         do g = 1, gauges%n
@@ -150,6 +155,32 @@ contains
             end associate
         end do
     end subroutine gauge_row
+
+    !> One row of the history while the air is a blast in one dimension; bodies wait.
+    subroutine radial_gauge_row(gauges, blast, centre, solid, row)
+        type(gauges_t), intent(in) :: gauges
+        type(blast1d_t), intent(in) :: blast !! prepared
+        real(dp), intent(in) :: centre(3) !! of the charge [m]
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(out) :: row(:) !! (n + 1)
+        real(dp) :: local(3), state(5), arm(3), radius
+        integer :: g
+
+        row(1) = blast%time
+        do g = 1, gauges%n
+            associate (gauge => gauges%list(g))
+                if (gauge%body > 0) then
+                    row(g + 1) = value_of_particle(solid, gauge%place, gauge%quantity)
+                    cycle
+                end if
+                arm = merge(gauge%at - centre, 0.0_dp, gauges%active)
+                radius = norm2(arm)
+                call blast1d_at(blast, radius, local)
+                state = [local(1), local(2)*arm/max(radius, tiny(radius)), local(3)]
+                row(g + 1) = value_of_gas(state, blast%input%pressure, gauge%quantity)
+            end associate
+        end do
+    end subroutine radial_gauge_row
 
     !> Look a particle up again if it has been moved by sorting.
     subroutine find_particle(solid, gauge)

@@ -22,11 +22,12 @@ module brz_output_folder
 
     character(*), parameter :: checkpoint_begin = 'chk_', checkpoint_end = '.h5'
     ! beginnings and ends of the names of results
-    character(*), parameter :: begins(8) = [character(10) :: 'air_', 'solid_', 'air', 'solid', &
-                                            checkpoint_begin, 'energy', 'bodies', 'gauges']
-    character(*), parameter :: ends(8) = [character(14) :: '.vtkhdf', '.vtkhdf', &
+    character(*), parameter :: begins(9) = [character(10) :: 'air_', 'solid_', 'air', 'solid', &
+                                            checkpoint_begin, 'energy', 'bodies', 'gauges', &
+                                            'profile_']
+    character(*), parameter :: ends(9) = [character(14) :: '.vtkhdf', '.vtkhdf', &
                                           '.vtkhdf.series', '.vtkhdf.series', checkpoint_end, &
-                                          '.csv', '.csv', '.csv']
+                                          '.csv', '.csv', '.csv', '.csv']
 
 contains
 

@@ -4,6 +4,7 @@ module brz_run
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_build_case, only: build_case
     use brz_check, only: print_check
+    use brz_check_start, only: is_radial
     use brz_clock, only: start_clock, walltime_is_up
     use brz_command_line, only: options_t
     use brz_deck, only: deck_t
@@ -14,6 +15,7 @@ module brz_run
     use brz_outputs, only: close_outputs, open_outputs, outputs_t, report, save_checkpoint, &
                            write_due
     use brz_progress, only: start_progress
+    use brz_run_radial, only: run_radial
     use brz_scanner, only: read_deck
     use brz_signals, only: checkpoint_asked, listen_to_signals, look_for_stop_file, stop_asked
     use brz_simulation, only: set_up_simulation, simulation_t
@@ -39,6 +41,10 @@ contains
         call read_scene(options, sim, err)
         call choose_backend(options%backend, sim, err)
         if (failed(err)) return
+        if (is_radial(sim%case)) then
+            call run_radial(options, sim%case, err)
+            return
+        end if
         call set_up_simulation(sim, err)
         if (failed(err)) return
         if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes

@@ -271,6 +271,24 @@ def test_shock_tube_alone(tmp_path):
     assert gauges["shock:pressure[Pa]"][-1] == pytest.approx(0.30313, rel=5e-3)
 
 
+def test_free_air_blast(tmp_path):
+    """TNT along the radius: peak and arrival at Z = 0.725 and 1 within 10 % of Kingery-Bulmash."""
+    deck = ROOT / "inputs" / "free_air.nml"
+    done = run("run", deck, "--set", "run.t_end=7e-4", cwd=tmp_path)
+    assert "240 in the charge" in done.stdout
+    gauges = history(tmp_path / "out" / "free_air" / "gauges.csv")
+    for name, peak, arrival in (("z0.725", 1.8728e6, 2.9447e-4), ("z1", 9.3486e5, 5.3184e-4)):
+        pressure = gauges[f"{name}:overpressure[Pa]"]
+        assert pressure.max() == pytest.approx(peak, rel=0.1)
+        first = np.argmax(pressure > 0.5 * pressure.max())
+        assert gauges["time[s]"][first] == pytest.approx(arrival, rel=0.1)
+    profile = history(tmp_path / "out" / "free_air" / "profile_00001.csv")
+    assert profile["products[-]"].sum() == 240
+    assert np.all(np.diff(profile["radius[m]"]) > 0)
+    again = run("run", deck, "--restart", "latest", cwd=tmp_path, code=2)
+    assert "no checkpoint" in again.stderr
+
+
 BAR = """\
 &run title='strong shock on an elastic bar', t_end=4e-4, dimension=1 /
 &air box=0,1, 0,1, 0,1, cells=200,1,1, density=1.2, pressure=1e5, ramp_steps=0 /
