@@ -5,17 +5,18 @@
 !> Method:  strain summed up in axes that turn with the material, stress from the total strain,
 !>          five failure modes (ply_failure.f90), optional equation of state for impact
 !> Source:  criteria of Chang & Chang and of Hou et al. 2000; volumetric split of Anderson 1994
-!> History: deformation gradient (9), strain (6), damage by mode (5)
+!> History: axes (3, see ply_axes.f90), strain (6), damage by mode (5)
 module brz_orthotropic_ply
     use brz_kinds, only: dp, rk
-    use brz_algebra, only: rotate_voigt, to_voigt
+    use brz_algebra, only: rotate_voigt
     use brz_key, only: key_t, none, required
-    use brz_kinematics, only: volume_step, transposed, turn_axes
+    use brz_kinematics, only: volume_step
     use brz_material, only: material_t, point_t, material_ok, material_clamped, &
                             material_step_too_large, n_hist, n_par
     use brz_mie_gruneisen, only: hugoniot_excess, pressure_step, hugoniot_limit, eos_density, &
                                  eos_c0, eos_s1, eos_gamma, eos_mu_max
     use brz_model, only: model_t, real_key, switch_key, text_key
+    use brz_ply_axes, only: axes_matrix, axes_of_matrix, axes_spin, turn_ply
     use brz_ply_failure, only: ply_stress, grow_damage, total_damage, n_modes, fibre_tension, &
                                fibre_compression, matrix_cracking, matrix_crushing, delamination, &
                                p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, p_nu23, &
@@ -26,13 +27,13 @@ module brz_orthotropic_ply
                                p_inverse, p_eos
     implicit none
     private
-    public :: orthotropic_ply, describe_orthotropic_ply, update_orthotropic_ply
+    public :: orthotropic_ply, describe_orthotropic_ply, update_orthotropic_ply, ply_axes
 
     integer, parameter :: orthotropic_ply = 3 !! code of the model
     character(*), parameter :: name = 'orthotropic_ply'
-    integer, parameter :: axes_polar = 1, axes_spin = 2, pressure_anderson = 2
-    ! history: last slot before the deformation gradient, the strain, the damage
-    integer, parameter :: h_gradient = 0, h_strain = 9, h_damage = 15
+    integer, parameter :: pressure_anderson = 2
+    ! history: last slot before the axes, the strain, the damage
+    integer, parameter :: h_axes = 0, h_strain = 3, h_damage = 9
     real(rk), parameter :: wild = 1 !! strain beyond which the axes only spin
 
 contains
@@ -100,8 +101,8 @@ contains
             'weight of the shear stress in the criterion of the fibres', 0.0_dp, 1.0_dp)
         model%keys(p_woven) = switch_key(name, 'woven', '.false.', &
             'a fabric: direction 2 is a fibre direction and fails as one')
-        model%keys(p_axes) = text_key(name, 'axes', 'polar', 'polar|spin', &
-            'axes turn with the polar rotation, or with the spin')
+        model%keys(p_axes) = text_key(name, 'axes', 'polar', 'polar|spin|fibre', &
+            'axes turn with the polar rotation, with the spin, or stay on the fibres')
         model%keys(p_degradation) = text_key(name, 'degradation', 'compliance', &
             'compliance|zeroing', 'how damage lowers the stiffness')
         model%keys(p_time) = real_key(name, 'relaxation_time', 's', none, &
@@ -217,7 +218,7 @@ contains
         real(rk), intent(in) :: angle !! [rad]
         character(1), intent(in) :: axis
         type(point_t), intent(inout) :: point
-        real(rk) :: r(3, 3)
+        real(rk) :: r(3, 3), axes(3)
         integer :: i, j, k
 
         k = index('xyz', axis)
@@ -230,7 +231,8 @@ contains
         r(j, 2) = cos(angle)
         r(k, 3) = 1
         point%hist(1:material%n_hist) = 0
-        point%hist(h_gradient + 1:h_gradient + 9) = reshape(r, [9])
+        call axes_of_matrix(r, axes)
+        point%hist(h_axes + 1:h_axes + 3) = axes
     end subroutine start
 
     !> One step of one material point; see `update_material` for the contract.
@@ -241,17 +243,13 @@ contains
         real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
-        real(rk) :: f(3, 3), middle(3, 3), last(3, 3), e0(6), e1(6), d(6), s0(6), s1(6)
+        real(rk) :: axes(3), last(3, 3), e0(6), e1(6), d(6), s0(6), s1(6)
         real(rk) :: damage(n_modes), mu, dv, v_mid, work, loss
         integer :: i
-        logical :: ok, grown
+        logical :: grown
 
-        call load_history(point%hist, material%par(p_limit), f, e0, damage)
-        call turn_axes(only_spin(material%par, e0, damage), l, dt, f, middle, last, ok)
-        status = material_step_too_large
-        if (.not. ok) return
-        call to_voigt(l, d)
-        call rotate_back(middle, d)
+        call load_history(point%hist, material%par(p_limit), axes, e0, damage)
+        call turn_ply(kind_of_axes(material%par, e0, damage), l, dt, e0, axes, d, last)
         do i = 1, 3
             e1(i) = e0(i) + d(i)*dt
             e1(i + 3) = e0(i + 3) + 2*d(i + 3)*dt
@@ -278,7 +276,7 @@ contains
         end do
         point%work(1) = 0
         point%work(2) = loss*v_mid
-        call store_history(f, e1, damage, point%hist)
+        call store_history(axes, e1, damage, point%hist)
     end subroutine update_orthotropic_ply
 
     !> New compression, energy and wave speeds; the excess of a shock pressure over the linear law.
@@ -320,43 +318,32 @@ contains
         point%c_bulk = sqrt((material%par(p_bulk) + max(slope, 0.0_rk))/material%density)
     end subroutine add_excess
 
-    !> Do the axes just spin? By choice, where fibres are broken, or at wild strains.
+    !> How the axes turn: as the deck says; with the spin where fibres are broken, or where the
+    !> strain is wild.
     !@cuf attributes(host,device) &
-    pure function only_spin(par, strain, damage) result(spin)
+    pure function kind_of_axes(par, strain, damage) result(kind)
         real(rk), intent(in) :: par(n_par), strain(6), damage(n_modes)
+        integer :: kind, i
         logical :: spin
-        integer :: i
 
-        spin = int(par(p_axes)) == axes_spin .or. damage(fibre_tension) > 0 &
-               .or. damage(fibre_compression) > 0
+        spin = damage(fibre_tension) > 0 .or. damage(fibre_compression) > 0
         if (par(p_woven) > 0) &
             spin = spin .or. damage(matrix_cracking) > 0 .or. damage(matrix_crushing) > 0
         do i = 1, 6
-            spin = spin .or. abs(strain(i)) > wild
+            spin = spin .or. .not. abs(strain(i)) <= wild
         end do
-    end function only_spin
-
-    !> Symmetric tensor in the axes r: r^T s r, in place.
-    !@cuf attributes(host,device) &
-    pure subroutine rotate_back(r, s)
-        real(rk), intent(in) :: r(3, 3)
-        real(rk), intent(inout) :: s(6)
-        real(rk) :: t(3, 3)
-
-        call transposed(r, t)
-        call rotate_voigt(t, s)
-    end subroutine rotate_back
+        kind = int(par(p_axes))
+        if (spin) kind = axes_spin
+    end function kind_of_axes
 
     !@cuf attributes(host,device) &
-    pure subroutine load_history(hist, limit, f, strain, damage)
+    pure subroutine load_history(hist, limit, axes, strain, damage)
         real(rk), intent(in) :: hist(n_hist), limit !! history, largest damage
-        real(rk), intent(out) :: f(3, 3), strain(6), damage(n_modes)
+        real(rk), intent(out) :: axes(3), strain(6), damage(n_modes)
         integer :: i
 
         do i = 1, 3
-            f(i, 1) = hist(h_gradient + i)
-            f(i, 2) = hist(h_gradient + 3 + i)
-            f(i, 3) = hist(h_gradient + 6 + i)
+            axes(i) = hist(h_axes + i)
         end do
         do i = 1, 6
             strain(i) = hist(h_strain + i)
@@ -367,15 +354,13 @@ contains
     end subroutine load_history
 
     !@cuf attributes(host,device) &
-    pure subroutine store_history(f, strain, damage, hist)
-        real(rk), intent(in) :: f(3, 3), strain(6), damage(n_modes)
+    pure subroutine store_history(axes, strain, damage, hist)
+        real(rk), intent(in) :: axes(3), strain(6), damage(n_modes)
         real(rk), intent(inout) :: hist(n_hist)
         integer :: i
 
         do i = 1, 3
-            hist(h_gradient + i) = f(i, 1)
-            hist(h_gradient + 3 + i) = f(i, 2)
-            hist(h_gradient + 6 + i) = f(i, 3)
+            hist(h_axes + i) = axes(i)
         end do
         do i = 1, 6
             hist(h_strain + i) = strain(i)
@@ -384,4 +369,18 @@ contains
             hist(h_damage + i) = damage(i)
         end do
     end subroutine store_history
+
+    !> Axes of the ply of a point: the columns are fibre, across, normal.
+    !@cuf attributes(host,device) &
+    pure subroutine ply_axes(hist, r)
+        real(rk), intent(in) :: hist(n_hist)
+        real(rk), intent(out) :: r(3, 3)
+        real(rk) :: axes(3)
+        integer :: i
+
+        do i = 1, 3
+            axes(i) = hist(h_axes + i)
+        end do
+        call axes_matrix(axes, r)
+    end subroutine ply_axes
 end module brz_orthotropic_ply
