@@ -89,6 +89,16 @@ def test_list_and_file(tmp_path):
     assert text == (ROOT / "inputs" / "presets" / "cfrp_ud.nml").read_text()
 
 
+def test_no_preset_has_gone():
+    """What decks and documents refer to."""
+    wanted = (
+        "hjc_48 hjc_44 hjc_40_scaled hjc_35_scaled al2024_paper steel_paper al2024 al6061 al1100"
+    )
+    wanted += " steel_4340 ofhc_copper armco_iron rebar cfrp_ud_paper cfrp_woven_paper cfrp_ud"
+    wanted += " cfrp_woven tnt_jwl tnt_balloon"
+    assert set(wanted.split()) <= set(NAMES)
+
+
 FAULTS = {
     "unknown": ("cfrp_udd", "", ["2: ", "unknown preset 'cfrp_udd'", "'cfrp_ud'?", "cfrp_woven"]),
     "empty": ("", "", ["2: ", "unknown preset ''"]),
