@@ -127,7 +127,7 @@ contains
             do i = coupling%first(c), coupling%first(c + 1) - 1
                 p = coupling%binned(i)
                 mass = mass + solid%mass(p)
-                if (solid%fixed(p) == 0) v = v + solid%mass(p)*solid%v(:, p)
+                v = v + solid%mass(p)*solid%v(:, p)
             end do
             coupling%wall%v(:, c) = v/mass
         end do

@@ -8,7 +8,7 @@ module brz_solid_forces
     use brz_solid_bonds, only: add_bonded_forces
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, centre_t, n_terms, &
                                    sum_plain, sum_stiff, sum_viscous, viscosity
-    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, n_pair, &
+    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, n_pair, &
                                pair_affine, pair_hold, pair_keep, pair_stress, pair_volume, &
                                solid_t, worth_threads
     implicit none
@@ -62,6 +62,7 @@ contains
         integer :: i
 
         solid%search%sums(:, k) = 0
+        if (body%formulation == form_rigid) return
         p%scale = kernel_scale(body%h, solid%dimension)
         p%half_over_h = 1/(2*body%h)
         p%h = body%h

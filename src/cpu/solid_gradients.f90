@@ -12,7 +12,8 @@ module brz_solid_gradients
     use brz_material, only: point_t
     use brz_materials, only: update_material
     use brz_solid_bonds, only: add_bonded_gradients
-    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_uncorrected, &
+    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
+                               form_uncorrected, &
                                lanes, pair_affine, pair_hold, pair_keep, pair_linear, &
                                pair_quadratic, pair_stress, pair_volume, solid_t, worth_threads
     implicit none
@@ -73,6 +74,10 @@ contains
 
         solid%search%sums(:, k) = 0
         solid%search%bad(k) = 0
+        if (body%formulation == form_rigid) then
+            limit = min(limit, real(body%cfl*body%h, dp)/solid%c_wave(solid%block(2, k)))
+            return
+        end if
         p%scale = kernel_scale(body%h, solid%dimension)
         p%half_over_h = 1/(2*body%h)
         do i = solid%block(2, k), solid%block(3, k)

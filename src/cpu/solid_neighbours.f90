@@ -9,7 +9,7 @@ module brz_solid_neighbours
     use brz_kinds, only: dp, int32, int64, int8
     use brz_particle_order, only: reorder_particles
     use brz_solid_links, only: build_links
-    use brz_solid_state, only: body_t, lanes, solid_t, worth_threads
+    use brz_solid_state, only: body_t, form_rigid, lanes, solid_t, worth_threads
     implicit none
     private
     public :: build_neighbours, needs_rebuild
@@ -78,6 +78,11 @@ contains
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(m, last, none)
         do i = body%first, body%last
             last = 0
+            if (body%formulation == form_rigid) then
+                solid%image(i) = 0
+                solid%first(i + 1) = 0
+                cycle
+            end if
             call search(solid, i, 0, reach, .false., none, last)
             solid%image(i) = round_up(last)
             last = 0
@@ -130,6 +135,7 @@ contains
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(m, at, next)
         do i = body%first, body%last
             at = solid%first(i) - 1
+            if (body%formulation == form_rigid) cycle
             call search(solid, i, 0, reach, .true., solid%list, at)
             solid%list(at + 1:solid%image(i) - 1) = i
             solid%mask(solid%first(i):solid%image(i) - 1) = 0

@@ -11,7 +11,8 @@ module brz_solid_step
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_links, only: first_bonds
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
-    use brz_solid_state, only: form_bending, solid_t, worth_threads
+    use brz_solid_rigid, only: balance_rigid, move_rigid
+    use brz_solid_state, only: form_bending, form_rigid, solid_t, worth_threads
     implicit none
     private
     public :: start_solid, resume_solid, solid_time_step, solid_step, velocity_at_step
@@ -36,6 +37,7 @@ contains
         call gradient_pass(solid, 0.0_dp)
         call contact_pass(solid, 0.0_dp)
         call force_pass(solid, 0.0_dp)
+        call balance_rigid(solid, 0.0_dp)
         call report_bad(solid, err)
     end subroutine start_solid
 
@@ -79,6 +81,8 @@ contains
 
         if (solid%steps == 0) call force_pass(solid, dt/2)
         call kick_and_drift(solid, dt)
+        call move_rigid(solid, dt)
+        solid%time = solid%time + dt
         solid%dt_last = dt
         solid%steps = solid%steps + 1
         if (needs_rebuild(solid)) then
@@ -90,6 +94,7 @@ contains
         call break_bonds(solid)
         call contact_pass(solid, dt)
         call force_pass(solid, dt)
+        call balance_rigid(solid, dt)
         call report_bad(solid, err)
     end subroutine solid_step
 
@@ -105,6 +110,8 @@ contains
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, v, work)
         do k = 1, size(solid%block, 2)
             work = 0
+            solid%search%sums(1, k) = 0
+            if (solid%bodies(solid%block(1, k))%formulation == form_rigid) cycle
             do i = solid%block(2, k), solid%block(3, k)
                 if (solid%fixed(i) == 1) cycle
                 v = solid%v(:, i)
@@ -121,14 +128,13 @@ contains
         end do
     end subroutine kick_and_drift
 
-    !> Velocity of a particle at the step itself, zero where it is held [m/s].
+    !> Velocity of a particle at the step itself [m/s].
     pure function velocity_at_step(solid, i) result(v)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
         real(rk) :: v(3)
 
-        v = 0
-        if (solid%fixed(i) == 0) v = solid%v(:, i) + real(solid%dt_last/2, rk)*solid%a(:, i)
+        v = solid%v(:, i) + real(solid%dt_last/2, rk)*solid%a(:, i)
     end function velocity_at_step
 
     !> Neighbours of a particle within reach of the list that still carry load.

@@ -47,6 +47,14 @@ contains
         totals%kinetic = sums(11)
         totals%internal = sums(12)
         totals%damage = sums(13)/max(sums(1), tiny(1.0_dp))
+        do k = 1, size(solid%bodies) ! the turning of the particles of rigid bodies
+            if (b /= 0 .and. b /= k) cycle
+            associate (r => solid%bodies(k)%rigid)
+                totals%angular = totals%angular + r%cell_inertia*r%omega
+                totals%kinetic = totals%kinetic &
+                                 + r%cell_inertia/2*dot_product(r%omega, r%omega)
+            end associate
+        end do
         if (b == 0) then
             totals%hourglass = sum(solid%bodies%ledger%hourglass)
             totals%artificial = sum(solid%bodies%ledger%artificial)

@@ -79,7 +79,13 @@ contains
                       default='0.0, 0.0, 0.0', meaning='Initial velocity.'), &
                 key_t(group=g, key='spin', n_min=3, n_max=3, unit='rad/s', &
                       default='0.0, 0.0, 0.0', &
-                      meaning='Initial angular velocity about the centre of mass.')]
+                      meaning='Initial angular velocity about the centre of mass.'), &
+                key_t(group=g, key='motion_time', n_max=64, unit='s', &
+                      meaning='Times of a prescribed velocity, of a rigid body or of the '// &
+                      'particles that are held.'), &
+                key_t(group=g, key='motion_velocity', n_min=3, n_max=192, unit='m/s', &
+                      meaning='Velocity at these times, three numbers each, straight lines '// &
+                      'between them.')]
     end subroutine shape_keys
 
     subroutine method_keys(keys)
@@ -88,9 +94,11 @@ contains
 
         keys = [keys, &
                 key_t(group=g, key='formulation', kind=kind_text, default='auto', &
-                      choices='auto|bending|corrected_hourglass|corrected|uncorrected|paper', &
+                      choices='auto|bending|corrected_hourglass|corrected|uncorrected|paper|'// &
+                      'rigid', &
                       meaning='auto: bending for elastic materials and plies (they bend and '// &
-                      'may break), corrected_hourglass for all others (they flow or fragment).'), &
+                      'may break), corrected_hourglass for all others (they flow or '// &
+                      'fragment); rigid: moves and turns as a whole.'), &
                 key_t(group=g, key='alpha', lower=zero, upper=10*one, &
                       meaning='Linear artificial viscosity; 1, with paper 2, if absent.'), &
                 key_t(group=g, key='beta', lower=zero, upper=20*one, &

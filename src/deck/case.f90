@@ -11,10 +11,11 @@ module brz_case
     public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
                  body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t, &
                  point_case_t, segment_case_t
-    public :: name_len, max_plies, interaction_case_t
+    public :: name_len, max_plies, max_motion, interaction_case_t
 
     integer, parameter :: name_len = 32 !! longest id or option word
     integer, parameter :: max_plies = 256 !! most plies of one body
+    integer, parameter :: max_motion = 64 !! most points of a prescribed velocity
 
     !> &run
     type :: run_case_t
@@ -112,6 +113,9 @@ module brz_case
         integer :: n_fix_boxes = 0
         real(dp) :: fix_box(6, 8) = 0 !! regions that are held: x0, x1, y0, y1, z0, z1 [m]
         real(dp) :: velocity(3) = 0 !! [m/s]
+        integer :: n_motion = 0 !! points of a prescribed velocity, 0: none
+        real(dp) :: motion_time(max_motion) = 0 !! [s]
+        real(dp) :: motion_velocity(3, max_motion) = 0 !! [m/s]
         real(dp) :: spin(3) = 0 !! angular velocity about the centre of mass [rad/s]
         character(name_len) :: formulation = 'auto' !! see the deck reference
         real(dp) :: alpha = -1, beta = -1 !! artificial viscosity; negative: that of the formulation

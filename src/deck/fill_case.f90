@@ -203,7 +203,43 @@ contains
         end associate
         call fill_plies(deck, g, body)
         call fill_regions(deck, g, body)
+        call fill_motion(deck, g, body)
     end subroutine fill_body
+
+    !> Points of a prescribed velocity: times that grow, three numbers for each.
+    subroutine fill_motion(deck, g, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(body_case_t), intent(inout) :: body
+        real(dp) :: v(size(body%motion_velocity))
+        integer :: n, m
+
+        n = count_values(deck%groups(g), 'motion_time')
+        m = count_values(deck%groups(g), 'motion_velocity')
+        if (m /= 3*n) call complain(deck, g, merge('motion_time    ', 'motion_velocity', m > 3*n), &
+            'motion_velocity has '//to_text(m)//' numbers for '//to_text(n)// &
+            ' times of motion_time; give three numbers for each time')
+        if (n == 0 .or. m /= 3*n) return
+        call get(deck%groups(g), 'motion_time', body%motion_time)
+        if (any(body%motion_time(2:n) <= body%motion_time(:n - 1))) &
+            call complain(deck, g, 'motion_time', 'the times of motion_time must grow')
+        v = 0
+        call get(deck%groups(g), 'motion_velocity', v)
+        body%motion_velocity = reshape(v, shape(body%motion_velocity))
+        body%n_motion = n
+        if (body%formulation /= 'rigid' .and. all(body%fix == '') .and. body%n_fix_boxes == 0) &
+            call complain(deck, g, 'motion_time', 'a prescribed velocity is that of a rigid '// &
+                          "body or of held particles; add formulation='rigid', fix or fix_box")
+    end subroutine fill_motion
+
+    !> Values of a key, 0 where it is absent or in error.
+    pure integer function count_values(group, key) result(n)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+
+        n = 0
+        if (is_usable(group, key)) n = group%entries(find_entry(group, key))%n
+    end function count_values
 
     !> Regions that are held, six numbers each.
     subroutine fill_regions(deck, g, body)

@@ -50,6 +50,7 @@ contains
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
+        call carry(file, 'solid/time', solid%time, err)
         call carry(file, 'solid/dt_last', solid%dt_last, err)
         call carry(file, 'solid/dt_limit', solid%dt_limit, err)
         call carry(file, 'solid/asleep', solid%asleep, err)
@@ -99,7 +100,38 @@ contains
             solid%bodies(b)%reaction = sums(1:3, b)
             solid%bodies(b)%ledger = transfer(sums(4:, b), empty)
         end do
+        call carry_rigid(file, solid, err)
     end subroutine carry_bodies
+
+    !> The motion of rigid and driven bodies.
+    subroutine carry_rigid(file, solid, err)
+        type(h5_t), intent(in) :: file
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        real(dp) :: state(28, size(solid%bodies))
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            associate (r => solid%bodies(b)%rigid)
+                state(:, b) = [r%x, r%q, r%p, r%l, r%force, r%torque, r%omega, r%spin, &
+                               solid%bodies(b)%motion%force]
+            end associate
+        end do
+        call carry(file, 'solid/rigid', state, err)
+        do b = 1, size(solid%bodies)
+            associate (r => solid%bodies(b)%rigid)
+                r%x = state(1:3, b)
+                r%q = state(4:7, b)
+                r%p = state(8:10, b)
+                r%l = state(11:13, b)
+                r%force = state(14:16, b)
+                r%torque = state(17:19, b)
+                r%omega = state(20:22, b)
+                r%spin = state(23:25, b)
+                solid%bodies(b)%motion%force = state(26:28, b)
+            end associate
+        end do
+    end subroutine carry_rigid
 
     subroutine carry_coupling(file, coupling, err)
         type(h5_t), intent(in) :: file

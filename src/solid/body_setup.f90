@@ -13,6 +13,7 @@ module brz_body_setup
     use brz_kinds, only: dp, int8, rk
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
+    use brz_rigid_setup, only: set_up_rigid
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: body_t, solid_t
     implicit none
@@ -49,6 +50,9 @@ contains
             call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
         end do
         solid%asleep = .not. any(abs(solid%v) > 0)
+        do b = 1, size(solid%bodies)
+            call set_up_rigid(case%bodies(b), points(b)%shape%on_plane, solid, solid%bodies(b), err)
+        end do
     end subroutine set_up_solid
 
     !> All materials; their faults are told together.

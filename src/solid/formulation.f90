@@ -7,7 +7,7 @@ module brz_formulation
     use brz_kernel, only: kernel_shape
     use brz_kinds, only: rk
     use brz_solid_state, only: body_t, form_bending, form_corrected, form_corrected_hourglass, &
-                               form_uncorrected
+                               form_rigid, form_uncorrected
     implicit none
     private
     public :: settle_formulation
@@ -42,6 +42,8 @@ contains
             body%formulation = form_bending
         case ('uncorrected', 'paper')
             body%formulation = form_uncorrected
+        case ('rigid')
+            body%formulation = form_rigid
         case default
             call refuse(input, "unknown formulation '"//trim(input%formulation)//"'", err)
         end select

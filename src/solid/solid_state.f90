@@ -8,16 +8,18 @@ module brz_solid_state
     use brz_contact, only: meeting_t
     use brz_kinds, only: dp, int8, int32, int64, rk
     use brz_material, only: material_t
+    use brz_motion, only: motion_t
+    use brz_rigid, only: rigid_t
     implicit none
     private
     public :: solid_t, body_t, ledger_t, search_t
-    public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, lanes
-    public :: worth_threads, links_t, bond_none, bond_whole, bond_broken
+    public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
+    public :: lanes, worth_threads, links_t, bond_none, bond_whole, bond_broken
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
-                          form_uncorrected = 4
+                          form_uncorrected = 4, form_rigid = 5
     integer, parameter :: lanes = 8 !! neighbour lists are padded with the particle itself to a
                                     !! multiple of this
 
@@ -47,6 +49,7 @@ module brz_solid_state
         real(dp) :: contact = 0 !! energy that the springs of contact hold
         real(dp) :: contact_heat = 0 !! heat of damping, and of shared pressure, in contact
         real(dp) :: friction = 0 !! heat of friction
+        real(dp) :: drive = 0 !! work of prescribed motion
     end type ledger_t
 
     !> One body: particles first..last, one material, one formulation.
@@ -67,6 +70,8 @@ module brz_solid_state
         real(rk) :: cfl = 0.4_rk
         real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
         type(ledger_t) :: ledger
+        type(rigid_t) :: rigid !! of a rigid body
+        type(motion_t) :: motion !! that is prescribed
     end type body_t
 
     !> Work arrays of the neighbour search and of the block sums, kept from one use to the next.
@@ -106,6 +111,7 @@ module brz_solid_state
         integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis
         real(dp) :: depth = 1 !! extent of directions that are not modelled, multiplied [m or m2]
+        real(dp) :: time = 0 !! since the start, of the steps taken [s]
         real(dp) :: dt_last = 0 !! last time step [s]
         real(dp) :: dt_limit = 0 !! largest stable time step times the CFL numbers, part of a
                                  !! checkpoint [s]

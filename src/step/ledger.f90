@@ -14,7 +14,7 @@ module brz_ledger
     private
     public :: ledger_t, ledger_start_t, take_stock, energy_columns, ledger_row, body_names, body_row
 
-    integer, parameter :: n_energy = 31, n_body = 14
+    integer, parameter :: n_energy = 32, n_body = 14
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
@@ -27,7 +27,7 @@ module brz_ledger
                                 'impulse_y[N s]', 'impulse_z[N s]', 'mass_error[-]', &
                                 'momentum_error[-]', 'fallback_faces[-]', &
                                 'products[kg]', 'products_out[kg]', &
-                                'contact[J]', 'contact_heat[J]', 'friction[J]']
+                                'contact[J]', 'contact_heat[J]', 'friction[J]', 'drive_work[J]']
 
     !> Columns of bodies.csv, for every body.
     character(20), parameter :: body_columns(n_body) = [character(20) :: &
@@ -49,6 +49,7 @@ module brz_ledger
         real(dp) :: contact(3) = 0 !! held by contact; heat of contact and friction so far [J]
         real(dp) :: air_work = 0 !! energy that the air gave to moving walls so far [J]
         real(dp) :: load_work = 0 !! work of the load on the particles so far [J]
+        real(dp) :: drive = 0 !! work of prescribed motion so far [J]
         real(dp) :: impulse(3) = 0 !! momentum that the air gave to walls so far [N s]
         real(dp) :: total = 0 !! energy of everything, what is lost in coupling included [J]
         real(dp) :: products = 0 !! mass of products of explosives in gas, ledgers and debts [kg]
@@ -100,6 +101,7 @@ contains
             ledger%damage = sum(solid%bodies%ledger%damage)
             ledger%contact = [sums%contact, sum(solid%bodies%ledger%contact_heat), &
                               sum(solid%bodies%ledger%friction)]
+            ledger%drive = sum(solid%bodies%ledger%drive)
             ledger%load_work = sum(solid%bodies%ledger%load)
         end if
         ledger%air_work = coupling%work
@@ -108,7 +110,7 @@ contains
         all(2:4) = all(2:4) + ledger%impulse
         ledger%total = all(5) + ledger%solid_kinetic + ledger%solid_internal + ledger%hourglass &
                        + ledger%artificial + ledger%contact(1) + ledger%air_work &
-                       - ledger%load_work
+                       - ledger%load_work - ledger%drive
         if (.not. start%known) start = ledger_start_t(.true., ledger%total, all(1), all(2:4))
         call judge(start, all, momentum_scale(air, ledger), ledger)
     end subroutine take_stock
@@ -130,7 +132,7 @@ contains
         type(ledger_t), intent(inout) :: ledger
         real(dp) :: energy
 
-        energy = max(abs(start%total), abs(ledger%load_work), tiny(1.0_dp))
+        energy = max(abs(start%total), abs(ledger%load_work), abs(ledger%drive), tiny(1.0_dp))
         ledger%energy_error = (ledger%total - start%total)/energy
         if (start%mass > 0) ledger%mass_error = (all(1) - start%mass)/start%mass
         if (momentum > 0) ledger%momentum_error = maxval(abs(all(2:4) - start%momentum))/momentum
@@ -151,7 +153,7 @@ contains
         row(19:28) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
                       ledger%mass_error, ledger%momentum_error, ledger%fallback_faces, &
                       ledger%products, ledger%products_out]
-        row(29:31) = ledger%contact
+        row(29:32) = [ledger%contact, ledger%drive]
     end function ledger_row
 
     !> Columns of bodies.csv.

@@ -67,6 +67,16 @@ BAD = [
     swap("unit_in_number", "spacing=0.01", "spacing=10mm", 9, "spacing", "'10mm'"),
     swap("decimal_comma", "mass=1.5", "mass=1,5", 7, "mass", "1.5"),
     swap("fraction", "mass=1.5", "mass=3/2", 7, "write fractions as numbers"),
+    swap(
+        "half_motion", "material='steel' /", "material='steel', motion_time=0 /", 9, "three numbers"
+    ),
+    swap(
+        "motion_of_nothing",
+        "material='steel' /",
+        "material='steel', motion_time=0, motion_velocity=1,0,0 /",
+        9,
+        "formulation='rigid'",
+    ),
     # interactions
     swap(
         "meet_nobody",

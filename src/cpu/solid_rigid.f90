@@ -1,0 +1,194 @@
+! SPDX-License-Identifier: MIT
+!> Bodies that do not deform, and particles that are driven: their part of the time step.
+!>
+!> The particles of a rigid body carry its mass to contact, air and output. Their velocity is kept
+!> at half steps like that of all others, and `a` is what brings it to the step.
+module brz_solid_rigid
+    use brz_kinds, only: dp, rk
+    use brz_motion, only: mean_velocity, velocity_of
+    use brz_rigid, only: attitude, cross, spin_of, turn
+    use brz_solid_state, only: body_t, form_rigid, solid_t, worth_threads
+    implicit none
+    private
+    public :: move_rigid, balance_rigid
+
+contains
+
+    !> Kick and drift of rigid and driven bodies over dt, from solid%time on.
+    subroutine move_rigid(solid, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: v(3)
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b))
+                if (body%motion%n > 0) then
+                    v = mean_velocity(body%motion, solid%time, dt)
+                    call book_drive(body, solid%time, dt, v)
+                    if (body%formulation /= form_rigid) call drive(solid, body, dt, v)
+                    body%rigid%p = body%rigid%mass*v
+                end if
+                if (body%formulation == form_rigid) call move_body(solid, body, dt)
+            end associate
+        end do
+    end subroutine move_rigid
+
+    !> Work of what drives a body: its kinetic energy, less what the body itself does, whose second
+    !> half is booked with the force.
+    subroutine book_drive(body, time, dt, v)
+        type(body_t), intent(inout) :: body
+        real(dp), intent(in) :: time, dt, v(3)
+        real(dp) :: before(3), after(3)
+
+        before = velocity_of(body%motion, time)
+        after = velocity_of(body%motion, time + dt)
+        body%ledger%drive = body%ledger%drive - dt/2*dot_product(body%motion%force, v) &
+            + body%motion%mass/2*(dot_product(after, after) - dot_product(before, before))
+    end subroutine book_drive
+
+    !> Carry the held particles of a body along.
+    subroutine drive(solid, body, dt, v)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: dt, v(3)
+        integer :: i
+
+        do i = body%first, body%last
+            if (solid%fixed(i) == 0) cycle
+            solid%v(:, i) = real(v, rk)
+            solid%x(:, i) = solid%x(:, i) + dt*v
+        end do
+    end subroutine drive
+
+    !> One rigid body: momentum by contact and load, then position, attitude and particles.
+    subroutine move_body(solid, body, dt)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(inout) :: body
+        real(dp), intent(in) :: dt
+        real(dp) :: force(3), torque(3), omega(3), q_mid(4), v(3), before(3), mean
+
+        call sum_load(solid, body, force, torque)
+        mean = (solid%dt_last + dt)/2
+        associate (b => body%rigid)
+            before = b%p/b%mass
+            if (body%motion%n == 0) then
+                b%p = (b%p + mean*b%force + dt*force)*b%moves
+                b%l = (b%l + mean*b%torque + dt*torque)*b%turns
+            end if
+            call turn(b, dt, omega, q_mid)
+            v = b%p/b%mass
+            body%ledger%load = body%ledger%load &
+                + dt/2*(dot_product(force, v + before) + dot_product(torque, omega + b%spin))
+            body%reaction = body%reaction + dt*force*(1 - b%moves)
+            b%spin = omega
+            b%x = b%x + dt*v
+        end associate
+        call place_particles(solid, body, v, omega, q_mid)
+    end subroutine move_body
+
+    !> Force and torque of the air on a body.
+    subroutine sum_load(solid, body, force, torque)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(out) :: force(3), torque(3)
+        integer :: i
+
+        force = 0
+        torque = 0
+        do i = body%first, body%last
+            force = force + solid%load(:, i)
+            torque = torque + cross(solid%x(:, i) - body%rigid%x, real(solid%load(:, i), dp))
+        end do
+    end subroutine sum_load
+
+    !> Positions at the step and velocities in its middle.
+    subroutine place_particles(solid, body, v, omega, q_mid)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: v(3), omega(3), q_mid(4)
+        real(dp) :: r(3, 3), half(3, 3), d(3)
+        integer :: i
+
+        half = attitude(q_mid)
+        r = attitude(body%rigid%q)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(d)
+        do i = body%first, body%last
+            d = solid%x_ref(:, i) - body%rigid%centre_ref
+            solid%x(:, i) = body%rigid%x + matmul(r, d)
+            solid%v(:, i) = real(v + cross(omega, matmul(half, d)), rk)
+        end do
+    end subroutine place_particles
+
+    !> Forces of contact on rigid and driven bodies at the step, and `a` of their particles.
+    subroutine balance_rigid(solid, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! step just made [s]
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b))
+                if (body%formulation == form_rigid) call balance_body(solid, body, dt)
+                if (body%motion%n > 0) call balance_drive(solid, body, b, dt)
+            end associate
+        end do
+    end subroutine balance_rigid
+
+    subroutine balance_body(solid, body, dt)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(inout) :: body
+        real(dp), intent(in) :: dt
+        real(dp) :: push(3), v(3)
+        integer :: i
+
+        associate (b => body%rigid)
+            b%force = 0
+            b%torque = 0
+            if (solid%links%present) then
+                do i = body%first, body%last
+                    push = solid%links%push(1:3, i) + solid%links%push(4:6, i)
+                    b%force = b%force + push
+                    b%torque = b%torque + cross(solid%x(:, i) - b%x, push)
+                end do
+            end if
+            v = (b%p + dt/2*b%force*b%moves)/b%mass
+            if (body%motion%n > 0) v = velocity_of(body%motion, solid%time)
+            b%omega = spin_of(b%compliance, b%q, b%l + dt/2*b%torque*b%turns)
+            if (body%motion%n > 0) b%omega = spin_of(b%compliance, b%q, b%l)
+            body%reaction = body%reaction + dt*b%force*(1 - b%moves)
+            if (.not. dt > 0) return
+            do i = body%first, body%last
+                solid%a(:, i) = real(2/dt*(v + cross(b%omega, solid%x(:, i) - b%x) &
+                                           - solid%v(:, i)), rk)
+            end do
+        end associate
+    end subroutine balance_body
+
+    !> Force of a body on what is driven, the work of the half step up to now, and its velocity.
+    subroutine balance_drive(solid, body, b, dt)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(inout) :: body
+        integer, intent(in) :: b
+        real(dp), intent(in) :: dt
+        real(dp) :: v(3)
+        integer :: i, k
+
+        if (.not. dt > 0) return
+        v = velocity_of(body%motion, solid%time)
+        body%motion%force = body%rigid%force
+        if (body%formulation /= form_rigid) then
+            body%motion%force = 0
+            do k = 1, size(solid%block, 2)
+                if (solid%block(1, k) == b) &
+                    body%motion%force = body%motion%force + solid%search%sums(3:5, k)/dt
+            end do
+            do i = body%first, body%last
+                if (solid%fixed(i) == 0) cycle
+                body%motion%force = body%motion%force - solid%load(:, i)
+                solid%a(:, i) = real(2/dt*(v - solid%v(:, i)), rk)
+            end do
+        end if
+        body%ledger%drive = body%ledger%drive &
+            - dt/2*dot_product(body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
+    end subroutine balance_drive
+end module brz_solid_rigid

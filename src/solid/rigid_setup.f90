@@ -1,0 +1,142 @@
+! SPDX-License-Identifier: MIT
+!> Mass, inertia and first motion of rigid bodies; prescribed motion of held particles.
+module brz_rigid_setup
+    use brz_algebra, only: inverse3
+    use brz_case, only: body_case_t
+    use brz_errors, only: error_t, exit_deck, raise
+    use brz_kinds, only: dp, rk
+    use brz_motion, only: velocity_of
+    use brz_rigid, only: cross
+    use brz_solid_state, only: body_t, form_rigid, solid_t
+    implicit none
+    private
+    public :: set_up_rigid
+
+contains
+
+    !> Complete a body whose particles have their places, masses and velocities.
+    subroutine set_up_rigid(input, on_plane, solid, body, err)
+        type(body_case_t), intent(in) :: input
+        logical, intent(in) :: on_plane(3) !! planes of symmetry that cut the body
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(inout) :: body
+        type(error_t), intent(inout) :: err
+        integer :: i
+
+        body%motion%n = input%n_motion
+        if (body%motion%n > 0) then
+            body%motion%time = input%motion_time(:input%n_motion)
+            body%motion%v = input%motion_velocity(:, :input%n_motion)
+        end if
+        if (body%formulation == form_rigid) call make_rigid(input, on_plane, solid, body, err)
+        if (body%motion%n == 0) return
+        solid%asleep = .false.
+        do i = body%first, body%last
+            if (body%formulation /= form_rigid .and. solid%fixed(i) == 0) cycle
+            body%motion%mass = body%motion%mass + solid%mass(i)
+            if (body%formulation /= form_rigid) &
+                solid%v(:, i) = real(velocity_of(body%motion, 0.0_dp), rk)
+        end do
+    end subroutine set_up_rigid
+
+    subroutine make_rigid(input, on_plane, solid, body, err)
+        type(body_case_t), intent(in) :: input
+        logical, intent(in) :: on_plane(3)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(inout) :: body
+        type(error_t), intent(inout) :: err
+        real(dp) :: inertia(3, 3), v(3)
+        integer :: i, held
+
+        held = count(solid%fixed(body%first:body%last) == 1)
+        if (held > 0 .and. held <= body%last - body%first) call raise(err, exit_deck, &
+            "&body id='"//trim(input%id)//"': a rigid body is held as a whole (fix='all') or "// &
+            'not at all')
+        call freedom(solid, on_plane, held > 0, body)
+        associate (b => body%rigid)
+            call sum_mass(solid, body, on_plane, inertia)
+            call invert_free(inertia, b%turns, b%compliance)
+            v = input%velocity*b%moves
+            if (body%motion%n > 0) v = velocity_of(body%motion, 0.0_dp)
+            b%p = b%mass*v
+            b%omega = input%spin*b%turns
+            b%spin = b%omega
+            b%l = matmul(inertia, b%omega)*b%turns
+            do i = body%first, body%last
+                solid%v(:, i) = real(v + cross(b%omega, solid%x(:, i) - b%x), rk)
+            end do
+        end associate
+    end subroutine make_rigid
+
+    !> Components of velocity and spin that the body may have: a body on a plane of symmetry
+    !> moves in it and turns about its normal.
+    subroutine freedom(solid, on_plane, held, body)
+        type(solid_t), intent(in) :: solid
+        logical, intent(in) :: on_plane(3), held
+        type(body_t), intent(inout) :: body
+        integer :: a
+
+        associate (b => body%rigid)
+            do a = 1, 3
+                if (on_plane(a) .or. a > solid%dimension) b%moves(a) = 0
+                if (on_plane(a)) b%turns = b%turns*merge(1, 0, [1, 2, 3] == a)
+            end do
+            if (solid%dimension < 3) b%turns(1:2) = 0
+            if (solid%dimension == 1 .or. held) b%turns = 0
+            if (held) b%moves = 0
+        end associate
+    end subroutine freedom
+
+    !> Mass, centre, and inertia about it: that of the particles as points and of their cells.
+    subroutine sum_mass(solid, body, on_plane, inertia)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(inout) :: body
+        logical, intent(in) :: on_plane(3)
+        real(dp), intent(out) :: inertia(3, 3)
+        real(dp) :: d(3), m
+        integer :: a, i
+
+        associate (b => body%rigid)
+            b%mass = sum(real(solid%mass(body%first:body%last), dp))
+            do a = 1, 3
+                b%x(a) = sum(solid%mass(body%first:body%last)*solid%x(a, body%first:body%last)) &
+                         /b%mass
+            end do
+            where (on_plane) b%x = 0
+            b%centre_ref = b%x
+            b%cell_inertia = b%mass*body%spacing**2/6
+            inertia = 0
+            do i = body%first, body%last
+                d = solid%x(:, i) - b%x
+                m = solid%mass(i)
+                do a = 1, 3
+                    inertia(:, a) = inertia(:, a) - m*d*d(a)
+                    inertia(a, a) = inertia(a, a) + m*dot_product(d, d)
+                end do
+            end do
+            do a = 1, 3
+                inertia(a, a) = inertia(a, a) + b%cell_inertia
+            end do
+        end associate
+    end subroutine sum_mass
+
+    !> Inverse of the inertia among the axes about which the body may turn, 0 elsewhere.
+    subroutine invert_free(inertia, turns, compliance)
+        real(dp), intent(in) :: inertia(3, 3), turns(3)
+        real(dp), intent(out) :: compliance(3, 3)
+        real(dp) :: scale
+        real(rk) :: a(3, 3), b(3, 3)
+        integer :: i
+        logical :: ok
+
+        scale = maxval(abs(inertia))
+        do i = 1, 3
+            a(:, i) = real(inertia(:, i)/scale*turns*turns(i), rk)
+            if (.not. turns(i) > 0) a(i, i) = 1
+        end do
+        call inverse3(a, b, ok)
+        do i = 1, 3
+            compliance(:, i) = b(:, i)/scale*turns*turns(i)
+        end do
+    end subroutine invert_free
+end module brz_rigid_setup
