@@ -2,6 +2,7 @@
 !> From the deck to the air at time zero: grid, undisturbed gas, boxes of gas, charges.
 module brz_air_setup
     use brz_kinds, only: dp, int8, rk
+    use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, brick, bc_outflow, bc_periodic, bc_symmetry, bc_wall, &
         charge_report_t, n_ghost
     use brz_case, only: case_t, charge_case_t, gas_case_t
@@ -53,6 +54,7 @@ contains
                 call fill_box(air, case%gas(m))
             end do
         end if
+        call keep_outside(air)
         if (.not. allocated(case%charges)) return
         allocate (air%charge(size(case%charges)))
         do m = 1, size(case%charges)

@@ -5,7 +5,7 @@ module brz_air_state
     use brz_scheme, only: max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t
+    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t, outside_t
     public :: n_ghost, lines_per_block, brick
     public :: cell_gamma
     public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic
@@ -27,6 +27,11 @@ module brz_air_state
         real(rk), allocatable :: f(:, :, :) !! (lines, n_var, 0:n) fluxes, then rates
         real(rk), allocatable :: ends(:, :, :) !! (lines, n_var, 2) fluxes through the outer faces
     end type sweep_work_t
+
+    !> The gas beyond an open boundary: that of the cells next to it before anything happened.
+    type :: outside_t
+        real(rk), allocatable :: q(:, :, :) !! (n_var, n, n) conserved variables, face by face
+    end type outside_t
 
     !> What became of a charge on the grid.
     type :: charge_report_t
@@ -53,6 +58,7 @@ module brz_air_state
         logical :: fallback = .true.
         real(rk) :: rho_rest = 1.225_rk, p_rest = 101325 !! undisturbed air
         real(rk) :: rest(max_var) = 0 !! its conserved variables
+        type(outside_t) :: outside(2, 3) !! (low/high, direction), where the boundary is open
         logical :: activity = .false. !! leave out what nothing has reached
         real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the ledger
         real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (ghosts unused)

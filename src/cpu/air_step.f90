@@ -48,7 +48,7 @@ contains
         call set_scale(air)
         call find_awake(air, wall)
         do m = 1, air%n_stages
-            call fill_ghosts(air)
+            call fill_ghosts(air, wall)
             stage%share = share(m, air%n_stages)*stage%dt
             stage%first = .true.
             do d = 1, last
