@@ -79,7 +79,7 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(LIB)
 	$(call say,link $@)
 	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
 
-.PHONY: unit verify python lint format check-docs gpu-check setup test demo bench
+.PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
 	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
@@ -98,6 +98,8 @@ demo: setup ## a coarse blast on a CFRP plate, with pictures
 	$(PY) -m post report out/demo
 bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
 	@for program in $^; do $$program || exit 1; done
+golden: all ## write the golden curves of tests/golden anew from inputs/material
+	@$(PY) tests/python/golden.py
 python: all ## tests of the Python tools and of the whole program
 	@$(PY) -m pytest --junitxml=build/log/python.xml $(ARGS)
 lint: ## format, linters, the rules of the house

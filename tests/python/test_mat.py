@@ -9,7 +9,6 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 BRISANCE = ROOT / "bin" / "brisance"
-DECKS = ROOT / "inputs" / "material"
 
 ELASTIC = """\
 &material id='m' model='linear_elastic' density=1000
@@ -152,15 +151,3 @@ def test_check_writes_nothing(tmp_path):
 def test_bad_decks(tmp_path, deck, message):
     _, done = drive(tmp_path, ELASTIC + deck + "\n", code=2)
     assert message in done.stderr
-
-
-@pytest.mark.parametrize("name", sorted(d.name for d in DECKS.glob("*.nml")))
-def test_decks_of_the_project(tmp_path, name):
-    done = subprocess.run(
-        [BRISANCE, "mat", DECKS / name, "--out", tmp_path / "t.csv"],
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    table = read(tmp_path / "t.csv")
-    assert np.isfinite([list(row) for row in table]).all()

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""Golden curves: one small table per deck of inputs/material, kept in tests/golden.
+
+usage: make golden      writes them anew; look at what changed before you commit it
+"""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+BRISANCE = ROOT / "bin" / "brisance"
+DECKS = ROOT / "inputs" / "material"
+GOLDEN = ROOT / "tests" / "golden"
+TOLERANCE = 1e-6  # of the largest number of a column
+
+
+def names():
+    return sorted(deck.stem for deck in DECKS.glob("*.nml"))
+
+
+def drive(name, out, *args):
+    """The table of a deck, as names of columns and rows of numbers."""
+    command = [BRISANCE, "mat", DECKS / f"{name}.nml", "--out", out, "--replace", *args]
+    done = subprocess.run(command, capture_output=True, text=True)
+    assert done.returncode == 0, f"{name}: {done.stderr}"
+    return read(out)
+
+
+def read(file):
+    with Path(file).open() as lines:
+        columns = lines.readline().strip().split(",")
+        return columns, np.loadtxt(lines, delimiter=",", ndmin=2)
+
+
+def differences(golden, found):
+    """What differs, in words; nothing if the tables agree."""
+    if golden[0] != found[0]:
+        return ["the columns differ"]
+    if golden[1].shape != found[1].shape:
+        return [f"{len(found[1])} rows in place of {len(golden[1])}"]
+    scale = np.abs(golden[1]).max(axis=0)
+    error = np.abs(found[1] - golden[1]).max(axis=0)
+    return [
+        f"{name}: off by {e:.3g}, largest number {s:.3g}"
+        for name, e, s in zip(golden[0], error, scale, strict=True)
+        if not e <= TOLERANCE * max(s, scale_of(name))
+    ]
+
+
+def scale_of(name):
+    """Numbers below this count as zero, times the tolerance: rounding of stresses that cancel."""
+    return {"Pa": 1e7, "J/kg": 1.0}.get(name.partition("[")[2].rstrip("]"), 1e-6)
+
+
+def main():
+    GOLDEN.mkdir(exist_ok=True)
+    for old in GOLDEN.glob("*.csv"):
+        old.unlink()
+    for name in names():
+        file = GOLDEN / f"{name}.csv"
+        columns, rows = drive(name, file)
+        with file.open("w") as out:
+            out.write(",".join(columns) + "\n")
+            for row in rows:
+                out.write(",".join(f"{x:.9g}" for x in row) + "\n")
+        print(f"{file.relative_to(ROOT)}: {len(rows)} rows, {file.stat().st_size} bytes")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()
