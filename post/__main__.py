@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Command line: `python -m post report OUTDIR` and `python -m post frame OUTDIR`."""
+"""Command line: `python -m post report OUTDIR`, `frame OUTDIR`, `material FILE.csv`."""
 
 from __future__ import annotations
 
@@ -17,8 +17,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run a command; its exit code."""
     options = _parser().parse_args(arguments)
     try:
-        run = Run(options.folder)
-        return options.command(run, options)
+        return options.command(options)
     except PostError as error:
         print(f"post: {error}", file=sys.stderr)
         return error.code
@@ -44,22 +43,36 @@ def _parser() -> argparse.ArgumentParser:
         "--time", type=float, metavar="T", help="time [s]; the nearest dump is drawn"
     )
     frame.add_argument("--view", choices=VIEWS, default="blast", help="what is drawn")
+    material = commands.add_parser("material", help="curves of a table of `brisance mat`")
+    material.set_defaults(command=_material)
+    material.add_argument("files", metavar="FILE.csv", nargs="+", help="tables, to be compared")
+    material.add_argument("--out", metavar="FILE.png", help="picture (default: FILE.png)")
     return parser
 
 
-def _report(run: Run, options: argparse.Namespace) -> int:
+def _report(options: argparse.Namespace) -> int:
     from post.report import make_report  # noqa: PLC0415 (slow to load)
 
+    run = Run(options.folder)
     page, text = make_report(run, options.reference)
     print(text)
     print(f"report: {page}")
     return run.exit_code
 
 
-def _frame(run: Run, options: argparse.Namespace) -> int:
+def _material(options: argparse.Namespace) -> int:
+    from post.material import draw_material  # noqa: PLC0415
+
+    out = Path(options.out) if options.out else None
+    print(draw_material([Path(file) for file in options.files], out))
+    return 0
+
+
+def _frame(options: argparse.Namespace) -> int:
     from post.scene import draw_blast, draw_bodies  # noqa: PLC0415
     from post.section import draw_sheet  # noqa: PLC0415
 
+    run = Run(options.folder)
     frame = None
     if options.time is not None:
         if not 0 <= options.time <= run.end * (1 + 1e-6):

@@ -2,13 +2,20 @@
 """`brisance mat`: one material point along a path, from outside."""
 
 import subprocess
+import sys
 from pathlib import Path
 
+import matplotlib.image
 import numpy as np
 import pytest
 
 ROOT = Path(__file__).parents[2]
 BRISANCE = ROOT / "bin" / "brisance"
+GOLDEN = ROOT / "tests" / "golden"
+sys.path.insert(0, str(ROOT))
+
+from post import material  # noqa: E402
+from post.__main__ import main  # noqa: E402
 
 ELASTIC = """\
 &material id='m' model='linear_elastic' density=1000
@@ -151,3 +158,39 @@ def test_check_writes_nothing(tmp_path):
 def test_bad_decks(tmp_path, deck, message):
     _, done = drive(tmp_path, ELASTIC + deck + "\n", code=2)
     assert message in done.stderr
+
+
+@pytest.mark.parametrize(
+    ("names", "titles"),
+    [
+        (["johnson_cook_tension"], ["Pressure", "Stress path", "Stress and strain", "State"]),
+        (["jwl_expansion"], ["Pressure", "Expansion", "Stress and strain", "Energy"]),
+        (["bilinear_rebar", "johnson_cook_tension"], ["Pressure", "Damage"]),
+    ],
+)
+def test_pictures(tmp_path, monkeypatch, names, titles):
+    """Four panels, drawn to the limits of the table and not beyond."""
+    drawn = {}
+
+    def keep(figure, path):
+        drawn["figure"] = figure
+        return save(figure, path)
+
+    save = material.save
+    monkeypatch.setattr(material, "save", keep)
+    files = [str(GOLDEN / f"{name}.csv") for name in names]
+    assert main(["material", *files, "--out", str(tmp_path / "p.png")]) == 0
+    assert matplotlib.image.imread(tmp_path / "p.png").std() > 0.05
+    panels = [axes for axes in drawn["figure"].axes if axes.get_title(loc="left")]
+    assert len(panels) == 4
+    assert {axes.get_title(loc="left") for axes in panels} >= set(titles)
+    table = read(files[0])
+    mu = table["rho[kg/m3]"] / table["rho[kg/m3]"][0] - 1
+    assert panels[0].lines[0].get_xdata() == pytest.approx(mu, abs=1e-12)
+    assert all(np.isfinite(line.get_ydata()).all() for axes in panels for line in axes.lines)
+
+
+def test_pictures_of_something_else_are_refused(tmp_path, capsys):
+    (tmp_path / "energy.csv").write_text("time[s],total[J]\n0,1\n1,1\n")
+    assert main(["material", str(tmp_path / "energy.csv")]) != 0
+    assert "no table of `brisance mat`" in capsys.readouterr().err
