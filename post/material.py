@@ -51,6 +51,8 @@ def draw_material(files: list[Path], picture: Path | None = None) -> Path:
         draw_stress(panels[1, 0], curves)
         draw_one_state(panels[1, 1], curves)
     for panel in panels.flat:
+        if panel.get_xscale() == "linear":
+            panel.locator_params(axis="x", nbins=5)
         if len(files) == 1 or panel is panels[0, 0]:
             legend_above(panel, columns=3 if len(files) == 1 else 2)
     return save(figure, picture or files[0].with_suffix(".png"))
