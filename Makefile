@@ -29,6 +29,7 @@ FFLAGS    = -std=f2018 -fopenmp $(if $(DEBUG),$(CHECKED),$(if $(QUICK),$(QUICKLY
             $(if $(filter mixed,$(PRECISION)),-DBRZ_MIXED) $(EXTRA_FFLAGS)
 COMPILE   = $(FC) $(FFLAGS) $(HDF5_CFLAGS) -J$(B)/mod
 Q        := $(if $(V),,@)
+PY       := .venv/bin/python
 say       = $(if $(V),,@echo '  $(1)')
 
 # --- sources: whatever is there ----------------------------------------------------------------
@@ -36,9 +37,14 @@ SRC  := $(sort $(shell find src -name '*.f90' -o -name '*.F90'))
 MAIN := $(wildcard src/main.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)))) $(B)/obj/version.o $(B)/obj/presets.o
 LIB  := $(B)/brisance.o
+KERNELS := $(sort $(wildcard cuda/*.CUF))
+PTX  := $(BIN).ptx
+# what the GPU code is made from; the executable refuses a PTX file of other sources
+DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(KERNELS)
+STAMP := $(shell cat $(DEVICE) scripts/cuda_fortran.py | sha1sum | cut -c 1-16)
 SAVE := scripts/write_if_changed.sh
 
-.PHONY: all lib clean help FORCE
+.PHONY: all lib gpu emulator clean help FORCE
 all: $(if $(MAIN),$(BIN),lib) ## build bin/brisance
 lib: $(LIB) ## build everything but the main program
 
@@ -51,6 +57,17 @@ $(BIN): $(B)/obj/src/main.o $(LIB)
 $(LIB): $(OBJ)
 	$(call say,optimise $@)
 	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG)$(QUICK),,-fPIE -flinker-output=nolto-rel) -o $@ $(OBJ)
+gpu: $(PTX) ## build the GPU code (FMA=off: no contraction, for comparisons with the CPU)
+$(PTX): $(SRC) $(KERNELS) scripts/cuda_fortran.py scripts/gpu_build.py
+	@mkdir -p $(@D)
+	$(Q)$(PY) scripts/gpu_build.py --work build/gpu/ptx$(KIND) --out $@ --stamp $(STAMP) \
+	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(if $(filter off,$(FMA)),--no-fma) $(SRC) $(KERNELS)
+EMULATOR := build/gpu/emulator$(KIND)/libcuda.so.1
+emulator: $(EMULATOR) ## a CUDA driver that runs the kernels on the CPU: LD_LIBRARY_PATH=build/gpu/emulator
+$(EMULATOR): $(DEVICE) scripts/gpu_emulate.py tests/gpu/emulator.c tests/gpu/emulated_cuda.f90
+	$(call say,emulate $@)
+	$(Q)$(PY) scripts/gpu_emulate.py --work build/gpu/emulated$(KIND) --out $@ \
+	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(SRC) $(KERNELS) >/dev/null
 $(B)/obj/%.o: %.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
@@ -65,13 +82,13 @@ $(B)/obj/version.o $(B)/obj/presets.o: $(B)/obj/%.o: $(B)/%.f90 $(B)/command
 	$(Q)$(COMPILE) -c $< -o $@
 $(B)/version.f90: FORCE
 	@scripts/version.py --version '$(VERSION)' --compiler "$$($(FC) --version | head -n 1)" \
-	    --flags '$(strip $(FFLAGS))' --precision $(PRECISION) | $(SAVE) $@
+	    --flags '$(strip $(FFLAGS))' --precision $(PRECISION) --device-code $(STAMP) | $(SAVE) $@
 $(B)/presets.f90: scripts/presets.py FORCE
 	@$< $(wildcard inputs/presets/*.nml) | $(SAVE) $@
 
 # --- tests: one executable for each of tests/unit and tests/verify -----------------------------
-PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf))
-PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90))
+PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf tests/gpu/*.pf))
+PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90) tests/gpu/gpu_tools.f90)
 include tests/pfstub/pfunit.mk
 BENCH    := $(sort $(wildcard tests/bench/bench_*.f90))
 $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(LIB)
@@ -84,10 +101,26 @@ unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (
 	@mkdir -p build/log
 	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
 
+# The same tests on a GPU, or anywhere with the emulated driver. They need no compiler: carry $(B)/tests/gpu and bin.
+GPU_TEST = BRISANCE_PTX=$(PTX) $(B)/tests/gpu/run
+gpu-tests: $(B)/tests/gpu/run $(B)/tests/gpu/bench_gpu $(PTX) ## build the tests and the benchmark of the GPU
+test-gpu: ## run the tests of the GPU (make gpu-tests builds them)
+	$(GPU_TEST) $(ARGS)
+bench-gpu: ## measure the speed on the GPU (ARGS: cells in each direction)
+	BRISANCE_PTX=$(PTX) $(B)/tests/gpu/bench_gpu $(or $(ARGS),128 256 400)
+emulated: $(B)/tests/gpu/run $(EMULATOR) ## run the tests of the GPU with the emulated driver
+	@mkdir -p build/log
+	@echo '// $(STAMP)' > build/gpu/emulated.ptx
+	LD_LIBRARY_PATH=$(dir $(EMULATOR)) BRISANCE_PTX=build/gpu/emulated.ptx $(B)/tests/gpu/run -x build/log/emulated.xml $(ARGS)
+$(B)/tests/gpu/bench_gpu: $(B)/obj/tests/gpu/bench_gpu.o $(B)/obj/tests/gpu/gpu_tools.o $(LIB)
+	@mkdir -p $(@D)
+	$(call say,link $@)
+	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
+.PHONY: gpu-tests test-gpu bench-gpu emulated
+
 # --- what users and CI call ---------------------------------------------------------------------
-PY     := .venv/bin/python
 FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90')
-PARTS  := all unit verify python lint check-docs gpu-check
+PARTS  := all unit verify emulated python lint check-docs gpu-check gpu
 setup: ## install what is missing
 	@scripts/setup.sh
 test: setup ## build and run every test
@@ -100,7 +133,7 @@ bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
 	@for program in $^; do $$program || exit 1; done
 golden: all ## write the golden curves of tests/golden anew from inputs/material
 	@$(PY) tests/python/golden.py
-python: all ## tests of the Python tools and of the whole program
+python: all emulator ## tests of the Python tools and of the whole program
 	@$(PY) -m pytest --junitxml=build/log/python.xml $(ARGS)
 lint: ## format, linters, the rules of the house
 	@bad=0; $(PY) scripts/format.py --check $(FORMAT) || bad=1; \
@@ -120,7 +153,7 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH)
+SCANNED = $(SRC) tests/gpu/bench_gpu.f90 $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
 	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@
@@ -129,7 +162,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test demo lint format gpu-check
+NO_BUILD := clean help setup test demo lint format gpu-check gpu emulator
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif

@@ -3,6 +3,7 @@
 """Print the source of module brz_version: what was built, by what, from which commit.
 
 usage: version.py --version TEXT --compiler TEXT --flags TEXT --precision TEXT
+                  --device-code TEXT
 """
 
 import argparse
@@ -31,14 +32,14 @@ def literal(text):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    for name in ("version", "compiler", "flags", "precision"):
+    for name in ("version", "compiler", "flags", "precision", "device-code"):
         parser.add_argument(f"--{name}", required=True)
     args = vars(parser.parse_args())
     args["commit"] = commit()
     print("! SPDX-License-Identifier: MIT")
     print("!> What was built. Written by scripts/version.py: do not edit.")
     print("module brz_version\n    implicit none\n    private")
-    for name in ("version", "commit", "compiler", "flags", "precision"):
+    for name in ("version", "commit", "compiler", "flags", "precision", "device_code"):
         print(f"    character(*), parameter, public :: {name} = &\n        {literal(args[name])}")
     print("end module brz_version")
 

@@ -6,7 +6,7 @@ module brz_air_probe
     use brz_gas, only: to_primitive
     implicit none
     private
-    public :: gas_state_at
+    public :: gas_state_at, cells_around
 
     integer, parameter :: reach = 3 !! cells to look around if the eight nearest hold only solid
 
@@ -25,9 +25,7 @@ contains
         real(dp) :: x(3), weight, total
         integer :: low(3), cell(3), m, d
 
-        x = min(max((point - air%lo)/air%dx + 0.5_dp, 1.0_dp), real(air%n, dp))
-        low = min(floor(x), max(air%n - 1, 1))
-        x = x - low
+        call place_between(air, point, low, x)
         state = 0
         total = 0
         do m = 0, 7
@@ -47,6 +45,32 @@ contains
             call nearest_gas(air, wall, low + nint(x), state)
         end if
     end subroutine gas_state_at
+
+    !> The eight cells that a point lies between; the last cells continue at the boundary.
+    pure subroutine cells_around(air, point, cells)
+        type(air_t), intent(in) :: air
+        real(dp), intent(in) :: point(3) !! [m]
+        integer, intent(out) :: cells(3, 0:7) !! bit d-1 of the number: the upper one in direction d
+        real(dp) :: x(3)
+        integer :: low(3), m
+
+        call place_between(air, point, low, x)
+        do m = 0, 7
+            cells(:, m) = min(low + [ibits(m, 0, 1), ibits(m, 1, 1), ibits(m, 2, 1)], air%n)
+        end do
+    end subroutine cells_around
+
+    !> Lowest of the eight cells around a point, and its place between them.
+    pure subroutine place_between(air, point, low, x)
+        type(air_t), intent(in) :: air
+        real(dp), intent(in) :: point(3) !! [m]
+        integer, intent(out) :: low(3)
+        real(dp), intent(out) :: x(3) !! 0: at the centre of the lower cell, 1: of the upper
+
+        x = min(max((point - air%lo)/air%dx + 0.5_dp, 1.0_dp), real(air%n, dp))
+        low = min(floor(x), max(air%n - 1, 1))
+        x = x - low
+    end subroutine place_between
 
     !> True if a cell holds solid.
     pure logical function holds_solid(wall, cell)

@@ -2,12 +2,12 @@
 !> The state of the air: conserved variables on a Cartesian grid, and the walls inside it.
 module brz_air_state
     use brz_kinds, only: dp, int8, int64, rk
-    use brz_scheme, only: max_var, mixture_gamma, scheme_t
+    use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t
     implicit none
     private
     public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t, outside_t
     public :: n_ghost, lines_per_block, brick
-    public :: cell_gamma
+    public :: cell_gamma, set_scale
     public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic
     public :: air_ok, air_unphysical
 
@@ -135,4 +135,20 @@ contains
         if (air%scheme%mixture) cell_gamma = mixture_gamma(air%scheme, &
             air%u(i, j, k, 6)/air%u(i, j, k, 1))
     end function cell_gamma
+
+    !> 1/(typical value)^2 of what is reconstructed, from the undisturbed air: fluxes of mass,
+    !> momentum and energy; or density, velocity and pressure.
+    pure subroutine set_scale(air)
+        type(air_t), intent(inout) :: air
+        real(rk) :: c
+
+        c = sqrt(air%scheme%gamma*air%p_rest/air%rho_rest)
+        if (air%scheme%flux == hllc) then
+            air%scheme%scale = [1/air%rho_rest**2, 1/c**2, 1/c**2, 1/c**2, 1/air%p_rest**2]
+            return
+        end if
+        air%scheme%scale(1) = 1/(air%rho_rest*c)**2
+        air%scheme%scale(2:4) = 1/(air%rho_rest*c*c)**2
+        air%scheme%scale(5) = 1/(air%rho_rest*c*c*c)**2
+    end subroutine set_scale
 end module brz_air_state

@@ -7,15 +7,84 @@
 !> sound is left alone. Point physics.
 module brz_outflow
     use brz_kinds, only: rk
-    use brz_gas, only: sound_speed
+    use brz_gas, only: sound_speed, to_conserved, to_primitive
+    use brz_scheme, only: max_var, mixture_gamma, scheme_t
     use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: beyond, minmod
+    public :: beyond, minmod, open_ghosts
 
     integer, parameter :: steps = 3 !! of the iteration for the velocity; weak waves need one
 
 contains
+
+    !> Three ghosts behind an open boundary: the gas inside goes on with a limited slope, and the
+    !> gas outside answers. Vectors have their normal component in slot 2.
+    !@cuf attributes(host,device) &
+    pure subroutine open_ghosts(scheme, cells, inside, outside, side, ghost)
+        type(scheme_t), intent(in) :: scheme
+        integer, intent(in) :: cells !! different cells among those inside: 1 to 3
+        real(rk), intent(in) :: inside(max_var, 3) !! conserved variables; 1: at the boundary
+        real(rk), intent(in) :: outside(max_var) !! the same of the gas outside
+        integer, intent(in) :: side !! +1: the boundary is above the gas, -1: below
+        real(rk), intent(out) :: ghost(max_var, 3) !! 1: at the boundary
+        real(rk) :: w(5, 3), far(5), slope(5), edge(5), out(5), next(5)
+        real(rk) :: gamma, gamma_far, gamma_out, fraction
+        integer :: c, m
+        logical :: copy
+
+        do m = 3, 1, -1
+            call turn_to_primitive(scheme, inside(1, m), w(1, m), gamma)
+        end do
+        call turn_to_primitive(scheme, outside, far, gamma_far)
+        do c = 1, 5
+            slope(c) = 0
+            if (cells == 3) slope(c) = minmod(w(c, 2) - w(c, 3), w(c, 1) - w(c, 2))
+            if (c == 1 .or. c == 5) slope(c) = max(slope(c), -w(c, 1)/6)
+            edge(c) = w(c, 1) + slope(c)
+        end do
+        call beyond(gamma, edge, gamma_far, far, side, out)
+        copy = .true.
+        do c = 1, 5
+            if (abs(out(c) - w(c, 1)) > 0) copy = .false.
+        end do
+        gamma_out = gamma
+        fraction = inside(6, 1)/inside(1, 1)
+        if (side*out(2) < 0) then ! gas from outside, to which the slope does not belong
+            do c = 1, 5
+                slope(c) = 0
+            end do
+            gamma_out = gamma_far
+            fraction = outside(6)/outside(1)
+        end if
+        do m = 1, 3
+            do c = 1, 5
+                next(c) = out(c) + (m - 1)*slope(c)
+                if (c == 1 .or. c == 5) & ! stays positive
+                    next(c) = out(c)*(w(c, 1) + m*slope(c))/(w(c, 1) + slope(c))
+            end do
+            call to_conserved(gamma_out, next, ghost(1, m))
+            ghost(6, m) = fraction*ghost(1, m)
+            if (copy) then
+                do c = 1, max_var
+                    ghost(c, m) = inside(c, 1)
+                end do
+            end if
+        end do
+    end subroutine open_ghosts
+
+    !> Primitive variables of a state and its gamma.
+    !@cuf attributes(host,device) &
+    pure subroutine turn_to_primitive(scheme, q, w, gamma)
+        type(scheme_t), intent(in) :: scheme
+        real(rk), intent(in) :: q(max_var) !! conserved variables
+        real(rk), intent(out) :: w(5)
+        real(rk), intent(out) :: gamma
+
+        gamma = scheme%gamma
+        if (scheme%mixture) gamma = mixture_gamma(scheme, q(6)/q(1))
+        call to_primitive(gamma, q, w)
+    end subroutine turn_to_primitive
 
     !> State just outside an open boundary, from the gas inside and the gas far away.
     !>

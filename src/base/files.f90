@@ -11,7 +11,7 @@ module brz_files
     implicit none
     private
     public :: file_exists, is_folder, make_folder, rename_file, remove_file, sync_file, list_folder
-    public :: write_text_file, append_text, read_text_file, name_len
+    public :: write_text_file, append_text, read_text_file, program_path, name_len
 
     integer, parameter :: name_len = 255 !! longest name of a file without its folder
 
@@ -33,6 +33,12 @@ module brz_files
             import :: c_char, c_int
             character(c_char), intent(in) :: from(*), to(*)
         end function c_rename
+        integer(c_size_t) function c_readlink(path, target, length) bind(c, name='readlink')
+            import :: c_char, c_size_t
+            character(kind=c_char), intent(in) :: path(*)
+            character(kind=c_char), intent(out) :: target(*)
+            integer(c_size_t), value :: length
+        end function c_readlink
         integer(c_int) function c_unlink(path) bind(c, name='unlink')
             import :: c_char, c_int
             character(c_char), intent(in) :: path(*)
@@ -271,4 +277,15 @@ contains
             text(i:i) = letters(i)
         end do
     end function reason
+
+    !> Path of the running program; '' where the system does not tell.
+    function program_path() result(path)
+        character(:), allocatable :: path
+        character(4096) :: target
+        integer(c_size_t) :: n
+
+        n = c_readlink('/proc/self/exe'//c_null_char, target, len(target, c_size_t))
+        path = ''
+        if (n > 0) path = target(:n)
+    end function program_path
 end module brz_files

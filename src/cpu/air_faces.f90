@@ -6,10 +6,10 @@ module brz_air_faces
     use brz_face_flux, only: cut_face, gas_face
     use brz_grid_lines, only: turned
     use brz_products, only: face_fraction
-    use brz_scheme, only: first_order, hllc, max_var, mixture_gamma, scheme_t
+    use brz_scheme, only: first_order, max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: flux_at, set_scale
+    public :: flux_at
 
 contains
 
@@ -86,20 +86,4 @@ contains
         bc = air%bc(merge(1, 2, at(d) < 1), d)
         if (bc == bc_wall .or. bc == bc_symmetry) v = -v
     end function wall_speed
-
-    !> 1/(typical value)^2 of what is reconstructed, from the undisturbed air: fluxes of mass,
-    !> momentum and energy; or density, velocity and pressure.
-    pure subroutine set_scale(air)
-        type(air_t), intent(inout) :: air
-        real(rk) :: c
-
-        c = sqrt(air%scheme%gamma*air%p_rest/air%rho_rest)
-        if (air%scheme%flux == hllc) then
-            air%scheme%scale = [1/air%rho_rest**2, 1/c**2, 1/c**2, 1/c**2, 1/air%p_rest**2]
-            return
-        end if
-        air%scheme%scale(1) = 1/(air%rho_rest*c)**2
-        air%scheme%scale(2:4) = 1/(air%rho_rest*c*c)**2
-        air%scheme%scale(5) = 1/(air%rho_rest*c*c*c)**2
-    end subroutine set_scale
 end module brz_air_faces

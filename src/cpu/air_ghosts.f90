@@ -7,12 +7,11 @@
 module brz_air_ghosts
     use brz_kinds, only: rk
     use brz_air_outside, only: keep_outside
-    use brz_air_state, only: air_t, bc_outflow, bc_symmetry, bc_wall, wall_t
+    use brz_air_state, only: air_t, bc_outflow, bc_symmetry, bc_wall, n_ghost, wall_t
     use brz_air_walls, only: image_of
-    use brz_gas, only: to_conserved, to_primitive
     use brz_grid_lines, only: across, turned
-    use brz_outflow, only: beyond, minmod
-    use brz_scheme, only: max_var, mixture_gamma
+    use brz_outflow, only: open_ghosts
+    use brz_scheme, only: max_var
     implicit none
     private
     public :: fill_ghosts
@@ -64,73 +63,39 @@ contains
         !$omp end parallel do
     end subroutine open_side
 
-    !> Fill the ghosts at the open end of one line: the gas inside goes on with a limited slope, and
-    !> the gas outside answers. It also stands for solid cells.
+    !> Fill the ghosts at the open end of one line. The gas outside also stands for solid cells.
     subroutine open_line(air, wall, d, side, line)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: d !! direction
         integer, intent(in) :: side !! 1: low, 2: high
         integer, intent(in) :: line(2) !! transverse indices
-        integer :: cell(3), m, outward
-        real(rk) :: q(max_var), outside(max_var), far(5), w(5, 3), slope(5), out(5)
-        real(rk) :: next(5), turned_q(5), gamma, gamma_far, fraction
-        logical :: copy
+        integer :: cell(3), m, turn(air%n_var)
+        real(rk) :: outside(max_var), inside(max_var, 3), ghost(max_var, 3)
+        logical :: solid
 
-        outward = 2*side - 3
-        q = 0
+        turn = turned(:air%n_var, d)
         outside = 0
-        outside(:air%n_var) = air%outside(side, d)%q(:, line(1), line(2))
+        outside(:air%n_var) = air%outside(side, d)%q(turn, line(1), line(2))
+        inside = 0
         cell(across(:, d)) = line
-        w = 0
-        copy = .false.
-        do m = min(3, air%n(d)), 1, -1
-            cell(d) = merge(m, air%n(d) + 1 - m, side == 1)
-            q(:air%n_var) = air%u(cell(1), cell(2), cell(3), :)
-            if (wall%present) copy = wall%solid(cell(1), cell(2), cell(3)) /= 0
-            if (copy) q = outside
-            call turn_to_primitive(air, d, q, w(:, m), gamma)
+        do m = 3, 1, -1
+            cell(d) = merge(min(m, air%n(d)), air%n(d) + 1 - min(m, air%n(d)), side == 1)
+            inside(:air%n_var, m) = air%u(cell(1), cell(2), cell(3), turn)
+            solid = .false.
+            if (wall%present) solid = wall%solid(cell(1), cell(2), cell(3)) /= 0
+            if (solid) inside(:, m) = outside
         end do
-        if (.not. copy) then
-            call turn_to_primitive(air, d, outside, far, gamma_far)
-            fraction = q(6)/q(1)
-            slope = 0
-            if (air%n(d) > 2) slope = minmod(w(:, 2) - w(:, 3), w(:, 1) - w(:, 2))
-            slope(1:5:4) = max(slope(1:5:4), -w(1:5:4, 1)/(2*air%g(d)))
-            call beyond(gamma, w(:, 1) + slope, gamma_far, far, outward, out)
-            copy = .not. any(abs(out - w(:, 1)) > 0)
-            if (outward*out(2) < 0) then ! gas from outside, to which the slope does not belong
-                slope = 0
-                gamma = gamma_far
-                fraction = outside(6)/outside(1)
-            end if
+        if (solid) then
+            ghost = spread(outside, 2, 3)
+        else
+            call open_ghosts(air%scheme, min(3, air%n(d)), inside, outside, 2*side - 3, ghost)
         end if
-        do m = 1, air%g(d)
+        do m = 1, n_ghost
             cell(d) = merge(1 - m, air%n(d) + m, side == 1)
-            if (.not. copy) then
-                next = out + (m - 1)*slope
-                next(1:5:4) = out(1:5:4)*(w(1:5:4, 1) + m*slope(1:5:4)) &
-                    /(w(1:5:4, 1) + slope(1:5:4)) ! stays positive
-                call to_conserved(gamma, next, turned_q)
-                q(turned(:5, d)) = turned_q
-                q(6) = fraction*q(1)
-            end if
-            air%u(cell(1), cell(2), cell(3), :) = q(:air%n_var)
+            air%u(cell(1), cell(2), cell(3), turn) = ghost(:air%n_var, m)
         end do
     end subroutine open_line
-
-    !> Primitive variables of a state, the normal velocity in slot 2, and its gamma.
-    pure subroutine turn_to_primitive(air, d, q, w, gamma)
-        type(air_t), intent(in) :: air
-        integer, intent(in) :: d !! direction
-        real(rk), intent(in) :: q(max_var) !! conserved variables
-        real(rk), intent(out) :: w(5)
-        real(rk), intent(out) :: gamma
-
-        gamma = air%scheme%gamma
-        if (air%scheme%mixture) gamma = mixture_gamma(air%scheme, q(6)/q(1))
-        call to_primitive(gamma, q(turned(:5, d)), w)
-    end subroutine turn_to_primitive
 
     !> Copy one layer of cells normal to d; the normal momentum is multiplied by `sign`.
     subroutine copy_layer(air, d, to, from, sign)

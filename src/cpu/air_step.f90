@@ -3,27 +3,21 @@
 !> method, and SSP-RK3, of Shu and Osher).
 module brz_air_step
     use brz_kinds, only: dp, rk
-    use brz_air_state, only: air_ok, air_t, brick, bc_periodic, lines_per_block, n_ghost, wall_t
     use brz_air_activity, only: find_awake, next_run
-    use brz_air_faces, only: set_scale
+    use brz_air_state, only: air_ok, air_t, brick, bc_periodic, lines_per_block, n_ghost, &
+        set_scale, wall_t
     use brz_air_ghosts, only: fill_ghosts
     use brz_air_repair, only: repair
     use brz_air_sweep, only: stage_t, sweep
     use brz_grid_lines, only: n_blocks
     use brz_scheme, only: max_var
+    use brz_runge_kutta, only: least_ratio, new_weight, share_of
     use omp_lib, only: omp_get_max_threads
     implicit none
     private
     public :: air_step
 
-    ! u := (1 - new) u_start + new (u + dt rate); the rates count with `share` in the whole step
-    real(rk), parameter :: new(3, 2:3) = reshape([1.0_rk, 0.5_rk, 0.0_rk, &
-        1.0_rk, 0.25_rk, 2/3.0_rk], [3, 2])
-    real(rk), parameter :: share(3, 2:3) = reshape([0.5_rk, 0.5_rk, 0.0_rk, &
-        1/6.0_rk, 1/6.0_rk, 2/3.0_rk], [3, 2])
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
-    real(rk), parameter :: least_ratio = 1e-3_rk
-    !! of new to old density or pressure, before a fallback
 
 contains
 
@@ -49,7 +43,7 @@ contains
         call find_awake(air, wall)
         do m = 1, air%n_stages
             call fill_ghosts(air, wall)
-            stage%share = share(m, air%n_stages)*stage%dt
+            stage%share = real(share_of(m, air%n_stages), rk)*stage%dt
             stage%first = .true.
             do d = 1, last
                 if (air%n(d) == 1) cycle
@@ -61,7 +55,7 @@ contains
             if (any(air%suspect(1:n_blocks(air%n, last)) > 0)) &
                 call repair(air, wall, last, stage, status)
             if (status /= air_ok) return
-            call update(air, stage%dt, new(m, air%n_stages), m == 1)
+            call update(air, stage%dt, new_weight(m, air%n_stages), m == 1)
         end do
     end subroutine air_step
 

@@ -17,7 +17,8 @@ module brz_gauges
     use brz_solid_step, only: velocity_at_step
     implicit none
     private
-    public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_row, radial_gauge_row
+    public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_points, gauge_row
+    public :: radial_gauge_row
 
     !> What can be measured, and where.
     type :: quantity_t
@@ -73,6 +74,17 @@ contains
             call set_up_gauge(case%gauges(g), case%air%present, solid, gauges%list(g), err)
         end do
     end subroutine set_up_gauges
+
+    !> Places of the gauges in the air.
+    pure function gauge_points(gauges) result(points)
+        type(gauges_t), intent(in) :: gauges
+        real(dp) :: points(3, count(gauges%list%body == 0)) !! [m]
+        integer :: d
+
+        do d = 1, 3
+            points(d, :) = pack(gauges%list%at(d), gauges%list%body == 0)
+        end do
+    end function gauge_points
 
     subroutine set_up_gauge(input, with_air, solid, gauge, err)
         type(gauge_case_t), intent(in) :: input

@@ -3,10 +3,10 @@
 !>
 !> All values are of what is modelled (a half or a quarter where symmetry planes cut the scene).
 module brz_ledger
-    use brz_air_energy, only: air_kinetic
     use brz_air_state, only: air_t
+    use brz_backend, only: backend_t, stock_of_air
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_totals, only: coupling_products, coupling_totals
+    use brz_errors, only: error_t
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals, solid_totals_t
@@ -69,23 +69,23 @@ module brz_ledger
 contains
 
     !> Take stock of the scene. The first call sets what errors are measured against.
-    subroutine take_stock(time, air, solid, coupling, start, ledger)
+    subroutine take_stock(time, backend, air, solid, coupling, start, ledger, err)
         real(dp), intent(in) :: time !! [s]
+        type(backend_t), intent(in) :: backend
         type(air_t), intent(inout) :: air !! its row sums are overwritten
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(in) :: coupling
         type(ledger_start_t), intent(inout) :: start
         type(ledger_t), intent(out) :: ledger
+        type(error_t), intent(inout) :: err !! exit_device where the GPU fails
         type(solid_totals_t) :: sums
-        real(dp) :: all(5), debt(5)
+        real(dp) :: all(5)
 
         ledger%time = time
         if (air%present) then
-            call coupling_totals(air, coupling, ledger%gas, ledger%kept, debt)
-            ledger%gas_kinetic = air_kinetic(air, coupling%wall)
-            ledger%kept = ledger%kept + debt
+            call stock_of_air(backend, air, coupling, ledger%gas, ledger%kept, &
+                              ledger%gas_kinetic, ledger%products, err)
             ledger%outflow = air%outflow
-            ledger%products = coupling_products(air, coupling)
             ledger%products_out = air%outflow_products
             ledger%fallback_faces = real(air%fallback_faces, dp)
         end if

@@ -2,13 +2,14 @@
 !> A run from the deck to the last result.
 module brz_run
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+    use brz_backend, only: choose_backend, start_backend
     use brz_build_case, only: build_case
     use brz_check, only: print_check
     use brz_check_start, only: is_radial
     use brz_clock, only: start_clock, walltime_is_up
     use brz_command_line, only: options_t
     use brz_deck, only: deck_t
-    use brz_errors, only: error_t, exit_device, exit_stopped, failed, raise
+    use brz_errors, only: error_t, exit_stopped, failed, raise
     use brz_key, only: key_t
     use brz_key_table, only: all_keys
     use brz_kinds, only: dp
@@ -39,7 +40,7 @@ contains
 
         allocate (sim)
         call read_scene(options, sim, err)
-        call choose_backend(options%backend, sim, err)
+        call open_backend(options%backend, sim, err)
         if (failed(err)) return
         if (is_radial(sim%case)) then
             call run_radial(options, sim%case, err)
@@ -55,6 +56,8 @@ contains
         call listen_to_signals()
         call start_clock(sim%case, sim%clock, options%walltime)
         call open_outputs(options, sim, outputs, err)
+        if (failed(err)) return
+        call start_backend(sim%backend, sim%air, err)
         if (failed(err)) return
         call time_loop(sim, outputs, err)
         call close_outputs(outputs, closing) ! the rows up to a failure are the ones that tell
@@ -81,17 +84,19 @@ contains
         end do
     end subroutine read_scene
 
-    !> The command line overrides the deck. This build computes on the CPU only.
-    subroutine choose_backend(asked, sim, err)
+    !> Choose where to compute; the command line overrides the deck.
+    subroutine open_backend(asked, sim, err)
         character(*), intent(in) :: asked !! '' = as the deck says
         type(simulation_t), intent(inout) :: sim
         type(error_t), intent(inout) :: err
+        character(:), allocatable :: note
 
         if (failed(err)) return
         if (asked /= '') sim%case%run%backend = asked
-        if (sim%case%run%backend == 'gpu') call raise(err, exit_device, &
-            "this version has no GPU backend yet; run with --backend cpu or 'auto'")
-    end subroutine choose_backend
+        call choose_backend(trim(sim%case%run%backend), sim%case%air%present, &
+                            size(sim%case%bodies) > 0, sim%backend, note, err)
+        if (note /= '') write (error_unit, '(a)') note
+    end subroutine open_backend
 
     !> Step until the end, an error, or a request to stop.
     subroutine time_loop(sim, outputs, err)

@@ -3,6 +3,7 @@
 module brz_simulation
     use brz_air_setup, only: set_up_air
     use brz_air_state, only: air_t
+    use brz_backend, only: backend_t
     use brz_body_setup, only: set_up_solid
     use brz_case, only: case_t
     use brz_clock, only: clock_t
@@ -22,6 +23,7 @@ module brz_simulation
         type(air_t) :: air
         type(solid_t) :: solid
         type(coupling_t) :: coupling
+        type(backend_t) :: backend !! where the air is computed
         type(clock_t) :: clock
         type(ledger_start_t) :: start !! totals at t = 0, to measure errors against
         type(progress_t) :: progress

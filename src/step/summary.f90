@@ -23,7 +23,8 @@ contains
         type(ledger_t) :: ledger
         character(:), allocatable :: text
 
-        call take_stock(sim%clock%time, sim%air, sim%solid, sim%coupling, sim%start, ledger)
+        call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, sim%start, &
+                        ledger, err)
         write (output_unit, '(/, a, es12.5, a, i0, a)') 'end at t =', sim%clock%time, ' s after ', &
             sim%clock%cycle, ' steps'
         write (output_unit, '(a, es10.2)') 'energy error   ', ledger%energy_error

@@ -3,8 +3,7 @@
 module brz_time_step
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok
-    use brz_air_step, only: air_step
-    use brz_air_sums, only: air_time_step
+    use brz_backend, only: advance_air, limit_of_air
     use brz_coupling_events, only: reclassify
     use brz_coupling_load, only: load_is_negligible, spread_load
     use brz_coupling_velocity, only: set_wall_velocity
@@ -63,7 +62,7 @@ contains
         sim%limiter = 'dt_max'
         limit = dt
         if (sim%air%present) then
-            limit = air_time_step(sim%air, sim%coupling%wall, sim%case%air%cfl)* &
+            limit = limit_of_air(sim%backend, sim%air, sim%coupling%wall, sim%case%air%cfl, err)* &
                     time_step_ramp(sim%clock%cycle, sim%case%air%ramp_steps)
         else if (sim%solid%present) then
             limit = solid_time_step(sim%solid)
@@ -101,7 +100,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: status
 
-        call air_step(sim%air, sim%coupling%wall, dt, status)
+        call advance_air(sim%backend, sim%air, sim%coupling%wall, dt, status, err)
         if (status /= air_ok) call report_lost_cell(sim, err)
         sim%progress%cell_steps = sim%progress%cell_steps + product(int(sim%air%n, int64))
     end subroutine step_air

@@ -35,7 +35,7 @@ $(B)/tests/$(1)/run: $(B)/tests/$(1)/driver.o $(LIB) $(PF_MODULES) \
 	$(call say,link $$@)
 	$(Q)$(FC) -fopenmp -o $$@ $$^ $$(HDF5_LIBS) $$(PF_LIBS)
 endef
-$(foreach part,unit verify,$(eval $(call pf_run,$(part))))
+$(foreach part,unit verify gpu,$(eval $(call pf_run,$(part))))
 
 # The stand-in itself.
 $(B)/tests/pfstub/funit.f90: tests/pfstub/write_funit.py

@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: MIT
+"""Compile point physics and CUDA Fortran kernels for the GPU with flang and LLVM.
+
+Point physics: procedures below a `!@cuf` line in src. Kernels: `attributes(global)` procedures in
+cuda/*.CUF. Each file goes through flang for nvptx64; the IR is edited where LLVM has no code for
+what flang writes; then everything is linked with libdevice, what is asked for is kept and all
+else is dropped. What is left must be device code: no call of the Fortran run-time library, no
+unresolved symbol, no module variable, no stack array whose size is known at run time only.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from depend import scan
+
+BIN = Path("/usr/lib/llvm-22/bin")
+TARGET = ["-triple", "nvptx64-nvidia-cuda", "-target-cpu", "sm_80"]
+MACHINE = ["-mtriple=nvptx64-nvidia-cuda", "-mcpu=sm_80"]
+RAW = ["-mllvm", "-opt-bisect-limit=0", "-mllvm", "-opt-bisect-verbose=0", "-emit-llvm"]
+MARK = re.compile(r"^\s*!@cuf\b\s*(.*)$", re.I)
+HEAD = re.compile(r"^\s*(?:pure|elemental)\b.*?\b(?:subroutine|function)\s+(\w+)", re.I)
+KERNEL = re.compile(
+    r"^\s*attributes\(global\)\s*(?:launch_bounds\((\d+), *(\d+)\)\s*)?subroutine\s+(\w+)",
+    re.I | re.M,
+)
+MODULE = re.compile(r"^\s*module\s+(?!procedure\b)(\w+)", re.I | re.M)
+# intrinsics that the NVPTX back end cannot translate, and their names in libdevice
+MATH = "exp exp2 exp10 log log2 log10 pow powi sin cos tan asin acos atan atan2 sinh cosh tanh"
+LIBM = "erf erfc tgamma lgamma hypot expm1 log1p cbrt asinh acosh atanh sinh cosh tanh"
+REGISTER = {"threadidx": "tid", "blockidx": "ctaid", "blockdim": "ntid", "griddim": "nctaid"}
+BUILTIN = re.compile(
+    r"(?P<to>%\w+) = load i32, ptr (?:getelementptr [^@]*)?"
+    r"@_QM__fortran_builtinsE__builtin_(?P<name>threadidx|blockidx|blockdim|griddim)"
+    r"(?P<at>[^,\n]*(?:, i(?:32|64) \d+)*\))?, align \d+(?:, !tbaa !\d+)?"
+)
+
+
+class Fault(Exception):
+    """Why the sources are no device code."""
+
+
+def missing_tools():
+    """What is not installed and must be, or ''."""
+    return "" if (BIN / "flang").exists() else "flang-22 is not installed"
+
+
+def run(*command):
+    done = subprocess.run([str(x) for x in command], capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise Fault((done.stdout + done.stderr)[-3000:])
+    return done.stdout + done.stderr
+
+
+def marked(path):
+    """Names of the device procedures of a file."""
+    names, waiting = [], 0
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
+        if waiting:
+            head = HEAD.match(line)
+            if not head:
+                raise Fault(f"{path}:{number}: a pure procedure must follow the !@cuf line")
+            names.append(head.group(1).lower())
+            waiting = 0
+        elif found := MARK.match(line):
+            if found.group(1).replace(" ", "") != "attributes(host,device)&":
+                raise Fault(f"{path}:{number}: write '!@cuf attributes(host,device) &'")
+            waiting = number
+    return names
+
+
+def kernels_of(path):
+    """{name: launch bounds or None} of the kernels of a file."""
+    if path.suffix != ".CUF":
+        return {}
+    found = KERNEL.findall(path.read_text(encoding="utf-8"))
+    return {name.lower(): (most, least) if most else None for most, least, name in found}
+
+
+def mangled(path, name):
+    """Symbol of a module procedure as flang writes it."""
+    return f"_QM{MODULE.search(path.read_text(encoding='utf-8'))[1].lower()}P{name}"
+
+
+def in_order(wanted, needs, owner):
+    """Levels of files: each level uses only earlier ones."""
+    level = {}
+
+    def depth(path):
+        if path not in level:
+            level[path] = 0
+            used = [owner[m] for m in needs[path] if m in owner and owner[m] != path]
+            level[path] = 1 + max(map(depth, used), default=0)
+        return level[path]
+
+    for path in wanted:
+        depth(path)
+    groups = {}
+    for path, number in level.items():
+        groups.setdefault(number, []).append(path)
+    return [sorted(groups[n]) for n in sorted(groups)]
+
+
+def special_register(found):
+    """A component of threadIdx and the like, which flang reads from a structure in memory."""
+    offset = re.findall(r"i(?:32|64) (\d+)", found["at"] or "")
+    axis = "xyz"[int(offset[-1]) // (4 if "i8, ptr" in found[0] else 1) if offset else 0]
+    call = f"call i32 @llvm.nvvm.read.ptx.sreg.{REGISTER[found['name']]}.{axis}()"
+    if found["name"].endswith("dim"):
+        return f"{found['to']} = {call}"
+    plain = f"%from0.{found['to'][1:]}"
+    return f"{plain} = {call}\n  {found['to']} = add nsw i32 {plain}, 1"
+
+
+def edited(text, path):
+    """IR with what LLVM can translate for the GPU."""
+    suffix = {"f32": "f", "f64": ""}
+    pattern = rf"@llvm\.({'|'.join(MATH.split())})\.(f32|f64)(?:\.i32)?\("
+    text = re.sub(pattern, lambda m: f"@__nv_{m[1]}{suffix[m[2]]}(", text)
+    text = re.sub(rf"@({'|'.join(LIBM.split())})(f?)\(", r"@__nv_\1\2(", text)
+    saturated = r"@llvm\.fptosi\.sat\.(i32|i64)\.(f32|f64)\("
+    short = {"f32": "f", "f64": "d", "i32": "i", "i64": "ll"}
+    text = re.sub(saturated, lambda m: f"@llvm.nvvm.{short[m[2]]}2{short[m[1]]}.rz(", text)
+    text = BUILTIN.sub(special_register, text)
+    if left := re.search(r"^ .*@_QM__fortran_builtinsE__builtin_.*$", text, re.M):
+        raise Fault(f"{path}: unknown use of a CUDA variable: {left[0].strip()}")
+    for register in REGISTER.values():
+        text += "".join(f"\ndeclare i32 @llvm.nvvm.read.ptx.sreg.{register}.{x}()" for x in "xyz")
+    for name, bounds in kernels_of(path).items():
+        marks = f' "nvvm.maxntid"="{bounds[0]}" "nvvm.minctasm"="{bounds[1]}"' if bounds else ""
+        head = rf"^define void (@{mangled(path, name)}\(.*\))( [^{{]*)?\{{"
+        text, n = re.subn(head, rf"define ptx_kernel void \1{marks}\2{{", text, flags=re.M)
+        if n != 1:
+            raise Fault(f"{path}: kernel {name} is not in the code that flang wrote")
+    return text + "\n"
+
+
+def compile_one(path, wanted, args):
+    """IR of a file, or only its module file where it holds no device code."""
+    flang = [BIN / "flang", "-fc1", *TARGET, "-x", "cuda", "-cpp", "-O3", "-fstack-arrays", "-w"]
+    flang += ["-module-dir", args.work, "-I", args.work, *(f"-D{name}" for name in args.define)]
+    if args.no_fma:
+        flang += ["-ffp-contract=off"]
+    if not wanted:
+        run(*flang, "-fsyntax-only", path)
+        return None
+    out = args.work / (path.stem + ".ll")
+    run(*flang, *RAW, path, "-o", out)
+    out.write_text(edited(out.read_text(encoding="utf-8"), path), encoding="utf-8")
+    return out
+
+
+def variables_of(text, keep):
+    """Module variables that kept procedures read, in IR before any optimisation."""
+    variables = set(re.findall(r"^@(_QM\w+) = (?:\w+ )*?global\b", text, re.M))
+    found = []
+    for body in re.split(r"^define ", text, flags=re.M)[1:]:
+        name = re.search(r"@([\w.$]+)\(", body)[1]
+        used = sorted(set(re.findall(r"@(_QM\w+)", body)) & variables) if name in keep else []
+        found += [f"{keep[name]}: module variable {v}" for v in used]
+    return found
+
+
+def libdevice():
+    for root in [Path(sys.prefix), Path(".venv")]:
+        for found in root.glob("lib/python3*/site-packages/nvidia/**/libdevice*.bc"):
+            return found
+    raise Fault("libdevice is missing: run make setup")
+
+
+def faults_of(text, keep):
+    """What is no device code in the optimised IR."""
+    found = []
+    bodies = re.split(r"^define ", text, flags=re.M)
+    outside = set(re.findall(r"^declare .*?@([\w.$]+)\(", text, re.M))
+    outside = {name for name in outside if not name.startswith("llvm.")}
+    for body in bodies[1:]:
+        name = re.search(r"@([\w.$]+)\(", body)[1]
+        label = keep.get(name, name)
+        for other in sorted(set(re.findall(r"@([\w.$]+)", body)) & outside):
+            kind = "run-time library call" if other.startswith("_Fortran") else "unresolved symbol"
+            found.append(f"{label}: {kind} {other}")
+        if re.search(r"\balloca [^\n]*?, i\d+ %", body):
+            found.append(f"{label}: stack array of run-time size")
+    for name in re.findall(r"^@([\w.$]+) = external\b", text, re.M):
+        found.append(f"{name}: a constant or variable of a module without device procedures")
+    defined = {re.search(r"@([\w.$]+)\(", body)[1] for body in bodies[1:]}
+    return found + [f"{keep[name]}: not in the device code" for name in keep if name not in defined]
+
+
+def compile_all(sources, keep, args):
+    """Optimised IR of the sources with the procedures of keep {symbol: label}, and all they need.
+
+    args: work (folder), define (list of macros), no_fma (no contraction of a*b + c).
+    """
+    args.work.mkdir(parents=True, exist_ok=True)
+    wanted = {path: bool(marked(path) or kernels_of(path)) for path in sources}
+    needs, owner = {}, {}
+    for path in sources:
+        makes, needs[path] = scan(path)
+        owner.update({module: path for module in makes})
+    files = []
+    with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as pool:
+        for group in in_order([p for p in wanted if wanted[p]], needs, owner):
+            files += pool.map(lambda path: compile_one(path, wanted[path], args), group)
+    files = [f for f in files if f]
+    linked, whole, final = (args.work / x for x in ("linked.bc", "whole.bc", "final.ll"))
+    link = [BIN / "llvm-link", "--suppress-warnings"]
+    run(*link, *files, "-o", linked)
+    run(*link, "--only-needed", linked, libdevice(), "-o", whole)
+    passes = ["-passes=internalize,default<O3>", f"-internalize-public-api-list={','.join(keep)}"]
+    limits = ["-inline-threshold=100000", "-unroll-threshold=2000"]
+    run(BIN / "opt", *MACHINE, *passes, *limits, whole, "-S", "-o", final)
+    found = [f for path in files for f in variables_of(path.read_text(encoding="utf-8"), keep)]
+    found += faults_of(final.read_text(encoding="utf-8"), keep)
+    if found:
+        raise Fault("\n".join(found))
+    return final
+
+
+def translate(ir, ptx, optimise, no_fma=False):
+    """Assembly of the GPU from IR."""
+    contract = "off" if no_fma else "fast"
+    run(BIN / "llc", *MACHINE, optimise, f"-fp-contract={contract}", ir, "-o", ptx)

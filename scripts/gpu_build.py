@@ -1,0 +1,85 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Build the GPU code: the kernels of cuda/*.CUF with the point physics of src, in one PTX file.
+
+usage: gpu_build.py --work DIR --out FILE.ptx --stamp TEXT [-D NAME] [--no-fma] SOURCE...
+
+The first line of the file carries the stamp of the sources (gpu_stamp.py), which the executable
+compares with its own. Where ptxas is installed (Python package nvidia-cuda-nvcc) a kernel with a
+stack frame or a register spill fails the build, and the registers of each kernel are printed.
+"""
+
+import argparse
+import os
+import re
+import sys
+from pathlib import Path
+
+from cuda_fortran import Fault, compile_all, kernels_of, mangled, missing_tools, run, translate
+
+
+def ptxas():
+    for root in [Path(sys.prefix), Path(".venv")]:
+        yield from root.glob("lib/python3*/site-packages/nvidia/**/bin/ptxas")
+
+
+def resources(ptx, args):
+    """Print the registers of each kernel; refuse stack frames and spills."""
+    tool = next(ptxas(), None)
+    if not tool:
+        print("ptxas is not installed: registers and spills are not checked")
+        if os.environ.get("CI") == "true":
+            raise Fault("ptxas is missing: run make setup")
+        return
+    report = run(tool, "-v", "-O3", "-arch=sm_90", ptx, "-o", args.work / "kernels.cubin")
+    name, faults = "", []
+    for line in report.splitlines():
+        if found := re.search(r"(?:Function properties for|entry function) '?(\w+)", line):
+            name = found[1]
+        frame = re.search(r"(\d+) bytes stack frame, (\d+) bytes spill stores", line)
+        if frame and frame.groups() != ("0", "0"):
+            faults.append(f"{name}: {line.strip()}")
+        if found := re.search(r"Used (\d+) registers", line):
+            print(f"{name}: {found[1]} registers")
+    if faults:
+        raise Fault("\n".join(faults))
+
+
+def build(args):
+    keep = {}
+    for path in args.sources:
+        keep.update({mangled(path, name): name for name in kernels_of(path)})
+    if len(set(keep.values())) < len(keep):
+        raise Fault("two kernels have the same name")
+    ir = compile_all(args.sources, keep, args)
+    text = ir.read_text(encoding="utf-8")
+    for symbol, name in keep.items():
+        text = re.sub(rf"@{symbol}\b", f"@{name}", text)
+    ir.write_text(text, encoding="utf-8")
+    ptx = args.work / "final.ptx"
+    translate(ir, ptx, "-O3", args.no_fma)
+    resources(ptx, args)
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    args.out.write_text(f"// {args.stamp}\n" + ptx.read_text(encoding="utf-8"), encoding="utf-8")
+    print(f"{args.out}: {len(keep)} kernels")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--work", required=True, type=Path)
+    parser.add_argument("--out", required=True, type=Path)
+    parser.add_argument("--stamp", required=True)
+    parser.add_argument("-D", dest="define", action="append", default=[])
+    parser.add_argument("--no-fma", action="store_true", help="no contraction of a*b + c")
+    parser.add_argument("sources", nargs="+", type=Path)
+    args = parser.parse_args()
+    if why := missing_tools():
+        sys.exit(f"gpu_build: {why}: run make setup")
+    try:
+        build(args)
+    except Fault as fault:
+        sys.exit(f"gpu_build: {fault}")
+
+
+if __name__ == "__main__":
+    main()

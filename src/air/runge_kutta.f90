@@ -1,0 +1,35 @@
+! SPDX-License-Identifier: MIT
+!> Strong-stability-preserving Runge-Kutta methods of two stages (Heun) and three (Shu, Osher 1988).
+!>
+!> Each stage sets u := u_start + new (u - u_start + dt rate(u)).
+module brz_runge_kutta
+    use brz_kinds, only: dp, rk
+    implicit none
+    private
+    public :: new_weight, share_of, least_ratio
+
+    real(rk), parameter :: new(3, 2:3) = reshape([1.0_rk, 0.5_rk, 0.0_rk, &
+        1.0_rk, 0.25_rk, 2/3.0_rk], [3, 2])
+    real(dp), parameter :: share(3, 2:3) = reshape([0.5_dp, 0.5_dp, 0.0_dp, &
+        1/6.0_dp, 1/6.0_dp, 2/3.0_dp], [3, 2])
+    real(rk), parameter :: least_ratio = 1e-3_rk
+    !! of new to old density or pressure of an Euler step, before a fallback
+
+contains
+
+    !> Weight of the new state in a stage.
+    pure real(rk) function new_weight(stage, n_stages)
+        integer, intent(in) :: stage !! from 1
+        integer, intent(in) :: n_stages !! 2 or 3
+
+        new_weight = new(stage, n_stages)
+    end function new_weight
+
+    !> Weight of the rates of a stage in the whole step.
+    pure real(dp) function share_of(stage, n_stages)
+        integer, intent(in) :: stage !! from 1
+        integer, intent(in) :: n_stages !! 2 or 3
+
+        share_of = share(stage, n_stages)
+    end function share_of
+end module brz_runge_kutta

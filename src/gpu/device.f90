@@ -1,0 +1,342 @@
+! SPDX-License-Identifier: MIT
+!> The GPU: open it, load the kernels, hold memory, launch.
+!>
+!> Every procedure reports through `error_t` with exit_device and does nothing once an error is
+!> recorded. All work goes through the default stream, in order.
+module brz_device
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_float, c_int, &
+        c_int64_t, c_intptr_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_signed_char, c_size_t
+    use brz_cuda_driver, only: cu_allocate, cu_context_retain, cu_context_set, cu_device, &
+        cu_device_attribute, cu_device_count, cu_device_name, cu_driver_version, &
+        cu_event_create, cu_event_elapsed, cu_event_record, cu_event_synchronize, &
+        cu_fill_bytes, cu_free, cu_init, cu_launch, cu_memory_info, cu_module_function, &
+        cu_module_load, cu_synchronize, cu_to_device, cu_to_host, driver_message, load_driver
+    use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_kinds, only: dp, int64
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: device_t, buffer_t, kernel_t, arguments_t
+    public :: open_device, load_kernels, find_kernel, allocate_buffer, free_buffer
+    public :: copy_in, copy_out, clear_buffer, launch, launch_grid, wait_for_device
+    public :: start_timer, stop_timer
+
+    integer, parameter :: threads_per_block = 128, most_arguments = 40
+
+    type :: device_t
+        logical :: open = .false.
+        character(:), allocatable :: name !! with memory and driver, for messages
+        integer(c_size_t) :: free_bytes = 0 !! when it was opened
+        type(c_ptr) :: module = c_null_ptr, started = c_null_ptr, ended = c_null_ptr
+    end type device_t
+
+    type :: buffer_t
+        integer(c_intptr_t) :: address = 0
+        integer(c_size_t) :: bytes = 0
+    end type buffer_t
+
+    type :: kernel_t
+        type(c_ptr) :: handle = c_null_ptr
+        character(32) :: name = ''
+    end type kernel_t
+
+    !> Values for one launch, in the order and of the types of the arguments of the kernel.
+    type :: arguments_t
+        integer :: n = 0
+        integer(c_int64_t) :: value(most_arguments) = 0
+    contains
+        procedure, private :: add_integer, add_long, add_single, add_double, add_buffer
+        generic :: add => add_integer, add_long, add_single, add_double, add_buffer
+    end type arguments_t
+
+contains
+
+    subroutine add_integer(self, x)
+        class(arguments_t), intent(inout) :: self
+        integer(c_int), intent(in) :: x
+
+        call self%add_long(int(x, c_int64_t)) ! little endian: the low word comes first
+    end subroutine add_integer
+
+    subroutine add_long(self, x)
+        class(arguments_t), intent(inout) :: self
+        integer(c_int64_t), intent(in) :: x
+
+        self%n = self%n + 1
+        self%value(self%n) = x
+    end subroutine add_long
+
+    subroutine add_single(self, x)
+        class(arguments_t), intent(inout) :: self
+        real(c_float), intent(in) :: x
+
+        call self%add_integer(transfer(x, 0_c_int))
+    end subroutine add_single
+
+    subroutine add_double(self, x)
+        class(arguments_t), intent(inout) :: self
+        real(c_double), intent(in) :: x
+
+        call self%add_long(transfer(x, 0_c_int64_t))
+    end subroutine add_double
+
+    subroutine add_buffer(self, x)
+        class(arguments_t), intent(inout) :: self
+        type(buffer_t), intent(in) :: x
+
+        call self%add_long(int(x%address, c_int64_t))
+    end subroutine add_buffer
+
+    !> Record what the driver refused.
+    subroutine check(code, what, err)
+        integer(c_int), intent(in) :: code !! result of a driver call
+        character(*), intent(in) :: what !! what was tried
+        type(error_t), intent(inout) :: err
+
+        if (code /= 0) call raise(err, exit_device, 'GPU: '//what//' failed: '// &
+                                  driver_message(code)//' (CUDA error '//to_text(int(code))//')')
+    end subroutine check
+
+    !> Open the first GPU. Without one `err` says why.
+    subroutine open_device(device, err)
+        type(device_t), intent(out) :: device
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: why
+        integer(c_int) :: n, handle
+        type(c_ptr) :: context
+
+        call load_driver(why)
+        if (allocated(why)) then
+            call raise(err, exit_device, 'no GPU: '//why)
+            return
+        end if
+        n = 0
+        if (cu_init(0_c_int) == 0) then
+            if (cu_device_count(n) /= 0) n = 0
+        end if
+        if (n == 0) then
+            call raise(err, exit_device, 'no GPU: the CUDA driver is there but shows no device')
+            return
+        end if
+        call check(cu_device(handle, 0_c_int), 'opening device 0', err)
+        call check(cu_context_retain(context, handle), 'making a context', err)
+        if (failed(err)) return
+        call check(cu_context_set(context), 'using the context', err)
+        call check(cu_event_create(device%started, 0_c_int), 'making an event', err)
+        call check(cu_event_create(device%ended, 0_c_int), 'making an event', err)
+        if (failed(err)) return
+        call describe(handle, device, err)
+        device%open = .not. failed(err)
+    end subroutine open_device
+
+    !> Name, capability, memory and driver in one line.
+    subroutine describe(handle, device, err)
+        integer(c_int), intent(in) :: handle
+        type(device_t), intent(inout) :: device
+        type(error_t), intent(inout) :: err
+        integer(c_int), parameter :: major_attribute = 75, minor_attribute = 76
+        character(kind=c_char) :: letters(128)
+        integer(c_size_t) :: total
+        integer(c_int) :: major, minor, driver
+        integer :: i
+
+        call check(cu_device_name(letters, size(letters, kind=c_int), handle), 'naming', err)
+        call check(cu_device_attribute(major, major_attribute, handle), 'asking', err)
+        call check(cu_device_attribute(minor, minor_attribute, handle), 'asking', err)
+        call check(cu_memory_info(device%free_bytes, total), 'asking for memory', err)
+        call check(cu_driver_version(driver), 'asking for the driver', err)
+        if (failed(err)) return
+        device%name = ''
+        do i = 1, size(letters)
+            if (letters(i) == c_null_char) exit
+            device%name = device%name//letters(i)
+        end do
+        device%name = device%name//' (compute capability '//to_text(int(major))//'.'// &
+                      to_text(int(minor))//', '//to_text(nint(total/2.0_dp**30))// &
+                      ' GiB, CUDA '//to_text(int(driver)/1000)//'.'// &
+                      to_text(mod(int(driver), 1000)/10)//')'
+    end subroutine describe
+
+    !> Load the kernels from a PTX file that was built from the same sources as this program.
+    subroutine load_kernels(device, file, stamp, err)
+        type(device_t), intent(inout) :: device
+        character(*), intent(in) :: file
+        character(*), intent(in) :: stamp !! of the sources, first line of the file
+        type(error_t), intent(inout) :: err
+        integer(c_int), parameter :: log_option = 5, log_size_option = 6 ! CU_JIT_ERROR_LOG_BUFFER
+        character(kind=c_char), allocatable, target :: image(:)
+        character(kind=c_char), target :: log(4096)
+        character(:), allocatable :: text
+        type(c_ptr) :: values(2)
+        integer(c_int) :: code
+        integer :: i
+
+        call read_image(file, stamp, image, err)
+        if (failed(err)) return
+        log = c_null_char
+        values = [c_loc(log), transfer(size(log, kind=c_intptr_t), c_null_ptr)]
+        code = cu_module_load(device%module, c_loc(image), 2_c_int, [log_option, log_size_option], &
+                              values)
+        text = ''
+        do i = 1, size(log)
+            if (log(i) == c_null_char) exit
+            text = text//log(i)
+        end do
+        if (code /= 0 .and. text /= '') text = ': '//text
+        call check(code, 'loading '//file//text, err)
+    end subroutine load_kernels
+
+    !> The PTX text with a null character at its end.
+    subroutine read_image(file, stamp, image, err)
+        character(*), intent(in) :: file, stamp
+        character(kind=c_char), allocatable, intent(out) :: image(:)
+        type(error_t), intent(inout) :: err
+        integer :: unit, n, io
+
+        open (newunit=unit, file=file, access='stream', form='unformatted', status='old', &
+              action='read', iostat=io)
+        if (io /= 0) then
+            call raise(err, exit_device, 'the GPU code '//file// &
+                       ' cannot be read: build it with make gpu, beside the program')
+            return
+        end if
+        inquire (unit=unit, size=n)
+        allocate (image(n + 1))
+        read (unit, iostat=io) image(1:n)
+        close (unit)
+        image(n + 1) = c_null_char
+        if (io == 0 .and. n > len(stamp) + 3) then
+            if (all(image(4:3 + len(stamp)) == transfer(stamp, image))) return
+        end if
+        call raise(err, exit_device, file//' was not built from the sources of this program: '// &
+                   'run make gpu again')
+    end subroutine read_image
+
+    !> Find a kernel by its name in the sources.
+    subroutine find_kernel(device, name, kernel, err)
+        type(device_t), intent(in) :: device
+        character(*), intent(in) :: name
+        type(kernel_t), intent(out) :: kernel
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        kernel%name = name
+        call check(cu_module_function(kernel%handle, device%module, name//c_null_char), &
+                   'finding the kernel '//name, err)
+    end subroutine find_kernel
+
+    !> Reserve memory on the GPU, all bytes zero.
+    subroutine allocate_buffer(buffer, bytes, err)
+        type(buffer_t), intent(out) :: buffer
+        integer(int64), intent(in) :: bytes
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        buffer%bytes = max(bytes, 8_int64)
+        call check(cu_allocate(buffer%address, buffer%bytes), 'reserving '//to_text(bytes)// &
+                   ' bytes', err)
+        call clear_buffer(buffer, err)
+    end subroutine allocate_buffer
+
+    !> Give memory back. Nothing happens to a buffer that holds none.
+    subroutine free_buffer(buffer)
+        type(buffer_t), intent(inout) :: buffer
+        integer(c_int) :: code
+
+        if (buffer%address /= 0) code = cu_free(buffer%address)
+        buffer%address = 0
+    end subroutine free_buffer
+
+    subroutine clear_buffer(buffer, err)
+        type(buffer_t), intent(in) :: buffer
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        call check(cu_fill_bytes(buffer%address, 0_c_signed_char, buffer%bytes), 'clearing', err)
+    end subroutine clear_buffer
+
+    !> Copy a contiguous array to the GPU.
+    subroutine copy_in(x, buffer, bytes, err)
+        type(*), intent(in), target, contiguous :: x(..)
+        type(buffer_t), intent(in) :: buffer
+        integer(int64), intent(in) :: bytes
+        type(error_t), intent(inout) :: err
+
+        if (failed(err) .or. bytes == 0) return
+        call check(cu_to_device(buffer%address, c_loc(x), int(bytes, c_size_t)), &
+                   'copying to the GPU', err)
+    end subroutine copy_in
+
+    !> Copy from the GPU to a contiguous array; waits for all work before it.
+    subroutine copy_out(buffer, x, bytes, err)
+        type(buffer_t), intent(in) :: buffer
+        type(*), intent(inout), target, contiguous :: x(..)
+        integer(int64), intent(in) :: bytes
+        type(error_t), intent(inout) :: err
+
+        if (failed(err) .or. bytes == 0) return
+        call check(cu_to_host(c_loc(x), buffer%address, int(bytes, c_size_t)), &
+                   'copying from the GPU (or a kernel before it)', err)
+    end subroutine copy_out
+
+    !> Launch a kernel with at least n threads in blocks of 128.
+    subroutine launch(kernel, n, arguments, err)
+        type(kernel_t), intent(in) :: kernel
+        integer(int64), intent(in) :: n
+        type(arguments_t), intent(in) :: arguments
+        type(error_t), intent(inout) :: err
+
+        call launch_grid(kernel, [int((n - 1)/threads_per_block) + 1, 1, 1], &
+                         [threads_per_block, 1, 1], arguments, err)
+    end subroutine launch
+
+    !> Launch a kernel on a grid of blocks.
+    subroutine launch_grid(kernel, grid, block, arguments, err)
+        type(kernel_t), intent(in) :: kernel
+        integer, intent(in) :: grid(3), block(3)
+        type(arguments_t), intent(in), target :: arguments
+        type(error_t), intent(inout) :: err
+        type(c_ptr) :: values(most_arguments)
+        integer :: i
+
+        if (failed(err)) return
+        do i = 1, arguments%n
+            values(i) = c_loc(arguments%value(i))
+        end do
+        call check(cu_launch(kernel%handle, grid(1), grid(2), grid(3), block(1), block(2), &
+                             block(3), 0_c_int, c_null_ptr, values, c_null_ptr), &
+                   'launching '//trim(kernel%name), err)
+    end subroutine launch_grid
+
+    !> Wait until all work is done.
+    subroutine wait_for_device(err)
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        call check(cu_synchronize(), 'the work of the kernels', err)
+    end subroutine wait_for_device
+
+    subroutine start_timer(device, err)
+        type(device_t), intent(in) :: device
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        call check(cu_event_record(device%started, c_null_ptr), 'timing', err)
+    end subroutine start_timer
+
+    !> Seconds of GPU work since start_timer.
+    function stop_timer(device, err) result(seconds)
+        type(device_t), intent(in) :: device
+        type(error_t), intent(inout) :: err
+        real(dp) :: seconds
+        real(c_float) :: milliseconds
+
+        seconds = 0
+        milliseconds = 0
+        if (failed(err)) return
+        call check(cu_event_record(device%ended, c_null_ptr), 'timing', err)
+        call check(cu_event_synchronize(device%ended), 'timing', err)
+        call check(cu_event_elapsed(milliseconds, device%started, device%ended), 'timing', err)
+        seconds = 1e-3_dp*milliseconds
+    end function stop_timer
+end module brz_device

@@ -1,0 +1,228 @@
+! SPDX-License-Identifier: MIT
+!> The air on the GPU: what it keeps there, and the way there and back.
+!>
+!> All fields stay on the GPU. The host arrays of `air_t` are a mirror that `fetch_air` refreshes
+!> before a dump or a checkpoint, and `fetch_cells` at the places of gauges.
+module brz_gpu_air_state
+    use brz_air_grid, only: grid_of, grid_t, place_of
+    use brz_air_outside, only: keep_outside
+    use brz_air_state, only: air_t, bc_outflow, set_scale
+    use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
+        find_kernel, free_buffer, kernel_t, launch
+    use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_kinds, only: dp, int64, rk
+    use brz_scheme, only: first_order, hllc, muscl_cells, scheme_t, weno3_cells
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: gpu_air_t, open_gpu_air, close_gpu_air, fetch_air, fetch_cells
+    public :: leave_threads, fold_threads
+
+    integer, parameter :: leave_threads = 4096 !! partial sums of what leaves the box
+    integer, parameter :: fold_threads = 1024 !! partial results that the host folds
+    integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
+
+    type :: gpu_air_t
+        type(grid_t) :: grid
+        logical :: fetched = .true. !! the host arrays hold the state of the GPU
+        type(buffer_t) :: grid_at, scheme_at !! constants
+        type(buffer_t) :: u, u_start !! as in air_t
+        type(buffer_t) :: flux(3) !! through the face above each cell, by direction
+        type(buffer_t) :: bad !! one byte for each cell, see air_check
+        type(buffer_t) :: any_bad
+        type(buffer_t) :: outside(2, 3) !! gas beyond open boundaries, as in air_t
+        type(buffer_t) :: part !! one number for each column along z
+        type(buffer_t) :: folded !! partial results of all columns
+        type(buffer_t) :: outflow !! (leave_threads, n_var) what left since the start
+        type(kernel_t) :: faces, fallback !! fluxes by the scheme, and of first order
+        type(kernel_t) :: ghosts, ghosts_open, check, judge, update
+        type(kernel_t) :: speed, total, leave, lowered, gather, most, sum
+        real(dp) :: outflow_before(6) = 0 !! what had left when the GPU took over
+    end type gpu_air_t
+
+contains
+
+    !> Reserve memory on the GPU and copy the air there.
+    subroutine open_gpu_air(device, air, gpu, err)
+        type(device_t), intent(in) :: device
+        type(air_t), intent(inout) :: air
+        type(gpu_air_t), intent(out) :: gpu
+        type(error_t), intent(inout) :: err
+        integer(int64) :: cells, field
+        integer :: d
+
+        gpu%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk))
+        cells = gpu%grid%apart
+        field = cells*air%n_var*bytes_of_real
+        call require(device, field*(2 + count(air%n > 1)) + cells, err)
+        call find_kernels(device, air%scheme, gpu, err)
+        call allocate_buffer(gpu%u, field, err)
+        call allocate_buffer(gpu%u_start, field, err)
+        do d = 1, 3
+            call allocate_buffer(gpu%flux(d), merge(field, 8_int64, air%n(d) > 1), err)
+        end do
+        call allocate_buffer(gpu%bad, cells, err)
+        call allocate_buffer(gpu%any_bad, 8_int64, err)
+        call allocate_buffer(gpu%part, 8_int64*(air%n(1) + 1)*(air%n(2) + 1), err)
+        call allocate_buffer(gpu%folded, 8_int64*fold_threads, err)
+        call allocate_buffer(gpu%outflow, 8_int64*leave_threads*air%n_var, err)
+        gpu%outflow_before = [air%outflow, air%outflow_products]
+        if (any(air%bc == bc_outflow) .and. .not. any_outside(air)) call keep_outside(air)
+        call set_scale(air)
+        call put_constants(air, gpu, err)
+        call copy_in(air%u, gpu%u, field, err)
+    end subroutine open_gpu_air
+
+    !> True if the gas beyond the open boundaries is known.
+    pure logical function any_outside(air)
+        type(air_t), intent(in) :: air
+        integer :: d, side
+
+        any_outside = .false.
+        do d = 1, 3
+            do side = 1, 2
+                any_outside = any_outside .or. allocated(air%outside(side, d)%q)
+            end do
+        end do
+    end function any_outside
+
+    !> Refuse a scene that does not fit, before anything is reserved.
+    subroutine require(device, bytes, err)
+        type(device_t), intent(in) :: device
+        integer(int64), intent(in) :: bytes
+        type(error_t), intent(inout) :: err
+
+        if (bytes > device%free_bytes) call raise(err, exit_device, 'the air needs '// &
+            to_text(int(bytes/2**20))//' MiB on the GPU, but only '// &
+            to_text(int(device%free_bytes/2**20))//' MiB are free: use fewer cells, a build '// &
+            'with PRECISION=mixed, or --backend cpu')
+    end subroutine require
+
+    subroutine find_kernels(device, scheme, gpu, err)
+        type(device_t), intent(in) :: device
+        type(scheme_t), intent(in) :: scheme
+        type(gpu_air_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+
+        call find_kernel(device, 'air_ghosts', gpu%ghosts, err)
+        call find_kernel(device, 'flux_'//flux_name(scheme, scheme%reconstruction), gpu%faces, err)
+        call find_kernel(device, 'flux_'//flux_name(scheme, first_order), gpu%fallback, err)
+        call find_kernel(device, 'air_ghosts_open', gpu%ghosts_open, err)
+        call find_kernel(device, 'air_check', gpu%check, err)
+        call find_kernel(device, 'air_judge', gpu%judge, err)
+        call find_kernel(device, 'air_update', gpu%update, err)
+        call find_kernel(device, 'air_speed', gpu%speed, err)
+        call find_kernel(device, 'air_total', gpu%total, err)
+        call find_kernel(device, 'air_outflow', gpu%leave, err)
+        call find_kernel(device, 'air_faces_lowered', gpu%lowered, err)
+        call find_kernel(device, 'gather_cells', gpu%gather, err)
+        call find_kernel(device, 'max_strided', gpu%most, err)
+        call find_kernel(device, 'sum_strided', gpu%sum, err)
+    end subroutine find_kernels
+
+    !> Name of a scheme among the kernels.
+    function flux_name(scheme, reconstruction) result(name)
+        type(scheme_t), intent(in) :: scheme
+        integer, intent(in) :: reconstruction
+        character(:), allocatable :: name
+
+        select case (reconstruction)
+        case (first_order); name = 'first_order'
+        case (muscl_cells); name = 'muscl'
+        case (weno3_cells); name = 'weno3'
+        case default; name = 'weno5z'
+        end select
+        name = name//trim(merge('_hllc ', '_split', scheme%flux == hllc))
+    end function flux_name
+
+    !> Copy what does not change during a run.
+    subroutine put_constants(air, gpu, err)
+        type(air_t), intent(in) :: air
+        type(gpu_air_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        integer(int64) :: bytes
+        integer :: d, side
+
+        bytes = storage_size(gpu%grid)/8
+        call allocate_buffer(gpu%grid_at, bytes, err)
+        call copy_in(gpu%grid, gpu%grid_at, bytes, err)
+        bytes = storage_size(air%scheme)/8
+        call allocate_buffer(gpu%scheme_at, bytes, err)
+        call copy_in(air%scheme, gpu%scheme_at, bytes, err)
+        do d = 1, 3
+            do side = 1, 2
+                if (.not. allocated(air%outside(side, d)%q)) cycle
+                bytes = size(air%outside(side, d)%q)*bytes_of_real
+                call allocate_buffer(gpu%outside(side, d), bytes, err)
+                call copy_in(air%outside(side, d)%q, gpu%outside(side, d), bytes, err)
+            end do
+        end do
+    end subroutine put_constants
+
+    !> Give the memory back.
+    subroutine close_gpu_air(gpu)
+        type(gpu_air_t), intent(inout) :: gpu
+        integer :: d
+
+        call free_buffer(gpu%grid_at)
+        call free_buffer(gpu%scheme_at)
+        call free_buffer(gpu%u)
+        call free_buffer(gpu%u_start)
+        do d = 1, 3
+            call free_buffer(gpu%flux(d))
+            call free_buffer(gpu%outside(1, d))
+            call free_buffer(gpu%outside(2, d))
+        end do
+        call free_buffer(gpu%bad)
+        call free_buffer(gpu%any_bad)
+        call free_buffer(gpu%part)
+        call free_buffer(gpu%folded)
+        call free_buffer(gpu%outflow)
+    end subroutine close_gpu_air
+
+    !> Refresh the host's conserved variables, if the GPU has moved on.
+    subroutine fetch_air(gpu, air, err)
+        type(gpu_air_t), intent(inout) :: gpu
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+
+        if (gpu%fetched) return
+        call copy_out(gpu%u, air%u, size(air%u, kind=int64)*bytes_of_real, err)
+        gpu%fetched = .not. failed(err)
+    end subroutine fetch_air
+
+    !> Refresh the host's conserved variables in a list of cells.
+    subroutine fetch_cells(gpu, cell, air, err)
+        type(gpu_air_t), intent(in) :: gpu
+        integer, intent(in) :: cell(:, :) !! (3, n) indices
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+        integer(int64) :: place(size(cell, 2))
+        real(rk) :: values(size(cell, 2), air%n_var)
+        type(buffer_t) :: place_at, values_at
+        type(arguments_t) :: arguments
+        integer :: c, n
+
+        n = size(cell, 2)
+        if (gpu%fetched .or. n == 0) return
+        do c = 1, n
+            place(c) = place_of(gpu%grid, cell(1, c), cell(2, c), cell(3, c))
+        end do
+        call allocate_buffer(place_at, 8_int64*n, err)
+        call allocate_buffer(values_at, size(values)*bytes_of_real, err)
+        call copy_in(place, place_at, 8_int64*n, err)
+        call arguments%add(n)
+        call arguments%add(gpu%grid_at)
+        call arguments%add(place_at)
+        call arguments%add(gpu%u)
+        call arguments%add(values_at)
+        call launch(gpu%gather, int(n, int64), arguments, err)
+        call copy_out(values_at, values, size(values)*bytes_of_real, err)
+        call free_buffer(place_at)
+        call free_buffer(values_at)
+        if (failed(err)) return
+        do c = 1, n
+            air%u(cell(1, c), cell(2, c), cell(3, c), :) = values(c, :)
+        end do
+    end subroutine fetch_cells
+end module brz_gpu_air_state

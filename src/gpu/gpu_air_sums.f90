@@ -1,0 +1,112 @@
+! SPDX-License-Identifier: MIT
+!> Numbers about all of the air on the GPU: time step, totals, outflow. Folded in a fixed order.
+module brz_gpu_air_sums
+    use brz_air_state, only: air_t
+    use brz_device, only: arguments_t, buffer_t, copy_out, kernel_t, launch, launch_grid
+    use brz_errors, only: error_t
+    use brz_gpu_air_state, only: fold_threads, gpu_air_t, leave_threads
+    use brz_kinds, only: dp, int64
+    implicit none
+    private
+    public :: gpu_air_time_step, gpu_air_totals, gpu_outflow, sum_of_columns
+
+    integer, parameter :: width = 128 !! threads of a block along x
+
+contains
+
+    !> Largest stable time step [s], as air_time_step has it.
+    real(dp) function gpu_air_time_step(gpu, air, cfl, err) result(dt)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        real(dp), intent(in) :: cfl !! Courant number [-]
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp), target :: folded(fold_threads)
+
+        call arguments%add(gpu%grid_at)
+        call arguments%add(gpu%scheme_at)
+        call arguments%add(gpu%u)
+        call arguments%add(gpu%part)
+        call launch_columns(gpu%speed, air%n, arguments, err)
+        call fold(gpu, gpu%most, air%n(1)*air%n(2), folded, err)
+        dt = cfl/maxval(folded)
+    end function gpu_air_time_step
+
+    !> Mass, momentum, energy, mass of products and kinetic energy of the gas [SI].
+    subroutine gpu_air_totals(gpu, air, totals, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        real(dp), intent(out) :: totals(0:6) !! 0: kinetic energy
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: c
+
+        totals = 0
+        do c = 0, air%n_var
+            arguments%n = 0
+            call arguments%add(gpu%grid_at)
+            call arguments%add(c)
+            call arguments%add(gpu%u)
+            call arguments%add(gpu%part)
+            call launch_columns(gpu%total, air%n, arguments, err)
+            call sum_of_columns(gpu, air%n(1)*air%n(2), totals(c), err)
+        end do
+        totals = totals*product(air%dx)
+    end subroutine gpu_air_totals
+
+    !> What left the box since the start of the run, into air%outflow.
+    subroutine gpu_outflow(gpu, air, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+        real(dp), target :: part(leave_threads, air%n_var)
+        real(dp) :: left(6)
+
+        part = 0
+        call copy_out(gpu%outflow, part, 8_int64*size(part), err)
+        left = gpu%outflow_before
+        left(1:air%n_var) = left(1:air%n_var) + sum(part, dim=1)
+        air%outflow = left(1:5)
+        air%outflow_products = left(6)
+    end subroutine gpu_outflow
+
+    !> Launch with one thread for each column along z.
+    subroutine launch_columns(kernel, n, arguments, err)
+        type(kernel_t), intent(in) :: kernel
+        integer, intent(in) :: n(3) !! cells
+        type(arguments_t), intent(in) :: arguments
+        type(error_t), intent(inout) :: err
+
+        call launch_grid(kernel, [(n(1) - 1)/width + 1, n(2), 1], [width, 1, 1], arguments, err)
+    end subroutine launch_columns
+
+    !> Sum of the numbers of n columns.
+    subroutine sum_of_columns(gpu, n, total, err)
+        type(gpu_air_t), intent(in) :: gpu
+        integer, intent(in) :: n
+        real(dp), intent(out) :: total
+        type(error_t), intent(inout) :: err
+        real(dp), target :: folded(fold_threads)
+
+        call fold(gpu, gpu%sum, n, folded, err)
+        total = sum(folded)
+    end subroutine sum_of_columns
+
+    !> Partial results of the numbers of n columns, by a kernel of reduce.CUF.
+    subroutine fold(gpu, kernel, n, folded, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(kernel_t), intent(in) :: kernel
+        integer, intent(in) :: n
+        real(dp), intent(out), target :: folded(fold_threads)
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        folded = 0
+        call arguments%add(int(n, int64))
+        call arguments%add(fold_threads)
+        call arguments%add(gpu%part)
+        call arguments%add(gpu%folded)
+        call launch(kernel, int(fold_threads, int64), arguments, err)
+        call copy_out(gpu%folded, folded, 8_int64*fold_threads, err)
+    end subroutine fold
+end module brz_gpu_air_sums

@@ -1,0 +1,162 @@
+! SPDX-License-Identifier: MIT
+!> Where a scene is computed: on the CPU, or its air on a GPU. The operations of a step that differ.
+module brz_backend
+    use brz_air_energy, only: air_kinetic
+    use brz_air_probe, only: cells_around
+    use brz_air_state, only: air_t, wall_t
+    use brz_air_step, only: air_step
+    use brz_air_sums, only: air_time_step
+    use brz_coupling_state, only: coupling_t
+    use brz_coupling_totals, only: coupling_products, coupling_totals
+    use brz_device, only: device_t, load_kernels, open_device
+    use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_files, only: program_path
+    use brz_gpu_air_state, only: fetch_air, fetch_cells, gpu_air_t, open_gpu_air
+    use brz_gpu_air_step, only: gpu_air_step
+    use brz_gpu_air_sums, only: gpu_air_time_step, gpu_air_totals, gpu_outflow
+    use brz_kinds, only: dp
+    use brz_version, only: device_code
+    implicit none
+    private
+    public :: backend_t, choose_backend, start_backend
+    public :: advance_air, limit_of_air, stock_of_air, fetch_state, fetch_around
+
+    type :: backend_t
+        logical :: on_gpu = .false. !! the air
+        type(device_t) :: device
+        type(gpu_air_t) :: air
+    end type backend_t
+
+contains
+
+    !> Open the GPU if it is wanted and there. 'auto' falls back to the CPU, in silence where there
+    !> is no driver; where a GPU is there but cannot be used the note says why.
+    subroutine choose_backend(wanted, has_air, has_solid, backend, note, err)
+        character(*), intent(in) :: wanted !! 'cpu', 'gpu', 'auto'
+        logical, intent(in) :: has_air, has_solid !! in the scene
+        type(backend_t), intent(inout) :: backend
+        character(:), allocatable, intent(out) :: note !! what the user should know, '' for nothing
+        type(error_t), intent(inout) :: err !! exit_device if 'gpu' is not possible
+        type(error_t) :: trial
+
+        note = ''
+        if (failed(err) .or. wanted == 'cpu') return
+        call open_device(backend%device, trial)
+        if (wanted == 'auto' .and. failed(trial)) return
+        if (has_solid .or. .not. has_air) call raise(trial, exit_device, 'this version has '// &
+            'only the air on the GPU, no bodies: run with --backend cpu')
+        call load_kernels(backend%device, kernel_file(), device_code, trial)
+        backend%on_gpu = .not. failed(trial)
+        if (backend%on_gpu) then
+            note = 'the air runs on '//backend%device%name
+        else if (wanted == 'gpu') then
+            call raise(err, trial%code, trial%text)
+        else
+            note = 'the scene runs on the CPU: '//trial%text
+        end if
+    end subroutine choose_backend
+
+    !> The GPU code: beside the program, or where the environment variable BRISANCE_PTX says.
+    function kernel_file() result(path)
+        character(:), allocatable :: path
+        character(4096) :: named
+
+        call get_environment_variable('BRISANCE_PTX', named)
+        path = trim(named)
+        if (path == '') path = program_path()//'.ptx'
+    end function kernel_file
+
+    !> Hand the state to the GPU, once it is set up or read from a checkpoint.
+    subroutine start_backend(backend, air, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+
+        if (backend%on_gpu .and. .not. failed(err)) &
+            call open_gpu_air(backend%device, air, backend%air, err)
+    end subroutine start_backend
+
+    !> One step of the air. `status` as air_step has it.
+    subroutine advance_air(backend, air, wall, dt, status, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        real(dp), intent(in) :: dt !! [s]
+        integer, intent(out) :: status
+        type(error_t), intent(inout) :: err
+
+        if (backend%on_gpu) then
+            call gpu_air_step(backend%air, air, dt, status, err)
+        else
+            call air_step(air, wall, dt, status)
+        end if
+    end subroutine advance_air
+
+    !> Largest stable time step of the air [s].
+    real(dp) function limit_of_air(backend, air, wall, cfl, err) result(dt)
+        type(backend_t), intent(in) :: backend
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        real(dp), intent(in) :: cfl !! Courant number [-]
+        type(error_t), intent(inout) :: err
+
+        if (backend%on_gpu) then
+            dt = gpu_air_time_step(backend%air, air, cfl, err)
+        else
+            dt = air_time_step(air, wall, cfl)
+        end if
+    end function limit_of_air
+
+    !> Totals of the air; what left through its boundaries is brought up to date in `air`.
+    subroutine stock_of_air(backend, air, coupling, gas, kept, kinetic, products, err)
+        type(backend_t), intent(in) :: backend
+        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        type(coupling_t), intent(in) :: coupling
+        real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
+        real(dp), intent(out) :: kept(5) !! the same in ledgers and debts
+        real(dp), intent(out) :: kinetic !! energy of the gas [J]
+        real(dp), intent(out) :: products !! mass of products of explosives [kg]
+        type(error_t), intent(inout) :: err
+        real(dp) :: debt(5), totals(0:6)
+
+        if (backend%on_gpu) then
+            call gpu_air_totals(backend%air, air, totals, err)
+            call gpu_outflow(backend%air, air, err)
+            gas = totals(1:5)
+            kept = 0
+            kinetic = totals(0)
+            products = totals(6)
+        else
+            call coupling_totals(air, coupling, gas, kept, debt)
+            kept = kept + debt
+            kinetic = air_kinetic(air, coupling%wall)
+            products = coupling_products(air, coupling)
+        end if
+    end subroutine stock_of_air
+
+    !> Bring the whole state to the host, for a dump or a checkpoint.
+    subroutine fetch_state(backend, air, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+
+        if (.not. backend%on_gpu .or. failed(err)) return
+        call fetch_air(backend%air, air, err)
+        call gpu_outflow(backend%air, air, err)
+    end subroutine fetch_state
+
+    !> Bring the cells around some points to the host, for gauges.
+    subroutine fetch_around(backend, points, air, err)
+        type(backend_t), intent(in) :: backend
+        real(dp), intent(in) :: points(:, :) !! (3, n) [m]
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+        integer :: cells(3, 8*size(points, 2)), g
+
+        if (.not. backend%on_gpu .or. failed(err)) return
+        do g = 1, size(points, 2)
+            call cells_around(air, points(:, g), cells(:, 8*g - 7:8*g))
+        end do
+        call fetch_cells(backend%air, cells, air, err)
+    end subroutine fetch_around
+end module brz_backend

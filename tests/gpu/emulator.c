@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: MIT
+// A CUDA driver without a GPU: memory is host memory, and a launch runs the kernel for every
+// thread in turn, block by block. The kernels are those of cuda/*.CUF, translated by
+// scripts/gpu_emulate.py, which also writes the table of kernels.
+//
+// BRISANCE_EMULATOR_FAIL=NAME[:N] makes the N-th call (default: the first) of a function fail.
+// BRISANCE_EMULATOR_MEMORY=BYTES is the memory of the device (default: 8 GiB).
+#include <stdlib.h>
+#include <string.h>
+
+typedef void (*kernel_code)();
+struct kernel {
+    const char *name;
+    kernel_code code;
+    const char *arguments; // one letter each: a = array, s = scalar
+};
+extern const struct kernel kernels[];
+extern void set_grid(int, int, int, int, int, int);
+extern void set_block(int, int, int);
+extern void set_thread(int, int, int);
+
+enum { success = 0, invalid = 1, out_of_memory = 2, no_device = 100, not_found = 500, failed = 719 };
+
+static size_t in_use = 0;
+
+static int fails(const char *name) {
+    static int calls = 0;
+    const char *wanted = getenv("BRISANCE_EMULATOR_FAIL");
+    size_t n = strlen(name);
+    if (!wanted || strncmp(wanted, name, n) || (wanted[n] && wanted[n] != ':')) return 0;
+    return ++calls == (wanted[n] ? atoi(wanted + n + 1) : 1);
+}
+
+static size_t memory(void) {
+    const char *given = getenv("BRISANCE_EMULATOR_MEMORY");
+    return given ? strtoull(given, 0, 10) : (size_t)8 << 30;
+}
+
+int cuInit(unsigned flags) { return fails("cuInit") ? no_device : success + 0 * (int)flags; }
+int cuDriverGetVersion(int *v) { *v = 13000; return success; }
+int cuDeviceGetCount(int *n) { *n = fails("cuDeviceGetCount") ? 0 : 1; return success; }
+int cuDeviceGet(int *d, int i) { *d = i; return success; }
+int cuDeviceGetName(char *s, int n, int d) { strncpy(s, "Emulated GPU", n); return d; }
+int cuDeviceGetAttribute(int *v, int which, int d) { *v = which == 75 ? 9 : 0; return d; }
+int cuDevicePrimaryCtxRetain(void **c, int d) { *c = (void *)1; return d; }
+int cuCtxSetCurrent(void *c) { return c ? success : invalid; }
+int cuCtxSynchronize(void) { return fails("cuCtxSynchronize") ? failed : success; }
+
+int cuMemGetInfo_v2(size_t *left, size_t *total) {
+    *total = memory();
+    *left = *total - in_use;
+    return success;
+}
+
+int cuModuleLoadDataEx(void **m, const void *image, unsigned n, int *options, void **values) {
+    (void)n, (void)options, (void)values;
+    *m = (void *)2;
+    return image && !fails("cuModuleLoadDataEx") ? success : invalid;
+}
+
+int cuModuleGetFunction(void **f, void *m, const char *name) {
+    if (!m) return invalid;
+    for (const struct kernel *k = kernels; k->name; k++)
+        if (!strcmp(k->name, name)) {
+            *f = (void *)k;
+            return success;
+        }
+    return not_found;
+}
+
+int cuMemAlloc_v2(size_t *p, size_t n) {
+    if (fails("cuMemAlloc_v2") || in_use + n > memory()) return out_of_memory;
+    size_t *block = malloc(n + 64);
+    if (!block) return out_of_memory;
+    memset(block, 0xa5, n + 64); // what is not cleared is no zero
+    *block = n;
+    in_use += n;
+    *p = (size_t)block + 64;
+    return success;
+}
+
+int cuMemFree_v2(size_t p) {
+    size_t *block = (size_t *)(p - 64);
+    in_use -= *block;
+    free(block);
+    return success;
+}
+
+int cuMemcpyHtoD_v2(size_t d, const void *h, size_t n) {
+    memcpy((void *)d, h, n);
+    return fails("cuMemcpyHtoD_v2") ? failed : success;
+}
+
+int cuMemcpyDtoH_v2(void *h, size_t d, size_t n) {
+    if (fails("cuMemcpyDtoH_v2")) return failed;
+    memcpy(h, (void *)d, n);
+    return success;
+}
+
+int cuMemsetD8_v2(size_t d, unsigned char value, size_t n) {
+    memset((void *)d, value, n);
+    return success;
+}
+
+static void run_block(const struct kernel *k, int x, int y, int z, const int *b, void **p) {
+    set_block(x, y, z);
+    for (int tz = 1; tz <= b[2]; tz++)
+        for (int ty = 1; ty <= b[1]; ty++)
+            for (int tx = 1; tx <= b[0]; tx++) {
+                set_thread(tx, ty, tz);
+                k->code(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11],
+                        p[12], p[13], p[14], p[15], p[16], p[17], p[18], p[19], p[20], p[21],
+                        p[22], p[23], p[24], p[25], p[26], p[27], p[28], p[29], p[30], p[31],
+                        p[32], p[33], p[34], p[35], p[36], p[37], p[38], p[39]);
+            }
+}
+
+int cuLaunchKernel(void *f, unsigned gx, unsigned gy, unsigned gz, unsigned bx, unsigned by,
+                   unsigned bz, unsigned shared, void *stream, void **arguments, void **extra) {
+    const struct kernel *k = f;
+    const int block[3] = {bx, by, bz};
+    const int n = gx * gy * gz;
+    void *p[40] = {0};
+    if (fails("cuLaunchKernel")) return failed;
+    if (bx * by * bz > 1024 || gx < 1 || gy < 1 || gz < 1 || gy > 65535 || gz > 65535) return invalid;
+    if (shared || stream || extra) return invalid;
+    for (int i = 0; k->arguments[i]; i++)
+        p[i] = k->arguments[i] == 'a' ? *(void **)arguments[i] : arguments[i];
+#pragma omp parallel for if (n > 8)
+    for (int i = 0; i < n; i++) {
+        set_grid(gx, gy, gz, bx, by, bz);
+        run_block(k, i % gx + 1, i / gx % gy + 1, i / (gx * gy) + 1, block, p);
+    }
+    return success;
+}
+
+int cuEventCreate(void **e, unsigned flags) { *e = (void *)3; return flags; }
+int cuEventRecord(void *e, void *stream) { return stream || !e ? invalid : success; }
+int cuEventSynchronize(void *e) { return e ? success : invalid; }
+int cuEventElapsedTime(float *ms, void *a, void *b) { *ms = 1; return a && b ? success : invalid; }
+int cuGetErrorString(int code, const char **text) {
+    *text = code == out_of_memory ? "out of memory" : code == not_found ? "named symbol not found"
+                                                                        : "emulated failure";
+    return success;
+}
