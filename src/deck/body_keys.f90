@@ -31,9 +31,18 @@ contains
                 key_t(group=g, key='id', kind=kind_text, default=required, &
                       meaning='Name of the body.'), &
                 key_t(group=g, key='shape', kind=kind_text, default='box', &
-                      choices='box|sphere|cylinder|bars', &
+                      choices='box|sphere|cylinder|bars|stl|particles', &
                       meaning='Shape; planes of symmetry cut it. bars: rows of equal '// &
-                      'round bars.'), &
+                      'round bars; stl: within a closed surface; particles: from a file.'), &
+                key_t(group=g, key='file', kind=kind_text, longest=256, &
+                      meaning="stl: a surface of triangles; particles: a table (.csv) with "// &
+                      "x, y, z and perhaps volume, or a dump (.vtkhdf, .h5). Relative to the "// &
+                      "deck."), &
+                key_t(group=g, key='scale', default='1.0', lower=zero, open_lower=.true., &
+                      meaning='stl, particles: factor of the coordinates in the file.'), &
+                key_t(group=g, key='move', n_min=3, n_max=3, unit='m', &
+                      default='0.0, 0.0, 0.0', &
+                      meaning='stl, particles: added to the scaled coordinates.'), &
                 key_t(group=g, key='box', n_min=6, n_max=6, unit='m', &
                       meaning='Box: corners x0, x1, y0, y1, z0, z1. Bars: the box that they '// &
                       'fill, from the outside of the first to that of the last.'), &

@@ -94,13 +94,15 @@ module brz_case
     type :: body_case_t
         character(name_len) :: id = ''
         integer :: line = 0 !! of the group in the deck, for messages
-        character(name_len) :: shape = 'box' !! 'box', 'sphere', 'cylinder', 'bars'
+        character(name_len) :: shape = 'box' !! 'box', 'sphere', 'cylinder', 'bars', 'stl', ...
         real(dp) :: lo(3) = 0, hi(3) = 0 !! box, bars: corners [m]
         real(dp) :: centre(3) = 0, radius = 0, length = 0 !! sphere, cylinder [m]
         real(dp) :: inner_radius = 0 !! of a hollow cylinder [m]
         character(1) :: axis = 'z' !! cylinder, bars
         real(dp) :: diameter = 0 !! bars [m]
         integer :: bars(2) = 1 !! bars along the two directions across, in cyclic order
+        character(512) :: file = '' !! stl, particles: path, from the folder of the deck
+        real(dp) :: scale = 1, move(3) = 0 !! of the coordinates in the file [-], [m]
         character(name_len) :: cuts(8) = '' !! bodies that make room for this one
         real(dp) :: spacing = 0 !! distance of the particles [m]
         character(name_len) :: material = ''

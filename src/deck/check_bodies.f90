@@ -4,6 +4,7 @@ module brz_check_bodies
     use brz_case, only: body_case_t, case_t
     use brz_check_air, only: box_text, check_corners
     use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
+    use brz_files, only: file_exists
     use brz_get, only: is_given, is_usable
     use brz_kinds, only: dp
     use brz_text, only: nearest, to_text
@@ -20,7 +21,7 @@ module brz_check_bodies
         logical :: needed !! by all of them
     end type shape_key_t
 
-    type(shape_key_t), parameter :: shape_keys(8) = [ &
+    type(shape_key_t), parameter :: shape_keys(11) = [ &
         shape_key_t('box', 'box bars', .true.), &
         shape_key_t('centre', 'sphere cylinder', .true.), &
         shape_key_t('radius', 'sphere cylinder', .true.), &
@@ -28,7 +29,10 @@ module brz_check_bodies
         shape_key_t('axis', 'cylinder bars', .true.), &
         shape_key_t('inner_radius', 'cylinder', .false.), &
         shape_key_t('diameter', 'bars', .true.), &
-        shape_key_t('bars', 'bars', .false.)]
+        shape_key_t('bars', 'bars', .false.), &
+        shape_key_t('file', 'stl particles', .true.), &
+        shape_key_t('scale', 'stl particles', .false.), &
+        shape_key_t('move', 'stl particles', .false.)]
     real(dp), parameter :: slack = 1e-9_dp !! relative rounding of positions in the deck
 
 contains
@@ -46,6 +50,11 @@ contains
             call find_material(deck, g, case, case%bodies(k))
             call check_shape(deck, g, case%bodies(k))
             if (deck%groups(g)%bad) cycle
+            if (case%bodies(k)%file /= '') then
+                call check_file(deck, g, case%run%dimension, case%bodies(k))
+                call check_cuts(deck, g, case, k)
+                cycle
+            end if
             call check_size(deck, g, case%run%dimension, case%bodies(k))
             if (.not. deck%groups(g)%bad) call cut_body(deck, g, case, case%bodies(k))
             if (.not. deck%groups(g)%bad) call check_in_air(deck, g, case, case%bodies(k))
@@ -225,6 +234,22 @@ contains
         end if
     end subroutine check_in_air
 
+    !> The file must be there. What it holds is not known yet: its box is all of space.
+    subroutine check_file(deck, g, dimension, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g, dimension
+        type(body_case_t), intent(inout) :: body
+
+        body%lo = -huge(1.0_dp)
+        body%hi = huge(1.0_dp)
+        if (.not. file_exists(trim(body%file))) call complain(deck, g, 'file', &
+            "there is no file '"//trim(body%file)//"' (paths start at the folder of the deck)")
+        if (dimension < 3) call complain(deck, g, 'shape', "shape='"//trim(body%shape)// &
+                                         "' needs dimension=3")
+        if (body%shape == 'particles' .and. any(body%cuts /= '')) call complain(deck, g, 'cuts', &
+            "shape='particles' has no surface and can cut nothing")
+    end subroutine check_file
+
     !> The bodies that a body cuts must exist, and not cut it in turn.
     subroutine check_cuts(deck, g, case, k)
         type(deck_t), intent(inout) :: deck
@@ -280,7 +305,7 @@ contains
 
         lo = body%lo
         hi = body%hi
-        if (body%shape == 'box' .or. body%shape == 'bars') return
+        if (body%shape /= 'sphere' .and. body%shape /= 'cylinder') return
         half = body%radius
         if (body%shape == 'cylinder') half(index(axes, body%axis)) = body%length/2
         lo = body%centre - half

@@ -183,6 +183,9 @@ contains
             call get(group, 'diameter', body%diameter)
             call get(group, 'bars', body%bars)
             call get(group, 'cuts', body%cuts, n)
+            call get(group, 'file', body%file)
+            call get(group, 'scale', body%scale)
+            call get(group, 'move', body%move)
             call get(group, 'spacing', body%spacing)
             call get(group, 'material', body%material)
             call get(group, 'ply_axis', body%ply_axis)
@@ -201,6 +204,8 @@ contains
             call get(group, 'smoothing', body%smoothing)
             call get(group, 'cfl', body%cfl)
         end associate
+        if (body%file /= '' .and. body%file(1:1) /= '/') &
+            body%file = deck%file(:index(deck%file, '/', back=.true.))//body%file
         call fill_plies(deck, g, body)
         call fill_regions(deck, g, body)
         call fill_motion(deck, g, body)

@@ -144,6 +144,7 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(point_t) :: point
+        real(dp) :: volume
         integer :: n, ply
 
         ply = -1
@@ -151,8 +152,10 @@ contains
             solid%id(n) = n
             solid%x(:, n) = points%x(:, n - body%first + 1)
             solid%x_ref(:, n) = solid%x(:, n)
-            solid%volume(n) = real(points%volume, rk)
-            solid%mass(n) = real(points%volume*solid%materials(body%material)%density, rk)
+            volume = points%volume
+            if (allocated(points%volumes)) volume = points%volumes(n - body%first + 1)
+            solid%volume(n) = real(volume, rk)
+            solid%mass(n) = real(volume*solid%materials(body%material)%density, rk)
             solid%ply(n) = ply_of(input, points%shape, solid%x(:, n))
             if (solid%ply(n) /= ply) then
                 ply = solid%ply(n)

@@ -7,7 +7,8 @@ module brz_body_shape
     use brz_kinds, only: dp
     implicit none
     private
-    public :: shape_t, lay_shape, take_lattice, point_of, inside, exact_volume, bar_layers
+    public :: shape_t, lay_shape, take_lattice, point_of, inside, exact_volume, modelled_share, &
+              bar_layers
 
     real(dp), parameter :: pi = acos(-1.0_dp)
 
@@ -21,23 +22,29 @@ module brz_body_shape
         logical :: on_plane(3) = .false. !! cut, or resting on a symmetry plane
         real(dp) :: depth = 1 !! extent of what is not modelled [m or m2]
         real(dp) :: start(3) = 0 !! low corner of the lattice [m]
+        logical, allocatable :: mark(:, :, :) !! (n) points within a surface of triangles
     end type shape_t
 
 contains
 
     !> Lattice of a body. `middle` is where the directions that are not modelled are put.
-    subroutine lay_shape(body, dimension, mirror, depth, middle, s)
+    subroutine lay_shape(body, dimension, mirror, depth, middle, s, box)
         type(body_case_t), intent(in) :: body
         integer, intent(in) :: dimension
         logical, intent(in) :: mirror(3) !! symmetry planes
         real(dp), intent(in) :: depth, middle(3) !! [m]
         type(shape_t), intent(out) :: s
+        real(dp), intent(in), optional :: box(3, 2) !! corners of a body from a file [m]
         real(dp) :: side
         integer :: a
 
         s%dimension = dimension
         s%depth = depth
         call extent(body, s%lo, s%hi)
+        if (present(box)) then
+            s%lo = box(:, 1)
+            s%hi = box(:, 2)
+        end if
         s%full_lo = s%lo
         s%full_hi = s%hi
         do a = 1, 3
@@ -122,6 +129,10 @@ contains
         integer :: a, n
         logical :: within(3)
 
+        if (body%shape == 'stl' .or. body%shape == 'particles') then
+            inside = near_mark(s, x, margin)
+            return
+        end if
         n = s%dimension
         within = x > s%full_lo + margin .and. x < s%full_hi - margin
         if (body%shape == 'bars') then ! which may stand half a spacing beside their box
@@ -138,6 +149,20 @@ contains
         if (body%inner_radius > 0) &
             inside = inside .and. dot_product(d, d) >= (body%inner_radius + margin)**2
     end function inside
+
+    !> True for a point within half a spacing of a marked point of the lattice.
+    pure logical function near_mark(s, x, margin)
+        type(shape_t), intent(in) :: s
+        real(dp), intent(in) :: x(3), margin !! [m]
+        integer :: i(3)
+
+        near_mark = .false.
+        if (.not. allocated(s%mark)) return
+        i = nint((x - s%start)/s%spacing + 0.5_dp)
+        if (any(i < 1 .or. i > s%n)) return
+        near_mark = s%mark(i(1), i(2), i(3)) .and. &
+                    norm2(x - point_of(s, i)) < minval(s%spacing)/2 - margin
+    end function near_mark
 
     !> True for a coordinate within the layers of one of the bars.
     pure logical function in_bar(body, s, a, x, margin)
@@ -180,8 +205,20 @@ contains
                                 + (body%hi(a) - body%lo(a) - body%diameter)*(k - 1)/(n - 1)
     end function bar_centre
 
-    !> Volume of the part of a shape that is modelled; a shape that a plane cuts counts as
-    !> symmetric about it [m3].
+    !> True where a plane of symmetry goes through the body, at the middle of it if `middle`.
+    pure logical function is_cut(s, a, middle)
+        type(shape_t), intent(in) :: s
+        integer, intent(in) :: a !! direction
+        logical, intent(in) :: middle
+        real(dp) :: side
+
+        side = s%full_hi(a) - s%full_lo(a)
+        is_cut = s%on_plane(a) .and. s%full_lo(a) < -1e-9_dp*side .and. &
+                 (abs(s%full_lo(a) + s%full_hi(a)) < 1e-6_dp*side .eqv. middle)
+    end function is_cut
+
+    !> Volume of the part of a shape that is modelled, where planes of symmetry cut it at its
+    !> middle; 0 where it is not known, because a plane cuts it elsewhere [m3].
     pure real(dp) function exact_volume(body, s) result(volume)
         type(body_case_t), intent(in) :: body
         type(shape_t), intent(in) :: s
@@ -210,8 +247,20 @@ contains
                 volume = ball(s%dimension, body%radius) - ball(s%dimension, body%inner_radius)
             end if
         end select
-        volume = volume*s%depth/2.0_dp**count(s%on_plane)
+        volume = volume*s%depth*modelled_share(s)
     end function exact_volume
+
+    !> Share of a body on the positive side of the planes that cut it; 0: not known.
+    pure real(dp) function modelled_share(s) result(share)
+        type(shape_t), intent(in) :: s
+        integer :: a
+
+        share = 1
+        do a = 1, s%dimension
+            if (is_cut(s, a, .true.)) share = share/2
+            if (is_cut(s, a, .false.)) share = 0
+        end do
+    end function modelled_share
 
     !> Volume of a ball in so many dimensions.
     pure real(dp) function ball(dimension, radius)

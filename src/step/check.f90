@@ -89,8 +89,9 @@ contains
                     body%volume_scale
                 if (body%across > 0) write (output_unit, '(a, i0, a)') '             ', &
                     body%across, ' particles per bar diameter'
-                if (sim%case%bodies(b)%n_plies > 0) write (output_unit, '(a, i0, a, f0.2, a)') &
-                    '             ', sim%case%bodies(b)%n_plies, ' plies of ', &
+                if (sim%case%bodies(b)%n_plies > 0 .and. sim%case%bodies(b)%file == '') &
+                    write (output_unit, '(a, i0, a, f0.2, a)') '             ', &
+                    sim%case%bodies(b)%n_plies, ' plies of ', &
                     layers_of(sim, b)/sim%case%bodies(b)%n_plies, ' layers of particles'
             end associate
         end do

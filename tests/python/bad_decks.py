@@ -77,6 +77,7 @@ BAD = [
         9,
         "formulation='rigid'",
     ),
+    swap("no_file", PLATE, "shape='stl', file='nothing.stl'", 9, "there is no file 'nothing.stl'"),
     # interactions
     swap(
         "meet_nobody",

@@ -1,0 +1,108 @@
+! SPDX-License-Identifier: MIT
+!> Particles from a file: a table with the columns x, y, z and perhaps volume, or an HDF5 file with
+!> VTKHDF/Points, as dumps have it, and perhaps VTKHDF/PointData/volume.
+module brz_particle_file
+    use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_files, only: read_text_file
+    use brz_hdf5_array, only: h5_read, h5_shape
+    use brz_hdf5_file, only: h5_close, h5_open, h5_t
+    use brz_kinds, only: dp, int64
+    use brz_text, only: lower, split, string_t, to_text
+    implicit none
+    private
+    public :: read_particles
+
+contains
+
+    !> Read places and volumes; `volume` has no elements where the file has none.
+    subroutine read_particles(path, x, volume, err)
+        character(*), intent(in) :: path !! ends in .csv, .h5 or .vtkhdf
+        real(dp), allocatable, intent(out) :: x(:, :) !! (3, n)
+        real(dp), allocatable, intent(out) :: volume(:) !! (n) or (0) [m3]
+        type(error_t), intent(inout) :: err
+
+        if (path(max(1, len(path) - 3):) == '.csv') then
+            call from_table(path, x, volume, err)
+        else
+            call from_hdf5(path, x, volume, err)
+        end if
+        if (failed(err)) return
+        if (size(x, 2) == 0) call raise(err, exit_deck, path//': holds no particle')
+        if (.not. all(abs(x) < 1e30_dp)) call raise(err, exit_deck, path// &
+            ': a coordinate is no finite number')
+        if (.not. all(volume > 0)) call raise(err, exit_deck, path//': a volume is not positive')
+    end subroutine read_particles
+
+    subroutine from_hdf5(path, x, volume, err)
+        character(*), intent(in) :: path
+        real(dp), allocatable, intent(inout) :: x(:, :), volume(:)
+        type(error_t), intent(inout) :: err
+        type(error_t) :: absent
+        type(h5_t) :: file
+        integer(int64), allocatable :: dims(:)
+
+        call h5_open(file, path, err)
+        call h5_shape(file, 'VTKHDF/Points', dims, err)
+        if (failed(err)) return
+        if (size(dims) /= 2 .or. dims(1) /= 3) then
+            call raise(err, exit_deck, path//': VTKHDF/Points is no table of three columns')
+            return
+        end if
+        allocate (x(3, dims(2)))
+        call h5_read(file, 'VTKHDF/Points', x, err)
+        call h5_shape(file, 'VTKHDF/PointData/volume', dims, absent)
+        allocate (volume(merge(size(x, 2), 0, .not. failed(absent))))
+        if (size(volume) > 0) call h5_read(file, 'VTKHDF/PointData/volume', volume, err)
+        call h5_close(file, err)
+    end subroutine from_hdf5
+
+    !> Comma-separated text; the first row names the columns, units in brackets are passed over.
+    subroutine from_table(path, x, volume, err)
+        character(*), intent(in) :: path
+        real(dp), allocatable, intent(inout) :: x(:, :), volume(:)
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: text
+        type(string_t), allocatable :: rows(:), head(:)
+        real(dp), allocatable :: row(:)
+        integer :: c(4), i, io, n
+
+        call read_text_file(path, text, err)
+        if (failed(err)) return
+        call split(text, new_line('a'), rows)
+        call split(rows(1)%s, ',', head)
+        c = [column('x'), column('y'), column('z'), column('volume')]
+        if (any(c(:3) == 0)) then
+            call raise(err, exit_deck, path//": its first row must name the columns x, y and z")
+            return
+        end if
+        n = 0
+        do i = 2, size(rows)
+            if (rows(i)%s /= '') n = n + 1
+        end do
+        allocate (x(3, n), volume(merge(n, 0, c(4) > 0)), row(size(head)))
+        n = 0
+        do i = 2, size(rows)
+            if (rows(i)%s == '') cycle
+            n = n + 1
+            read (rows(i)%s, *, iostat=io) row
+            if (io /= 0) call raise(err, exit_deck, path//': row '//to_text(i)//' is no '// &
+                                    to_text(size(head))//' numbers')
+            x(:, n) = row(c(:3))
+            if (c(4) > 0) volume(n) = row(c(4))
+        end do
+
+    contains
+
+        integer function column(name)
+            character(*), intent(in) :: name
+            integer :: k, last
+
+            do column = 1, size(head)
+                k = column
+                last = index(head(k)%s//'[', '[') - 1
+                if (lower(trim(adjustl(head(k)%s(:last)))) == name) return
+            end do
+            column = 0
+        end function column
+    end subroutine from_table
+end module brz_particle_file
