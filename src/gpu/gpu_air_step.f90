@@ -71,12 +71,11 @@ contains
         type(air_t), intent(in) :: air
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        integer :: d, side, across(3)
+        integer :: d, side, plane(3)
 
         do d = 1, 3
             if (air%n(d) == 1) cycle
-            across = air%n
-            across(d) = 1
+            plane = [pack(air%n, [1, 2, 3] /= d), 1]
             do side = 1, 2
                 arguments%n = 0
                 call arguments%add(d)
@@ -86,12 +85,12 @@ contains
                     call arguments%add(gpu%scheme_at)
                     call arguments%add(gpu%outside(side, d))
                     call arguments%add(gpu%u)
-                    call launch_cells(gpu%ghosts_open, across, arguments, err)
+                    call launch_cells(gpu%ghosts_open, plane, arguments, err)
                 else
                     call arguments%add(air%bc(side, d))
                     call arguments%add(gpu%grid_at)
                     call arguments%add(gpu%u)
-                    call launch_cells(gpu%ghosts, across, arguments, err)
+                    call launch_cells(gpu%ghosts, plane, arguments, err)
                 end if
             end do
         end do
