@@ -20,7 +20,7 @@ module brz_hjc
     use brz_key, only: key_t, none, required
     use brz_kinematics, only: volume_step
     use brz_material, only: material_t, point_t, material_ok, material_clamped, n_par
-    use brz_model, only: model_t, real_key, text_key
+    use brz_model, only: derived_t, model_t, real_key, text_key
     use brz_text, only: to_text
     implicit none
     private
@@ -47,6 +47,7 @@ contains
         model%history(h_mu_max) = 'mu_max'
         model%history(h_eroded) = 'eroded'
         model%derive => derive
+        model%report => report
     end subroutine describe_hjc
 
     subroutine describe_strength(model)
@@ -132,6 +133,31 @@ contains
             material%c_wave = sqrt((par(p_k_el) + 4*par(p_shear)/3)/par(p_density))
         end associate
     end subroutine derive
+
+    !> Slopes of the pressure, elastic constants, what a cylinder and a bar carry without damage.
+    subroutine report(material, list)
+        type(material_t), intent(in) :: material
+        type(derived_t), allocatable, intent(out) :: list(:)
+        real(dp) :: k, g, q
+        integer :: i
+
+        k = material%par(p_k_el)
+        g = material%par(p_shear)
+        q = 1
+        do i = 1, 200
+            q = material%par(p_a) + material%par(p_b)*(q/3)**material%par(p_n)
+        end do
+        list = [derived_t('K_el', 'Pa', k), &
+                derived_t('K_tran', 'Pa', material%par(p_k_tran)), &
+                derived_t('K_unload', 'Pa', material%par(p_full)), &
+                derived_t('mu_plock', '', material%par(p_mu_plock)), &
+                derived_t('E', 'Pa', 9*k*g/(3*k + g)), &
+                derived_t('nu', '', (3*k - 2*g)/(6*k + 2*g)), &
+                derived_t('cylinder', 'Pa', min(q, real(material%par(p_smax), dp)) &
+                          *material%par(p_fc)), &
+                derived_t('bar', 'Pa', 1/(1/(material%par(p_a)*material%par(p_fc)) &
+                                          + 1/(3*material%par(p_t))))]
+    end subroutine report
 
     !> The cubic must rise over its whole range.
     subroutine check_dense(par, fault)

@@ -18,13 +18,14 @@ module brz_materials
     use brz_linear_elastic, only: linear_elastic, describe_linear_elastic, update_linear_elastic
     use brz_material, only: material_t, point_t, n_hist, material_ok, material_not_finite, &
                             material_step_too_large, material_unknown
-    use brz_model, only: model_t, load_parameters, material_label
+    use brz_model, only: derived_t, model_t, load_parameters, material_label
     use brz_orthotropic_ply, only: orthotropic_ply, describe_orthotropic_ply, &
                                    update_orthotropic_ply
     use brz_polynomial_eos, only: polynomial_eos, describe_polynomial_eos, update_polynomial_eos
     implicit none
     private
-    public :: material_keys, make_material, start_point, update_material, history_names
+    public :: material_keys, make_material, start_point, update_material, history_names, &
+              derived_constants
 
     ! Numbers beyond these are no state of a solid; below them no update can overflow, in real32
     ! either. The strain of one step is the sum of |dv_i/dx_j| dt.
@@ -203,6 +204,21 @@ contains
             if (associated(models(i)%start)) call models(i)%start(material, angle, axis, point)
         end do
     end subroutine start_point
+
+    !> What follows from the keys of a material, as its model tells it.
+    subroutine derived_constants(material, list)
+        type(material_t), intent(in) :: material
+        type(derived_t), allocatable, intent(out) :: list(:)
+        type(model_t), allocatable :: models(:)
+        integer :: i
+
+        call list_models(models)
+        do i = 1, size(models)
+            if (models(i)%code /= material%model) cycle
+            if (associated(models(i)%report)) call models(i)%report(material, list)
+        end do
+        if (.not. allocated(list)) allocate (list(0))
+    end subroutine derived_constants
 
     !> Names and units of the history of a material; an empty name: not worth a dump.
     subroutine history_names(material, names, units)

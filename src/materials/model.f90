@@ -11,7 +11,14 @@ module brz_model
     use brz_material, only: material_t, point_t, n_hist
     implicit none
     private
-    public :: model_t, load_parameters, material_label, real_key, text_key, switch_key
+    public :: derived_t, model_t, load_parameters, material_label, real_key, text_key, switch_key
+
+    !> A number that follows from the keys of a material, for `--check`.
+    type :: derived_t
+        character(12) :: name = ''
+        character(8) :: unit = ''
+        real(dp) :: value = 0
+    end type derived_t
 
     type :: model_t
         integer :: code = 0 !! what `material%model` holds
@@ -21,6 +28,7 @@ module brz_model
         character(32) :: history(n_hist) = '' !! names of the slots worth a dump, '' for the others
         character(12) :: history_unit(n_hist) = '-'
         procedure(derive_i), pointer, nopass :: derive => null()
+        procedure(report_i), pointer, nopass :: report => null() !! null: nothing to tell
         procedure(start_i), pointer, nopass :: start => null() !! null: all zero
         procedure(rest_i), pointer, nopass :: rest => null() !! the same without a direction
     end type model_t
@@ -33,6 +41,13 @@ module brz_model
             logical, intent(in) :: given(:) !! key i stands in the deck
             character(:), allocatable, intent(out) :: fault !! unallocated if all is well
         end subroutine derive_i
+
+        !> Numbers that a user should know and has not given.
+        subroutine report_i(material, list)
+            import :: material_t, derived_t
+            type(material_t), intent(in) :: material
+            type(derived_t), allocatable, intent(out) :: list(:)
+        end subroutine report_i
 
         !> History of an unloaded point.
         subroutine start_i(material, angle, axis, point)

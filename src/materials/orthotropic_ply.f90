@@ -9,22 +9,20 @@
 module brz_orthotropic_ply
     use brz_kinds, only: dp, rk
     use brz_algebra, only: rotate_voigt
-    use brz_key, only: key_t, none, required
     use brz_kinematics, only: volume_step
     use brz_material, only: material_t, point_t, material_ok, material_clamped, &
                             material_step_too_large, n_hist, n_par
     use brz_mie_gruneisen, only: hugoniot_excess, pressure_step, hugoniot_limit, eos_density, &
                                  eos_c0, eos_s1, eos_gamma, eos_mu_max
-    use brz_model, only: model_t, real_key, switch_key, text_key
+    use brz_model, only: derived_t, model_t
     use brz_ply_axes, only: axes_matrix, axes_of_matrix, axes_spin, turn_ply
     use brz_ply_failure, only: ply_stress, grow_damage, total_damage, n_modes, fibre_tension, &
-                               fibre_compression, matrix_cracking, matrix_crushing, delamination, &
-                               p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, p_nu23, &
-                               p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, p_yc, p_zt, p_s12, p_s13, &
-                               p_s23, p_shear_weight, p_woven, p_axes, p_degradation, p_time, &
-                               p_limit, p_retain, p_pressure, p_slope, p_gamma, p_energy, n_keys, &
-                               p_c11, p_c22, p_c33, p_c12, p_c23, p_c13, p_bulk, p_rubble, &
-                               p_inverse, p_eos
+                               fibre_compression, matrix_cracking, matrix_crushing, &
+                               delamination, p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, &
+                               p_nu23, p_g12, p_xt, p_xc, p_yt, p_yc, p_zt, p_woven, p_axes, &
+                               p_limit, p_pressure, p_slope, p_gamma, p_energy, p_c11, p_c22, &
+                               p_c33, p_c12, p_c23, p_c13, p_bulk, p_rubble, p_inverse, p_eos
+    use brz_ply_keys, only: ply_keys
     implicit none
     private
     public :: orthotropic_ply, describe_orthotropic_ply, update_orthotropic_ply, ply_axes
@@ -43,10 +41,7 @@ contains
 
         model%code = orthotropic_ply
         model%name = name
-        allocate (model%keys(n_keys))
-        call describe_stiffness(model)
-        call describe_strength(model)
-        call describe_options(model)
+        call ply_keys(name, model%keys)
         model%n_hist = h_damage + n_modes
         model%history(h_damage + fibre_tension) = 'damage_fibre_tension'
         model%history(h_damage + fibre_compression) = 'damage_fibre_compression'
@@ -54,94 +49,9 @@ contains
         model%history(h_damage + matrix_crushing) = 'damage_matrix_crushing'
         model%history(h_damage + delamination) = 'damage_delamination'
         model%derive => derive
+        model%report => report
         model%start => start
     end subroutine describe_orthotropic_ply
-
-    subroutine describe_stiffness(model)
-        type(model_t), intent(inout) :: model
-
-        model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
-                                         'unloaded density', 0.0_dp, open_lower=.true.)
-        model%keys(p_e1) = modulus('e1', "Young's modulus along the fibres")
-        model%keys(p_e2) = modulus('e2', "Young's modulus across the fibres, in the ply")
-        model%keys(p_e3) = modulus('e3', "Young's modulus normal to the ply")
-        model%keys(p_nu12) = real_key(name, 'nu12', '-', required, &
-                                      'strain in 2 by tension in 1, major ratio')
-        model%keys(p_nu13) = real_key(name, 'nu13', '-', required, &
-                                      'strain in 3 by tension in 1, major ratio')
-        model%keys(p_nu23) = real_key(name, 'nu23', '-', required, &
-                                      'strain in 3 by tension in 2, major ratio')
-        model%keys(p_g12) = modulus('g12', 'shear modulus in the ply')
-        model%keys(p_g13) = modulus('g13', 'shear modulus between fibre and normal')
-        model%keys(p_g23) = modulus('g23', 'shear modulus between 2 and the normal')
-    end subroutine describe_stiffness
-
-    subroutine describe_strength(model)
-        type(model_t), intent(inout) :: model
-
-        model%keys(p_xt) = strength('xt', 'tensile strength along the fibres')
-        model%keys(p_xc) = strength('xc', 'compressive strength along the fibres')
-        model%keys(p_yt) = strength('yt', 'tensile strength across the fibres')
-        model%keys(p_yc) = strength('yc', 'compressive strength across the fibres')
-        model%keys(p_zt) = strength('zt', 'tensile strength normal to the ply')
-        model%keys(p_s12) = strength('s12', 'shear strength in the ply')
-        model%keys(p_s13) = strength('s13', 'shear strength between fibre and normal')
-        model%keys(p_s23) = strength('s23', 'shear strength between 2 and the normal')
-        model%keys(p_energy + fibre_tension) = toughness('gft', 'fibre tension')
-        model%keys(p_energy + fibre_compression) = toughness('gfc', 'fibre compression')
-        model%keys(p_energy + matrix_cracking) = toughness('gmt', 'matrix cracking')
-        model%keys(p_energy + matrix_crushing) = toughness('gmc', 'matrix crushing')
-        model%keys(p_energy + delamination) = toughness('gdl', 'delamination')
-    end subroutine describe_strength
-
-    subroutine describe_options(model)
-        type(model_t), intent(inout) :: model
-
-        model%keys(p_shear_weight) = real_key(name, 'shear_weight', '-', '1', &
-            'weight of the shear stress in the criterion of the fibres', 0.0_dp, 1.0_dp)
-        model%keys(p_woven) = switch_key(name, 'woven', '.false.', &
-            'a fabric: direction 2 is a fibre direction and fails as one')
-        model%keys(p_axes) = text_key(name, 'axes', 'polar', 'polar|spin|fibre', &
-            'axes turn with the polar rotation, with the spin, or stay on the fibres')
-        model%keys(p_degradation) = text_key(name, 'degradation', 'compliance', &
-            'compliance|zeroing', 'how damage lowers the stiffness')
-        model%keys(p_time) = real_key(name, 'relaxation_time', 's', none, &
-            'a failed mode lets go in this time; absent: h over wave speed', 0.0_dp, &
-            open_lower=.true.)
-        model%keys(p_limit) = real_key(name, 'damage_limit', '-', '0.999', &
-            'largest damage of a mode', 0.0_dp, 0.99999_dp, open_lower=.true.)
-        model%keys(p_retain) = switch_key(name, 'retain_bulk', '.true.', &
-            'crushed material still resists a loss of volume')
-        model%keys(p_pressure) = text_key(name, 'pressure', 'linear', 'linear|anderson', &
-            'pressure of the stiffness, or corrected by a shock Hugoniot')
-        model%keys(p_slope) = real_key(name, 'hugoniot_slope', '-', '1.5', &
-            "pressure='anderson': slope of the Hugoniot", 0.0_dp)
-        model%keys(p_gamma) = real_key(name, 'gruneisen_gamma', '-', '0.85', &
-            "pressure='anderson': Grueneisen's gamma", 0.0_dp)
-    end subroutine describe_options
-
-    pure function modulus(key, meaning) result(row)
-        character(*), intent(in) :: key, meaning
-        type(key_t) :: row
-
-        row = real_key(name, key, 'Pa', required, meaning, 0.0_dp, open_lower=.true.)
-    end function modulus
-
-    pure function strength(key, meaning) result(row)
-        character(*), intent(in) :: key, meaning
-        type(key_t) :: row
-
-        row = real_key(name, key, 'Pa', none, meaning//'; absent: never reached', 0.0_dp, &
-                       open_lower=.true.)
-    end function strength
-
-    pure function toughness(key, mode) result(row)
-        character(*), intent(in) :: key, mode
-        type(key_t) :: row
-
-        row = real_key(name, key, 'J/m2', none, 'fracture energy of '//mode// &
-                       '; absent: the stress relaxes in time instead', 0.0_dp, open_lower=.true.)
-    end function toughness
 
     !> Stiffness, moduli and inverse strengths.
     subroutine derive(material, given, fault)
@@ -211,6 +121,27 @@ contains
                        + 2*(par(p_c12) + par(p_c13) + par(p_c23)))/9
         par(p_rubble) = real(1/(1/e1 + 1/e2 + 1/e3 - 2*(nu12/e1 + nu13/e1 + nu23/e2)), rk)
     end subroutine derive_stiffness
+
+    !> Stiffness, and the waves along and between the axes.
+    subroutine report(material, list)
+        type(material_t), intent(in) :: material
+        type(derived_t), allocatable, intent(out) :: list(:)
+        character(3), parameter :: names(6) = ['C11', 'C22', 'C33', 'C12', 'C23', 'C13']
+        character(4), parameter :: waves(6) = ['c_11', 'c_22', 'c_33', 'c_12', 'c_13', 'c_23']
+        integer :: i
+
+        allocate (list(13))
+        do i = 1, 6
+            list(i) = derived_t(names(i), 'Pa', material%par(p_c11 + i - 1))
+        end do
+        list(7) = derived_t("K'", 'Pa', material%par(p_bulk))
+        do i = 1, 3
+            list(7 + i) = derived_t(waves(i), 'm/s', sqrt(material%par(p_c11 + i - 1) &
+                                                          /material%density))
+            list(10 + i) = derived_t(waves(3 + i), 'm/s', sqrt(material%par(p_g12 + i - 1) &
+                                                               /material%density))
+        end do
+    end subroutine report
 
     !> Axes of an unloaded ply: 3 along the stacking axis, 1 turned by `angle` about it.
     subroutine start(material, angle, axis, point)

@@ -22,16 +22,16 @@ module brz_ply_failure
                                   p_s12 = 16, p_s13 = 17, p_s23 = 18, p_shear_weight = 19, &
                                   p_woven = 20, p_axes = 21, p_degradation = 22, p_time = 23, &
                                   p_limit = 24, p_retain = 25, p_pressure = 26, p_slope = 27, &
-                                  p_gamma = 28
-    integer, parameter, public :: p_energy = 28 !! + mode: fracture energy [J/m2]
+                                  p_gamma = 28, p_friction = 29
+    integer, parameter, public :: p_energy = 29 !! + mode: fracture energy [J/m2]
     integer, parameter, public :: n_keys = p_energy + n_modes
     ! ... then what is derived from them.
-    integer, parameter, public :: p_c11 = 34, p_c22 = 35, p_c33 = 36, p_c12 = 37, p_c23 = 38, &
-                                  p_c13 = 39 !! stiffness [Pa]
-    integer, parameter, public :: p_bulk = 40 !! mean of the nine normal stiffnesses [Pa]
-    integer, parameter, public :: p_rubble = 41 !! bulk modulus at uniform pressure [Pa]
-    integer, parameter, public :: p_inverse = 41 !! + 1..8: 1/strength, 0 where there is none
-    integer, parameter, public :: p_eos = 50 !! first slot of the equation of state
+    integer, parameter, public :: p_c11 = 35, p_c22 = 36, p_c33 = 37, p_c12 = 38, p_c23 = 39, &
+                                  p_c13 = 40 !! stiffness [Pa]
+    integer, parameter, public :: p_bulk = 41 !! mean of the nine normal stiffnesses [Pa]
+    integer, parameter, public :: p_rubble = 42 !! bulk modulus at uniform pressure [Pa]
+    integer, parameter, public :: p_inverse = 42 !! + 1..8: 1/strength, 0 where there is none
+    integer, parameter, public :: p_eos = 51 !! first slot of the equation of state
 
     ! Values of the options, the places of their words in the deck.
     integer, parameter, public :: by_compliance = 1, by_zeroing = 2
@@ -169,7 +169,7 @@ contains
         real(rk), intent(in) :: par(n_par)
         integer, intent(in) :: mode
         real(rk), intent(in) :: s(6) !! [Pa]
-        real(rk) :: f, weight
+        real(rk) :: f, weight, press
         logical :: woven
 
         woven = par(p_woven) > 0
@@ -195,8 +195,10 @@ contains
                 end if
             end if
         case (delamination)
+            press = par(p_friction)*max(-s(3), 0.0_rk)
             if (par(i_zt) > 0) f = (max(s(3), 0.0_rk)*par(i_zt))**2 &
-                                   + (s(5)*par(i_s23))**2 + (s(6)*par(i_s13))**2
+                                   + (s(5)*par(i_s23)/(1 + press*par(i_s23)))**2 &
+                                   + (s(6)*par(i_s13)/(1 + press*par(i_s13)))**2
         end select
     end function criterion
 

@@ -6,6 +6,7 @@ module brz_check
     use brz_check_bodies, only: body_box
     use brz_errors, only: error_t
     use brz_kinds, only: dp, real32
+    use brz_material_report, only: material_report
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
     use brz_text, only: to_text
@@ -28,6 +29,7 @@ contains
         write (output_unit, '(a)') 'check of '//trim(sim%case%run%job)//': '//sim%case%run%title
         if (sim%air%present) call check_air(sim)
         if (sim%solid%present) call check_solid(sim)
+        if (sim%solid%present) call check_materials(sim)
         call choose_time_step(sim, dt, err)
         if (sim%air%present) dt = dt/time_step_ramp(0, sim%case%air%ramp_steps)
         write (output_unit, '(a, es10.3, 3a, i0, a)') 'time step    ', dt, ' s at first, limit: ', &
@@ -44,6 +46,26 @@ contains
             notes = to_text(size(sim%case%warnings))//' warning(s), see above'
         write (output_unit, '(a)') 'verdict      '//notes
     end subroutine print_check
+
+    !> Materials of the bodies; their Hugoniot where two bodies of them would meet at full speed.
+    subroutine check_materials(sim)
+        type(simulation_t), intent(in) :: sim
+        real(dp) :: speed
+        integer :: a, b, m
+
+        speed = 0
+        do a = 1, size(sim%case%bodies)
+            do b = 1, size(sim%case%bodies)
+                speed = max(speed, norm2(sim%case%bodies(a)%velocity), &
+                            norm2(sim%case%bodies(a)%velocity - sim%case%bodies(b)%velocity))
+            end do
+        end do
+        do m = 1, size(sim%case%materials)
+            if (.not. any(sim%case%bodies%material == sim%case%materials(m)%id)) cycle
+            write (output_unit, '(a)', advance='no') &
+                material_report(sim%case%materials(m), sim%solid%materials(m), speed/2)
+        end do
+    end subroutine check_materials
 
     !> Memory for the air and the walls in it, ghosts and all [B].
     pure real(dp) function air_bytes(sim) result(bytes)
