@@ -7,6 +7,7 @@ module brz_solid_step
     use brz_kinds, only: dp, int8, int64, rk
     use brz_solid_bonds, only: break_bonds
     use brz_solid_contact, only: contact_pass, find_touch
+    use brz_solid_doubles, only: refuse_doubles
     use brz_solid_forces, only: force_pass
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_links, only: first_bonds
@@ -33,6 +34,7 @@ contains
         do i = 1, solid%n
             solid%support(i) = count_intact(solid, i)
         end do
+        call refuse_doubles(solid, err)
         call meet(solid)
         call gradient_pass(solid, 0.0_dp)
         call contact_pass(solid, 0.0_dp)

@@ -18,10 +18,11 @@ module brz_solid_totals
         real(dp) :: hourglass = 0 !! energy held by the stiff hourglass force [J]
         real(dp) :: artificial = 0 !! energy held by the artificial stress [J]
         real(dp) :: contact = 0 !! energy held by the springs of contact [J]
+        real(dp) :: outside = 0 !! mass that has left the region [kg]
         real(dp) :: damage = 0 !! mean over the mass
     end type solid_totals_t
 
-    integer, parameter :: n_sum = 13
+    integer, parameter :: n_sum = 14
 
 contains
 
@@ -46,6 +47,7 @@ contains
         totals%angular = sums(8:10)
         totals%kinetic = sums(11)
         totals%internal = sums(12)
+        totals%outside = sums(14)
         totals%damage = sums(13)/max(sums(1), tiny(1.0_dp))
         do k = 1, size(solid%bodies) ! the turning of the particles of rigid bodies
             if (b /= 0 .and. b /= k) cycle
@@ -87,6 +89,7 @@ contains
             part(11) = part(11) + m*dot_product(v, v)/2
             part(12) = part(12) + m*solid%energy(i)
             part(13) = part(13) + m*solid%damage(i)
+            if (any(x < solid%region(:, 1) .or. x > solid%region(:, 2))) part(14) = part(14) + m
         end do
     end subroutine sum_block
 end module brz_solid_totals

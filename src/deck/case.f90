@@ -154,6 +154,9 @@ module brz_case
     type :: solid_case_t
         logical :: present = .false. !! at least one body
         real(dp) :: skin = 0.3_dp !! of the neighbour list, in spacings
+        logical :: has_region = .false.
+        real(dp) :: region(3, 2) = 0 !! corners; particles that leave it are reported [m]
+        character(name_len) :: leave = 'report' !! or 'stop'
     end type solid_case_t
 
     !> &coupling

@@ -223,6 +223,13 @@ contains
                 key_t(group='solid', meaning='Settings shared by all bodies.'), &
                 key_t(group='solid', key='skin', default='0.3', lower=zero, upper=2*one, &
                       meaning='Skin of the neighbour list over the spacing of the particles.'), &
+                key_t(group='solid', key='region', n_min=6, n_max=6, unit='m', &
+                      meaning='Box x0, x1, y0, y1, z0, z1 whose leaving is watched; that of '// &
+                      'the air if absent.'), &
+                key_t(group='solid', key='leave', kind=kind_text, default='report', &
+                      choices='report|stop', &
+                      meaning='When particles leave the region: report it and let them fly on, '// &
+                      'or stop with a checkpoint and exit code 3.'), &
                 key_t(group='coupling', meaning='How air and bodies meet.'), &
                 key_t(group='coupling', key='spread', default='1.5', lower=zero, &
                       open_lower=.true., upper=10*one, &

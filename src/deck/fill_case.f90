@@ -2,7 +2,7 @@
 !> Components of the case from the groups of the deck, one procedure per group.
 module brz_fill_case
     use brz_case, only: air_case_t, body_case_t, case_t, charge_case_t, gas_case_t, gauge_case_t, &
-                        run_case_t
+                        run_case_t, solid_case_t
     use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_entry, &
                         find_group, group_t
     use brz_explosives, only: explosives, find_explosive
@@ -302,6 +302,8 @@ contains
                 select case (group%name)
                 case ('solid')
                     call get(group, 'skin', case%solid%skin)
+                    call get(group, 'leave', case%solid%leave)
+                    call get_region(group, case%solid)
                 case ('coupling')
                     call get(group, 'spread', case%coupling%spread)
                     call get(group, 'reference_pressure', case%coupling%reference_pressure)
@@ -314,6 +316,18 @@ contains
             end associate
         end do
     end subroutine fill_settings
+
+    !> Corners from 'region'.
+    subroutine get_region(group, solid)
+        type(group_t), intent(in) :: group
+        type(solid_case_t), intent(inout) :: solid
+        real(dp) :: box(6)
+
+        box = 0
+        call get(group, 'region', box)
+        solid%has_region = is_usable(group, 'region')
+        solid%region = transpose(reshape(box, [2, 3]))
+    end subroutine get_region
 
     !> Corners from 'box': x0, x1, y0, y1, z0, z1.
     subroutine get_box(group, lo, hi)

@@ -90,6 +90,11 @@ contains
         do a = solid%dimension + 1, 3
             if (case%air%present) solid%depth = solid%depth*(case%air%hi(a) - case%air%lo(a))
         end do
+        if (case%air%present) then
+            solid%region(:solid%dimension, 1) = case%air%lo(:solid%dimension)
+            solid%region(:solid%dimension, 2) = case%air%hi(:solid%dimension)
+        end if
+        if (case%solid%has_region) solid%region = case%solid%region
         solid%skin = case%solid%skin*minval(case%bodies%spacing)
         call place_points(case, solid%mirror, solid%depth, middle, points, err)
         n = 0

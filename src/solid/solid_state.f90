@@ -116,6 +116,9 @@ module brz_solid_state
         real(dp) :: dt_limit = 0 !! largest stable time step times the CFL numbers, part of a
                                  !! checkpoint [s]
         real(dp) :: skin = 0 !! of the neighbour list [m]
+        !> Corners of the region whose leaving is reported [m].
+        real(dp) :: region(3, 2) = reshape([-huge(1.0_dp), -huge(1.0_dp), -huge(1.0_dp), &
+                                            huge(1.0_dp), huge(1.0_dp), huge(1.0_dp)], [3, 2])
         logical :: asleep = .true. !! unloaded and at rest: no steps are taken
         integer(int64) :: steps = 0, rebuilds = 0
         type(body_t), allocatable :: bodies(:)

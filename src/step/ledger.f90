@@ -14,7 +14,7 @@ module brz_ledger
     private
     public :: ledger_t, ledger_start_t, take_stock, energy_columns, ledger_row, body_names, body_row
 
-    integer, parameter :: n_energy = 32, n_body = 14
+    integer, parameter :: n_energy = 33, n_body = 14
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
@@ -27,7 +27,8 @@ module brz_ledger
                                 'impulse_y[N s]', 'impulse_z[N s]', 'mass_error[-]', &
                                 'momentum_error[-]', 'fallback_faces[-]', &
                                 'products[kg]', 'products_out[kg]', &
-                                'contact[J]', 'contact_heat[J]', 'friction[J]', 'drive_work[J]']
+                                'contact[J]', 'contact_heat[J]', 'friction[J]', 'drive_work[J]', &
+                                'outside[kg]']
 
     !> Columns of bodies.csv, for every body.
     character(20), parameter :: body_columns(n_body) = [character(20) :: &
@@ -49,6 +50,7 @@ module brz_ledger
         real(dp) :: contact(3) = 0 !! held by contact; heat of contact and friction so far [J]
         real(dp) :: air_work = 0 !! energy that the air gave to moving walls so far [J]
         real(dp) :: load_work = 0 !! work of the load on the particles so far [J]
+        real(dp) :: outside = 0 !! mass of particles that have left the region [kg]
         real(dp) :: drive = 0 !! work of prescribed motion so far [J]
         real(dp) :: impulse(3) = 0 !! momentum that the air gave to walls so far [N s]
         real(dp) :: total = 0 !! energy of everything, what is lost in coupling included [J]
@@ -93,6 +95,7 @@ contains
             call solid_totals(solid, 0, sums)
             ledger%solid_kinetic = sums%kinetic
             ledger%solid_internal = sums%internal
+            ledger%outside = sums%outside
             ledger%hourglass = sums%hourglass
             ledger%artificial = sums%artificial
             ledger%hourglass_heat = sum(solid%bodies%ledger%hourglass_heat)
@@ -153,7 +156,7 @@ contains
         row(19:28) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
                       ledger%mass_error, ledger%momentum_error, ledger%fallback_faces, &
                       ledger%products, ledger%products_out]
-        row(29:32) = [ledger%contact, ledger%drive]
+        row(29:33) = [ledger%contact, ledger%drive, ledger%outside]
     end function ledger_row
 
     !> Columns of bodies.csv.

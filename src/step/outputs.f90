@@ -35,6 +35,7 @@ module brz_outputs
         real(dp) :: reserve = 0 !! wall-clock time that a checkpoint has taken at most [s]
         real(dp) :: energy_error = 0 !! of the last history row, relative
         integer :: saved_cycle = -1 !! cycle of the last checkpoint
+        logical :: outside = .false. !! it was told that particles have left the region
     end type outputs_t
 
 contains
@@ -166,11 +167,33 @@ contains
                            outputs%gauge_values)
             call append_row(outputs%gauge_history, outputs%gauge_values, err)
         end if
+        call watch_region(sim, ledger%outside, outputs%outside, err)
         if (.not. abs(ledger%energy_error) <= sim%case%run%energy_band) call raise( &
             err, exit_numerical, 'the energy error '//to_text(ledger%energy_error)//' at t = '// &
             to_text(sim%clock%time)//' s is outside the band energy_band = '// &
             to_text(sim%case%run%energy_band))
     end subroutine write_histories
+
+    !> Particles that have left the region: told once, and by the key `leave` the end of the run.
+    subroutine watch_region(sim, mass, told, err)
+        type(simulation_t), intent(inout) :: sim
+        real(dp), intent(in) :: mass !! outside [kg]
+        logical, intent(inout) :: told
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: text
+
+        if (told .or. .not. mass > 0) return
+        told = .true.
+        text = to_text(mass)//' kg of particles have left the region of &solid at t = '// &
+               to_text(sim%clock%time)//' s'
+        if (sim%case%solid%leave == 'stop') then
+            sim%intact = .true.
+            call raise(err, exit_numerical, text)
+        else
+            write (error_unit, '(a)') text//'; they fly on and feel no air (outside[kg] in '// &
+                'energy.csv)'
+        end if
+    end subroutine watch_region
 
     !> A progress line, with all histories on the disk.
     subroutine report(sim, outputs, err)

@@ -119,10 +119,25 @@ contains
             end if
             call obey_requests(sim, outputs, err)
         end do
-        if (failed(err)) return
+        if (failed(err)) then
+            if (sim%intact) call save_last(sim, outputs, err)
+            return
+        end if
         call save_checkpoint(sim, outputs, err)
         call report(sim, outputs, err)
     end subroutine time_loop
+
+    !> After an error that left the state intact: a checkpoint of it, told with the error.
+    subroutine save_last(sim, outputs, err)
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        type(error_t) :: saving
+
+        call save_checkpoint(sim, outputs, saving)
+        if (failed(saving)) return
+        err%text = err%text//'; the state before it is in a checkpoint'
+    end subroutine save_last
 
     !> Checkpoint, or checkpoint and stop, where a signal, a stop file or the wall clock asks.
     subroutine obey_requests(sim, outputs, err)

@@ -29,6 +29,7 @@ module brz_simulation
         type(progress_t) :: progress
         character(6) :: limiter = '-' !! what limits the time step
         integer :: substeps = 0 !! solid steps in the last step
+        logical :: intact = .false. !! an error has left the state as it was: worth a checkpoint
     end type simulation_t
 
 contains

@@ -17,6 +17,8 @@ module brz_time_step
     private
     public :: advance, choose_time_step
 
+    real(dp), parameter :: least_share = 1e-12_dp !! of t_end: no run ends with shorter steps
+
 contains
 
     !> Carry the scene over one time step.
@@ -71,11 +73,10 @@ contains
             dt = limit
             sim%limiter = merge('air   ', 'solid ', sim%air%present)
         end if
-        if (.not. dt > sim%case%run%dt_min) then
-            call raise(err, exit_numerical, 'time step '//to_text(dt)//' s ('//trim(sim%limiter)// &
-                       ') is not above its floor dt_min = '//to_text(sim%case%run%dt_min)//' s')
-            return
-        end if
+        call check_floor(sim, dt, trim(sim%limiter), err)
+        if (sim%solid%present .and. .not. sim%solid%asleep) &
+            call check_floor(sim, solid_time_step(sim%solid), 'solid', err)
+        if (failed(err)) return
         left = sim%case%run%t_end - sim%clock%time
         if (2*dt > left) then ! two even steps rather than a tiny last one
             dt = merge(left, left/2, dt >= left)
@@ -84,6 +85,22 @@ contains
         sim%substeps = 0
         if (sim%solid%present .and. .not. sim%solid%asleep) sim%substeps = substeps(sim, dt)
     end subroutine choose_time_step
+
+    !> A time step that has collapsed ends the run; the state before it is intact.
+    subroutine check_floor(sim, dt, limiter, err)
+        type(simulation_t), intent(inout) :: sim
+        real(dp), intent(in) :: dt !! [s]
+        character(*), intent(in) :: limiter !! what asks for this step
+        type(error_t), intent(inout) :: err
+        real(dp) :: floor
+
+        if (failed(err)) return
+        floor = max(sim%case%run%dt_min, least_share*sim%case%run%t_end)
+        if (dt > floor) return
+        sim%intact = .true.
+        call raise(err, exit_numerical, 'time step '//to_text(dt)//' s ('//limiter// &
+                   ') is not above its floor '//to_text(floor)//' s (dt_min, at least t_end/1e12)')
+    end subroutine check_floor
 
     !> Solid steps in a step of the scene.
     pure integer function substeps(sim, dt)

@@ -50,3 +50,54 @@ def test_restart_goes_on_with_the_same_bytes(scene):
 def test_threads_do_not_matter(scene):
     run("run", "bodies.nml", "--out", "one", cwd=scene, env=os.environ | {"OMP_NUM_THREADS": "1"})
     assert tables(scene / "one") == tables(scene / "out" / "bodies")
+
+
+LONE = """\
+&run title='lone', t_end=1e-5 /
+&material id='soft', model='linear_elastic', density=1000,
+          youngs_modulus=5e8, poisson_ratio=0.3 /
+&body id='one', box=0,0.001, 0,0.001, 0,0.001, spacing=1e-3, material='soft', velocity=50,0,0 /
+&body id='sheet', box=0.0012,0.0022, -0.003,0.004, -0.003,0.004, spacing=1e-3, material='soft' /
+&solid region=-1,0.00172, -1,1, -1,1 /
+"""
+
+
+def test_one_particle_meets_a_single_layer_and_what_leaves_is_told(tmp_path):
+    (tmp_path / "lone.nml").write_text(LONE)
+    done = run("run", "lone.nml", cwd=tmp_path)
+    energy = history(tmp_path / "out" / "lone" / "energy.csv")
+    assert abs(energy["error[-]"][-1]) < 0.01
+    assert energy["contact_heat[J]"][-1] > 0
+    assert energy["outside[kg]"][-1] > 0
+    assert "have left the region" in done.stderr
+    bodies = history(tmp_path / "out" / "lone" / "bodies.csv")
+    assert bodies["sheet:velocity_x[m/s]"][-1] > 0
+    momentum = sum(
+        bodies[f"{b}:mass[kg]"] * bodies[f"{b}:velocity_x[m/s]"] for b in ("one", "sheet")
+    )
+    assert abs(momentum / momentum[0] - 1).max() < 1e-12
+
+
+def test_leaving_can_stop_a_run(tmp_path):
+    (tmp_path / "lone.nml").write_text(LONE.replace("&solid ", "&solid leave='stop', "))
+    done = run("run", "lone.nml", cwd=tmp_path, code=3)
+    assert "have left the region" in done.stderr and "checkpoint" in done.stderr
+    assert list((tmp_path / "out" / "lone").glob("chk_*.h5"))
+
+
+def test_a_collapsed_time_step_ends_with_a_checkpoint(tmp_path):
+    deck = LONE.replace("t_end=1e-5", "t_end=1e-5, dt_min=3e-7")
+    deck = deck.replace("velocity=50", "velocity=1500").replace("0.0012,0.0022", "0.005,0.006")
+    (tmp_path / "lone.nml").write_text(deck)
+    done = run("run", "lone.nml", cwd=tmp_path, code=3)
+    assert "is not above its floor" in done.stderr and "checkpoint" in done.stderr
+    assert list((tmp_path / "out" / "lone").glob("chk_*.h5"))
+    run("run", "lone.nml", "--restart", "latest", "--set", "run.dt_min=0", cwd=tmp_path)
+
+
+def test_two_particles_at_one_place_are_refused(tmp_path):
+    (tmp_path / "twins.csv").write_text("x,y,z\n0,0,0\n1e-3,0,0\n1e-3,0,1e-8\n")
+    deck = LONE.replace("box=0,0.001, 0,0.001, 0,0.001", "shape='particles', file='twins.csv'")
+    (tmp_path / "lone.nml").write_text(deck)
+    done = run("run", "lone.nml", cwd=tmp_path, code=2)
+    assert "particles 2 and 3 are at the same place" in done.stderr
