@@ -7,8 +7,6 @@
 module brz_gauges
     use brz_air_probe, only: gas_state_at
     use brz_air_state, only: air_t, wall_t
-    use brz_blast1d_profile, only: blast1d_at
-    use brz_blast1d_state, only: blast1d_t
     use brz_case, only: case_t, gauge_case_t, name_len
     use brz_check_start, only: is_radial
     use brz_errors, only: error_t, raise, exit_deck
@@ -168,17 +166,16 @@ contains
         end do
     end subroutine gauge_row
 
-    !> One row of the history while the air is a blast in one dimension; bodies wait.
-    subroutine radial_gauge_row(gauges, blast, centre, solid, row)
+    !> One row of the history, but its time, while the air is a blast in one dimension; bodies wait.
+    subroutine radial_gauge_row(gauges, seen, centre, solid, row)
         type(gauges_t), intent(in) :: gauges
-        type(blast1d_t), intent(in) :: blast !! prepared
+        real(dp), intent(in) :: seen(:, :) !! (3, n) density, radial velocity, pressure
         real(dp), intent(in) :: centre(3) !! of the charge [m]
         type(solid_t), intent(in) :: solid
-        real(dp), intent(out) :: row(:) !! (n + 1)
-        real(dp) :: local(3), state(5), arm(3), radius
+        real(dp), intent(inout) :: row(:) !! (n + 1)
+        real(dp) :: state(5), arm(3)
         integer :: g
 
-        row(1) = blast%time
         do g = 1, gauges%n
             associate (gauge => gauges%list(g))
                 if (gauge%body > 0) then
@@ -186,10 +183,9 @@ contains
                     cycle
                 end if
                 arm = merge(gauge%at - centre, 0.0_dp, gauges%active)
-                radius = norm2(arm)
-                call blast1d_at(blast, radius, local)
-                state = [local(1), local(2)*arm/max(radius, tiny(radius)), local(3)]
-                row(g + 1) = value_of_gas(state, blast%input%pressure, gauge%quantity)
+                arm = arm/max(norm2(arm), tiny(arm))
+                state = [seen(1, g), seen(2, g)*arm, seen(3, g)]
+                row(g + 1) = value_of_gas(state, gauges%rest, gauge%quantity)
             end associate
         end do
     end subroutine radial_gauge_row

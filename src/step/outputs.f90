@@ -10,7 +10,7 @@ module brz_outputs
     use brz_coupling_setup, only: restart_coupling
     use brz_dumps, only: dumps_t, start_dumps, write_dumps
     use brz_errors, only: error_t, exit_numerical, failed, raise
-    use brz_gauges, only: gauge_names, gauge_points, gauge_row, gauges_t, &
+    use brz_gauges, only: gauge_names, gauge_points, gauge_row, gauges_t, radial_gauge_row, &
                           set_up_gauges
     use brz_history, only: append_row, close_history, flush_history, history_t, open_history
     use brz_kinds, only: dp
@@ -60,7 +60,24 @@ contains
         if (failed(err)) return
         call set_up_gauges(sim%case, sim%solid, outputs%gauges, err)
         call open_histories(sim, outputs, use == folder_resume, err)
+        if (use /= folder_resume .and. sim%early%rows > 0) call write_early(sim, outputs, err)
     end subroutine open_outputs
+
+    !> What the gauges saw while the blast was one-dimensional.
+    subroutine write_early(sim, outputs, err)
+        type(simulation_t), intent(in) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        integer :: m
+
+        if (failed(err)) return
+        do m = 1, sim%early%rows
+            outputs%gauge_values(1) = sim%early%when(m)
+            call radial_gauge_row(outputs%gauges, sim%early%seen(:, :, m), &
+                                  sim%case%charges(1)%at, sim%solid, outputs%gauge_values)
+            call append_row(outputs%gauge_history, outputs%gauge_values, err)
+        end do
+    end subroutine write_early
 
     !> The state of a checkpoint, and what follows from it.
     subroutine restart(from, sim, outputs, err)

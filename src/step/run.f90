@@ -15,6 +15,7 @@ module brz_run
     use brz_kinds, only: dp
     use brz_outputs, only: close_outputs, open_outputs, outputs_t, report, save_checkpoint, &
                            write_due
+    use brz_print_early, only: print_early
     use brz_progress, only: start_progress
     use brz_run_radial, only: run_radial
     use brz_scanner, only: read_deck
@@ -49,12 +50,14 @@ contains
         call set_up_simulation(sim, err)
         if (failed(err)) return
         if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes
+        if (sim%early%present) call print_early(sim%early)
         if (options%check) then
             call print_check(sim, err)
             return
         end if
         call listen_to_signals()
         call start_clock(sim%case, sim%clock, options%walltime)
+        if (sim%early%present) sim%clock%time = sim%early%time
         call open_outputs(options, sim, outputs, err)
         if (failed(err)) return
         call start_backend(sim%backend, sim%air, err)

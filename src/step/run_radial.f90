@@ -2,6 +2,7 @@
 !> A run along the radius of one charge in open air: from the deck to histories and profiles.
 module brz_run_radial
     use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_blast1d_profile, only: blast1d_at
     use brz_blast1d_reconstruct, only: prepare
     use brz_blast1d_state, only: blast1d_input_t, blast1d_t, blast1d_totals, start_blast1d, &
                                  whole_angle
@@ -71,20 +72,26 @@ contains
         type(history_t) :: history
         type(solid_t) :: solid
         character(64), allocatable :: names(:)
-        real(dp), allocatable :: row(:)
+        real(dp), allocatable :: row(:), seen(:, :)
         logical :: ok, last
+        integer :: g
 
         call start_clock(case, clock)
         call set_up_gauges(case, solid, gauges, err)
         call gauge_names(gauges, names)
         if (failed(err)) return
-        allocate (row(gauges%n + 1))
+        allocate (row(gauges%n + 1), seen(3, gauges%n))
         call open_history(history, folder//'/gauges.csv', names, err)
         do
             last = blast%time >= case%run%t_end .or. blast%cycle >= case%run%max_steps
             call prepare(blast, blast%time)
             if (tick(clock%history, blast%time) .or. last) then
-                call radial_gauge_row(gauges, blast, case%charges(1)%at, solid, row)
+                row(1) = blast%time
+                do g = 1, gauges%n
+                    call blast1d_at(blast, norm2(gauges%list(g)%at - case%charges(1)%at), &
+                                    seen(:, g))
+                end do
+                call radial_gauge_row(gauges, seen, case%charges(1)%at, solid, row)
                 call append_row(history, row, err)
             end if
             if (tick(clock%dump, blast%time) .or. last) then

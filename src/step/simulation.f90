@@ -14,6 +14,7 @@ module brz_simulation
     use brz_progress, only: progress_t
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: start_solid
+    use brz_start_1d, only: early_t, start_from_1d
     implicit none
     private
     public :: simulation_t, set_up_simulation
@@ -25,6 +26,7 @@ module brz_simulation
         type(coupling_t) :: coupling
         type(backend_t) :: backend !! where the air is computed
         type(clock_t) :: clock
+        type(early_t) :: early !! a blast in one dimension before the first step
         type(ledger_start_t) :: start !! totals at t = 0, to measure errors against
         type(progress_t) :: progress
         character(6) :: limiter = '-' !! what limits the time step
@@ -40,6 +42,9 @@ contains
         type(error_t), intent(inout) :: err
 
         if (sim%case%air%present) call set_up_air(sim%case, sim%air, err)
+        if (failed(err)) return
+        if (any(sim%case%charges%start == '1d')) call start_from_1d(sim%case, sim%air, sim%early, &
+                                                                    err)
         if (failed(err)) return
         call set_up_solid(sim%case, sim%solid, err)
         if (failed(err)) return

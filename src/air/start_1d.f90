@@ -1,0 +1,177 @@
+! SPDX-License-Identifier: MIT
+!> A charge that starts in one dimension: run its blast until the shock nears an obstacle, keep what
+!> the gauges see meanwhile, and put it into the grid.
+module brz_start_1d
+    use brz_air_state, only: air_t, charge_report_t
+    use brz_blast1d_profile, only: blast1d_at
+    use brz_blast1d_reconstruct, only: prepare
+    use brz_blast1d_state, only: blast1d_t, blast1d_totals, start_blast1d, whole_angle
+    use brz_blast1d_step, only: advance_blast1d
+    use brz_blast_remap, only: map_blast, outward
+    use brz_blast_start, only: centred_input, free_radius
+    use brz_case, only: case_t
+    use brz_charge_shape, only: make_shape, shape_t
+    use brz_errors, only: error_t, exit_deck, exit_numerical, failed, raise
+    use brz_kinds, only: dp
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: start_from_1d, early_t
+
+    real(dp), parameter :: margin = 3 !! cells between the shock and the obstacle
+    real(dp), parameter :: least_run = 1.5_dp !! radii of the charge that the shock must run freely
+
+    !> What happened before the time at which the run in the grid begins.
+    type :: early_t
+        logical :: present = .false.
+        real(dp) :: time = 0 !! at which the blast was put into the grid [s]
+        real(dp) :: radius = 0 !! of its front then [m]
+        integer :: steps = 0
+        real(dp) :: before(7) = 0 !! mass, momentum x, y, z, energy, products; radial momentum
+        real(dp) :: after(6) = 0 !! the same of the cells; both less the undisturbed air
+        real(dp) :: pressure_change = 0 !! largest, of products as ideal gas, relative
+        real(dp) :: pressure_mean = 0 !! the same, mean over the mass of the products
+        integer :: rows = 0
+        real(dp), allocatable :: when(:) !! (rows) times of histories [s]
+        real(dp), allocatable :: seen(:, :, :) !! (3, gauges, rows) density, velocity, pressure
+    end type early_t
+
+contains
+
+    !> Run the only charge of the case, and fill the air with its blast.
+    subroutine start_from_1d(case, air, early, err)
+        type(case_t), intent(in) :: case
+        type(air_t), intent(inout) :: air !! undisturbed
+        type(early_t), intent(inout) :: early
+        type(error_t), intent(inout) :: err
+        type(shape_t) :: shape
+        type(blast1d_t) :: blast
+        real(dp) :: limit, rest(6), radius, share(3), part
+
+        call make_shape(case%charges(1), air%n > 1, product(air%dx, mask=air%n == 1), shape, err)
+        if (failed(err)) return
+        radius = minval(shape%half, mask=air%n > 1)
+        limit = free_radius(case) - margin*maxval(air%dx, mask=air%n > 1)
+        if (limit < least_run*radius) then
+            call raise(err, exit_deck, "&charge id='"//trim(case%charges(1)%id)// &
+                "': start='1d' needs room: the shock may run to "//to_text(limit)// &
+                ' m (the nearest obstacle less 3 cells), the radius of the charge is '// &
+                to_text(radius)//" m; use smaller cells or start='3d'")
+            return
+        end if
+        early%present = .true.
+        share = outward(air, case%charges(1)%at)
+        part = 0.5_dp**count(abs(share) > 0) ! what planes of symmetry leave of the charge
+        call start_blast1d(centred_input(case, radius), blast)
+        call run_free(case, limit, blast, early, err)
+        if (failed(err)) return
+        air%charge(1) = charge_report_t(radius=radius, cells=real(blast%n_in, dp), &
+            mass=part*case%charges(1)%mass)
+        call totals(air, rest)
+        call map_blast(blast, case%charges(1)%at, part, air)
+        call totals(air, early%after)
+        early%after = early%after - rest
+        call report(blast, air, part*product(air%dx, mask=air%n == 1), early)
+        early%before(2:4) = share*early%before(7)
+    end subroutine start_from_1d
+
+    !> Step until the front passes a radius, or the run ends.
+    subroutine run_free(case, limit, blast, early, err)
+        type(case_t), intent(in) :: case
+        real(dp), intent(in) :: limit !! [m]
+        type(blast1d_t), intent(inout) :: blast
+        type(early_t), intent(inout) :: early
+        type(error_t), intent(inout) :: err
+        real(dp) :: due
+        logical :: ok
+
+        due = 0
+        do
+            call prepare(blast, blast%time)
+            if (blast%r(blast%front) >= limit .or. blast%time >= case%run%t_end) exit
+            if (blast%time >= due) then
+                call keep_row(case, blast, early)
+                due = (floor(blast%time/max(case%output%history_every, tiny(due))) + 1) &
+                    *case%output%history_every
+                if (.not. case%output%history_every > 0) due = 0
+            end if
+            call advance_blast1d(blast, case%run%t_end - blast%time, ok)
+            if (ok) cycle
+            call raise(err, exit_numerical, 'the blast in one dimension is lost at t = '// &
+                to_text(blast%time)//' s')
+            return
+        end do
+        early%time = blast%time
+        early%radius = blast%r(blast%front)
+        early%steps = blast%cycle
+    end subroutine run_free
+
+    !> Keep what the gauges of the air see.
+    subroutine keep_row(case, blast, early)
+        type(case_t), intent(in) :: case
+        type(blast1d_t), intent(in) :: blast
+        type(early_t), intent(inout) :: early
+        real(dp), allocatable :: when(:), seen(:, :, :)
+        integer :: g, n
+
+        n = size(case%gauges)
+        if (n == 0) return
+        if (.not. allocated(early%when)) allocate (early%when(64), early%seen(3, n, 64))
+        if (early%rows == size(early%when)) then
+            allocate (when(2*early%rows), seen(3, n, 2*early%rows))
+            when(:early%rows) = early%when
+            seen(:, :, :early%rows) = early%seen
+            call move_alloc(when, early%when)
+            call move_alloc(seen, early%seen)
+        end if
+        early%rows = early%rows + 1
+        early%when(early%rows) = blast%time
+        do g = 1, n
+            call blast1d_at(blast, norm2(merge(case%gauges(g)%at - case%charges(1)%at, 0.0_dp, &
+                case%air%cells > 1)), early%seen(:, g, early%rows))
+        end do
+    end subroutine keep_row
+
+    !> Mass, momentum, energy and products in all cells, row by row to keep the rounding small.
+    pure subroutine totals(air, sums)
+        type(air_t), intent(in) :: air
+        real(dp), intent(out) :: sums(6)
+        real(dp) :: row(6), plane(6)
+        integer :: i, j, k
+
+        sums = 0
+        do k = 1, air%n(3)
+            plane = 0
+            do j = 1, air%n(2)
+                row = 0
+                do i = 1, air%n(1)
+                    row(:air%n_var) = row(:air%n_var) + air%u(i, j, k, :)
+                end do
+                plane = plane + row
+            end do
+            sums = sums + plane
+        end do
+        sums = sums*product(air%dx)
+    end subroutine totals
+
+    !> What the blast held, and how the pressure of its products changes when they become an ideal
+    !> gas of the same density and energy.
+    subroutine report(blast, air, part, early)
+        type(blast1d_t), intent(in) :: blast
+        type(air_t), intent(in) :: air
+        real(dp), intent(in) :: part !! modelled part, times the depth of a box in two dimensions
+        type(early_t), intent(inout) :: early
+        real(dp) :: sums(4), change, gamma
+        integer :: i
+
+        gamma = merge(air%scheme%gamma_products, air%scheme%gamma, air%scheme%mixture)
+        sums = part*whole_angle(blast%input%power)*blast1d_totals(blast)
+        early%before = [sums(1) + sums(2), 0.0_dp, 0.0_dp, 0.0_dp, sums(4), sums(1), sums(3)]
+        do i = 1, blast%n_in
+            change = abs((gamma - 1)*blast%state(4, i)/blast%state(3, i) - 1)
+            early%pressure_change = max(early%pressure_change, change)
+            early%pressure_mean = early%pressure_mean + change*blast%q(1, i)/sum( &
+                blast%q(1, :blast%n_in))
+        end do
+    end subroutine report
+end module brz_start_1d

@@ -1,0 +1,36 @@
+! SPDX-License-Identifier: MIT
+!> What a run prints of a blast that began in one dimension.
+module brz_print_early
+    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+    use brz_kinds, only: dp
+    use brz_start_1d, only: early_t
+    implicit none
+    private
+    public :: print_early
+
+    real(dp), parameter :: worth_a_warning = 0.05_dp !! mean change of the products' pressure
+
+contains
+
+    !> How far the blast ran, and the balances of the mapping.
+    subroutine print_early(early)
+        type(early_t), intent(in) :: early
+        character(12), parameter :: name(6) = [character(12) :: 'mass [kg]', 'x [N s]', 'y', 'z', &
+                                               'energy [J]', 'products']
+        integer :: c
+
+        write (output_unit, '(a, es11.4, a, es11.4, a, i0, a)') 'blast in 1-D until', early%time, &
+            ' s, front at', early%radius, ' m (', early%steps, ' steps)'
+        write (output_unit, '(a)') 'mapped       over undisturbed air: blast, cells, difference'
+        do c = 1, 6
+            write (output_unit, '(13x, a, 2es24.15, es10.2)') name(c), early%before(c), &
+                early%after(c), early%after(c) - early%before(c)
+        end do
+        write (output_unit, '(a, f8.3, a, f8.3, a)') '             pressure of the products as '// &
+            'an ideal gas: changes by', 100*early%pressure_mean, ' % in the mean,', &
+            100*early%pressure_change, ' % at most'
+        if (early%pressure_mean > worth_a_warning) write (error_unit, '(a)') &
+            'warning: the blast is mapped so early that the products are no ideal gas yet; '// &
+            'their energy is kept, their pressure is not'
+    end subroutine print_early
+end module brz_print_early
