@@ -39,12 +39,14 @@ contains
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
         real(rk), intent(in) :: q(5) !! conserved variables
         real(rk), intent(out) :: w(5) !! density, velocity, pressure
+        real(rk) :: volume
 
+        volume = 1/q(1)
         w(1) = q(1)
-        w(2) = q(2)/q(1)
-        w(3) = q(3)/q(1)
-        w(4) = q(4)/q(1)
-        w(5) = pressure(gamma, q)
+        w(2) = q(2)*volume
+        w(3) = q(3)*volume
+        w(4) = q(4)*volume
+        w(5) = (gamma - 1)*(q(5) - 0.5_rk*(q(2)*w(2) + q(3)*w(3) + q(4)*w(4)))
     end subroutine to_primitive
 
     !> Conserved state of density, velocity and pressure.

@@ -2,8 +2,8 @@
 !> Fluxes of a block of lines by Riemann problems between reconstructed primitive variables, the
 !> lines as the vector.
 !>
-!> Both faces of a cell are reconstructed when its last neighbour has been read; the last eight
-!> cells are kept.
+!> Both faces of a cell are reconstructed when its last neighbour has been read; the last four
+!> or eight cells are kept.
 module brz_air_riemann
     use brz_kinds, only: rk
     use brz_air_state, only: lines_per_block, n_ghost
@@ -19,7 +19,7 @@ module brz_air_riemann
     public :: riemann_fluxes
 
     integer, parameter :: nb = lines_per_block
-    integer, parameter :: ring = 7 !! mask: cell i is kept in place iand(i, ring)
+    integer, parameter :: most = 7 !! cell i is kept in place iand(i, mask), the mask at most this
 
 contains
 
@@ -30,18 +30,19 @@ contains
         type(scheme_t), intent(in) :: scheme
         real(rk), intent(in) :: q(nb, nv, 1 - n_ghost:n + n_ghost) !! conserved variables
         real(rk), intent(inout) :: f(nb, nv, 0:n) !! flux through the face above each cell
-        real(rk) :: w(nb, 5, 0:ring), gamma(nb, 0:ring), low(nb, 5), high(nb, 5, 0:1)
-        integer :: i, c, reach
+        real(rk) :: w(nb, 5, 0:most), gamma(nb, 0:most), low(nb, 5), high(nb, 5, 0:1)
+        integer :: i, c, mask, reach
 
         reach = reach_of(scheme)
+        mask = merge(3, most, reach == 2)
         do i = 1 - reach, n + reach
-            call take_cells(nv, scheme, q(1, 1, i), gamma(1, iand(i, ring)), w(1, 1, iand(i, ring)))
+            call take_cells(nv, scheme, q(1, 1, i), gamma(1, iand(i, mask)), w(1, 1, iand(i, mask)))
             c = i + 1 - reach
             if (c < 0) cycle
-            call reconstruct(scheme, c, w, low, high(1, 1, iand(c, 1)))
+            call reconstruct(scheme, c, mask, w, low, high(1, 1, iand(c, 1)))
             if (c == 0) cycle
-            call solve(scheme, gamma(1, iand(c - 1, ring)), high(1, 1, iand(c - 1, 1)), &
-                gamma(1, iand(c, ring)), low, f(1, 1, max(c - 1, 0)))
+            call solve(scheme, gamma(1, iand(c - 1, mask)), high(1, 1, iand(c - 1, 1)), &
+                gamma(1, iand(c, mask)), low, f(1, 1, max(c - 1, 0)))
         end do
     end subroutine riemann_fluxes
 
@@ -78,15 +79,16 @@ contains
     end subroutine take_cells
 
     !> Values at the two faces of cell i of the lines.
-    pure subroutine reconstruct(scheme, i, w, low, high)
+    pure subroutine reconstruct(scheme, i, mask, w, low, high)
         type(scheme_t), intent(in) :: scheme
         integer, intent(in) :: i !! cell
-        real(rk), intent(in) :: w(nb, 5, 0:ring) !! density, velocity, pressure
+        integer, intent(in) :: mask !! of the places of cells
+        real(rk), intent(in) :: w(nb, 5, 0:most) !! density, velocity, pressure
         real(rk), intent(inout) :: low(nb, 5), high(nb, 5) !! the same at the faces
         real(rk) :: half
         integer :: c, l, m(-2:2)
 
-        m = iand([i - 2, i - 1, i, i + 1, i + 2], ring)
+        m = iand([i - 2, i - 1, i, i + 1, i + 2], mask)
         do c = 1, 5
             select case (scheme%reconstruction)
             case (first_order)

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Fluxes of a block of lines by splitting, the lines as the vector.
 !>
-!> Each cell is split once; the last eight cells are kept, of which a face needs up to six.
+!> Each cell is split once; the last four or eight cells are kept, as the stencil of a face needs.
 module brz_air_split
     use brz_kinds, only: rk
     use brz_air_state, only: lines_per_block, n_ghost
@@ -15,7 +15,7 @@ module brz_air_split
     public :: split_fluxes
 
     integer, parameter :: nb = lines_per_block
-    integer, parameter :: ring = 7 !! mask: cell i is kept in place iand(i, ring)
+    integer, parameter :: most = 7 !! cell i is kept in place iand(i, mask), the mask at most this
 
 contains
 
@@ -26,14 +26,15 @@ contains
         type(scheme_t), intent(in) :: scheme
         real(rk), intent(in) :: q(nb, nv, 1 - n_ghost:n + n_ghost) !! conserved variables
         real(rk), intent(inout) :: f(nb, nv, 0:n) !! flux through the face above each cell
-        real(rk) :: up(nb, 5, 0:ring), down(nb, 5, 0:ring)
-        integer :: i, reach
+        real(rk) :: up(nb, 5, 0:most), down(nb, 5, 0:most)
+        integer :: i, mask, reach
 
         reach = reach_of(scheme)
+        mask = merge(3, most, reach == 2)
         do i = 1 - reach, n + reach
-            call split_cells(nv, scheme, q(1, 1, i), up(1, 1, iand(i, ring)), &
-                down(1, 1, iand(i, ring)))
-            if (i >= reach) call join(scheme, i - reach, up, down, f(1, 1, max(i - reach, 0)))
+            call split_cells(nv, scheme, q(1, 1, i), up(1, 1, iand(i, mask)), &
+                down(1, 1, iand(i, mask)))
+            if (i >= reach) call join(scheme, i - reach, mask, up, down, f(1, 1, max(i - reach, 0)))
         end do
     end subroutine split_fluxes
 
@@ -85,14 +86,15 @@ contains
     end subroutine split_lane
 
     !> Fluxes through the faces above cell b of the lines.
-    pure subroutine join(scheme, b, up, down, f)
+    pure subroutine join(scheme, b, mask, up, down, f)
         type(scheme_t), intent(in) :: scheme
         integer, intent(in) :: b !! cell below the face
-        real(rk), intent(in) :: up(nb, 5, 0:ring), down(nb, 5, 0:ring) !! split fluxes
+        integer, intent(in) :: mask !! of the places of cells
+        real(rk), intent(in) :: up(nb, 5, 0:most), down(nb, 5, 0:most) !! split fluxes
         real(rk), intent(inout) :: f(nb, 5)
         integer :: c, l, m(-2:3)
 
-        m = iand([b - 2, b - 1, b, b + 1, b + 2, b + 3], ring)
+        m = iand([b - 2, b - 1, b, b + 1, b + 2, b + 3], mask)
         do c = 1, 5
             select case (scheme%reconstruction)
             case (first_order)

@@ -178,6 +178,7 @@ contains
         integer, intent(in) :: turn(nv) !! variable in each slot
         logical, intent(in) :: first !! set, do not add
         real(rk), intent(inout) :: f(nb, nv, 0:n) !! rate of cell i in place i-1
+        real(rk) :: total(nb) ! gcc vectorises the sum with it, and not without
         integer :: c, i, l, at
 
         if (run%adjacent) then
@@ -189,10 +190,9 @@ contains
                             rate(at + l) = f(l, c, i - 1)
                         end do
                     else
-                        do l = 1, nb
-                            f(l, c, i - 1) = rate(at + l) + f(l, c, i - 1)
-                            rate(at + l) = f(l, c, i - 1)
-                        end do
+                        total = rate(at + 1:at + nb) + f(:, c, i - 1)
+                        f(:, c, i - 1) = total
+                        rate(at + 1:at + nb) = total
                     end if
                 end do
             end do
