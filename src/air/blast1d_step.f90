@@ -17,6 +17,7 @@ module brz_blast1d_step
 
     integer, parameter :: most_attempts = 4 !! to find the cells that must do without slopes
     integer, parameter :: most_halvings = 12 !! of a time step
+    integer, parameter :: most_steps = 1000000 !! of a blast; more of them lead nowhere
     integer, parameter :: ramp = 20 !! first steps, over which the time step grows from a tenth
 
 contains
@@ -47,6 +48,7 @@ contains
         end do
         blast%time = blast%time + dt
         blast%cycle = blast%cycle + 1
+        ok = ok .and. blast%cycle < most_steps
         if (blast%burning) blast%burning = blast%time*blast%input%velocity <= &
             blast%input%radius*(1 + burn_width/blast%n_in)
     end subroutine advance_blast1d
