@@ -16,7 +16,7 @@ module brz_orthotropic_ply
                                  eos_c0, eos_s1, eos_gamma, eos_mu_max
     use brz_model, only: derived_t, model_t
     use brz_ply_axes, only: axes_matrix, axes_of_matrix, axes_spin, turn_ply
-    use brz_ply_failure, only: ply_stress, grow_damage, total_damage, n_modes, fibre_tension, &
+    use brz_ply_failure, only: ply_stress, fail, total_damage, n_modes, fibre_tension, &
                                fibre_compression, matrix_cracking, matrix_crushing, &
                                delamination, p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, &
                                p_nu23, p_g12, p_xt, p_xc, p_yt, p_yc, p_zt, p_woven, p_axes, &
@@ -177,7 +177,6 @@ contains
         real(rk) :: axes(3), last(3, 3), e0(6), e1(6), d(6), s0(6), s1(6)
         real(rk) :: damage(n_modes), mu, dv, v_mid, work, loss
         integer :: i
-        logical :: grown
 
         call load_history(point%hist, material%par(p_limit), axes, e0, damage)
         call turn_ply(kind_of_axes(material%par, e0, damage), l, dt, e0, axes, d, last)
@@ -187,8 +186,7 @@ contains
         end do
         call ply_stress(material%par, e0, damage, s0)
         call ply_stress(material%par, e1, damage, s1)
-        call grow_damage(material%par, dt, h, s0, s1, damage, grown)
-        if (grown) call ply_stress(material%par, e1, damage, s1)
+        call fail(material%par, dt, h, e1, s0, s1, damage)
         work = 0
         loss = 0
         do i = 1, 6

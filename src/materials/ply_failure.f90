@@ -9,7 +9,7 @@ module brz_ply_failure
     use brz_material, only: n_par
     implicit none
     private
-    public :: ply_stress, grow_damage, criterion, total_damage
+    public :: ply_stress, fail, grow_damage, criterion, total_damage
 
     integer, parameter, public :: n_modes = 5
     integer, parameter, public :: fibre_tension = 1, fibre_compression = 2, matrix_cracking = 3, &
@@ -201,6 +201,37 @@ contains
                                    + (s(6)*par(i_s13)/(1 + press*par(i_s13)))**2
         end select
     end function criterion
+
+    !> Damage at the end of a step, and the stress with it.
+    !>
+    !> Crushing that would raise the stored energy waits: where a ply is held on all sides, the bulk
+    !> that crushed material retains is worth more than what it would let go.
+    !@cuf attributes(host,device) &
+    pure subroutine fail(par, dt, h, strain, s_old, s, damage)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: dt, h !! time step [s], smoothing length [m]
+        real(rk), intent(in) :: strain(6), s_old(6) !! strain at the end, stress at the start [Pa]
+        real(rk), intent(inout) :: s(6) !! with the damage of the start in, with the new one out
+        real(rk), intent(inout) :: damage(n_modes)
+        real(rk) :: before(n_modes), after(6), gain
+        integer :: i
+        logical :: grown
+
+        before = damage
+        call grow_damage(par, dt, h, s_old, s, damage, grown)
+        if (.not. grown) return
+        call ply_stress(par, strain, damage, after)
+        gain = 0
+        do i = 1, 6
+            gain = gain + (after(i) - s(i))*strain(i)
+        end do
+        if (gain > 0) then
+            damage(fibre_compression) = before(fibre_compression)
+            damage(matrix_crushing) = before(matrix_crushing)
+            call ply_stress(par, strain, damage, after)
+        end if
+        s = after
+    end subroutine fail
 
     !> Damage at the end of a step.
     !>
