@@ -6,9 +6,9 @@ module brz_solid_bonds
     use brz_gradient, only: moment_terms, outer_terms
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: int64, rk
-    use brz_pair_force, only: hourglass_stiff, hourglass_viscous, stress_force, viscous_force
+    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force, viscous_force
     use brz_solid_links, only: is_bonded, link_mirror
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, n_terms
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, n_terms
     use brz_solid_state, only: bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
                                n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
                                pair_quadratic, pair_stress, pair_volume, solid_t, worth_threads
@@ -98,8 +98,15 @@ contains
                 f(at_heat) = f(at_heat) - u*vr/2
                 y = w*own(pair_keep)*other(pair_keep)
                 if (m%formulation == form_bending) then
-                    call hourglass_stiff(y, own(pair_hold) + other(pair_hold), &
-                                         own(pair_affine + 1), other(pair_affine + 1), p%dx, r, d)
+                    if (m%directional) then
+                        call hourglass_axial(y, solid%hold(:, i) + mirrored(p%s, &
+                                             solid%hold(:, p%j)), own(pair_affine + 1), &
+                                             other(pair_affine + 1), p%dx, r, d)
+                    else
+                        call hourglass_stiff(y, own(pair_hold) + other(pair_hold), &
+                                             own(pair_affine + 1), other(pair_affine + 1), p%dx, &
+                                             r, d)
+                    end if
                     f(at_hold + 1:) = f(at_hold + 1:) + d
                 else if (m%formulation == form_corrected_hourglass) then
                     call hourglass_viscous(y*own(pair_hold), y*other(pair_hold), &

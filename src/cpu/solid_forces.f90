@@ -2,18 +2,20 @@
 !> Pass 2: accelerations by the internal forces, heat of the viscous ones, and their ledger.
 module brz_solid_forces
     use brz_artificial_stress, only: artificial_none
-    use brz_kernel, only: kernel_scale, kernel_shape, kernel_slope
+    use brz_kernel, only: kernel_scale, kernel_shape, kernel_slope, pair_kernel, smoothing_length
     use brz_kinds, only: dp, int64, rk
-    use brz_pair_force, only: hourglass_stiff, hourglass_viscous, stress_force
+    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force
     use brz_solid_bonds, only: add_bonded_forces
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, centre_t, n_terms, &
-                                   sum_plain, sum_stiff, sum_viscous, viscosity
-    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, n_pair, &
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, centre_t, mirrored, n_terms, &
+                                   sum_axial, sum_plain, sum_stiff, sum_total, sum_viscous, &
+                                   viscosity
+    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, form_total, &
+                               n_pair, &
                                pair_affine, pair_hold, pair_keep, pair_stress, pair_volume, &
                                solid_t, worth_threads
     implicit none
     private
-    public :: force_pass
+    public :: force_pass, update_sizes
 
 contains
 
@@ -69,29 +71,70 @@ contains
         do i = solid%block(2, k), solid%block(3, k)
             p%i = i
             p%count = int(solid%image(i) - solid%first(i))
-            select case (body%formulation)
-            case (form_bending)
-                call sum_stiff(solid%n, p, solid%x, solid%v, solid%x_ref, solid%pair, &
-                               solid%list(solid%first(i)), f)
-            case (form_corrected_hourglass)
-                call sum_viscous(solid%n, p, solid%x, solid%v, solid%pair, &
-                                 solid%list(solid%first(i)), f)
-            case default
-                call sum_plain(solid%n, p, solid%x, solid%v, solid%pair, &
-                               solid%list(solid%first(i)), f)
-            end select
-            if (solid%image(i) < solid%first(i + 1)) call add_images(solid, body, p, f)
+            if (body%variable) then
+                f = 0
+                call add_pairs(solid, body, p, solid%first(i), f)
+            else
+                call sum_direct(solid, body, p, f)
+                if (solid%image(i) < solid%first(i + 1)) &
+                    call add_pairs(solid, body, p, solid%image(i), f)
+            end if
             if (solid%links%bonds) call add_bonded_forces(solid, i, f)
             if (solid%links%present) then
                 f(1:3) = f(1:3) + solid%links%push(1:3, i)
                 f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + solid%links%push(4:6, i)
             end if
             if (body%artificial /= artificial_none) call add_artificial(solid, body, p, f)
-            solid%volume(i) = solid%mass(i)/(solid%materials(body%material)%density &
-                                             *(1 + solid%mu(i)))
             call accelerate(solid, real(dt, rk), i, k, f)
         end do
+        call update_sizes(solid, body, k)
     end subroutine force_block
+
+    !> Sum over the direct neighbours, in the loop that has just the forces of this body.
+    subroutine sum_direct(solid, body, p, f)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        type(centre_t), intent(in) :: p
+        real(rk), intent(out) :: f(n_terms)
+
+        associate (first => solid%first(p%i))
+            select case (body%formulation)
+            case (form_bending)
+                if (body%directional) then
+                    call sum_axial(solid%n, p, solid%x, solid%v, solid%x_ref, solid%hold, &
+                                   solid%pair, solid%list(first), f)
+                else
+                    call sum_stiff(solid%n, p, solid%x, solid%v, solid%x_ref, solid%pair, &
+                                   solid%list(first), f)
+                end if
+            case (form_total)
+                call sum_total(solid%n, p, solid%x, solid%v, solid%x_ref, solid%pair, &
+                               solid%list(first), f)
+            case (form_corrected_hourglass)
+                call sum_viscous(solid%n, p, solid%x, solid%v, solid%pair, solid%list(first), f)
+            case default
+                call sum_plain(solid%n, p, solid%x, solid%v, solid%pair, solid%list(first), f)
+            end select
+        end associate
+    end subroutine sum_direct
+
+    !> Volumes and smoothing lengths of a block for the next step.
+    subroutine update_sizes(solid, body, k)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: k !! block
+        integer :: i
+
+        if (body%formulation == form_total) return
+        do i = solid%block(2, k), solid%block(3, k)
+            solid%volume(i) = solid%mass(i)/(solid%materials(body%material)%density &
+                                             *(1 + solid%mu(i)))
+        end do
+        if (.not. body%variable) return
+        do i = solid%block(2, k), solid%block(3, k)
+            solid%h(i) = smoothing_length(body%h, body%h_range, solid%dimension, solid%mu(i))
+        end do
+    end subroutine update_sizes
 
     !> Use the sums of particle i: acceleration, heat, ledger of its block.
     !>
@@ -123,19 +166,23 @@ contains
         end if
     end subroutine accelerate
 
-    !> Add the pairs with mirror images: marked components change sign, tensors in both indices.
-    subroutine add_images(solid, body, p, f)
+    !> Add the pairs from entry `from` on, mirror images or not: marked components change sign,
+    !> tensors in both indices. This slower loop also serves bodies of variable smoothing length.
+    subroutine add_pairs(solid, body, p, from, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(centre_t), intent(in) :: p
+        integer(int64), intent(in) :: from
         real(rk), intent(inout) :: f(n_terms)
-        real(rk) :: s(3), r(3), dv(3), dx(3), own(n_pair), other(n_pair), g(3), d(3)
-        real(rk) :: w, u, y, r2, vr, heat
+        real(rk) :: s(3), r(3), dv(3), dx(3), arm(3), own(n_pair), other(n_pair), g(3)
+        type(centre_t) :: q
+        real(rk) :: w, u, r2
         integer(int64) :: k
         integer :: j, t
 
         own = solid%pair(:, p%i)
-        do k = solid%image(p%i), solid%first(p%i + 1) - 1
+        q = p
+        do k = from, solid%first(p%i + 1) - 1
             j = solid%list(k)
             do t = 1, 3
                 s(t) = merge(-1, 1, btest(solid%mask(k), t - 1))
@@ -150,27 +197,36 @@ contains
                 other(pair_affine + 3*t - 2:pair_affine + 3*t) = &
                     s(t)*s*other(pair_affine + 3*t - 2:pair_affine + 3*t)
             end do
-            r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
-            vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
-            w = own(pair_volume)*other(pair_volume)*kernel_slope(p%scale, p%half_over_h, sqrt(r2))
-            call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
-            u = viscosity(p, own, other, w, r2, vr)
+            if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, &
+                                                q%scale, q%half_over_h)
+            arm = r
+            if (body%formulation == form_total) arm = dx
+            w = own(pair_volume)*other(pair_volume)*kernel_slope(q%scale, q%half_over_h, norm2(arm))
+            call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, g)
+            r2 = dot_product(r, r)
+            u = viscosity(q, own, other, w, r2, dot_product(r, dv))
             f(1:3) = f(1:3) + g
             f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + u*r
-            f(at_heat) = f(at_heat) - u*vr/2
-            y = w*own(pair_keep)*other(pair_keep)
-            if (body%formulation == form_corrected_hourglass) then
-                call hourglass_viscous(y*own(pair_hold), y*other(pair_hold), &
-                                       own(pair_affine + 1), other(pair_affine + 1), dv, r, d, heat)
-                f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + d
-                f(at_friction) = f(at_friction) + heat
-            else if (body%formulation == form_bending) then
-                call hourglass_stiff(y, own(pair_hold) + other(pair_hold), own(pair_affine + 1), &
-                                     other(pair_affine + 1), dx, r, d)
-                f(at_hold + 1:) = f(at_hold + 1:) + d
-            end if
+            f(at_heat) = f(at_heat) - u*dot_product(r, dv)/2
+            w = w*own(pair_keep)*other(pair_keep)
+            select case (body%formulation)
+            case (form_corrected_hourglass)
+                call hourglass_viscous(w*own(pair_hold), w*other(pair_hold), own(pair_affine + 1), &
+                                       other(pair_affine + 1), dv, r, g, u)
+                f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + g
+                f(at_friction) = f(at_friction) + u
+            case (form_bending, form_total)
+                if (body%directional) then
+                    call hourglass_axial(w, solid%hold(:, p%i) + mirrored(s, solid%hold(:, j)), &
+                                         own(pair_affine + 1), other(pair_affine + 1), dx, r, g)
+                else
+                    call hourglass_stiff(w, own(pair_hold) + other(pair_hold), &
+                                         own(pair_affine + 1), other(pair_affine + 1), dx, r, g)
+                end if
+                f(at_hold + 1:) = f(at_hold + 1:) + g
+            end select
         end do
-    end subroutine add_images
+    end subroutine add_pairs
 
     !> Add the artificial stress of all pairs, images included, in which either is in tension.
     subroutine add_artificial(solid, body, p, f)
@@ -178,10 +234,12 @@ contains
         type(body_t), intent(in) :: body
         type(centre_t), intent(in) :: p
         real(rk), intent(inout) :: f(n_terms)
+        type(centre_t) :: q
         real(rk) :: s(3), r(3), own(9), other(9), g(3), w, shape, distance
         integer(int64) :: k
         integer :: j, t
 
+        q = p
         own = solid%pair(pair_affine + 1:pair_affine + 9, p%i)
         do k = solid%first(p%i), solid%first(p%i + 1) - 1
             j = solid%list(k)
@@ -194,9 +252,11 @@ contains
             do t = 1, 3
                 other(3*t - 2:3*t) = s(t)*s*other(3*t - 2:3*t)
             end do
+            if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, &
+                                                q%scale, q%half_over_h)
             distance = norm2(r)
-            shape = kernel_shape(p%half_over_h, distance)/body%shape_at_spacing
-            w = solid%mass(p%i)*solid%mass(j)*kernel_slope(p%scale, p%half_over_h, distance)
+            shape = kernel_shape(q%half_over_h, distance)/body%shape_at_spacing
+            w = solid%mass(p%i)*solid%mass(j)*kernel_slope(q%scale, q%half_over_h, distance)
             call stress_force(-w*shape**body%artificial_power, own, other, r, g)
             f(at_hold + 1:) = f(at_hold + 1:) + g
         end do

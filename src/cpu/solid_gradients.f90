@@ -6,15 +6,17 @@
 module brz_solid_gradients
     use brz_algebra, only: inverse3, to_matrix, multiply3
     use brz_artificial_stress, only: artificial_none, artificial_stress
-    use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms, shear_limiter
-    use brz_kernel, only: kernel_scale, kernel_slope
+    use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms, piola, &
+                            shear_limiter, total_gradient
+    use brz_kernel, only: kernel_scale, kernel_slope, pair_kernel
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_material, only: point_t
     use brz_materials, only: update_material
+    use brz_pair_force, only: axial_stiffness
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_uncorrected, &
-                               lanes, pair_affine, pair_hold, pair_keep, pair_linear, &
+                               form_total, form_uncorrected, lanes, pair_affine, pair_hold, pair_keep, &
+                               pair_linear, &
                                pair_quadratic, pair_stress, pair_volume, solid_t, worth_threads
     implicit none
     private
@@ -83,19 +85,41 @@ contains
         do i = solid%block(2, k), solid%block(3, k)
             p%i = i
             p%count = int(solid%image(i) - solid%first(i))
-            if (body%formulation == form_bending) then
-                call sum_bending(solid%n, p, solid%x, solid%v, solid%x_ref, solid%volume, &
-                                 solid%list(solid%first(i)), sums)
+            if (body%variable) then
+                sums = 0
+                call add_pairs(solid, body, p, solid%first(i), sums)
             else
-                call sum_plain(solid%n, p, solid%x, solid%v, solid%volume, &
-                               solid%list(solid%first(i)), sums)
+                call sum_direct(solid, body, p, sums)
+                if (solid%image(i) < solid%first(i + 1)) &
+                    call add_pairs(solid, body, p, solid%image(i), sums)
             end if
-            if (solid%image(i) < solid%first(i + 1)) call add_images(solid, p, sums)
             if (solid%links%bonds) call add_bonded_gradients(solid, i, sums(:at_g), &
                                                              sums(at_g + 1:at_x), sums(at_x + 1:))
             call advance(solid, body, dt, p%i, k, sums, limit)
         end do
     end subroutine gradient_block
+
+    !> Sums over the direct neighbours. A total-Lagrangian body weighs its pairs by X_ij, and x
+    !> takes the place of the reference position: the sums then lead to dx/dX.
+    subroutine sum_direct(solid, body, p, sums)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        type(centre_t), intent(in) :: p
+        real(rk), intent(out) :: sums(n_terms)
+
+        associate (first => solid%first(p%i))
+            select case (body%formulation)
+            case (form_bending)
+                call sum_bending(solid%n, p, solid%x, solid%v, solid%x_ref, solid%volume, &
+                                 solid%list(first), sums)
+            case (form_total)
+                call sum_bending(solid%n, p, solid%x_ref, solid%v, solid%x, solid%volume, &
+                                 solid%list(first), sums)
+            case default
+                call sum_plain(solid%n, p, solid%x, solid%v, solid%volume, solid%list(first), sums)
+            end select
+        end associate
+    end subroutine sum_direct
 
     !> Sums over the direct neighbours: moments and velocity.
     subroutine sum_plain(n, p, x, v, volume, list, sums)
@@ -177,16 +201,21 @@ contains
         end do
     end subroutine sum_bending
 
-    !> Add the mirror images to the sums: marked components of x, v, X change sign.
-    subroutine add_images(solid, p, sums)
+    !> Add the pairs from entry `from` on, mirror images or not: marked components of x, v, X change
+    !> sign. This slower loop also serves bodies of variable smoothing length.
+    subroutine add_pairs(solid, body, p, from, sums)
         type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
         type(centre_t), intent(in) :: p
+        integer(int64), intent(in) :: from
         real(rk), intent(inout) :: sums(n_terms)
-        real(rk) :: r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w, s
+        real(rk) :: r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w, s, h
+        type(centre_t) :: q
         integer(int64) :: k
         integer :: j, t
 
-        do k = solid%image(p%i), solid%first(p%i + 1) - 1
+        q = p
+        do k = from, solid%first(p%i + 1) - 1
             j = solid%list(k)
             do t = 1, 3
                 s = merge(-1, 1, btest(solid%mask(k), t - 1))
@@ -194,8 +223,10 @@ contains
                 dx(t) = real(solid%x_ref(t, p%i) - s*solid%x_ref(t, j), rk)
                 dv(t) = solid%v(t, p%i) - s*solid%v(t, j)
             end do
-            w = solid%volume(j)*kernel_slope(p%scale, p%half_over_h, &
-                                             sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
+            if (body%formulation == form_total) call swap(r, dx)
+            if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), h, &
+                                                q%scale, q%half_over_h)
+            w = solid%volume(j)*kernel_slope(q%scale, q%half_over_h, norm2(r))
             call moment_terms(w, r, m)
             call outer_terms(w, dv, r, g)
             call outer_terms(w, dx, r, a)
@@ -203,7 +234,16 @@ contains
             sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
             sums(at_x + 1:) = sums(at_x + 1:) + a
         end do
-    end subroutine add_images
+    end subroutine add_pairs
+
+    pure subroutine swap(a, b)
+        real(rk), intent(inout) :: a(3), b(3)
+        real(rk) :: c(3)
+
+        c = a
+        a = b
+        b = c
+    end subroutine swap
 
     !> From the sums to the new state of particle i and its row of `pair`.
     subroutine advance(solid, body, dt, i, k, sums, limit)
@@ -213,7 +253,7 @@ contains
         integer, intent(in) :: i, k !! particle and its block
         real(rk), intent(inout) :: sums(n_terms)
         real(dp), intent(inout) :: limit
-        real(rk) :: b(3, 3), h(3, 3), l(3, 3), s(3, 3), rate
+        real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), rate, shrink, size
         integer :: weak, c
 
         do c = solid%dimension + 1, 3
@@ -227,20 +267,26 @@ contains
             call correction(solid%dimension, sums, b, weak)
         end if
         call multiply3(sums(at_g + 1), b, h)
+        call multiply3(sums(at_x + 1), b, a)
+        shrink = 1
+        if (body%formulation == form_total) call total_gradient(a, h, shrink)
         if (dt > 0) then
             call midstep_gradient(h, real(dt, rk), l)
             call update_particle(solid, body, real(dt, rk), l, i, k)
         end if
         rate = abs(h(1, 1) + h(2, 2) + h(3, 3))
-        limit = min(limit, real(body%cfl*body%h &
-                                /(solid%c_wave(i) + 0.6_rk*body%beta*body%h*rate), dp))
+        size = body%h
+        if (body%variable) size = solid%h(i)
+        limit = min(limit, real(body%cfl*size &
+                                /(shrink*solid%c_wave(i) + 0.6_rk*body%beta*size*rate), dp))
         call to_matrix(solid%stress(:, i), s)
-        call multiply3(s, b, solid%pair(pair_stress + 1, i))
-        if (body%formulation == form_bending) then
-            if (weak /= 0) solid%cut(i) = 1
-            call multiply3(sums(at_x + 1), b, s)
+        if (body%formulation == form_total) then
+            call piola(a, s)
         end if
-        call fill_row(solid, body, i, h, s)
+        call multiply3(s, b, solid%pair(pair_stress + 1, i))
+        if (weak /= 0 .and. (body%formulation == form_bending .or. &
+                             body%formulation == form_total)) solid%cut(i) = 1
+        call fill_row(solid, body, i, h, a)
     end subroutine advance
 
     !> What pass 2 needs of particle i, but for its stress.
@@ -249,7 +295,7 @@ contains
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         real(rk), intent(in) :: h(3, 3) !! velocity gradient [1/s]
-        real(rk), intent(in) :: a(3, 3) !! 'bending': dX/dx
+        real(rk), intent(in) :: a(3, 3) !! 'bending': dX/dx; 'total_lagrangian': dx/dX
         real(rk) :: q(3, 3), rho, z
 
         rho = solid%materials(body%material)%density*(1 + solid%mu(i))
@@ -259,10 +305,10 @@ contains
         solid%pair(pair_linear, i) = z*body%alpha*rho*solid%c_bulk(i)/2
         solid%pair(pair_quadratic, i) = z*body%beta*rho/2
         select case (body%formulation)
-        case (form_bending)
-            z = body%zeta*solid%materials(body%material)%shear
-            call invert_or_cut(a, q, solid%cut(i))
-            q = z*q
+        case (form_bending, form_total)
+            q = a
+            if (body%formulation == form_bending) call invert_or_cut(a, q, solid%cut(i))
+            call stiffen(solid, body, i, q, z)
         case (form_corrected_hourglass)
             z = body%zeta_viscous*body%h*rho*solid%c_bulk(i)
             q = h
@@ -276,6 +322,29 @@ contains
         call copy_matrix(q, solid%pair(pair_affine + 1, i))
         solid%pair(pair_keep, i) = (1 - solid%damage(i))*(1 - solid%cut(i))
     end subroutine fill_row
+
+    !> Stiffness of the hourglass force, and what it makes of the deformation f.
+    subroutine stiffen(solid, body, i, f, z)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+        real(rk), intent(inout) :: f(3, 3) !! dx/dX in; stiffness times it out [Pa]
+        real(rk), intent(out) :: z !! stiffness without axes [Pa]
+        real(rk) :: k(3, 3), g(3, 3)
+
+        associate (material => solid%materials(body%material))
+            z = body%zeta*material%shear
+            if (body%directional) then
+                call axial_stiffness(body%zeta/2*material%axial, body%axes(:, :, solid%ply(i)), f, &
+                                     solid%hold(:, i))
+                call to_matrix(solid%hold(:, i), k)
+                call multiply3(k, f, g)
+                f = g
+            else
+                f = z*f
+            end if
+        end associate
+    end subroutine stiffen
 
     pure subroutine copy_matrix(a, b)
         real(rk), intent(in) :: a(3, 3)

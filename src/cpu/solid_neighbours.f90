@@ -9,7 +9,7 @@ module brz_solid_neighbours
     use brz_kinds, only: dp, int32, int64, int8
     use brz_particle_order, only: reorder_particles
     use brz_solid_links, only: build_links
-    use brz_solid_state, only: body_t, form_rigid, lanes, solid_t, worth_threads
+    use brz_solid_state, only: body_t, form_rigid, form_total, lanes, solid_t, worth_threads
     implicit none
     private
     public :: build_neighbours, needs_rebuild
@@ -25,11 +25,14 @@ contains
 
         if (sort) then
             do b = 1, size(solid%bodies)
-                call lay_grid(solid%search, solid%x, solid%bodies(b), reach(solid, b))
-                call fill_cells(solid%search, solid%x, solid%bodies(b))
+                call note_positions(solid, solid%bodies(b))
+                call lay_grid(solid%search, solid%x_built, solid%bodies(b), reach(solid, b))
+                call fill_cells(solid%search, solid%x_built, solid%bodies(b))
             end do
             call reorder_particles(solid)
-            solid%x_built(:, :) = solid%x
+            do b = 1, size(solid%bodies)
+                call note_positions(solid, solid%bodies(b))
+            end do
         end if
         do b = 1, size(solid%bodies)
             call lay_grid(solid%search, solid%x_built, solid%bodies(b), reach(solid, b))
@@ -41,28 +44,50 @@ contains
         call build_links(solid)
     end subroutine build_neighbours
 
+    !> Positions that decide on the neighbours of a body: total-Lagrangian bodies keep the unloaded
+    !> ones, and with them their order and their list.
+    subroutine note_positions(solid, body)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+
+        associate (first => body%first, last => body%last)
+            if (body%formulation == form_total) then
+                solid%x_built(:, first:last) = solid%x_ref(:, first:last)
+            else
+                solid%x_built(:, first:last) = solid%x(:, first:last)
+            end if
+        end associate
+    end subroutine note_positions
+
     !> True when a particle has moved more than half the skin since the list was built.
     logical function needs_rebuild(solid)
         type(solid_t), intent(in) :: solid
         real(dp) :: far, d(3)
-        integer :: i
+        integer :: i, k
 
         far = 0
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(d) &
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, d) &
         !$omp reduction(max: far)
-        do i = 1, solid%n
-            d = solid%x(:, i) - solid%x_built(:, i)
-            far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
+        do k = 1, size(solid%block, 2)
+            if (solid%bodies(solid%block(1, k))%formulation == form_total) cycle
+            do i = solid%block(2, k), solid%block(3, k)
+                d = solid%x(:, i) - solid%x_built(:, i)
+                far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
+            end do
         end do
         needs_rebuild = far > (solid%skin/2)**2
     end function needs_rebuild
 
-    !> Length of a pair in the list [m].
+    !> Length of a pair in the list: the support of the kernel, and the skin where pairs change [m].
     pure real(dp) function reach(solid, b)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
 
-        reach = 2*real(solid%bodies(b)%h, dp) + solid%skin
+        associate (body => solid%bodies(b))
+            reach = 2*real(body%h, dp)
+            if (body%variable) reach = reach*body%h_range(2)
+            if (body%formulation /= form_total) reach = reach + solid%skin
+        end associate
     end function reach
 
     !> Lengths of the lists of a body, as running sums in `first` and `image`.

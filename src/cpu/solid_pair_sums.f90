@@ -6,12 +6,14 @@
 module brz_solid_pair_sums
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, rk
-    use brz_pair_force, only: hourglass_stiff, hourglass_viscous, stress_force, viscous_force
+    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force, &
+                              viscous_force
     use brz_solid_state, only: lanes, n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
                                pair_quadratic, pair_stress, pair_volume
     implicit none
     private
-    public :: centre_t, sum_plain, sum_viscous, sum_stiff, viscosity
+    public :: centre_t, sum_plain, sum_viscous, sum_stiff, sum_axial, sum_total, viscosity, &
+              mirrored
     public :: n_terms, at_heat, at_friction, at_drag, at_hold
 
     ! slots of the sums: 1..3 force of the stress [N]
@@ -181,6 +183,108 @@ contains
         call add_lanes(n_terms, acc, f)
     end subroutine sum_stiff
 
+    !> Stress, viscosity and stiff hourglass force along the axes of the material.
+    subroutine sum_axial(n, p, x, v, x_ref, hold, pair, list, f)
+        integer, intent(in) :: n
+        type(centre_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, n), x_ref(3, n)
+        real(rk), intent(in) :: v(3, n), hold(6, n), pair(n_pair, n)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: f(n_terms)
+        real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), other(n_pair), g(3), d(3)
+        real(rk) :: w, u, r2, vr, stiffness(6)
+        integer :: k, l, j, t
+
+        own = pair(:, p%i)
+        acc = 0
+        do k = 0, p%count - 1, lanes
+            !GCC$ unroll 1
+            do l = 1, lanes
+                j = list(k + l)
+                do t = 1, 3
+                    r(t) = real(x(t, p%i) - x(t, j), rk)
+                    dx(t) = real(x_ref(t, p%i) - x_ref(t, j), rk)
+                    dv(t) = v(t, p%i) - v(t, j)
+                end do
+                do t = 1, pair_affine
+                    other(t) = pair(t, j)
+                end do
+                do t = pair_affine + 1, pair_affine + 9
+                    other(t) = pair(t, j)
+                end do
+                do t = 1, 6
+                    stiffness(t) = hold(t, p%i) + hold(t, j)
+                end do
+                r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
+                vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
+                w = own(pair_volume)*other(pair_volume) &
+                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
+                call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
+                u = viscosity(p, own, other, w, r2, vr)
+                call hourglass_axial(w*own(pair_keep)*other(pair_keep), stiffness, &
+                                     own(pair_affine + 1), other(pair_affine + 1), dx, r, d)
+                do t = 1, 3
+                    acc(l, t) = acc(l, t) + g(t)
+                    acc(l, at_drag + t) = acc(l, at_drag + t) + u*r(t)
+                    acc(l, at_hold + t) = acc(l, at_hold + t) + d(t)
+                end do
+                acc(l, at_heat) = acc(l, at_heat) - u*vr/2
+            end do
+        end do
+        call add_lanes(n_terms, acc, f)
+    end subroutine sum_axial
+
+    !> The same between the neighbours of the unloaded body: X_ij weighs the pairs, and the stress
+    !> (here Piola's) acts along it.
+    subroutine sum_total(n, p, x, v, x_ref, pair, list, f)
+        integer, intent(in) :: n
+        type(centre_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, n), x_ref(3, n)
+        real(rk), intent(in) :: v(3, n), pair(n_pair, n)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: f(n_terms)
+        real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), other(n_pair), g(3), d(3)
+        real(rk) :: w, u, r2, vr
+        integer :: k, l, j, t
+
+        own = pair(:, p%i)
+        acc = 0
+        do k = 0, p%count - 1, lanes
+            !GCC$ unroll 1
+            do l = 1, lanes
+                j = list(k + l)
+                do t = 1, 3
+                    r(t) = real(x(t, p%i) - x(t, j), rk)
+                    dx(t) = real(x_ref(t, p%i) - x_ref(t, j), rk)
+                    dv(t) = v(t, p%i) - v(t, j)
+                end do
+                do t = 1, pair_affine
+                    other(t) = pair(t, j)
+                end do
+                do t = pair_affine + 1, pair_hold
+                    other(t) = pair(t, j)
+                end do
+                r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
+                vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
+                w = own(pair_volume)*other(pair_volume) &
+                    *kernel_slope(p%scale, p%half_over_h, &
+                                  sqrt(dx(1)*dx(1) + dx(2)*dx(2) + dx(3)*dx(3)))
+                call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), dx, g)
+                u = viscosity(p, own, other, w, r2, vr)
+                call hourglass_stiff(w*own(pair_keep)*other(pair_keep), &
+                                     own(pair_hold) + other(pair_hold), own(pair_affine + 1), &
+                                     other(pair_affine + 1), dx, r, d)
+                do t = 1, 3
+                    acc(l, t) = acc(l, t) + g(t)
+                    acc(l, at_drag + t) = acc(l, at_drag + t) + u*r(t)
+                    acc(l, at_hold + t) = acc(l, at_hold + t) + d(t)
+                end do
+                acc(l, at_heat) = acc(l, at_heat) - u*vr/2
+            end do
+        end do
+        call add_lanes(n_terms, acc, f)
+    end subroutine sum_total
+
     !> Monaghan's viscosity of a pair, as a factor of x_ij.
     pure function viscosity(p, own, other, w, r2, vr) result(u)
         type(centre_t), intent(in) :: p
@@ -190,4 +294,13 @@ contains
         u = viscous_force(w, p%h, r2, vr, own(pair_linear) + other(pair_linear), &
                           own(pair_quadratic) + other(pair_quadratic))
     end function viscosity
+
+    !> A symmetric tensor seen in the mirror planes with s = -1.
+    pure function mirrored(s, k) result(m)
+        real(rk), intent(in) :: s(3), k(6)
+        real(rk) :: m(6)
+
+        m(1:3) = k(1:3)
+        m(4:6) = k(4:6)*[s(1)*s(2), s(2)*s(3), s(1)*s(3)]
+    end function mirrored
 end module brz_solid_pair_sums

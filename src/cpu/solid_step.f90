@@ -8,7 +8,7 @@ module brz_solid_step
     use brz_solid_bonds, only: break_bonds
     use brz_solid_contact, only: contact_pass, find_touch
     use brz_solid_doubles, only: refuse_doubles
-    use brz_solid_forces, only: force_pass
+    use brz_solid_forces, only: force_pass, update_sizes
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_links, only: first_bonds
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
@@ -31,6 +31,9 @@ contains
 
         if (.not. solid%present) return
         call build_neighbours(solid, sort=.true.)
+        do i = 1, size(solid%block, 2)
+            call update_sizes(solid, solid%bodies(solid%block(1, i)), i)
+        end do
         do i = 1, solid%n
             solid%support(i) = count_intact(solid, i)
         end do
@@ -54,15 +57,12 @@ contains
     !> After a restart: what a checkpoint does not hold follows from what it holds.
     subroutine resume_solid(solid)
         type(solid_t), intent(inout) :: solid
-        integer :: b, i
+        integer :: k
 
         if (.not. solid%present) return
         call build_neighbours(solid, sort=.false.)
-        do b = 1, size(solid%bodies)
-            do i = solid%bodies(b)%first, solid%bodies(b)%last
-                solid%volume(i) = solid%mass(i)/(solid%materials(solid%bodies(b)%material)%density &
-                                                 *(1 + solid%mu(i)))
-            end do
+        do k = 1, size(solid%block, 2)
+            call update_sizes(solid, solid%bodies(solid%block(1, k)), k)
         end do
     end subroutine resume_solid
 

@@ -104,7 +104,7 @@ contains
         keys = [keys, &
                 key_t(group=g, key='formulation', kind=kind_text, default='auto', &
                       choices='auto|bending|corrected_hourglass|corrected|uncorrected|paper|'// &
-                      'rigid', &
+                      'total_lagrangian|rigid', &
                       meaning='auto: bending for elastic materials and plies (they bend and '// &
                       'may break), corrected_hourglass for all others (they flow or '// &
                       'fragment); rigid: moves and turns as a whole.'), &
@@ -121,12 +121,22 @@ contains
                       'auto: monaghan with paper, else none.'), &
                 key_t(group=g, key='artificial_strength', lower=zero, upper=one, &
                       meaning='Its strength; 0.2 for monaghan, 0.3 for gray if absent.'), &
-                key_t(group=g, key='zeta', default='2.0', lower=zero, upper=4*one, &
-                      meaning='bending: stiffness of the hourglass force.'), &
+                key_t(group=g, key='zeta', lower=zero, upper=4*one, &
+                      meaning='bending, total_lagrangian: stiffness of the hourglass force; if '// &
+                      'absent 2 (of the shear modulus), along axes 2.5 (of each modulus).'), &
+                key_t(group=g, key='hourglass_axes', kind=kind_logical, default='T', &
+                      meaning='bending of plies: hourglass stiffness along the axes of the '// &
+                      'material; F: that of an isotropic plate.'), &
                 key_t(group=g, key='zeta_viscous', default='0.05', lower=zero, upper=one, &
                       meaning='corrected_hourglass: strength of the viscous hourglass force.'), &
                 key_t(group=g, key='smoothing', default='1.2', lower=one, upper=2*one, &
                       meaning='Smoothing length over spacing.'), &
+                key_t(group=g, key='variable_h', kind=kind_logical, default='F', &
+                      meaning='The smoothing length follows the density (slower).'), &
+                key_t(group=g, key='h_range', n_min=2, n_max=2, default='0.7, 1.2', &
+                      lower=0.5_dp, upper=2*one, &
+                      meaning='variable_h: bounds of the smoothing length over that of the '// &
+                      'unloaded body.'), &
                 key_t(group=g, key='cfl', default='0.4', lower=zero, open_lower=.true., &
                       upper=one, meaning='Time step of the body: c dt/h.')]
     end subroutine method_keys

@@ -124,9 +124,12 @@ module brz_case
         character(name_len) :: limiter = 'none' !! or 'balsara'
         character(name_len) :: artificial_stress = 'auto' !! or 'none', 'monaghan', 'gray'
         real(dp) :: artificial_strength = -1 !! negative: the usual one
-        real(dp) :: zeta = 2 !! position-based hourglass stiffness ('bending')
+        real(dp) :: zeta = -1 !! stiffness of the hourglass force; negative: the usual one
+        logical :: hourglass_axes = .true. !! plies: along the axes of the material
         real(dp) :: zeta_viscous = 0.05_dp !! viscous hourglass force ('corrected_hourglass')
         real(dp) :: smoothing = 1.2_dp !! smoothing length over spacing
+        logical :: variable_h = .false. !! the smoothing length follows the density
+        real(dp) :: h_range(2) = [0.7_dp, 1.2_dp] !! its bounds over that of the unloaded body
         real(dp) :: cfl = 0.4_dp
     end type body_case_t
 

@@ -129,6 +129,7 @@ contains
             call check_slopes(par, fault)
             material%density = par(p_density)
             material%bulk = par(p_k_el)
+            material%fails = 1
             material%shear = par(p_shear)
             material%c_wave = sqrt((par(p_k_el) + 4*par(p_shear)/3)/par(p_density))
         end associate

@@ -25,8 +25,10 @@ module brz_material
     type, bind(c) :: material_t
         integer(c_int) :: model !! code of the model, see the registry
         integer(c_int) :: n_hist !! history variables that the model uses
+        integer(c_int) :: fails !! 1: may lose its strength for good, else 0
         real(rk) :: density !! unloaded [kg/m3]
         real(rk) :: shear !! shear modulus for the hourglass force [Pa]
+        real(rk) :: axial(3) !! Young's modulus along each axis of a ply; 0: no axes [Pa]
         real(rk) :: bulk !! bulk modulus for contact [Pa]
         real(rk) :: c_wave !! fastest wave of the unloaded material, for the first time step [m/s]
         real(rk) :: par(n_par) !! slots named by the model

@@ -171,7 +171,9 @@ contains
         material%model = 0
         material%n_hist = 0
         material%density = 0
+        material%fails = 0
         material%shear = 0
+        material%axial = 0
         material%bulk = 0
         material%c_wave = 0
         material%par = 0

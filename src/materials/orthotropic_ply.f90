@@ -73,7 +73,9 @@ contains
         material%density = material%par(p_density)
         material%bulk = material%par(p_bulk)
         ! as stiff as an isotropic plate (nu = 0.3) of the stiffer in-plane modulus
+        material%fails = 1
         material%shear = max(material%par(p_e1), material%par(p_e2))/2.6_rk
+        material%axial = [material%par(p_e1), material%par(p_e2), material%par(p_e3)]
         material%c_wave = sqrt(maxval(material%par(p_c11:p_c33))/material%density)
         material%par(p_eos:p_eos + 7) = 0
         material%par(p_eos + eos_density - 1) = material%density

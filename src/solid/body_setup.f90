@@ -100,8 +100,10 @@ contains
         n = 0
         do b = 1, size(points)
             if (failed(err)) return
-            call settle(case%bodies(b), trim(case%materials(case%bodies(b)%material_index)%model), &
-                        solid%bodies(b), err)
+            associate (m => case%bodies(b)%material_index)
+                call settle(case%bodies(b), trim(case%materials(m)%model), solid%materials(m), &
+                            solid%bodies(b), err)
+            end associate
             solid%bodies(b)%first = n + 1
             n = n + size(points(b)%x, 2)
             solid%bodies(b)%last = n
@@ -115,16 +117,17 @@ contains
     end subroutine lay_bodies
 
     !> Copy the settings of a body from the deck.
-    subroutine settle(input, model, body, err)
+    subroutine settle(input, model, material, body, err)
         type(body_case_t), intent(in) :: input
-        character(*), intent(in) :: model !! of its material
+        character(*), intent(in) :: model !! name of the model of its material
+        type(material_t), intent(in) :: material
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
 
         body%id = input%id
         body%material = input%material_index
         body%spacing = input%spacing
-        call settle_formulation(input, model, body, err)
+        call settle_formulation(input, model, material, body, err)
     end subroutine settle
 
     !> Report a box whose sides are no whole number of spacings.

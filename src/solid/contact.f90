@@ -31,6 +31,7 @@ module brz_contact
         real(rk) :: stick !! impedance of friction below Coulomb's limit [kg/(m2 s)]
         logical :: shared !! pressures of the two bodies are shared
         integer :: formulation !! common to both bodies, 0: they differ
+        logical :: directional !! both have a hourglass stiffness along axes
         real(rk) :: tensile, shear !! strengths of a bond [Pa]
         logical :: quadratic !! both strengths act together
     end type meeting_t

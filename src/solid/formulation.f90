@@ -5,9 +5,10 @@ module brz_formulation
     use brz_case, only: body_case_t
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kernel, only: kernel_shape
-    use brz_kinds, only: rk
+    use brz_kinds, only: dp, rk
+    use brz_material, only: material_t
     use brz_solid_state, only: body_t, form_bending, form_corrected, form_corrected_hourglass, &
-                               form_rigid, form_uncorrected
+                               form_rigid, form_total, form_uncorrected
     implicit none
     private
     public :: settle_formulation
@@ -15,14 +16,14 @@ module brz_formulation
 contains
 
     !> Fill the numbers of a body's formulation from the deck.
-    subroutine settle_formulation(input, model, body, err)
+    subroutine settle_formulation(input, model, material, body, err)
         type(body_case_t), intent(in) :: input
-        character(*), intent(in) :: model !! of its material
+        character(*), intent(in) :: model !! name of the model of its material
+        type(material_t), intent(in) :: material
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
 
         body%h = real(input%smoothing*input%spacing, rk)
-        body%zeta = real(input%zeta, rk)
         body%zeta_viscous = real(input%zeta_viscous, rk)
         body%cfl = real(input%cfl, rk)
         body%balsara = input%limiter == 'balsara'
@@ -40,6 +41,11 @@ contains
             body%formulation = form_corrected_hourglass
         case ('bending')
             body%formulation = form_bending
+        case ('total_lagrangian')
+            body%formulation = form_total
+            if (material%fails == 1) call refuse(input, "formulation='total_lagrangian' is for "// &
+                "what never breaks, and model='"//model//"' fails; take 'bending' or "// &
+                "'corrected_hourglass'", err)
         case ('uncorrected', 'paper')
             body%formulation = form_uncorrected
         case ('rigid')
@@ -48,7 +54,50 @@ contains
             call refuse(input, "unknown formulation '"//trim(input%formulation)//"'", err)
         end select
         call settle_artificial(input, body, err)
+        call settle_stiffness(input, material, body)
+        body%variable = input%variable_h
+        body%h_range = real(input%h_range, rk)
+        if (body%variable .and. body%formulation == form_total) &
+            call refuse(input, 'variable_h has no meaning in a total-Lagrangian body', err)
     end subroutine settle_formulation
+
+    !> Stiff hourglass force: along the axes of a ply in 'bending', without axes elsewhere.
+    subroutine settle_stiffness(input, material, body)
+        type(body_case_t), intent(in) :: input
+        type(material_t), intent(in) :: material
+        type(body_t), intent(inout) :: body
+        integer :: p
+
+        body%directional = body%formulation == form_bending .and. material%axial(1) > 0 .and. &
+                           input%hourglass_axes
+        body%zeta = merge(2.5_rk, 2.0_rk, body%directional)
+        if (input%zeta >= 0) body%zeta = real(input%zeta, rk)
+        if (.not. body%directional) return
+        allocate (body%axes(3, 3, 0:max(input%n_plies, 0)))
+        body%axes(:, :, 0) = ply_axes(input%ply_axis, 0.0_rk)
+        do p = 1, input%n_plies
+            body%axes(:, :, p) = ply_axes(input%ply_axis, &
+                                          real(input%ply_angle(p)*acos(-1.0_dp)/180, rk))
+        end do
+    end subroutine settle_stiffness
+
+    !> Axes of an unloaded ply, column by column: fibre, across, stacking axis.
+    pure function ply_axes(axis, angle) result(e)
+        character(1), intent(in) :: axis !! 'x', 'y', 'z'
+        real(rk), intent(in) :: angle !! right-handed, from the axis that follows in cyclic order
+        real(rk) :: e(3, 3)
+        integer :: s, a, b
+
+        s = max(1, index('xyz', axis))
+        a = 1 + mod(s, 3)
+        b = 1 + mod(s + 1, 3)
+        e = 0
+        e(s, 3) = 1
+        e(a, 1) = cos(angle)
+        e(b, 1) = sin(angle)
+        e(a, 2) = -sin(angle)
+        e(b, 2) = cos(angle)
+    end function ply_axes
 
     !> What is elastic until it fails bends; metals and concrete flow or fragment.
     pure logical function bends(model)

@@ -6,12 +6,13 @@
 !>
 !> Source: docs/solid.md section 3; Randles & Libersky 1996, Bonet & Lok 1999
 module brz_gradient
-    use brz_algebra, only: inverse3, multiply3, to_matrix
+    use brz_algebra, only: determinant3, inverse3, multiply3, to_matrix
     use brz_eigen, only: diagonalise
     use brz_kinds, only: rk
     implicit none
     private
-    public :: moment_terms, outer_terms, correction, midstep_gradient, shear_limiter
+    public :: moment_terms, outer_terms, correction, midstep_gradient, shear_limiter, &
+              total_gradient, piola
 
     ! smaller eigenvalues of M are not inverted in full; at the corner of a regular block the
     ! smallest is 0.25 in 2-D and 0.18 in 3-D
@@ -147,4 +148,50 @@ contains
         curl = sqrt((h(3, 2) - h(2, 3))**2 + (h(1, 3) - h(3, 1))**2 + (h(2, 1) - h(1, 2))**2)
         share = div/(div + curl + 1e-4_rk*rate)
     end function shear_limiter
+
+    !> Velocity gradient dv/dx from dv/dX, and how much shorter the reference looks to a wave.
+    !@cuf attributes(host,device) &
+    pure subroutine total_gradient(f, h, shrink)
+        real(rk), intent(in) :: f(3, 3) !! deformation dx/dX
+        real(rk), intent(inout) :: h(3, 3) !! dv/dX in, dv/dx out [1/s]
+        real(rk), intent(out) :: shrink !! largest ratio of a distance dX to dx, at least 1
+        real(rk) :: a(3, 3), g(3, 3), sum
+        logical :: ok
+        integer :: i, j
+
+        call inverse3(f, a, ok)
+        call multiply3(h, a, g)
+        sum = -2
+        do j = 1, 3
+            do i = 1, 3
+                h(i, j) = g(i, j)
+                sum = sum + a(i, j)*a(i, j)
+            end do
+        end do
+        shrink = sqrt(max(sum, 1.0_rk))
+    end subroutine total_gradient
+
+    !> First Piola-Kirchhoff stress P = det(F) sigma F^-T from the Cauchy stress.
+    !@cuf attributes(host,device) &
+    pure subroutine piola(f, s)
+        real(rk), intent(in) :: f(3, 3) !! deformation dx/dX
+        real(rk), intent(inout) :: s(3, 3) !! Cauchy in, Piola out [Pa]
+        real(rk) :: a(3, 3), c(3, 3), p(3, 3), d
+        logical :: ok
+        integer :: i, j
+
+        call inverse3(f, a, ok)
+        d = determinant3(f)
+        do j = 1, 3
+            do i = 1, 3
+                c(i, j) = d*a(j, i)
+            end do
+        end do
+        call multiply3(s, c, p)
+        do j = 1, 3
+            do i = 1, 3
+                s(i, j) = p(i, j)
+            end do
+        end do
+    end subroutine piola
 end module brz_gradient

@@ -6,7 +6,7 @@ module brz_interaction_setup
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kernel, only: kernel_scale, kernel_slope, kernel_value
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: form_total, solid_t
     use brz_text, only: to_text
     implicit none
     private
@@ -101,6 +101,8 @@ contains
             m%friction = real(rule%friction, rk)
             m%shared = rule%shared_pressure
             m%formulation = merge(p%formulation, 0, p%formulation == q%formulation)
+            m%directional = p%directional .and. q%directional
+            if (p%directional .neqv. q%directional) m%formulation = 0
         end associate
         m%tensile = real(min(rule%tensile_strength, real(huge(1.0_rk), dp)), rk)
         m%shear = real(min(rule%shear_strength, real(huge(1.0_rk), dp)), rk)
@@ -143,6 +145,10 @@ contains
         real(dp) :: ratio
 
         associate (p => solid%bodies(a), q => solid%bodies(b))
+            if (p%formulation == form_total .or. q%formulation == form_total .or. p%variable .or. &
+                q%variable) call raise(err, exit_deck, "&interaction: the bodies '"//trim(p%id)// &
+                "' and '"//trim(q%id)//"' are bonded, and that goes neither with formulation="// &
+                "'total_lagrangian' nor with variable_h; take 'bending' and a constant h")
             ratio = max(p%h/q%h, q%h/p%h)
             if (ratio > most_ratio) call raise(err, exit_deck, "&interaction: the bodies '"// &
                 trim(p%id)//"' and '"//trim(q%id)//"' are bonded, but their smoothing lengths "// &

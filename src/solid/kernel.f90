@@ -9,7 +9,7 @@ module brz_kernel
     use brz_kinds, only: rk
     implicit none
     private
-    public :: kernel_scale, kernel_shape, kernel_slope, kernel_value
+    public :: kernel_scale, kernel_shape, kernel_slope, kernel_value, pair_kernel, smoothing_length
 
 contains
 
@@ -64,4 +64,29 @@ contains
 
         w = slope*(h*h + 1.5_rk*h*r - r*r)/5
     end function kernel_value
+
+    !> Kernel of a pair whose smoothing lengths differ: that of their mean, the same for both.
+    !@cuf attributes(host,device) &
+    pure subroutine pair_kernel(dimension, hi, hj, h, scale, half_over_h)
+        integer, intent(in) :: dimension
+        real(rk), intent(in) :: hi, hj !! [m]
+        real(rk), intent(out) :: h !! [m]
+        real(rk), intent(out) :: scale, half_over_h !! of kernel_slope
+
+        h = (hi + hj)/2
+        scale = kernel_scale(h, dimension)
+        half_over_h = 1/(2*h)
+    end subroutine pair_kernel
+
+    !> Smoothing length that keeps the number of neighbours, h0 (rho0/rho)^(1/d), within bounds.
+    !@cuf attributes(host,device) &
+    pure function smoothing_length(h0, bounds, dimension, mu) result(h)
+        real(rk), intent(in) :: h0 !! unloaded [m]
+        real(rk), intent(in) :: bounds(2) !! of h/h0
+        integer, intent(in) :: dimension
+        real(rk), intent(in) :: mu !! compression rho/rho0 - 1
+        real(rk) :: h
+
+        h = h0*min(max((1 + mu)**(-1/real(dimension, rk)), bounds(1)), bounds(2))
+    end function smoothing_length
 end module brz_kernel

@@ -9,7 +9,8 @@ module brz_pair_force
     use brz_kinds, only: rk
     implicit none
     private
-    public :: stress_force, viscous_force, hourglass_viscous, hourglass_stiff
+    public :: stress_force, viscous_force, hourglass_viscous, hourglass_stiff, hourglass_axial, &
+              axial_stiffness
 
 contains
 
@@ -92,6 +93,54 @@ contains
         f(3) = h*((pi(3) + pj(3))*x_ref(1) + (pi(6) + pj(6))*x_ref(2) + (pi(9) + pj(9))*x_ref(3) &
                   - z*r(3))
     end subroutine hourglass_stiff
+
+    !> Stiff hourglass force with a stiffness along axes: y (P_i X_ij - K_i x_ij), and that of j.
+    !@cuf attributes(host,device) &
+    pure subroutine hourglass_axial(y, k, pi, pj, x_ref, r, f)
+        real(rk), intent(in) :: y !! w times what damage leaves of it
+        real(rk), intent(in) :: k(6) !! sum of the stiffnesses K, xx, yy, zz, xy, yz, xz [Pa]
+        real(rk), intent(in) :: pi(9), pj(9) !! K dx/dX of the two particles [Pa]
+        real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]
+        real(rk), intent(out) :: f(3) !! on i [N]
+        real(rk) :: h
+
+        h = y
+        if (overstretched(x_ref, r)) h = 0
+        f(1) = h*((pi(1) + pj(1))*x_ref(1) + (pi(4) + pj(4))*x_ref(2) + (pi(7) + pj(7))*x_ref(3) &
+                  - (k(1)*r(1) + k(4)*r(2) + k(6)*r(3)))
+        f(2) = h*((pi(2) + pj(2))*x_ref(1) + (pi(5) + pj(5))*x_ref(2) + (pi(8) + pj(8))*x_ref(3) &
+                  - (k(4)*r(1) + k(2)*r(2) + k(5)*r(3)))
+        f(3) = h*((pi(3) + pj(3))*x_ref(1) + (pi(6) + pj(6))*x_ref(2) + (pi(9) + pj(9))*x_ref(3) &
+                  - (k(6)*r(1) + k(5)*r(2) + k(3)*r(3)))
+    end subroutine hourglass_axial
+
+    !> Stiffness along the axes of a material that the deformation has carried along:
+    !> K = sum of z_a n_a (x) n_a with n_a = F e_a/|F e_a|.
+    !@cuf attributes(host,device) &
+    pure subroutine axial_stiffness(z, e, f, k)
+        real(rk), intent(in) :: z(3) !! stiffness along each axis [Pa]
+        real(rk), intent(in) :: e(3, 3) !! unloaded axes, column by column
+        real(rk), intent(in) :: f(3, 3) !! deformation dx/dX
+        real(rk), intent(out) :: k(6) !! xx, yy, zz, xy, yz, xz [Pa]
+        real(rk) :: n(3), c
+        integer :: a, i
+
+        do i = 1, 6
+            k(i) = 0
+        end do
+        do a = 1, 3
+            do i = 1, 3
+                n(i) = f(i, 1)*e(1, a) + f(i, 2)*e(2, a) + f(i, 3)*e(3, a)
+            end do
+            c = z(a)/max(n(1)*n(1) + n(2)*n(2) + n(3)*n(3), tiny(c))
+            k(1) = k(1) + c*n(1)*n(1)
+            k(2) = k(2) + c*n(2)*n(2)
+            k(3) = k(3) + c*n(3)*n(3)
+            k(4) = k(4) + c*n(1)*n(2)
+            k(5) = k(5) + c*n(2)*n(3)
+            k(6) = k(6) + c*n(1)*n(3)
+        end do
+    end subroutine axial_stiffness
 
     !> True for a pair that the stiff hourglass force has let go.
     !@cuf attributes(host,device) &

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, rk
     use brz_solid_state, only: bond_none, n_pair, solid_t
     implicit none
     private
@@ -24,6 +24,8 @@ contains
                       solid%pair(n_pair, n))
             allocate (solid%id(n), solid%ply(n), solid%support(n), solid%fixed(n), solid%cut(n))
             allocate (solid%first(n + 1), solid%image(n))
+            if (any(solid%bodies%variable)) allocate (solid%h(n), source=0.0_rk)
+            if (any(solid%bodies%directional)) allocate (solid%hold(6, n), source=0.0_rk)
             allocate (solid%search%cell(n), solid%search%order(n), solid%search%b(n))
         end associate
         call clear(solid)
@@ -102,5 +104,7 @@ contains
         if (solid%links%present) &
             bytes = bytes + (storage_size(solid%v)*12 + storage_size(solid%first) &
                              + storage_size(solid%id) + storage_size(solid%fixed))/8.0_dp
+        if (allocated(solid%h)) bytes = bytes + storage_size(solid%h)/8.0_dp
+        if (allocated(solid%hold)) bytes = bytes + storage_size(solid%hold)*6/8.0_dp
     end function bytes_per_particle
 end module brz_solid_arrays

@@ -14,12 +14,12 @@ module brz_solid_state
     private
     public :: solid_t, body_t, ledger_t, search_t
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
-    public :: lanes, worth_threads, links_t, bond_none, bond_whole, bond_broken
+    public :: form_total, lanes, worth_threads, links_t, bond_none, bond_whole, bond_broken
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
-                          form_uncorrected = 4, form_rigid = 5
+                          form_uncorrected = 4, form_rigid = 5, form_total = 6
     integer, parameter :: lanes = 8 !! neighbour lists are padded with the particle itself to a
                                     !! multiple of this
 
@@ -31,7 +31,7 @@ module brz_solid_state
     integer, parameter :: pair_quadratic = 3 !! quadratic viscosity, beta rho/2 [kg/m3]
     integer, parameter :: pair_keep = 4 !! share of the hourglass force that is left, 0..1
     integer, parameter :: pair_stress = 4 !! + 1..9: stress times gradient correction [Pa]
-    !> + 1..9: 'bending': zeta G dx/dX [Pa]; artificial stress: R; else dv/dx [1/s]
+    !> + 1..9: stiff hourglass force: stiffness times dx/dX [Pa]; artificial stress: R; else dv/dx
     integer, parameter :: pair_affine = 13
     integer, parameter :: pair_hold = 23 !! strength of the hourglass force: zeta h rho c or zeta G
     integer, parameter :: n_pair = 24 !! a whole number of cache lines; also a buffer for sorting
@@ -61,10 +61,14 @@ module brz_solid_state
         real(dp) :: spacing = 0 !! [m]
         real(dp) :: volume_scale = 1 !! volume of a particle over that of its lattice cell
         integer :: across = 0 !! bars: particles across the diameter
-        real(rk) :: h = 0 !! smoothing length, constant [m]
+        real(rk) :: h = 0 !! smoothing length of the unloaded body [m]
+        logical :: variable = .false. !! smoothing length follows the density
+        real(rk) :: h_range(2) = 1 !! its bounds over h
         real(rk) :: alpha = 1, beta = 2, zeta = 2, zeta_viscous = 0
         logical :: balsara = .false. !! less viscosity in shear
         integer :: artificial = artificial_none !! artificial stress, see brz_artificial_stress
+        logical :: directional = .false. !! hourglass stiffness along the axes of the material
+        real(rk), allocatable :: axes(:, :, :) !! (3, 3, 0:plies) unloaded axes, column by column
         real(rk) :: artificial_strength = 0, artificial_power = 0
         real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)
         real(rk) :: cfl = 0.4_rk
@@ -138,6 +142,9 @@ module brz_solid_state
         real(rk), allocatable :: c_wave(:) !! (n) fastest wave, for the time step [m/s]
         real(rk), allocatable :: c_bulk(:) !! (n) sound speed in the viscosity [m/s]
         real(rk), allocatable :: volume(:) !! (n) as pass 1 sees it [m3]
+        real(rk), allocatable :: h(:) !! (n) smoothing length; only where a body varies it [m]
+        real(rk), allocatable :: hold(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz, xz;
+                                            !! only where a body has one along axes [Pa]
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int32), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
