@@ -96,7 +96,15 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(LIB)
 	$(call say,link $@)
 	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
 
-.PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden
+STUDY    := $(sort $(wildcard tests/study/*.f90))
+STUDIES  := $(patsubst %.f90,$(B)/%,$(filter tests/study/study_%,$(STUDY)))
+$(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o)
+	@mkdir -p $(@D)
+	$(call say,link $@)
+	$(Q)$(FC) -fopenmp -o $@ $(filter-out $(B)/obj/tests/study/study_%,$^) \
+	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
+
+.PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden stability
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
 	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
@@ -135,6 +143,10 @@ golden: all ## write the golden curves of tests/golden anew from inputs/material
 	@$(PY) tests/python/golden.py
 python: all emulator ## tests of the Python tools and of the whole program
 	@$(PY) -m pytest --junitxml=build/log/python.xml $(ARGS)
+stability: $(B)/tests/study/study_solid ## where each formulation of the solids fails (half an hour)
+	@mkdir -p docs/data
+	$< stability > $(B)/map.csv && mv $(B)/map.csv docs/data/stability_solid.csv
+	$(PY) scripts/stability_map.py docs/data/stability_solid.csv docs/figures/stability_solid.png
 lint: ## format, linters, the rules of the house
 	@bad=0; $(PY) scripts/format.py --check $(FORMAT) || bad=1; \
 	.venv/bin/fortitude check -q --output-format concise src tests || bad=1; \

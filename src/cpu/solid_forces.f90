@@ -101,7 +101,7 @@ contains
             select case (body%formulation)
             case (form_bending)
                 if (body%directional) then
-                    call sum_axial(solid%n, p, solid%x, solid%v, solid%x_ref, solid%hold, &
+                    call sum_axial(p, solid%x, solid%v, solid%x_ref, solid%hold, &
                                    solid%pair, solid%list(first), f)
                 else
                     call sum_stiff(solid%n, p, solid%x, solid%v, solid%x_ref, solid%pair, &

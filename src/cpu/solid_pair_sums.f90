@@ -184,11 +184,10 @@ contains
     end subroutine sum_stiff
 
     !> Stress, viscosity and stiff hourglass force along the axes of the material.
-    subroutine sum_axial(n, p, x, v, x_ref, hold, pair, list, f)
-        integer, intent(in) :: n
+    subroutine sum_axial(p, x, v, x_ref, hold, pair, list, f)
         type(centre_t), intent(in) :: p
-        real(dp), intent(in) :: x(3, n), x_ref(3, n)
-        real(rk), intent(in) :: v(3, n), hold(6, n), pair(n_pair, n)
+        real(dp), intent(in) :: x(3, *), x_ref(3, *)
+        real(rk), intent(in) :: v(3, *), hold(6, *), pair(n_pair, *)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: f(n_terms)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), other(n_pair), g(3), d(3)

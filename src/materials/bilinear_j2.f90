@@ -66,6 +66,7 @@ contains
                 return
             end if
             if (.not. given(p_rate)) par(p_rate) = 0
+            material%fails = merge(1, 0, given(p_failure))
             if (.not. given(p_failure)) par(p_failure) = huge(1.0_rk)
             par(p_hardening) = par(p_tangent)*par(p_young)/(par(p_young) - par(p_tangent))
             par(p_power) = 1/par(p_exponent)

@@ -124,6 +124,7 @@ contains
             if (.not. given(p_start)) par(p_start) = par(p_room)
             if (.not. given(p_cutoff)) par(p_cutoff) = no_cutoff
             par(p_fails) = merge(1, 0, given(p_d1))
+            material%fails = merge(1, 0, given(p_d1))
             material%density = par(p_density)
             material%bulk = unloaded_bulk(block)
             material%shear = par(p_shear)

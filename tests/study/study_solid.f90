@@ -1,0 +1,140 @@
+! SPDX-License-Identifier: MIT
+!> Where each formulation of the solids fails, and what its accuracy costs, as CSV.
+!>
+!> usage: study_solid stability|charts
+program study_solid
+    use solid_problems, only: cantilever, patch, planar_impact, plate, pulled_bar, spin, &
+                              taylor_bar, zigzag
+    use solid_scenes, only: form_t, forms, seen_t
+    use brz_kinds, only: dp
+    implicit none
+
+    character(20) :: what
+
+    call get_command_argument(1, what)
+    select case (what)
+    case ('stability')
+        call stability()
+    case ('charts')
+        call charts()
+    case default
+        error stop 'usage: study_solid stability|charts'
+    end select
+
+contains
+
+    subroutine stability()
+        type(seen_t) :: seen
+        integer :: f
+
+        print '(a)', 'test,formulation,seen,quantity,value,energy error,longest link,shortest link'
+        do f = 1, size(forms)
+            call spin(forms(f), 5.0_dp, 2.0_dp, seen)
+            call report('slow spin', 'angular momentum lost', forms(f), seen, 1e-3_dp)
+            call spin(forms(f), 50.0_dp, 3.0_dp, seen)
+            call report('fast spin', 'angular momentum lost', forms(f), seen, 1e-3_dp)
+            call cantilever(forms(f), 5, seen)
+            call report('cantilever', 'period error', forms(f), seen, 0.05_dp)
+            call plate(forms(f), 3, seen)
+            call report('clamped plate', 'period error', forms(f), seen, 0.05_dp)
+            call patch(forms(f), 0.95_dp, seen)
+            call report('compressed 5 %', 'noise left', forms(f), seen, 1.0_dp)
+            call patch(forms(f), 1.005_dp, seen)
+            call report('stretched 0.5 %', 'noise left', forms(f), seen, 1.0_dp)
+            call patch(forms(f), 1.05_dp, seen)
+            call report('stretched 5 %', 'noise left', forms(f), seen, 1.0_dp)
+            call zigzag(forms(f), seen)
+            call report('zig-zag mode', 'energy left', forms(f), seen, 0.5_dp)
+            call pulled_bar(forms(f), 0.1_dp, seen)
+            call report('pulled bar 10 %', 'longest link', forms(f), seen, 1.25_dp)
+            call planar_impact(forms(f), 2e-4_dp, seen)
+            call report('impact 2 km/s', 'pressure error', forms(f), seen, 0.03_dp)
+            call taylor_bar(forms(f), 6, seen)
+            call report('Taylor bar', 'shape error', forms(f), seen, 0.1_dp)
+        end do
+    end subroutine stability
+
+    !> One line of the map. Fractured: lattice neighbours came apart; clumped: they met.
+    subroutine report(test, quantity, form, seen, bound)
+        character(*), intent(in) :: test, quantity
+        type(form_t), intent(in) :: form
+        type(seen_t), intent(in) :: seen
+        real(dp), intent(in) :: bound !! of the value of a sound result
+        character(10) :: word
+
+        if (test == 'Taylor bar') then
+            word = verdict(seen, bound, 6.0_dp, 0.05_dp)
+        else
+            word = verdict(seen, bound, 1.5_dp, 0.4_dp)
+        end if
+        print '(8(a, :, ","))', test, trim(form%label), trim(word), quantity, number(seen%value), &
+            number(seen%energy), number(seen%longest), number(seen%shortest)
+        flush (6)
+    end subroutine report
+
+    character(10) function verdict(seen, bound, longest, shortest)
+        type(seen_t), intent(in) :: seen
+        real(dp), intent(in) :: bound, longest, shortest
+
+        if (seen%ended .or. .not. abs(seen%value) < huge(bound)) then
+            verdict = 'failed'
+        else if (seen%longest > longest) then
+            verdict = 'fractured'
+        else if (seen%shortest < shortest) then
+            verdict = 'clumped'
+        else if (abs(seen%value) > bound .or. abs(seen%energy) > 0.02_dp) then
+            verdict = 'noisy'
+        else
+            verdict = 'stable'
+        end if
+    end function verdict
+
+    function number(x) result(text)
+        real(dp), intent(in) :: x
+        character(:), allocatable :: text
+        character(12) :: digits
+
+        write (digits, '(es11.3)') x
+        text = trim(adjustl(digits))
+    end function number
+
+    subroutine charts()
+        integer, parameter :: across(3) = [3, 5, 10], layers(2) = [3, 5], radius(3) = [4, 6, 9]
+        type(seen_t) :: seen
+        integer :: f, k
+
+        print '(a)', 'test,formulation,resolution,error,seconds,particle steps'
+        do f = 2, size(forms)
+            if (index(forms(f)%label, 'gray') > 0) cycle
+            do k = 1, size(across)
+                call cantilever(forms(f), across(k), seen)
+                call point('cantilever', forms(f), across(k), seen)
+            end do
+            do k = 1, size(layers)
+                call plate(forms(f), layers(k), seen)
+                call point('clamped plate', forms(f), layers(k), seen)
+            end do
+            do k = 1, 4
+                call planar_impact(forms(f), 1.6e-3_dp/2**k, seen)
+                call point('impact 2 km/s', forms(f), nint(0.03_dp/1.6e-3_dp*2**k), seen)
+            end do
+            do k = 1, size(radius)
+                call taylor_bar(forms(f), radius(k), seen)
+                call point('Taylor bar', forms(f), radius(k), seen)
+            end do
+        end do
+    end subroutine charts
+
+    subroutine point(test, form, resolution, seen)
+        character(*), intent(in) :: test
+        type(form_t), intent(in) :: form
+        integer, intent(in) :: resolution
+        type(seen_t), intent(in) :: seen
+        character(12) :: word
+
+        write (word, '(i0)') resolution
+        print '(6(a, :, ","))', test, trim(form%label), trim(word), number(seen%value), &
+            number(seen%seconds), number(seen%particle_steps)
+        flush (6)
+    end subroutine point
+end program study_solid
