@@ -165,7 +165,8 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) tests/gpu/bench_gpu.f90 $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH)
+SCANNED = $(SRC) tests/gpu/bench_gpu.f90 $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
+          $(STUDY)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
 	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@

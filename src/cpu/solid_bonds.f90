@@ -6,7 +6,8 @@ module brz_solid_bonds
     use brz_gradient, only: moment_terms, outer_terms
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: int64, rk
-    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force, viscous_force
+    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force, &
+                              viscous_force
     use brz_solid_links, only: is_bonded, link_mirror
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, n_terms
     use brz_solid_state, only: bond_broken, bond_whole, form_bending, form_corrected_hourglass, &

@@ -6,11 +6,11 @@ module brz_solid_forces
     use brz_kinds, only: dp, int64, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force
     use brz_solid_bonds, only: add_bonded_forces
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, centre_t, mirrored, n_terms, &
-                                   sum_axial, sum_plain, sum_stiff, sum_total, sum_viscous, &
-                                   viscosity
-    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, form_total, &
-                               n_pair, &
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, centre_t, mirrored, &
+                                   n_terms, sum_axial, sum_plain, sum_stiff, sum_total, &
+                                   sum_viscous, viscosity
+    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
+                               form_total, n_pair, &
                                pair_affine, pair_hold, pair_keep, pair_stress, pair_volume, &
                                solid_t, worth_threads
     implicit none

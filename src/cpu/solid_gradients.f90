@@ -15,9 +15,9 @@ module brz_solid_gradients
     use brz_pair_force, only: axial_stiffness
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, form_uncorrected, lanes, pair_affine, pair_hold, pair_keep, &
-                               pair_linear, &
-                               pair_quadratic, pair_stress, pair_volume, solid_t, worth_threads
+                               form_total, form_uncorrected, lanes, pair_affine, pair_hold, &
+                               pair_keep, pair_linear, pair_quadratic, pair_stress, pair_volume, &
+                               solid_t, worth_threads
     implicit none
     private
     public :: gradient_pass

@@ -5,8 +5,8 @@ module solid_problems
     use brz_errors, only: failed
     use brz_kinds, only: dp, rk
     use brz_solid_totals, only: solid_totals, solid_totals_t
-    use solid_scenes, only: advance, begin, choose, elastic, finish, form_t, metal, noise, scene_t, &
-                            seen_t
+    use solid_scenes, only: advance, begin, choose, elastic, finish, form_t, metal, noise, &
+                            scene_t, seen_t
     implicit none
     private
     public :: spin, cantilever, patch, zigzag, pulled_bar, planar_impact, plate, taylor_bar
@@ -192,7 +192,7 @@ contains
         type(scene_t) :: s
         real(dp), parameter :: us = 5328 + 1.338_dp*1000, up = 1000
         real(dp) :: front, p, most
-        logical, allocatable :: behind(:)
+        integer :: i, n
 
         call metal(s%case, 'gruneisen', [character(24) :: 'density', 'sound_speed', 's1', &
                    'gruneisen_gamma', 'shear_modulus', 'yield_stress'], &
@@ -208,8 +208,14 @@ contains
         call advance(s, 0.7_dp*0.03_dp/us)
         call finish(s, seen)
         front = (us - up)*s%time
-        behind = s%solid%x(1, :) > 0.2_dp*front .and. s%solid%x(1, :) < 0.6_dp*front
-        p = -sum(sum(s%solid%stress(1:3, :), 1)/3, mask=behind)/max(count(behind), 1)
+        p = 0
+        n = 0
+        do i = 1, s%solid%n
+            if (s%solid%x(1, i) < 0.2_dp*front .or. s%solid%x(1, i) > 0.6_dp*front) cycle
+            p = p - sum(s%solid%stress(1:3, i))/3
+            n = n + 1
+        end do
+        p = p/max(n, 1)
         most = maxval(-sum(s%solid%stress(1:3, :), 1)/3)/(2785*us*up)
         seen%value = p/(2785*us*up) - 1
         if (most > 1.1_dp) seen%value = most - 1
