@@ -112,6 +112,7 @@ contains
         do i = 1, s%solid%n
             s%solid%stress(1:2, i) = -k*s%solid%mu(i) + 2*g*e/3
             s%solid%stress(3, i) = -k*s%solid%mu(i) - 4*g*e/3
+            s%solid%energy(i) = k*s%solid%mu(i)**2/2 + 2*g*e**2/3
             r = noise(i)
             if (s%solid%fixed(i) == 0) s%solid%v(1:2, i) = 1e-4_rk*r(1:2)
         end do

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Where each formulation of the solids fails, and what its accuracy costs, as CSV.
 !>
-!> usage: study_solid stability|charts
+!> usage: study_solid stability|charts [formulation]   all formulations, or the one of that number
 program study_solid
     use solid_problems, only: cantilever, patch, planar_impact, plate, pulled_bar, spin, &
                               taylor_bar, zigzag
@@ -9,9 +9,17 @@ program study_solid
     use brz_kinds, only: dp
     implicit none
 
-    character(20) :: what
+    character(20) :: what, which
+    integer :: first, last
 
     call get_command_argument(1, what)
+    call get_command_argument(2, which)
+    first = 1
+    last = size(forms)
+    if (which /= '') then
+        read (which, *) first
+        last = first
+    end if
     select case (what)
     case ('stability')
         call stability()
@@ -27,8 +35,8 @@ contains
         type(seen_t) :: seen
         integer :: f
 
-        print '(a)', 'test,formulation,seen,quantity,value,energy error,longest link,shortest link'
-        do f = 1, size(forms)
+        if (first == 1) print '(a)', 'test,formulation,seen,quantity,value,energy error,longest link,shortest link'
+        do f = first, last
             call spin(forms(f), 5.0_dp, 2.0_dp, seen)
             call report('slow spin', 'angular momentum lost', forms(f), seen, 1e-3_dp)
             call spin(forms(f), 50.0_dp, 3.0_dp, seen)
@@ -103,8 +111,8 @@ contains
         type(seen_t) :: seen
         integer :: f, k
 
-        print '(a)', 'test,formulation,resolution,error,seconds,particle steps'
-        do f = 2, size(forms)
+        if (first == 1) print '(a)', 'test,formulation,resolution,error,seconds,particle steps'
+        do f = max(first, 2), last
             if (index(forms(f)%label, 'gray') > 0) cycle
             do k = 1, size(across)
                 call cantilever(forms(f), across(k), seen)
