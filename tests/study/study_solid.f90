@@ -35,7 +35,8 @@ contains
         type(seen_t) :: seen
         integer :: f
 
-        if (first == 1) print '(a)', 'test,formulation,seen,quantity,value,energy error,longest link,shortest link'
+        if (first == 1) print '(a)', 'test,formulation,seen,quantity,value,energy error,'// &
+            'longest link,shortest link'
         do f = first, last
             call spin(forms(f), 5.0_dp, 2.0_dp, seen)
             call report('slow spin', 'angular momentum lost', forms(f), seen, 1e-3_dp)
