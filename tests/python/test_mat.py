@@ -117,6 +117,16 @@ def test_refused_step_ends_the_path(tmp_path):
     assert np.isfinite([list(row) for row in table]).all()
 
 
+def test_stress_that_cannot_vanish_is_reported(tmp_path):
+    """A gas pushes sideways whatever the rates: no uniaxial stress, and no row that says so."""
+    gas = "&material id='m', model='ideal_gas', density=1.2, gamma=1.4, pressure=1e5 /\n"
+    path = "&point material='m' /\n"
+    path += "&segment duration=1e-3, control='uniaxial_stress', rate=-10 /\n"
+    table, done = drive(tmp_path, gas + path, code=3)
+    assert "no lateral rates give zero lateral stress" in done.stderr
+    assert table.size == 1
+
+
 def test_table_is_not_overwritten(tmp_path):
     path = "&point material='m' /\n&segment duration=1, l=0,1e-3,0, 0,0,0, 0,0,0 /\n"
     drive(tmp_path, ELASTIC + path)
