@@ -5,6 +5,7 @@
 !> shears) are found so that their five stresses vanish at the end of the step. Newton's method
 !> with a Jacobian by differences and a line search, on copies of the point; where it fails, the
 !> lateral rate common to both directions is bracketed and bisected first. There is no spin.
+!> Where any rate would do (a material without stress) the volume stays the same.
 module brz_uniaxial_stress
     use brz_kinds, only: rk
     use brz_algebra, only: to_matrix
@@ -15,6 +16,7 @@ module brz_uniaxial_stress
     public :: uniaxial_t, stretch
 
     integer, parameter :: n = 5 !! rates that are solved for
+    real(rk), parameter :: least_strain = 1e-9_rk, most_strain = 0.2_rk !! of a step, in the bracket
     integer, parameter :: most_iterations = 40, most_halvings = 12, most_bisections = 100
 
     !> The problem of one step.
@@ -53,6 +55,10 @@ contains
         step%small = max(1e-9_rk, 30*epsilon(1.0_rk))*max(maxval(abs(point%stress)), &
                      (material%bulk + material%shear)*abs(step%rate)*step%dt)
         x = free_rates
+        if (maxval(abs(x)) > 2*abs(step%rate)) then ! a jump, or what carries no stress: afresh
+            x = 0
+            x(:2) = -step%rate/2
+        end if
         call newton(material, step, point, x, left, status, ok)
         if (.not. ok) then
             call bisect(material, step, point, x)
@@ -147,11 +153,13 @@ contains
         integer :: i
 
         size = abs(step%rate)
-        do i = 1, 12
+        if (size*step%dt < least_strain) size = least_strain/step%dt
+        do
             low = -size
             high = size
             if (lateral(material, step, point, low) < 0 .and. &
                 lateral(material, step, point, high) > 0) exit
+            if (size*step%dt > most_strain) exit
             size = 2*size
         end do
         do i = 1, most_bisections

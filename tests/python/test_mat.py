@@ -117,6 +117,27 @@ def test_refused_step_ends_the_path(tmp_path):
     assert np.isfinite([list(row) for row in table]).all()
 
 
+def test_lateral_stress_vanishes_in_one_step(tmp_path):
+    """From 1.6 GPa all around to a free side: a rate 1e4 times the given one for one step."""
+    path = "&point material='m', steps=1000, output_every=1 /\n"
+    path += "&segment duration=1e-3, l=-7,0,0, 0,-7,0, 0,0,-7 /\n"
+    path += "&segment duration=1e-3, control='uniaxial_stress', axis='x', rate=-1 /\n"
+    table, _ = drive(tmp_path, GRUNEISEN + path)
+    assert table["syy[Pa]"][1000] < -1.5e9
+    assert np.abs(table["syy[Pa]"][1001:]).max() < 100
+    assert table["sxx[Pa]"][1001:].min() >= -265e6 * (1 + 1e-9)
+    assert table["eps_yy[-]"][1001] > 0
+
+
+def test_a_fluid_without_stress_keeps_its_volume(tmp_path):
+    water = "&material id='m', model='polynomial', density=1000, bulk_modulus=2.2e9 /\n"
+    path = "&point material='m', steps=20 /\n"
+    path += "&segment duration=1e-3, control='uniaxial_stress', axis='z', rate=-50 /\n"
+    table, _ = drive(tmp_path, water + path)
+    assert np.ptp(table["rho[kg/m3]"]) < 1e-9
+    assert table["eps_xx[-]"][-1] == pytest.approx(0.025, rel=1e-12)
+
+
 def test_stress_that_cannot_vanish_is_reported(tmp_path):
     """A gas pushes sideways whatever the rates: no uniaxial stress, and no row that says so."""
     gas = "&material id='m', model='ideal_gas', density=1.2, gamma=1.4, pressure=1e5 /\n"
