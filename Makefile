@@ -96,15 +96,18 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(LIB)
 	$(call say,link $@)
 	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
 
+# Studies: programs whose results are recorded in docs/data.
 STUDY    := $(sort $(wildcard tests/study/*.f90))
 STUDIES  := $(patsubst %.f90,$(B)/%,$(filter tests/study/study_%,$(STUDY)))
-$(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o)
+PROBLEMS := $(addprefix tests/verify/,air_problems.f90 exact_blasts.f90 exact_riemann.f90)
+$(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	$(Q)$(FC) -fopenmp -o $@ $(filter-out $(B)/obj/tests/study/study_%,$^) \
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
-.PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden stability
+.PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden
+.PHONY: charts charts-air stability stability-air validate
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
 	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
@@ -141,11 +144,22 @@ bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
 	@for program in $^; do $$program || exit 1; done
 golden: all ## write the golden curves of tests/golden anew from inputs/material
 	@$(PY) tests/python/golden.py
+charts: charts-air ## error against seconds of every scheme, recorded and drawn
+charts-air: $(B)/tests/study/study_air
+	@mkdir -p docs/data
+	$< charts > $(B)/charts.csv && mv $(B)/charts.csv docs/data/air_accuracy.csv
+	$(PY) scripts/air_charts.py accuracy docs/data/air_accuracy.csv docs/figures/speed_accuracy_air.png
+validate: all ## blasts of TNT against the Kingery-Bulmash curves, recorded and drawn
+	$(PY) scripts/validate_air.py
 python: all emulator ## tests of the Python tools and of the whole program
 	@$(PY) -m pytest --junitxml=build/log/python.xml $(ARGS)
-stability: $(B)/tests/study/study_solid ## where each formulation of the solids fails (half an hour)
+stability-air: $(B)/tests/study/study_air
 	@mkdir -p docs/data
-	$< stability > $(B)/map.csv && mv $(B)/map.csv docs/data/stability_solid.csv
+	$< stability > $(B)/map.csv && mv $(B)/map.csv docs/data/stability_air.csv
+	$(PY) scripts/air_charts.py stability docs/data/stability_air.csv docs/figures/stability_air.png
+stability: stability-air $(B)/tests/study/study_solid ## where schemes and formulations fail (half an hour)
+	@mkdir -p docs/data
+	$(B)/tests/study/study_solid stability > $(B)/map.csv && mv $(B)/map.csv docs/data/stability_solid.csv
 	$(PY) scripts/stability_map.py docs/data/stability_solid.csv docs/figures/stability_solid.png
 lint: ## format, linters, the rules of the house
 	@bad=0; $(PY) scripts/format.py --check $(FORMAT) || bad=1; \

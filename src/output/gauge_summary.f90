@@ -5,7 +5,8 @@
 !> Of a pressure: the peak over the undisturbed air, the arrival (the overpressure first passes a
 !> tenth of its peak; linear between rows), the positive phase (from there to the first return to
 !> the undisturbed pressure after the peak) and the impulse over it. A peak below half a percent
-!> of the undisturbed pressure counts as no arrival. Of anything else: the extreme and its time.
+!> of the undisturbed pressure counts as no arrival. Of anything else: the extreme and its time. The
+!> scaled distance of gauges in the air stands last if there is one charge.
 module brz_gauge_summary
     use brz_errors, only: error_t, failed
     use brz_gauges, only: gauge_t, gauges_t
@@ -46,13 +47,15 @@ contains
         call read_history(path, gauges%n + 1, table, err)
         if (failed(err) .or. size(table, 2) == 0) return
         text = 'gauge            quantity               extreme      at [s]  arrival [s]'// &
-               ' positive [s]  impulse [Pa s]'//line_end
+               ' positive [s]  impulse [Pa s]'
+        if (gauges%charge_mass > 0) text = text//' Z [m/kg^1/3]'
+        text = text//line_end
         do g = 1, gauges%n
             if (index(gauges%list(g)%quantity, 'pressure') > 0) then
                 if (gauges%list(g)%quantity == 'pressure') &
                     table(g + 1, :) = table(g + 1, :) - gauges%rest
                 call measure_pulse(table(1, :), table(g + 1, :), gauges%rest, pulse)
-                call add_pulse(gauges%list(g), pulse, text)
+                call add_pulse(gauges, g, pulse, text)
             else
                 call add_extreme(gauges%list(g), table(1, :), table(g + 1, :), text)
             end if
@@ -103,21 +106,28 @@ contains
         crossing = time(1) + (level - value(1))/(value(2) - value(1))*(time(2) - time(1))
     end function crossing
 
-    subroutine add_pulse(gauge, pulse, text)
-        type(gauge_t), intent(in) :: gauge
+    !> One line of the table for a pressure.
+    subroutine add_pulse(gauges, g, pulse, text)
+        type(gauges_t), intent(in) :: gauges
+        integer, intent(in) :: g !! gauge
         type(pulse_t), intent(in) :: pulse
         character(:), allocatable, intent(inout) :: text
         character(160) :: line
 
-        if (pulse%arrived) then
-            write (line, '(2a16, es14.4, 1x, a5, 2es12.4, 2es14.4)') gauge%id, 'overpressure', &
-                pulse%peak, 'Pa   ', pulse%peak_time, pulse%arrival, pulse%duration, &
-                pulse%impulse
-            if (.not. pulse%complete) line = trim(line)//' (still positive at the end)'
-        else
-            write (line, '(2a16, es14.4, 1x, a5, es12.4, a)') gauge%id, 'overpressure', &
-                pulse%peak, 'Pa   ', pulse%peak_time, '  no arrival'
-        end if
+        associate (gauge => gauges%list(g))
+            if (pulse%arrived) then
+                write (line, '(2a16, es14.4, 1x, a5, 2es12.4, 2es14.4)') gauge%id, &
+                    'overpressure', pulse%peak, 'Pa   ', pulse%peak_time, pulse%arrival, &
+                    pulse%duration, pulse%impulse
+            else
+                write (line, '(2a16, es14.4, 1x, a5, es12.4, a12, a28)') gauge%id, &
+                    'overpressure', pulse%peak, 'Pa   ', pulse%peak_time, 'no arrival', ''
+            end if
+            if (gauges%charge_mass > 0) write (line(103:), '(f13.3)') &
+                norm2(gauge%at - gauges%charge_at)/gauges%charge_mass**(1/3.0_dp)
+        end associate
+        if (pulse%arrived .and. .not. pulse%complete) &
+            line = trim(line)//' (still positive at the end)'
         text = text//trim(line)//line_end
     end subroutine add_pulse
 

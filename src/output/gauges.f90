@@ -66,6 +66,12 @@ contains
 
         gauges%rest = case%air%pressure
         gauges%active = case%air%cells > 1 .or. is_radial(case)
+        if (allocated(case%charges)) then
+            if (size(case%charges) == 1) then
+                gauges%charge_mass = case%charges(1)%mass
+                gauges%charge_at = case%charges(1)%at
+            end if
+        end if
         if (allocated(case%gauges)) gauges%n = size(case%gauges)
         allocate (gauges%list(gauges%n))
         do g = 1, gauges%n
@@ -105,9 +111,27 @@ contains
                              gauge%body > 0)
         end if
         if (.not. possible) call raise(err, exit_deck, "&gauge id='"//trim(input%id)// &
-                                       "': there is no '"//trim(input%quantity)//"' to measure")
+                                       "': there is no '"//trim(input%quantity)// &
+                                       "' to measure here; there is "// &
+                                       known_quantities(gauge%body > 0, with_air))
         if (gauge%body > 0) call choose_particle(solid, gauge)
     end subroutine set_up_gauge
+
+    !> What can be measured, for a message.
+    pure function known_quantities(of_body, with_air) result(text)
+        logical, intent(in) :: of_body, with_air
+        character(:), allocatable :: text
+        integer :: q
+
+        text = ''
+        do q = 1, size(quantities)
+            if (.not. merge(quantities(q)%of_body, quantities(q)%of_air .and. with_air, &
+                            of_body)) cycle
+            if (text /= '') text = text//', '
+            text = text//trim(quantities(q)%name)
+        end do
+        if (text == '') text = 'nothing without air'
+    end function known_quantities
 
     !> The particle of the body that is nearest to the gauge; the lowest number among equals.
     subroutine choose_particle(solid, gauge)
