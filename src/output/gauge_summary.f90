@@ -123,7 +123,7 @@ contains
                 write (line, '(2a16, es14.4, 1x, a5, es12.4, a12, a28)') gauge%id, &
                     'overpressure', pulse%peak, 'Pa   ', pulse%peak_time, 'no arrival', ''
             end if
-            if (gauges%charge_mass > 0) write (line(103:), '(f13.3)') &
+            if (gauges%charge_mass > 0) write (line(105:), '(f12.3)') &
                 norm2(gauge%at - gauges%charge_at)/gauges%charge_mass**(1/3.0_dp)
         end associate
         if (pulse%arrived .and. .not. pulse%complete) &

@@ -52,6 +52,8 @@ module brz_gauges
         type(gauge_t), allocatable :: list(:) !! (n)
         real(dp) :: rest = 0 !! pressure of the undisturbed air [Pa]
         logical :: active(3) = .true. !! directions in which the air is modelled
+        real(dp) :: charge_mass = 0 !! of the charge if there is just one, else 0 [kg]
+        real(dp) :: charge_at(3) = 0 !! its centre [m]
     end type gauges_t
 
 contains

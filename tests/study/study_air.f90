@@ -57,7 +57,7 @@ contains
     subroutine stability()
         type(seen_t) :: seen
         integer :: m, k, c, f
-        real(dp), parameter :: cfl(5) = [0.3_dp, 0.5_dp, 0.8_dp, 1.2_dp, 1.6_dp]
+        real(dp), parameter :: cfl(5) = [0.5_dp, 1.0_dp, 1.6_dp, 2.4_dp, 3.2_dp]
         character(10), parameter :: verdict(3) = [character(10) :: 'survived', 'fell back', 'failed']
         integer :: v
 
