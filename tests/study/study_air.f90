@@ -53,12 +53,13 @@ contains
         end do
     end subroutine charts
 
-    !> Balloons in a box of 16 x 16 x 16 cells: Courant number, pressure ratio, scheme, with and without fallback.
+    !> Balloons in a box of 16 x 16 x 16 cells: which Courant number, pressure ratio and scheme
+    !> survives, with and without fallback.
     subroutine stability()
         type(seen_t) :: seen
         integer :: m, k, c, f
         real(dp), parameter :: cfl(5) = [0.5_dp, 1.0_dp, 1.6_dp, 2.4_dp, 3.2_dp]
-        character(10), parameter :: verdict(3) = [character(10) :: 'survived', 'fell back', 'failed']
+        character(*), parameter :: verdict(3) = ['survived ', 'fell back', 'failed   ']
         integer :: v
 
         print '(a)', 'scheme,fallback,pressure ratio,cfl,seen,fallback faces'
@@ -86,7 +87,7 @@ contains
         type(seen_t), intent(in) :: seen
 
         print '(4a, i0, 3(a, es10.3), 2(a, i0))', problem, ',', trim(scheme_name(m)), ',', cells, &
-            ',', merge(seen%error, -1.0_dp, seen%status == 0), ',', seen%radius, ',', seen%seconds, &
-            ',', seen%cell_steps, ',', seen%fallback_faces
+            ',', merge(seen%error, -1.0_dp, seen%status == 0), ',', seen%radius, ',', &
+            seen%seconds, ',', seen%cell_steps, ',', seen%fallback_faces
     end subroutine report
 end program study_air

@@ -123,7 +123,7 @@ contains
         real(dp), parameter :: left(3) = [1.0_dp, 0.0_dp, 1.0_dp]
         real(dp), parameter :: right(3) = [0.125_dp, 0.0_dp, 0.1_dp]
 
-        call tube(m, n, 0.5_dp, 0, .true., left, right, 0.2_dp, seen)
+        call tube(m, n, 0.5_dp, 0, .true., reshape([left, right], [3, 2]), 0.2_dp, seen)
     end subroutine sod
 
     !> Gas of a thousand times the density and `ratio` times the pressure against air; relative
@@ -138,7 +138,7 @@ contains
         right = [1.2_dp, 0.0_dp, 1e5_dp]
         left = [1200.0_dp, 0.0_dp, ratio*1e5_dp]
         call riemann(left, right, 0.0_dp, state, p, u)
-        call tube(m, n, cfl, 20, fallback, left, right, 0.35_dp/(1.2_dp*u), seen)
+        call tube(m, n, cfl, 20, fallback, reshape([left, right], [3, 2]), 0.35_dp/(1.2_dp*u), seen)
     end subroutine balloon_tube
 
     !> An octant of a balloon of that gas, n/4 cells in radius, until a plane shock would have left
@@ -161,24 +161,25 @@ contains
     end subroutine balloon_box
 
     !> A tube of unit length with two gases at rest; mean error of the density over that of right.
-    subroutine tube(m, n, cfl, ramp, fallback, left, right, t, seen)
+    subroutine tube(m, n, cfl, ramp, fallback, gas, t, seen)
         integer, intent(in) :: m, n, ramp
-        real(dp), intent(in) :: cfl, left(3), right(3), t
+        real(dp), intent(in) :: cfl, t
+        real(dp), intent(in) :: gas(3, 2) !! density, velocity, pressure on the left, right
         logical, intent(in) :: fallback
         type(seen_t), intent(out) :: seen
         type(air_t) :: air
         real(dp) :: exact(3), p, u, total
         integer :: i
 
-        call make_box(m, [n, 1, 1], 1.0_dp, bc_outflow, right([1, 3]), air)
+        call make_box(m, [n, 1, 1], 1.0_dp, bc_outflow, gas([1, 3], 2), air)
         air%fallback = fallback
         do i = 1, n/2
-            call set_cell(air, [i, 1, 1], [left(1), 0.0_dp, 0.0_dp, 0.0_dp, left(3)])
+            call set_cell(air, [i, 1, 1], [gas(1, 1), 0.0_dp, 0.0_dp, 0.0_dp, gas(3, 1)])
         end do
         call run(air, cfl, ramp, t, seen)
         total = 0
         do i = 1, n
-            call riemann(left, right, ((i - 0.5_dp)/n - 0.5_dp)/t, exact, p, u)
+            call riemann(gas(:, 1), gas(:, 2), ((i - 0.5_dp)/n - 0.5_dp)/t, exact, p, u)
             seen%error = seen%error + abs(air%u(i, 1, 1, 1) - exact(1))
             total = total + exact(1)
         end do
