@@ -88,7 +88,7 @@ $(B)/presets.f90: scripts/presets.py FORCE
 
 # --- tests: one executable for each of tests/unit and tests/verify -----------------------------
 PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf tests/gpu/*.pf))
-PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90) tests/gpu/gpu_tools.f90)
+PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90 tests/gpu/gpu_tools.f90))
 include tests/pfstub/pfunit.mk
 BENCH    := $(sort $(wildcard tests/bench/bench_*.f90))
 $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(LIB)
@@ -179,7 +179,7 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) tests/gpu/bench_gpu.f90 $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
+SCANNED = $(SRC) $(wildcard tests/gpu/bench_gpu.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
           $(STUDY)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }

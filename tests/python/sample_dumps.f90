@@ -116,7 +116,9 @@ contains
             solid%stress(:, i) = real([1, 2, 3, 4, 5, 6]*i, rk)
             solid%mu(i) = 0.5_rk
         end do
-        solid%fixed(1) = 1
+        solid%fixed(1) = 1 ! held: the solver keeps its velocity and acceleration at zero
+        solid%v(:, 1) = 0
+        solid%a(:, 1) = 0
         solid%ply(7) = 3
     end subroutine fill_solid
 end program sample_dumps
