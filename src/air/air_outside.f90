@@ -9,7 +9,9 @@ module brz_air_outside
 
 contains
 
-    !> Keep the state of the cells at the open boundaries, before charges are placed.
+    !> Keep the state of the cells at the open boundaries, once: nothing happens where it is known.
+    !>
+    !> Called when the air is set up, before charges are placed, and before the first step.
     subroutine keep_outside(air)
         type(air_t), intent(inout) :: air
         integer :: d, s, j, k, cell(3)
@@ -17,8 +19,7 @@ contains
         do d = 1, 3
             if (air%n(d) == 1) cycle
             do s = 1, 2
-                if (air%bc(s, d) /= bc_outflow) cycle
-                if (allocated(air%outside(s, d)%q)) deallocate (air%outside(s, d)%q)
+                if (air%bc(s, d) /= bc_outflow .or. allocated(air%outside(s, d)%q)) cycle
                 allocate (air%outside(s, d)%q(air%n_var, air%n(across(1, d)), air%n(across(2, d))))
                 cell(d) = merge(1, air%n(d), s == 1)
                 do k = 1, air%n(across(2, d))

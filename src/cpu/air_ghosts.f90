@@ -27,11 +27,11 @@ contains
         integer :: d, m, p, side
         real(rk) :: sign
 
+        call keep_outside(air)
         do d = 1, 3
             if (air%n(d) == 1) cycle
             do side = 1, 2
                 if (air%bc(side, d) == bc_outflow) then
-                    if (.not. allocated(air%outside(side, d)%q)) call keep_outside(air)
                     call open_side(air, wall, d, side)
                     cycle
                 end if

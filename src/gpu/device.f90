@@ -18,10 +18,11 @@ module brz_device
     private
     public :: device_t, buffer_t, kernel_t, arguments_t
     public :: open_device, load_kernels, find_kernel, allocate_buffer, free_buffer
-    public :: copy_in, copy_out, clear_buffer, launch, launch_grid, wait_for_device
+    public :: copy_in, copy_out, clear_buffer, launch, wait_for_device
     public :: start_timer, stop_timer
 
-    integer, parameter :: threads_per_block = 128, most_arguments = 40
+    integer, parameter :: threads_per_block = 128 !! all along x
+    integer, parameter :: most_arguments = 40
 
     type :: device_t
         logical :: open = .false.
@@ -279,21 +280,10 @@ contains
                    'copying from the GPU (or a kernel before it)', err)
     end subroutine copy_out
 
-    !> Launch a kernel with at least n threads in blocks of 128.
+    !> Launch a kernel with n threads, in x rounded up to whole blocks: the kernel must check its x.
     subroutine launch(kernel, n, arguments, err)
         type(kernel_t), intent(in) :: kernel
-        integer(int64), intent(in) :: n
-        type(arguments_t), intent(in) :: arguments
-        type(error_t), intent(inout) :: err
-
-        call launch_grid(kernel, [int((n - 1)/threads_per_block) + 1, 1, 1], &
-                         [threads_per_block, 1, 1], arguments, err)
-    end subroutine launch
-
-    !> Launch a kernel on a grid of blocks.
-    subroutine launch_grid(kernel, grid, block, arguments, err)
-        type(kernel_t), intent(in) :: kernel
-        integer, intent(in) :: grid(3), block(3)
+        integer, intent(in) :: n(3) !! threads in x, y, z; y and z up to 65535
         type(arguments_t), intent(in), target :: arguments
         type(error_t), intent(inout) :: err
         type(c_ptr) :: values(most_arguments)
@@ -303,10 +293,10 @@ contains
         do i = 1, arguments%n
             values(i) = c_loc(arguments%value(i))
         end do
-        call check(cu_launch(kernel%handle, grid(1), grid(2), grid(3), block(1), block(2), &
-                             block(3), 0_c_int, c_null_ptr, values, c_null_ptr), &
+        call check(cu_launch(kernel%handle, (n(1) - 1)/threads_per_block + 1, n(2), n(3), &
+                             threads_per_block, 1, 1, 0_c_int, c_null_ptr, values, c_null_ptr), &
                    'launching '//trim(kernel%name), err)
-    end subroutine launch_grid
+    end subroutine launch
 
     !> Wait until all work is done.
     subroutine wait_for_device(err)

@@ -6,7 +6,7 @@
 module brz_gpu_air_state
     use brz_air_grid, only: grid_of, grid_t, place_of
     use brz_air_outside, only: keep_outside
-    use brz_air_state, only: air_t, bc_outflow, set_scale
+    use brz_air_state, only: air_t, set_scale
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
         find_kernel, free_buffer, kernel_t, launch
     use brz_errors, only: error_t, exit_device, failed, raise
@@ -67,24 +67,11 @@ contains
         call allocate_buffer(gpu%folded, 8_int64*fold_threads, err)
         call allocate_buffer(gpu%outflow, 8_int64*leave_threads*air%n_var, err)
         gpu%outflow_before = [air%outflow, air%outflow_products]
-        if (any(air%bc == bc_outflow) .and. .not. any_outside(air)) call keep_outside(air)
+        call keep_outside(air)
         call set_scale(air)
         call put_constants(air, gpu, err)
         call copy_in(air%u, gpu%u, field, err)
     end subroutine open_gpu_air
-
-    !> True if the gas beyond the open boundaries is known.
-    pure logical function any_outside(air)
-        type(air_t), intent(in) :: air
-        integer :: d, side
-
-        any_outside = .false.
-        do d = 1, 3
-            do side = 1, 2
-                any_outside = any_outside .or. allocated(air%outside(side, d)%q)
-            end do
-        end do
-    end function any_outside
 
     !> Refuse a scene that does not fit, before anything is reserved.
     subroutine require(device, bytes, err)
@@ -216,7 +203,7 @@ contains
         call arguments%add(place_at)
         call arguments%add(gpu%u)
         call arguments%add(values_at)
-        call launch(gpu%gather, int(n, int64), arguments, err)
+        call launch(gpu%gather, [n, 1, 1], arguments, err)
         call copy_out(values_at, values, size(values)*bytes_of_real, err)
         call free_buffer(place_at)
         call free_buffer(values_at)

@@ -2,8 +2,7 @@
 !> One time step of the air on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_air_step
     use brz_air_state, only: air_ok, air_t, air_unphysical, bc_outflow, bc_periodic
-    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, kernel_t, launch, &
-        launch_grid
+    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, kernel_t, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: gpu_air_t, leave_threads
     use brz_gpu_air_sums, only: sum_of_columns
@@ -13,7 +12,6 @@ module brz_gpu_air_step
     private
     public :: gpu_air_step
 
-    integer, parameter :: width = 128 !! threads of a block along x
     integer, parameter :: passes = 3 !! a repaired cell may push its neighbour over the edge
 
 contains
@@ -45,17 +43,6 @@ contains
         end do
     end subroutine gpu_air_step
 
-    !> Launch with one thread a cell, in columns (i, j, k); with `faces` in the direction d also the
-    !> places below the first cells.
-    subroutine launch_cells(kernel, n, arguments, err)
-        type(kernel_t), intent(in) :: kernel
-        integer, intent(in) :: n(3) !! threads by direction
-        type(arguments_t), intent(in) :: arguments
-        type(error_t), intent(inout) :: err
-
-        call launch_grid(kernel, [(n(1) - 1)/width + 1, n(2), n(3)], [width, 1, 1], arguments, err)
-    end subroutine launch_cells
-
     !> Cells and, in direction d, one more: the number of faces.
     pure function faces_of(n, d) result(faces)
         integer, intent(in) :: n(3) !! cells
@@ -85,12 +72,12 @@ contains
                     call arguments%add(gpu%scheme_at)
                     call arguments%add(gpu%outside(side, d))
                     call arguments%add(gpu%u)
-                    call launch_cells(gpu%ghosts_open, plane, arguments, err)
+                    call launch(gpu%ghosts_open, plane, arguments, err)
                 else
                     call arguments%add(air%bc(side, d))
                     call arguments%add(gpu%grid_at)
                     call arguments%add(gpu%u)
-                    call launch_cells(gpu%ghosts, plane, arguments, err)
+                    call launch(gpu%ghosts, plane, arguments, err)
                 end if
             end do
         end do
@@ -113,7 +100,7 @@ contains
         call arguments%add(gpu%u)
         call arguments%add(gpu%bad)
         call arguments%add(gpu%flux(d))
-        call launch_cells(kernel, faces_of(air%n, d), arguments, err)
+        call launch(kernel, faces_of(air%n, d), arguments, err)
     end subroutine compute_fluxes
 
     !> Find the cells whose Euler step loses nearly all density or pressure, and give their faces
@@ -167,7 +154,7 @@ contains
         call arguments%add(gpu%flux(3))
         call arguments%add(gpu%bad)
         call arguments%add(gpu%any_bad)
-        call launch_cells(kernel, air%n, arguments, err)
+        call launch(kernel, air%n, arguments, err)
         any_bad = 0
         call copy_out(gpu%any_bad, any_bad, 4_int64, err)
         found = any_bad(1) /= 0
@@ -192,7 +179,7 @@ contains
             call arguments%add(gpu%grid_at)
             call arguments%add(gpu%bad)
             call arguments%add(gpu%part)
-            call launch_cells(gpu%lowered, across, arguments, err)
+            call launch(gpu%lowered, across, arguments, err)
         end do
         call sum_of_columns(gpu, (air%n(1) + 1)*(air%n(2) + 1), n, err)
         air%fallback_faces = air%fallback_faces + nint(n, int64)
@@ -234,7 +221,7 @@ contains
         call arguments%add(gpu%grid_at)
         call arguments%add(gpu%flux(d))
         call arguments%add(gpu%outflow)
-        call launch(gpu%leave, int(leave_threads, int64), arguments, err)
+        call launch(gpu%leave, [leave_threads, 1, 1], arguments, err)
     end subroutine add_outflow
 
     subroutine update(gpu, air, dt, m, err)
@@ -254,6 +241,6 @@ contains
         call arguments%add(gpu%flux(3))
         call arguments%add(gpu%u)
         call arguments%add(gpu%u_start)
-        call launch_cells(gpu%update, air%n, arguments, err)
+        call launch(gpu%update, air%n, arguments, err)
     end subroutine update
 end module brz_gpu_air_step

@@ -2,15 +2,13 @@
 !> Numbers about all of the air on the GPU: time step, totals, outflow. Folded in a fixed order.
 module brz_gpu_air_sums
     use brz_air_state, only: air_t
-    use brz_device, only: arguments_t, buffer_t, copy_out, kernel_t, launch, launch_grid
+    use brz_device, only: arguments_t, buffer_t, copy_out, kernel_t, launch
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: fold_threads, gpu_air_t, leave_threads
     use brz_kinds, only: dp, int64
     implicit none
     private
     public :: gpu_air_time_step, gpu_air_totals, gpu_outflow, sum_of_columns
-
-    integer, parameter :: width = 128 !! threads of a block along x
 
 contains
 
@@ -27,7 +25,7 @@ contains
         call arguments%add(gpu%scheme_at)
         call arguments%add(gpu%u)
         call arguments%add(gpu%part)
-        call launch_columns(gpu%speed, air%n, arguments, err)
+        call launch(gpu%speed, [air%n(1:2), 1], arguments, err)
         call fold(gpu, gpu%most, air%n(1)*air%n(2), folded, err)
         dt = cfl/maxval(folded)
     end function gpu_air_time_step
@@ -48,7 +46,7 @@ contains
             call arguments%add(c)
             call arguments%add(gpu%u)
             call arguments%add(gpu%part)
-            call launch_columns(gpu%total, air%n, arguments, err)
+            call launch(gpu%total, [air%n(1:2), 1], arguments, err)
             call sum_of_columns(gpu, air%n(1)*air%n(2), totals(c), err)
         end do
         totals = totals*product(air%dx)
@@ -69,16 +67,6 @@ contains
         air%outflow = left(1:5)
         air%outflow_products = left(6)
     end subroutine gpu_outflow
-
-    !> Launch with one thread for each column along z.
-    subroutine launch_columns(kernel, n, arguments, err)
-        type(kernel_t), intent(in) :: kernel
-        integer, intent(in) :: n(3) !! cells
-        type(arguments_t), intent(in) :: arguments
-        type(error_t), intent(inout) :: err
-
-        call launch_grid(kernel, [(n(1) - 1)/width + 1, n(2), 1], [width, 1, 1], arguments, err)
-    end subroutine launch_columns
 
     !> Sum of the numbers of n columns.
     subroutine sum_of_columns(gpu, n, total, err)
@@ -106,7 +94,7 @@ contains
         call arguments%add(fold_threads)
         call arguments%add(gpu%part)
         call arguments%add(gpu%folded)
-        call launch(kernel, int(fold_threads, int64), arguments, err)
+        call launch(kernel, [fold_threads, 1, 1], arguments, err)
         call copy_out(gpu%folded, folded, 8_int64*fold_threads, err)
     end subroutine fold
 end module brz_gpu_air_sums
