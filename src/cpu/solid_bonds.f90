@@ -100,7 +100,7 @@ contains
                 y = w*own(pair_keep)*other(pair_keep)
                 if (m%formulation == form_bending) then
                     if (m%directional) then
-                        call hourglass_axial(y, solid%hold(:, i) + mirrored(p%s, &
+                        call hourglass_axial(y, real(solid%hold(:, i), rk) + mirrored(p%s, &
                                              solid%hold(:, p%j)), own(pair_affine + 1), &
                                              other(pair_affine + 1), p%dx, r, d)
                     else

@@ -23,7 +23,7 @@ contains
 
         do b = 1, size(solid%bodies)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
-                do k = solid%first(i), solid%image(i) - 1
+                do k = solid%first(i), solid%first(i) + solid%direct(i) - 1
                     if (solid%list(k) /= i) call look(b, i, solid%list(k), 0)
                 end do
                 if (.not. solid%links%present) cycle

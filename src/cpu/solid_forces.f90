@@ -6,7 +6,8 @@ module brz_solid_forces
     use brz_kinds, only: dp, int64, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force
     use brz_solid_bonds, only: add_bonded_forces
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, centre_t, mirrored, &
+    use brz_solid_lanes, only: centre_t
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, &
                                    n_terms, sum_axial, sum_plain, sum_stiff, sum_total, &
                                    sum_viscous, viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
@@ -70,14 +71,14 @@ contains
         p%h = body%h
         do i = solid%block(2, k), solid%block(3, k)
             p%i = i
-            p%count = int(solid%image(i) - solid%first(i))
+            p%count = solid%direct(i)
             if (body%variable) then
                 f = 0
                 call add_pairs(solid, body, p, solid%first(i), f)
             else
                 call sum_direct(solid, body, p, f)
-                if (solid%image(i) < solid%first(i + 1)) &
-                    call add_pairs(solid, body, p, solid%image(i), f)
+                if (solid%first(i) + p%count < solid%first(i + 1)) &
+                    call add_pairs(solid, body, p, solid%first(i) + p%count, f)
             end if
             if (solid%links%bonds) call add_bonded_forces(solid, i, f)
             if (solid%links%present) then
@@ -217,7 +218,8 @@ contains
                 f(at_friction) = f(at_friction) + u
             case (form_bending, form_total)
                 if (body%directional) then
-                    call hourglass_axial(w, solid%hold(:, p%i) + mirrored(s, solid%hold(:, j)), &
+                    call hourglass_axial(w, real(solid%hold(:, p%i), rk) &
+                                         + mirrored(s, solid%hold(:, j)), &
                                          own(pair_affine + 1), other(pair_affine + 1), dx, r, g)
                 else
                     call hourglass_stiff(w, own(pair_hold) + other(pair_hold), &

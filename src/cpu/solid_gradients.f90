@@ -9,29 +9,21 @@ module brz_solid_gradients
     use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms, piola, &
                             shear_limiter, total_gradient
     use brz_kernel, only: kernel_scale, kernel_slope, pair_kernel
-    use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_kinds, only: dp, int64, int8, real32, rk
     use brz_material, only: point_t
-    use brz_materials, only: update_material
+    use brz_materials, only: unloaded_speed, update_material
     use brz_pair_force, only: axial_stiffness
     use brz_solid_bonds, only: add_bonded_gradients
+    use brz_solid_gradient_sums, only: at_g, at_x, n_moment, n_outer, n_terms, sum_bending, &
+                                       sum_plain
+    use brz_solid_lanes, only: centre_t
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, form_uncorrected, lanes, pair_affine, pair_hold, &
+                               form_total, form_uncorrected, pair_affine, pair_hold, &
                                pair_keep, pair_linear, pair_quadratic, pair_stress, pair_volume, &
                                solid_t, worth_threads
     implicit none
     private
     public :: gradient_pass
-
-    integer, parameter :: n_moment = 6, n_outer = 9
-    integer, parameter :: at_g = n_moment, at_x = n_moment + n_outer !! slots of the sums below
-    integer, parameter :: n_terms = n_moment + 2*n_outer
-
-    !> The particle whose neighbours are summed over, and the kernel.
-    type :: centre_t
-        integer :: i = 0 !! particle
-        integer :: count = 0 !! entries of its list
-        real(rk) :: scale = 0, half_over_h = 0 !! see brz_kernel
-    end type centre_t
 
 contains
 
@@ -77,21 +69,21 @@ contains
         solid%search%sums(:, k) = 0
         solid%search%bad(k) = 0
         if (body%formulation == form_rigid) then
-            limit = min(limit, real(body%cfl*body%h, dp)/solid%c_wave(solid%block(2, k)))
+            limit = min(limit, real(body%cfl*body%h, dp)/solid%materials(body%material)%c_wave)
             return
         end if
         p%scale = kernel_scale(body%h, solid%dimension)
         p%half_over_h = 1/(2*body%h)
         do i = solid%block(2, k), solid%block(3, k)
             p%i = i
-            p%count = int(solid%image(i) - solid%first(i))
+            p%count = solid%direct(i)
             if (body%variable) then
                 sums = 0
                 call add_pairs(solid, body, p, solid%first(i), sums)
             else
                 call sum_direct(solid, body, p, sums)
-                if (solid%image(i) < solid%first(i + 1)) &
-                    call add_pairs(solid, body, p, solid%image(i), sums)
+                if (solid%first(i) + p%count < solid%first(i + 1)) &
+                    call add_pairs(solid, body, p, solid%first(i) + p%count, sums)
             end if
             if (solid%links%bonds) call add_bonded_gradients(solid, i, sums(:at_g), &
                                                              sums(at_g + 1:at_x), sums(at_x + 1:))
@@ -120,86 +112,6 @@ contains
             end select
         end associate
     end subroutine sum_direct
-
-    !> Sums over the direct neighbours: moments and velocity.
-    subroutine sum_plain(n, p, x, v, volume, list, sums)
-        integer, intent(in) :: n
-        type(centre_t), intent(in) :: p
-        real(dp), intent(in) :: x(3, n)
-        real(rk), intent(in) :: v(3, n), volume(n)
-        integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: sums(n_terms)
-        real(rk) :: acc(lanes, at_x), r(3), dv(3), m(n_moment), g(n_outer), w
-        integer :: k, l, j, t
-
-        acc = 0
-        do k = 0, p%count - 1, lanes
-            !GCC$ unroll 1
-            do l = 1, lanes
-                j = list(k + l)
-                do t = 1, 3
-                    r(t) = real(x(t, p%i) - x(t, j), rk)
-                    dv(t) = v(t, p%i) - v(t, j)
-                end do
-                w = volume(j)*kernel_slope(p%scale, p%half_over_h, &
-                                           sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
-                call moment_terms(w, r, m)
-                call outer_terms(w, dv, r, g)
-                do t = 1, n_moment
-                    acc(l, t) = acc(l, t) + m(t)
-                end do
-                do t = 1, n_outer
-                    acc(l, at_g + t) = acc(l, at_g + t) + g(t)
-                end do
-            end do
-        end do
-        sums = 0
-        do t = 1, at_x
-            sums(t) = ((acc(1, t) + acc(5, t)) + (acc(2, t) + acc(6, t))) &
-                      + ((acc(3, t) + acc(7, t)) + (acc(4, t) + acc(8, t)))
-        end do
-    end subroutine sum_plain
-
-    !> Sums over the direct neighbours: moments, velocity and reference position.
-    subroutine sum_bending(n, p, x, v, x_ref, volume, list, sums)
-        integer, intent(in) :: n
-        type(centre_t), intent(in) :: p
-        real(dp), intent(in) :: x(3, n), x_ref(3, n)
-        real(rk), intent(in) :: v(3, n), volume(n)
-        integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: sums(n_terms)
-        real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w
-        integer :: k, l, j, t
-
-        acc = 0
-        do k = 0, p%count - 1, lanes
-            !GCC$ unroll 1
-            do l = 1, lanes
-                j = list(k + l)
-                do t = 1, 3
-                    r(t) = real(x(t, p%i) - x(t, j), rk)
-                    dx(t) = real(x_ref(t, p%i) - x_ref(t, j), rk)
-                    dv(t) = v(t, p%i) - v(t, j)
-                end do
-                w = volume(j)*kernel_slope(p%scale, p%half_over_h, &
-                                           sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
-                call moment_terms(w, r, m)
-                call outer_terms(w, dv, r, g)
-                call outer_terms(w, dx, r, a)
-                do t = 1, n_moment
-                    acc(l, t) = acc(l, t) + m(t)
-                end do
-                do t = 1, n_outer
-                    acc(l, at_g + t) = acc(l, at_g + t) + g(t)
-                    acc(l, at_x + t) = acc(l, at_x + t) + a(t)
-                end do
-            end do
-        end do
-        do t = 1, n_terms
-            sums(t) = ((acc(1, t) + acc(5, t)) + (acc(2, t) + acc(6, t))) &
-                      + ((acc(3, t) + acc(7, t)) + (acc(4, t) + acc(8, t)))
-        end do
-    end subroutine sum_bending
 
     !> Add the pairs from entry `from` on, mirror images or not: marked components of x, v, X change
     !> sign. This slower loop also serves bodies of variable smoothing length.
@@ -253,7 +165,7 @@ contains
         integer, intent(in) :: i, k !! particle and its block
         real(rk), intent(inout) :: sums(n_terms)
         real(dp), intent(inout) :: limit
-        real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), rate, shrink, size
+        real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), c_wave, c_bulk, rate, shrink, size
         integer :: weak, c
 
         do c = solid%dimension + 1, 3
@@ -270,15 +182,17 @@ contains
         call multiply3(sums(at_x + 1), b, a)
         shrink = 1
         if (body%formulation == form_total) call total_gradient(a, h, shrink)
+        c_wave = solid%materials(body%material)%c_wave
+        c_bulk = unloaded_speed(solid%materials(body%material))
         if (dt > 0) then
             call midstep_gradient(h, real(dt, rk), l)
-            call update_particle(solid, body, real(dt, rk), l, i, k)
+            call update_particle(solid, body, real(dt, rk), l, i, k, c_wave, c_bulk)
         end if
         rate = abs(h(1, 1) + h(2, 2) + h(3, 3))
         size = body%h
         if (body%variable) size = solid%h(i)
         limit = min(limit, real(body%cfl*size &
-                                /(shrink*solid%c_wave(i) + 0.6_rk*body%beta*size*rate), dp))
+                                /(shrink*c_wave + 0.6_rk*body%beta*size*rate), dp))
         call to_matrix(solid%stress(:, i), s)
         if (body%formulation == form_total) then
             call piola(a, s)
@@ -286,23 +200,24 @@ contains
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
         if (weak /= 0 .and. (body%formulation == form_bending .or. &
                              body%formulation == form_total)) solid%cut(i) = 1
-        call fill_row(solid, body, i, h, a)
+        call fill_row(solid, body, i, h, a, c_bulk)
     end subroutine advance
 
     !> What pass 2 needs of particle i, but for its stress.
-    subroutine fill_row(solid, body, i, h, a)
+    subroutine fill_row(solid, body, i, h, a, c_bulk)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         real(rk), intent(in) :: h(3, 3) !! velocity gradient [1/s]
         real(rk), intent(in) :: a(3, 3) !! 'bending': dX/dx; 'total_lagrangian': dx/dX
+        real(rk), intent(in) :: c_bulk !! sound speed in the viscosity [m/s]
         real(rk) :: q(3, 3), rho, z
 
         rho = solid%materials(body%material)%density*(1 + solid%mu(i))
         z = 1
-        if (body%balsara) z = shear_limiter(h, solid%c_bulk(i)/body%h)
+        if (body%balsara) z = shear_limiter(h, c_bulk/body%h)
         solid%pair(pair_volume, i) = solid%volume(i)
-        solid%pair(pair_linear, i) = z*body%alpha*rho*solid%c_bulk(i)/2
+        solid%pair(pair_linear, i) = z*body%alpha*rho*c_bulk/2
         solid%pair(pair_quadratic, i) = z*body%beta*rho/2
         select case (body%formulation)
         case (form_bending, form_total)
@@ -310,7 +225,7 @@ contains
             if (body%formulation == form_bending) call invert_or_cut(a, q, solid%cut(i))
             call stiffen(solid, body, i, q, z)
         case (form_corrected_hourglass)
-            z = body%zeta_viscous*body%h*rho*solid%c_bulk(i)
+            z = body%zeta_viscous*body%h*rho*c_bulk
             q = h
         case default
             z = 0
@@ -330,14 +245,15 @@ contains
         integer, intent(in) :: i
         real(rk), intent(inout) :: f(3, 3) !! dx/dX in; stiffness times it out [Pa]
         real(rk), intent(out) :: z !! stiffness without axes [Pa]
-        real(rk) :: k(3, 3), g(3, 3)
+        real(rk) :: along(6), k(3, 3), g(3, 3)
 
         associate (material => solid%materials(body%material))
             z = body%zeta*material%shear
             if (body%directional) then
                 call axial_stiffness(body%zeta/2*material%axial, body%axes(:, :, solid%ply(i)), f, &
-                                     solid%hold(:, i))
-                call to_matrix(solid%hold(:, i), k)
+                                     along)
+                solid%hold(:, i) = real(along, real32)
+                call to_matrix(real(solid%hold(:, i), rk), k) ! as the pairs see it: no torque
                 call multiply3(k, f, g)
                 f = g
             else
@@ -365,11 +281,12 @@ contains
     end subroutine invert_or_cut
 
     !> Material update of particle i; its work goes to the sums of the block.
-    subroutine update_particle(solid, body, dt, l, i, k)
+    subroutine update_particle(solid, body, dt, l, i, k, c_wave, c_bulk)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(rk), intent(in) :: dt, l(3, 3)
         integer, intent(in) :: i, k
+        real(rk), intent(inout) :: c_wave, c_bulk !! fastest wave, sound speed [m/s]
         type(point_t) :: point
         integer :: status
 
@@ -377,8 +294,8 @@ contains
         point%energy = solid%energy(i)
         point%stress = solid%stress(:, i)
         point%damage = solid%damage(i)
-        point%c_wave = solid%c_wave(i)
-        point%c_bulk = solid%c_bulk(i)
+        point%c_wave = c_wave
+        point%c_bulk = c_bulk
         point%work = 0
         point%hist(:solid%n_hist) = solid%hist(:, i)
         call update_material(solid%materials(body%material), dt, body%h, l, point, status)
@@ -387,8 +304,8 @@ contains
         solid%energy(i) = point%energy
         solid%stress(:, i) = point%stress
         solid%damage(i) = point%damage
-        solid%c_wave(i) = point%c_wave
-        solid%c_bulk(i) = point%c_bulk
+        c_wave = point%c_wave
+        c_bulk = point%c_bulk
         solid%hist(:, i) = point%hist(:solid%n_hist)
         solid%search%sums(1, k) = solid%search%sums(1, k) + point%work(1)*solid%mass(i)
         solid%search%sums(2, k) = solid%search%sums(2, k) + point%work(2)*solid%mass(i)

@@ -90,12 +90,12 @@ contains
         end associate
     end function reach
 
-    !> Lengths of the lists of a body, as running sums in `first` and `image`.
+    !> Lengths of the lists of a body, as running sums in `first`, and of their parts in `direct`.
     subroutine count_body(solid, body, reach)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
-        integer(int64) :: at, last
+        integer(int64) :: last
         integer :: i, m
         integer(int32) :: none(1)
 
@@ -104,12 +104,12 @@ contains
         do i = body%first, body%last
             last = 0
             if (body%formulation == form_rigid) then
-                solid%image(i) = 0
+                solid%direct(i) = 0
                 solid%first(i + 1) = 0
                 cycle
             end if
             call search(solid, i, 0, reach, .false., none, last)
-            solid%image(i) = round_up(last)
+            solid%direct(i) = int(round_up(last), int32)
             last = 0
             do m = 1, 7
                 if (image_in_reach(solid, i, m, reach)) &
@@ -118,10 +118,7 @@ contains
             solid%first(i + 1) = round_up(last)
         end do
         do i = body%first, body%last
-            at = solid%first(i)
-            last = solid%image(i)
-            solid%image(i) = at + last
-            solid%first(i + 1) = at + last + solid%first(i + 1)
+            solid%first(i + 1) = solid%first(i) + solid%direct(i) + solid%first(i + 1)
         end do
     end subroutine count_body
 
@@ -154,17 +151,18 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
-        integer(int64) :: at, next
+        integer(int64) :: at, image, next
         integer :: i, m
 
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(m, at, next)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(m, at, image, next)
         do i = body%first, body%last
             at = solid%first(i) - 1
             if (body%formulation == form_rigid) cycle
             call search(solid, i, 0, reach, .true., solid%list, at)
-            solid%list(at + 1:solid%image(i) - 1) = i
-            solid%mask(solid%first(i):solid%image(i) - 1) = 0
-            at = solid%image(i) - 1
+            image = solid%first(i) + solid%direct(i)
+            solid%list(at + 1:image - 1) = i
+            solid%mask(solid%first(i):image - 1) = 0
+            at = image - 1
             do m = 1, 7
                 if (.not. image_in_reach(solid, i, m, reach)) cycle
                 next = at

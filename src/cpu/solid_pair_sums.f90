@@ -5,14 +5,15 @@
 !> loops are vectorised by the compiler: their inner loop has constant length and no branch.
 module brz_solid_pair_sums
     use brz_kernel, only: kernel_slope
-    use brz_kinds, only: dp, int32, rk
+    use brz_kinds, only: dp, int32, real32, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force, &
                               viscous_force
+    use brz_solid_lanes, only: add_lanes, centre_t
     use brz_solid_state, only: lanes, n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
                                pair_quadratic, pair_stress, pair_volume
     implicit none
     private
-    public :: centre_t, sum_plain, sum_viscous, sum_stiff, sum_axial, sum_total, viscosity, &
+    public :: sum_plain, sum_viscous, sum_stiff, sum_axial, sum_total, viscosity, &
               mirrored
     public :: n_terms, at_heat, at_friction, at_drag, at_hold
 
@@ -23,28 +24,7 @@ module brz_solid_pair_sums
     integer, parameter :: at_hold = 8 !! + 1..3: stiff hourglass force, or artificial stress [N]
     integer, parameter :: n_terms = 11
 
-    !> The particle whose pairs are summed over, and the kernel.
-    type :: centre_t
-        integer :: i = 0
-        integer :: count = 0 !! entries of its list
-        real(rk) :: scale = 0, half_over_h = 0, h = 0
-    end type centre_t
-
 contains
-
-    !> Add the lanes in a fixed order.
-    pure subroutine add_lanes(m, acc, f)
-        integer, intent(in) :: m
-        real(rk), intent(in) :: acc(lanes, m)
-        real(rk), intent(out) :: f(n_terms)
-        integer :: t
-
-        f = 0
-        do t = 1, m
-            f(t) = ((acc(1, t) + acc(5, t)) + (acc(2, t) + acc(6, t))) &
-                   + ((acc(3, t) + acc(7, t)) + (acc(4, t) + acc(8, t)))
-        end do
-    end subroutine add_lanes
 
     !> Stress and viscosity over the direct neighbours.
     subroutine sum_plain(n, p, x, v, pair, list, f)
@@ -187,7 +167,8 @@ contains
     subroutine sum_axial(p, x, v, x_ref, hold, pair, list, f)
         type(centre_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), hold(6, *), pair(n_pair, *)
+        real(rk), intent(in) :: v(3, *), pair(n_pair, *)
+        real(real32), intent(in) :: hold(6, *)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: f(n_terms)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), other(n_pair), g(3), d(3)
@@ -212,7 +193,7 @@ contains
                     other(t) = pair(t, j)
                 end do
                 do t = 1, 6
-                    stiffness(t) = hold(t, p%i) + hold(t, j)
+                    stiffness(t) = real(hold(t, p%i), rk) + real(hold(t, j), rk)
                 end do
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
@@ -296,7 +277,8 @@ contains
 
     !> A symmetric tensor seen in the mirror planes with s = -1.
     pure function mirrored(s, k) result(m)
-        real(rk), intent(in) :: s(3), k(6)
+        real(rk), intent(in) :: s(3)
+        real(real32), intent(in) :: k(6)
         real(rk) :: m(6)
 
         m(1:3) = k(1:3)

@@ -25,7 +25,7 @@ module brz_materials
     implicit none
     private
     public :: material_keys, make_material, start_point, update_material, history_names, &
-              derived_constants
+              derived_constants, unloaded_speed
 
     ! Numbers beyond these are no state of a solid; below them no update can overflow, in real32
     ! either. The strain of one step is the sum of |dv_i/dx_j| dt.
@@ -198,7 +198,7 @@ contains
         point%work = 0
         point%hist = 0
         point%c_wave = material%c_wave
-        point%c_bulk = sqrt(material%bulk/material%density)
+        point%c_bulk = unloaded_speed(material)
         call list_models(models)
         do i = 1, size(models)
             if (models(i)%code /= material%model) cycle
@@ -206,6 +206,15 @@ contains
             if (associated(models(i)%start)) call models(i)%start(material, angle, axis, point)
         end do
     end subroutine start_point
+
+    !> Sound speed of the unloaded material as the artificial viscosity sees it [m/s].
+    !@cuf attributes(host,device) &
+    pure function unloaded_speed(material) result(c_bulk)
+        type(material_t), intent(in) :: material
+        real(rk) :: c_bulk
+
+        c_bulk = sqrt(material%bulk/material%density)
+    end function unloaded_speed
 
     !> What follows from the keys of a material, as its model tells it.
     subroutine derived_constants(material, list)

@@ -68,8 +68,6 @@ contains
         call carry(file, 'solid/stress', solid%stress, err)
         call carry(file, 'solid/hist', solid%hist, err)
         call carry(file, 'solid/damage', solid%damage, err)
-        call carry(file, 'solid/c_wave', solid%c_wave, err)
-        call carry(file, 'solid/c_bulk', solid%c_bulk, err)
         call carry(file, 'solid/id', solid%id, err)
         call carry(file, 'solid/ply', solid%ply, err)
         call carry(file, 'solid/support', solid%support, err)

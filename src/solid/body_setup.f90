@@ -175,8 +175,6 @@ contains
             solid%stress(:, n) = point%stress
             solid%hist(:, n) = point%hist(:solid%n_hist)
             solid%damage(n) = point%damage
-            solid%c_wave(n) = point%c_wave
-            solid%c_bulk(n) = point%c_bulk
         end do
     end subroutine fill_body
 

@@ -27,8 +27,6 @@ contains
             call reorder_r(6, n, s%order, solid%stress, solid%pair)
             call reorder_r(solid%n_hist, n, s%order, solid%hist, solid%pair)
             call reorder_r(1, n, s%order, solid%damage, solid%pair)
-            call reorder_r(1, n, s%order, solid%c_wave, solid%pair)
-            call reorder_r(1, n, s%order, solid%c_bulk, solid%pair)
             call reorder_r(1, n, s%order, solid%volume, solid%pair)
             call reorder_i(n, s%order, solid%id, s%cell)
             call reorder_i(n, s%order, solid%ply, s%cell)

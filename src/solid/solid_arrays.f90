@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp, real32, rk
     use brz_solid_state, only: bond_none, n_pair, solid_t
     implicit none
     private
@@ -20,12 +20,11 @@ contains
             allocate (solid%x(3, n), solid%x_ref(3, n), solid%x_built(3, n), source=0.0_dp)
             allocate (solid%v(3, n), solid%a(3, n), solid%load(3, n), solid%mass(n), solid%mu(n), &
                       solid%energy(n), solid%stress(6, n), solid%hist(solid%n_hist, n), &
-                      solid%damage(n), solid%c_wave(n), solid%c_bulk(n), solid%volume(n), &
-                      solid%pair(n_pair, n))
+                      solid%damage(n), solid%volume(n), solid%pair(n_pair, n))
             allocate (solid%id(n), solid%ply(n), solid%support(n), solid%fixed(n), solid%cut(n))
-            allocate (solid%first(n + 1), solid%image(n))
+            allocate (solid%first(n + 1), solid%direct(n))
             if (any(solid%bodies%variable)) allocate (solid%h(n), source=0.0_rk)
-            if (any(solid%bodies%directional)) allocate (solid%hold(6, n), source=0.0_rk)
+            if (any(solid%bodies%directional)) allocate (solid%hold(6, n), source=0.0_real32)
             allocate (solid%search%cell(n), solid%search%order(n), solid%search%b(n))
         end associate
         call clear(solid)
@@ -64,8 +63,6 @@ contains
         solid%stress = 0
         solid%hist = 0
         solid%damage = 0
-        solid%c_wave = 0
-        solid%c_bulk = 0
         solid%volume = 0
         solid%pair = 0
         solid%id = 0
@@ -74,7 +71,7 @@ contains
         solid%fixed = 0
         solid%cut = 0
         solid%first = 1
-        solid%image = 1
+        solid%direct = 0
     end subroutine clear
 
     !> Cut the bodies into blocks of particles: the unit of work and of every sum, so that sums do
@@ -98,13 +95,31 @@ contains
     real(dp) function bytes_per_particle(solid) result(bytes)
         type(solid_t), intent(in) :: solid
 
-        bytes = (storage_size(solid%x)*9 + storage_size(solid%v)*(22 + solid%n_hist + n_pair) &
-                 + storage_size(solid%id)*5 + storage_size(solid%fixed)*3 &
-                 + storage_size(solid%first)*2)/8.0_dp
-        if (solid%links%present) &
-            bytes = bytes + (storage_size(solid%v)*12 + storage_size(solid%first) &
-                             + storage_size(solid%id) + storage_size(solid%fixed))/8.0_dp
-        if (allocated(solid%h)) bytes = bytes + storage_size(solid%h)/8.0_dp
-        if (allocated(solid%hold)) bytes = bytes + storage_size(solid%hold)*6/8.0_dp
+        associate (s => solid)
+            bytes = wide(size(s%x) + size(s%x_ref) + size(s%x_built)) &
+                    + working(size(s%v) + size(s%a) + size(s%load) + size(s%mass) + size(s%mu)) &
+                    + working(size(s%energy) + size(s%stress) + size(s%hist) + size(s%damage)) &
+                    + working(size(s%volume) + size(s%pair)) &
+                    + 4.0_dp*(size(s%id) + size(s%ply) + size(s%support) + size(s%direct)) &
+                    + 4.0_dp*(size(s%search%cell) + size(s%search%order)) &
+                    + 1.0_dp*(size(s%fixed) + size(s%cut) + size(s%search%b)) + wide(s%n)
+            if (allocated(s%h)) bytes = bytes + working(size(s%h))
+            if (allocated(s%hold)) bytes = bytes + 4.0_dp*size(s%hold)
+            if (s%links%present) bytes = bytes + wide(s%n) + 5.0_dp*s%n &
+                + working(size(s%links%touch) + size(s%links%press) + size(s%links%push))
+        end associate
+        bytes = bytes/solid%n
     end function bytes_per_particle
+
+    pure real(dp) function wide(n)
+        integer, intent(in) :: n
+
+        wide = n*(storage_size(1.0_dp)/8.0_dp)
+    end function wide
+
+    pure real(dp) function working(n)
+        integer, intent(in) :: n
+
+        working = n*(storage_size(1.0_rk)/8.0_dp)
+    end function working
 end module brz_solid_arrays

@@ -6,7 +6,7 @@
 module brz_solid_state
     use brz_artificial_stress, only: artificial_none
     use brz_contact, only: meeting_t
-    use brz_kinds, only: dp, int8, int32, int64, rk
+    use brz_kinds, only: dp, int8, int32, int64, real32, rk
     use brz_material, only: material_t
     use brz_motion, only: motion_t
     use brz_rigid, only: rigid_t
@@ -139,12 +139,10 @@ module brz_solid_state
         real(rk), allocatable :: stress(:, :) !! (6, n) Cauchy stress, tension positive [Pa]
         real(rk), allocatable :: hist(:, :) !! (n_hist, n) history of the material model
         real(rk), allocatable :: damage(:) !! (n) damage as pair forces see it, 0..1
-        real(rk), allocatable :: c_wave(:) !! (n) fastest wave, for the time step [m/s]
-        real(rk), allocatable :: c_bulk(:) !! (n) sound speed in the viscosity [m/s]
         real(rk), allocatable :: volume(:) !! (n) as pass 1 sees it [m3]
         real(rk), allocatable :: h(:) !! (n) smoothing length; only where a body varies it [m]
-        real(rk), allocatable :: hold(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz, xz;
-                                            !! only where a body has one along axes [Pa]
+        real(real32), allocatable :: hold(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz,
+                                                !! xz; only where a body has one along axes [Pa]
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int32), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
@@ -156,7 +154,7 @@ module brz_solid_state
         type(search_t) :: search
         ! neighbour list: entries first(i)..first(i+1)-1 of `list`, image masks apart
         integer(int64), allocatable :: first(:) !! (n+1)
-        integer(int64), allocatable :: image(:) !! (n) entries from here on are mirror images
+        integer(int32), allocatable :: direct(:) !! (n) entries before the mirror images
         integer(int32), allocatable :: list(:) !! neighbour, padded with i itself
         integer(int8), allocatable :: mask(:) !! mirrored axes of an entry, bits 0..2
         type(links_t) :: links !! between different bodies

@@ -117,8 +117,9 @@ contains
                     layers_of(sim, b)/sim%case%bodies(b)%n_plies, ' layers of particles'
             end associate
         end do
-        write (output_unit, '(a, i0, a, f0.1, a)') 'solids       ', sim%solid%n, ' particles, ', &
-            1e-6_dp*bytes_per_particle(sim%solid)*sim%solid%n, ' MB without neighbour lists'
+        write (output_unit, '(a, i0, a, f0.1, a, f0.0, a)') 'solids       ', sim%solid%n, &
+            ' particles, ', 1e-6_dp*bytes_per_particle(sim%solid)*sim%solid%n, ' MB, ', &
+            bytes_per_particle(sim%solid), ' B per particle, without neighbour lists'
     end subroutine check_solid
 
     !> Layers of particles across the plies of a body.
