@@ -7,6 +7,7 @@ module brz_face_flux
     use brz_kinds, only: rk
     use brz_gas, only: mirror, to_primitive
     use brz_hllc, only: hllc_flux
+    use brz_muscl, only: limited_slope
     use brz_reconstruction, only: face_value, thinness
     use brz_scheme, only: first_order, hllc, scheme_t
     use brz_steger_warming, only: split_flux
@@ -189,14 +190,11 @@ contains
         real(rk), intent(in) :: near(5) !! conserved variables of the cell at the wall
         real(rk), intent(out) :: f(5) !! flux in the positive direction
         real(rk), intent(out) :: p_star !! pressure on the wall [Pa]
-        real(rk) :: w(5), a, b
+        real(rk) :: w(5)
 
         call to_primitive(gamma, near, w)
-        if (scheme%reconstruction /= first_order) then
-            a = w(2) - u_far
-            b = 2*(v - w(2))
-            if (a*b > 0) w(2) = w(2) + a*b/(a + b)
-        end if
+        if (scheme%reconstruction /= first_order) &
+            w(2) = w(2) + 0.5_rk*limited_slope(w(2) - u_far, 2*(v - w(2)))
         call wall_flux(gamma, w, v, side, f, p_star)
     end subroutine slipping_wall
 end module brz_face_flux

@@ -12,12 +12,11 @@ module brz_air_repair
     use brz_air_sweep, only: stage_t, stray
     use brz_air_walls, only: image_of
     use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
+    use brz_runge_kutta, only: repair_passes
     use brz_scheme, only: first_order, max_var, scheme_t
     implicit none
     private
     public :: repair
-
-    integer, parameter :: passes = 3 !! a repaired cell may push its neighbour over the edge
 
 contains
 
@@ -33,7 +32,7 @@ contains
         n_faces = 0
         call find_suspects(air, wall, last, stage, n_bad)
         if (air%fallback .and. air%scheme%reconstruction /= first_order) then
-            do pass = 1, passes
+            do pass = 1, repair_passes
                 before = n_faces
                 do m = 1, n_bad
                     call lower_faces(air, wall, stage, air%bad(:, m), n_faces)

@@ -7,12 +7,10 @@ module brz_gpu_air_step
     use brz_gpu_air_state, only: gpu_air_t, leave_threads
     use brz_gpu_air_sums, only: sum_of_columns
     use brz_kinds, only: dp, int64, rk
-    use brz_runge_kutta, only: least_ratio, new_weight, share_of
+    use brz_runge_kutta, only: least_ratio, new_weight, repair_passes, share_of
     implicit none
     private
     public :: gpu_air_step
-
-    integer, parameter :: passes = 3 !! a repaired cell may push its neighbour over the edge
 
 contains
 
@@ -118,7 +116,7 @@ contains
         call look(gpu, gpu%check, air, dt, merge(least_ratio, 0.0_rk, air%fallback), found, err)
         if (.not. found) return
         if (air%fallback) then
-            do pass = 1, passes
+            do pass = 1, repair_passes
                 do d = 1, 3
                     if (air%n(d) > 1) call compute_fluxes(gpu, air, gpu%fallback, d, 1, err)
                 end do
