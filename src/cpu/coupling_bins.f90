@@ -6,7 +6,7 @@ module brz_coupling_bins
     use brz_cell_shells, only: cell_at
     use brz_coupling_state, only: coupling_t, mark_solid, side_of
     use brz_kinds, only: int32, rk
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: solid_t, worth_threads
     implicit none
     private
     public :: find_cells, mark_cells, index_faces, fill_bins, move_walls, at_least
@@ -24,7 +24,8 @@ contains
 
         changes = 0
         outside = 0
-        !$omp parallel do schedule(static) private(c) reduction(+:changes, outside)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(c) &
+        !$omp reduction(+:changes, outside)
         do p = 1, solid%n
             c = cell_number(solid%x(:, p), air%lo, air%dx, air%n, coupling%wraps)
             if (c /= coupling%cell_of(p)) changes = changes + 1
@@ -42,13 +43,13 @@ contains
         type(coupling_t), intent(inout) :: coupling
         integer :: p, j, k, c(3)
 
-        !$omp parallel do schedule(static) collapse(2)
+        !$omp parallel do if(size(coupling%mark) >= worth_threads) schedule(static) collapse(2)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 coupling%mark(:, j, k) = 0
             end do
         end do
-        !$omp parallel do schedule(static) private(c)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(c)
         do p = 1, solid%n
             if (coupling%cell_of(p) == 0) cycle
             c = cell_at(air%n, coupling%cell_of(p))
@@ -68,11 +69,11 @@ contains
             deallocate (coupling%face_of)
             allocate (coupling%face_of(6, n + n/4))
         end if
-        !$omp parallel do schedule(static)
+        !$omp parallel do if(n >= worth_threads) schedule(static)
         do c = 1, n
             coupling%face_of(:, c) = 0
         end do
-        !$omp parallel do schedule(static)
+        !$omp parallel do if(n >= worth_threads) schedule(static)
         do f = 1, coupling%wall%n_faces
             coupling%face_of(side_of(coupling%wall%face(4, f), coupling%wall%face(5, f)), &
                              coupling%wall%face_cell(f)) = f
@@ -88,7 +89,7 @@ contains
 
         n = coupling%wall%n_cells
         call at_least(coupling%first, n + 2)
-        !$omp parallel do schedule(static) private(ijk)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(ijk)
         do p = 1, solid%n
             coupling%place_of(p) = 0
             if (coupling%cell_of(p) == 0) cycle
@@ -120,7 +121,7 @@ contains
         real(rk) :: mass, v(3)
         integer :: c, i, p
 
-        !$omp parallel do schedule(static, 64) private(mass, v, i, p)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static, 64) private(mass, v, i, p)
         do c = 1, coupling%wall%n_cells
             mass = 0
             v = 0

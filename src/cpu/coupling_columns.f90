@@ -10,7 +10,7 @@ module brz_coupling_columns
     use brz_coupling_state, only: coupling_t, side_of
     use brz_kinds, only: dp, rk
     use brz_load_rules, only: load_weight
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: solid_t, worth_threads
     implicit none
     private
     public :: weigh_columns, face_above, weight_of, area
@@ -24,7 +24,7 @@ contains
         type(coupling_t), intent(inout) :: coupling
         integer :: f
 
-        !$omp parallel do schedule(dynamic, 64)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(dynamic, 64)
         do f = 1, coupling%wall%n_faces
             call weigh_column(air, solid, coupling, f)
         end do

@@ -7,6 +7,7 @@ module brz_coupling_debts
     use brz_kinds, only: int32, rk
     use brz_ledger_rules, only: ledger_excess, ledger_ratio, release_debt
     use brz_scheme, only: max_var
+    use brz_solid_state, only: worth_threads
     implicit none
     private
     public :: add_debt, limit_ledgers, release_debts, settle_covered
@@ -59,8 +60,8 @@ contains
         low = coupling%ledger_low
         high = coupling%ledger_high
         over = 0
-        !$omp parallel do schedule(static) private(ratio) reduction(+:over) &
-        !$omp reduction(min:low) reduction(max:high)
+        !$omp parallel do if(coupling%wall%n_cells >= worth_threads) schedule(static) &
+        !$omp private(ratio) reduction(+:over) reduction(min:low) reduction(max:high)
         do c = 1, coupling%wall%n_cells
             coupling%excess(c) = 0
             if (.not. any(coupling%face_of(:, c) > 0)) cycle
@@ -129,7 +130,7 @@ contains
         integer :: c(3), e
 
         if (coupling%n_debts == 0) return
-        !$omp parallel do schedule(static) private(c, u, debt)
+        !$omp parallel do if(coupling%n_debts >= worth_threads) schedule(static) private(c, u, debt)
         do e = 1, coupling%n_debts
             c = cell_at(air%n, coupling%debt_cell(e))
             u(6) = 0

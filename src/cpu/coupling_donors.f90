@@ -9,6 +9,7 @@ module brz_coupling_donors
     use brz_coupling_debts, only: add_debt
     use brz_coupling_state, only: coupling_t, from_buried, from_uncovered, mark_solid
     use brz_kinds, only: int32, int8, rk
+    use brz_solid_state, only: worth_threads
     implicit none
     private
     public :: list_buried, choose_receivers, collect, size_donors
@@ -22,7 +23,8 @@ contains
         integer :: c, n, ijk(3)
 
         n = 0
-        !$omp parallel do schedule(static) private(ijk) reduction(+:n)
+        !$omp parallel do if(coupling%wall%n_cells >= worth_threads) schedule(static) private(ijk) &
+        !$omp reduction(+:n)
         do c = 1, coupling%wall%n_cells
             coupling%excess(c) = 0
             if (any(coupling%face_of(:, c) > 0)) cycle
@@ -57,7 +59,8 @@ contains
         integer :: kept
 
         kept = 0
-        !$omp parallel do schedule(dynamic, 16) private(c, n, s) reduction(+:kept)
+        !$omp parallel do if(27*coupling%n_donors >= worth_threads) schedule(dynamic, 16) &
+        !$omp private(c, n, s) reduction(+:kept)
         do e = 1, coupling%n_donors
             c = cell_at(air%n, coupling%donor(e))
             coupling%donor_shell(e) = 0
@@ -110,8 +113,8 @@ contains
         logical :: inside
 
         if (coupling%n_donors == 0) return
-        !$omp parallel do schedule(dynamic, 64) private(e, m, s, ijk, from) &
-        !$omp private(kind_of, share, inside)
+        !$omp parallel do if(27*coupling%wall%n_cells >= worth_threads) schedule(dynamic, 64) &
+        !$omp private(e, m, s, ijk, from, kind_of, share, inside)
         do c = 1, coupling%wall%n_cells
             if (.not. any(coupling%face_of(:, c) > 0)) cycle
             ijk = coupling%wall%cell(:, c)

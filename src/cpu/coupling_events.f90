@@ -17,7 +17,7 @@ module brz_coupling_events
     use brz_kinds, only: rk
     use brz_ledger_rules, only: fresh_gas
     use brz_scheme, only: max_var, mixture_gamma
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: solid_t, worth_threads
     use brz_wall_riemann, only: wall_star
     implicit none
     private
@@ -58,8 +58,8 @@ contains
 
         n_covered = 0
         n_uncovered = 0
-        !$omp parallel do schedule(static) collapse(2) private(change) &
-        !$omp reduction(+:n_covered, n_uncovered)
+        !$omp parallel do if(size(coupling%mark) >= worth_threads) schedule(static) collapse(2) &
+        !$omp private(change) reduction(+:n_covered, n_uncovered)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 do i = 1, air%n(1)
@@ -101,7 +101,7 @@ contains
         integer :: e, c(3)
 
         call size_donors(coupling, coupling%n_uncovered)
-        !$omp parallel do schedule(dynamic, 16)
+        !$omp parallel do if(27*coupling%n_uncovered >= worth_threads) schedule(dynamic, 16)
         do e = 1, coupling%n_uncovered
             call fill_uncovered(air, coupling, e)
         end do

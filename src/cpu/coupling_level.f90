@@ -9,6 +9,7 @@ module brz_coupling_level
     use brz_cell_shells, only: neighbour
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: rk
+    use brz_solid_state, only: worth_threads
     implicit none
     private
     public :: level_ledgers
@@ -28,7 +29,7 @@ contains
 
         if (coupling%shells%n < 3 .or. count(air%n > 1) == 1) return
         part = 1/3.0_rk**count(air%n > 1)
-        !$omp parallel
+        !$omp parallel if(coupling%wall%n_cells >= worth_threads)
         !$omp do schedule(static) private(ijk)
         do c = 1, coupling%wall%n_cells
             ijk = coupling%wall%cell(:, c)

@@ -5,7 +5,7 @@ module brz_coupling_load
     use brz_coupling_columns, only: area, face_above, weight_of
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: solid_t, worth_threads
     implicit none
     private
     public :: spread_load, load_is_negligible
@@ -24,7 +24,7 @@ contains
         real(dp) :: reference
         integer :: c, f, p
 
-        !$omp parallel
+        !$omp parallel if(solid%n >= worth_threads)
         !$omp do schedule(static) private(reference)
         do f = 1, coupling%wall%n_faces
             reference = coupling%reference_pressure*area(air, coupling%wall%face(4, f))

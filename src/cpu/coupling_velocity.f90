@@ -8,7 +8,7 @@ module brz_coupling_velocity
     use brz_gas, only: to_primitive
     use brz_kinds, only: dp, rk
     use brz_load_rules, only: pushed_velocity
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: solid_t, worth_threads
     use brz_wall_riemann, only: wall_star
     implicit none
     private
@@ -31,7 +31,7 @@ contains
 
         call move_walls(solid, coupling)
         call weigh_columns(air, solid, coupling)
-        !$omp parallel
+        !$omp parallel if(solid%n >= worth_threads)
         !$omp do schedule(static)
         do f = 1, coupling%wall%n_faces
             call feel_gas(air, coupling, f)

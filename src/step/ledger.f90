@@ -7,12 +7,13 @@ module brz_ledger
     use brz_backend, only: backend_t, stock_of_air
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals, solid_totals_t
     implicit none
     private
-    public :: ledger_t, ledger_start_t, take_stock, energy_columns, ledger_row, body_names, body_row
+    public :: ledger_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
+    public :: body_names, body_row
 
     integer, parameter :: n_energy = 33, n_body = 14
 
@@ -140,6 +141,17 @@ contains
         if (start%mass > 0) ledger%mass_error = (all(1) - start%mass)/start%mass
         if (momentum > 0) ledger%momentum_error = maxval(abs(all(2:4) - start%momentum))/momentum
     end subroutine judge
+
+    !> True while no mass and no momentum of the air is missing, but for rounding.
+    !>
+    !> Gas, ledgers, debts, outflow and what the walls took must add up to what was there at the
+    !> start, whatever happens in the scene; rounding of a million steps stays far below the bound.
+    pure logical function is_balanced(ledger)
+        type(ledger_t), intent(in) :: ledger
+        real(dp), parameter :: rounding = sqrt(real(epsilon(1.0_rk), dp))
+
+        is_balanced = abs(ledger%mass_error) <= rounding .and. ledger%momentum_error <= rounding
+    end function is_balanced
 
     !> The row that belongs to the `energy_columns`.
     pure function ledger_row(ledger) result(row)

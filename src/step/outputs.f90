@@ -14,8 +14,8 @@ module brz_outputs
                           set_up_gauges
     use brz_history, only: append_row, close_history, flush_history, history_t, open_history
     use brz_kinds, only: dp
-    use brz_ledger, only: body_names, body_row, energy_columns, ledger_row, ledger_start_t, &
-                          ledger_t, take_stock
+    use brz_ledger, only: body_names, body_row, energy_columns, is_balanced, ledger_row, &
+                          ledger_start_t, ledger_t, take_stock
     use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, prepare_folder
     use brz_progress, only: progress_line
     use brz_simulation, only: simulation_t
@@ -162,7 +162,7 @@ contains
         if (tick(sim%clock%checkpoint, sim%clock%time)) call save_checkpoint(sim, outputs, err)
     end subroutine write_due
 
-    !> One row in every history; the energy must stay in its band.
+    !> One row in every history; the books must close, and the energy stay in its band.
     subroutine write_histories(sim, outputs, err)
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
@@ -185,6 +185,10 @@ contains
             call append_row(outputs%gauge_history, outputs%gauge_values, err)
         end if
         call watch_region(sim, ledger%outside, outputs%outside, err)
+        if (.not. is_balanced(ledger)) call raise(err, exit_numerical, &
+            'mass or momentum of the air is lost at t = '//to_text(sim%clock%time)// &
+            ' s: errors '//to_text(ledger%mass_error)//' and '//to_text(ledger%momentum_error)// &
+            ' of the whole; this is a fault of the program, please report it with the deck')
         if (.not. abs(ledger%energy_error) <= sim%case%run%energy_band) call raise( &
             err, exit_numerical, 'the energy error '//to_text(ledger%energy_error)//' at t = '// &
             to_text(sim%clock%time)//' s is outside the band energy_band = '// &

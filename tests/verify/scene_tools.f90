@@ -1,0 +1,108 @@
+! SPDX-License-Identifier: MIT
+!> Whole scenes from decks in tests/scenes, step by step, with the books looked at after every step.
+module scene_tools
+    use brz_build_case, only: build_case
+    use brz_deck, only: deck_t
+    use brz_errors, only: error_t, failed
+    use brz_key, only: key_t
+    use brz_key_table, only: all_keys
+    use brz_kinds, only: dp
+    use brz_ledger, only: ledger_start_t, ledger_t, take_stock
+    use brz_scanner, only: read_deck
+    use brz_simulation, only: set_up_simulation, simulation_t
+    use brz_solid_totals, only: solid_totals, solid_totals_t
+    use brz_text, only: string_t
+    use brz_time_step, only: advance
+    implicit none
+    private
+    public :: scene_t, open_scene, step_scene, run_scene, body_of
+
+    type :: scene_t
+        type(simulation_t) :: sim
+        type(error_t) :: err
+        type(ledger_t) :: ledger !! after the last step
+        real(dp) :: momentum(3) = 0 !! of the bodies at the start [N s]
+        real(dp) :: mass_error = 0, momentum_error = 0 !! of the air, the worst of all steps
+        real(dp) :: stray = 0
+        !! momentum of the bodies less what the air gave them, the worst of all steps [N s]
+        real(dp) :: thrust = tiny(1.0_dp)
+        !! mass of the bodies times the root mean square of their velocity, its largest [N s]
+    end type scene_t
+
+contains
+
+    !> Set a scene up. `changes` are settings as of --set, 'group.key=value', separated by blanks.
+    subroutine open_scene(name, changes, scene)
+        character(*), intent(in) :: name !! of the deck, without folder and ending
+        character(*), intent(in) :: changes
+        type(scene_t), intent(out) :: scene
+        type(key_t), allocatable :: keys(:)
+        type(deck_t) :: deck
+        type(solid_totals_t) :: sums
+
+        call all_keys(keys)
+        call read_deck('tests/scenes/'//name//'.nml', keys, words(changes), deck, scene%err)
+        call build_case(deck, keys, scene%sim%case, scene%err)
+        if (failed(scene%err)) error stop scene%err%text
+        call set_up_simulation(scene%sim, scene%err)
+        if (failed(scene%err)) error stop scene%err%text
+        call solid_totals(scene%sim%solid, 0, sums)
+        scene%momentum = sums%momentum
+        call take_stock(0.0_dp, scene%sim%backend, scene%sim%air, scene%sim%solid, &
+            scene%sim%coupling, scene%sim%start, scene%ledger, scene%err)
+    end subroutine open_scene
+
+    !> One step, and the books.
+    subroutine step_scene(scene)
+        type(scene_t), intent(inout) :: scene
+        type(solid_totals_t) :: sums
+
+        associate (sim => scene%sim)
+            call advance(sim, scene%err)
+            if (failed(scene%err)) error stop scene%err%text
+            call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, &
+                sim%start, scene%ledger, scene%err)
+            call solid_totals(sim%solid, 0, sums)
+            scene%mass_error = max(scene%mass_error, abs(scene%ledger%mass_error))
+            scene%momentum_error = max(scene%momentum_error, scene%ledger%momentum_error)
+            scene%stray = max(scene%stray, &
+                norm2(sums%momentum - scene%momentum - sim%coupling%impulse))
+            scene%thrust = max(scene%thrust, sqrt(2*sums%mass*sums%kinetic))
+        end associate
+    end subroutine step_scene
+
+    !> Step until a time, or to the end of the deck.
+    subroutine run_scene(scene, until)
+        type(scene_t), intent(inout) :: scene
+        real(dp), intent(in), optional :: until !! [s]
+        real(dp) :: t_end
+
+        t_end = scene%sim%case%run%t_end
+        if (present(until)) t_end = until
+        do while (scene%sim%clock%time < t_end)
+            call step_scene(scene)
+        end do
+    end subroutine run_scene
+
+    !> Totals of the first body.
+    type(solid_totals_t) function body_of(scene)
+        type(scene_t), intent(in) :: scene
+
+        call solid_totals(scene%sim%solid, 1, body_of)
+    end function body_of
+
+    !> Words of a text as settings.
+    pure function words(text) result(list)
+        character(*), intent(in) :: text
+        type(string_t), allocatable :: list(:)
+        integer :: at, blank
+
+        allocate (list(0))
+        at = 1
+        do while (at <= len_trim(text))
+            blank = index(text(at:)//' ', ' ')
+            if (blank > 1) list = [list, string_t(text(at:at + blank - 2))]
+            at = at + blank
+        end do
+    end function words
+end module scene_tools
