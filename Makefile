@@ -40,7 +40,7 @@ LIB  := $(B)/brisance.o
 KERNELS := $(sort $(wildcard cuda/*.CUF))
 PTX  := $(BIN).ptx
 # what the GPU code is made from; the executable refuses a PTX file of other sources
-DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(KERNELS)
+DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(KERNELS) cuda/arithmetic.ll
 STAMP := $(shell cat $(DEVICE) scripts/cuda_fortran.py | sha1sum | cut -c 1-16)
 SAVE := scripts/write_if_changed.sh
 
@@ -58,7 +58,7 @@ $(LIB): $(OBJ)
 	$(call say,optimise $@)
 	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG)$(QUICK),,-fPIE -flinker-output=nolto-rel) -o $@ $(OBJ)
 gpu: $(PTX) ## build the GPU code (FMA=off: no contraction, for comparisons with the CPU)
-$(PTX): $(SRC) $(KERNELS) scripts/cuda_fortran.py scripts/gpu_build.py
+$(PTX): $(SRC) $(KERNELS) cuda/arithmetic.ll scripts/cuda_fortran.py scripts/gpu_build.py
 	@mkdir -p $(@D)
 	$(Q)$(PY) scripts/gpu_build.py --work build/gpu/ptx$(KIND) --out $@ --stamp $(STAMP) \
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(if $(filter off,$(FMA)),--no-fma) $(SRC) $(KERNELS)

@@ -3,9 +3,10 @@
 
 Point physics: procedures below a `!@cuf` line in src. Kernels: `attributes(global)` procedures in
 cuda/*.CUF. Each file goes through flang for nvptx64; the IR is edited where LLVM has no code for
-what flang writes; then everything is linked with libdevice, what is asked for is kept and all
-else is dropped. What is left must be device code: no call of the Fortran run-time library, no
-unresolved symbol, no module variable, no stack array whose size is known at run time only.
+what flang writes, and in the air divisions and roots become those of cuda/arithmetic.ll; then
+everything is linked with libdevice, what is asked for is kept and all else is dropped. What is
+left must be device code: no call of the Fortran run-time library, no unresolved symbol, no module
+variable, no stack array whose size is known at run time only.
 """
 
 import os
@@ -31,6 +32,8 @@ MODULE = re.compile(r"^\s*module\s+(?!procedure\b)(\w+)", re.I | re.M)
 # intrinsics that the NVPTX back end cannot translate, and their names in libdevice
 MATH = "exp exp2 exp10 log log2 log10 pow powi sin cos tan asin acos atan atan2 sinh cosh tanh"
 LIBM = "erf erfc tgamma lgamma hypot expm1 log1p cbrt asinh acosh atanh sinh cosh tanh"
+ARITHMETIC = Path("cuda/arithmetic.ll")
+AIR = re.compile(r"src/air/|cuda/air")  # the files that use it
 REGISTER = {"threadidx": "tid", "blockidx": "ctaid", "blockdim": "ntid", "griddim": "nctaid"}
 BUILTIN = re.compile(
     r"(?P<to>%\w+) = load i32, ptr (?:getelementptr [^@]*)?"
@@ -115,8 +118,23 @@ def special_register(found):
     return f"{plain} = {call}\n  {found['to']} = add nsw i32 {plain}, 1"
 
 
+def without_branches(text):
+    """IR with the divisions and square roots of cuda/arithmetic.ll."""
+    short = {"float": "f32", "double": "f64"}
+    divide = re.compile(r"= fdiv (?:\w+ )*?(float|double) ([^,\n]+), (%[^,\n]+)")
+    text = divide.sub(
+        lambda m: f"= call {m[1]} @brz_divide.{short[m[1]]}({m[1]} {m[2]}, {m[1]} {m[3]})", text
+    )
+    text = re.sub(r"@llvm\.sqrt\.(f32|f64)\(", r"@brz_root.\1(", text)
+    for kind, size in short.items():
+        text += f"\ndeclare {kind} @brz_divide.{size}({kind}, {kind})"
+    return text
+
+
 def edited(text, path):
     """IR with what LLVM can translate for the GPU."""
+    if AIR.match(path.as_posix()):
+        text = without_branches(text)
     suffix = {"f32": "f", "f64": ""}
     pattern = rf"@llvm\.({'|'.join(MATH.split())})\.(f32|f64)(?:\.i32)?\("
     text = re.sub(pattern, lambda m: f"@__nv_{m[1]}{suffix[m[2]]}(", text)
@@ -209,7 +227,7 @@ def compile_all(sources, keep, args):
     files = [f for f in files if f]
     linked, whole, final = (args.work / x for x in ("linked.bc", "whole.bc", "final.ll"))
     link = [BIN / "llvm-link", "--suppress-warnings"]
-    run(*link, *files, "-o", linked)
+    run(*link, *files, ARITHMETIC, "-o", linked)
     run(*link, "--only-needed", linked, libdevice(), "-o", whole)
     passes = ["-passes=internalize,default<O3>", f"-internalize-public-api-list={','.join(keep)}"]
     limits = ["-inline-threshold=100000", "-unroll-threshold=2000"]

@@ -7,6 +7,7 @@ usage: gpu_build.py --work DIR --out FILE.ptx --stamp TEXT [-D NAME] [--no-fma] 
 The first line of the file carries the stamp of the sources (gpu_stamp.py), which the executable
 compares with its own. Where ptxas is installed (Python package nvidia-cuda-nvcc) a kernel with a
 stack frame or a register spill fails the build, and the registers of each kernel are printed.
+Kernels whose names start with redo_ may spill: they work where cells fall back, which are few.
 """
 
 import argparse
@@ -37,7 +38,7 @@ def resources(ptx, args):
         if found := re.search(r"(?:Function properties for|entry function) '?(\w+)", line):
             name = found[1]
         frame = re.search(r"(\d+) bytes stack frame, (\d+) bytes spill stores", line)
-        if frame and frame.groups() != ("0", "0"):
+        if frame and frame.groups() != ("0", "0") and not name.startswith("redo_"):
             faults.append(f"{name}: {line.strip()}")
         if found := re.search(r"Used (\d+) registers", line):
             print(f"{name}: {found[1]} registers")

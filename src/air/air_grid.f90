@@ -1,12 +1,21 @@
 ! SPDX-License-Identifier: MIT
-!> Where the cells of a Cartesian grid lie in memory: plain data for kernels. Point physics.
+!> Where the cells of a Cartesian grid lie in memory, and what a stage needs: plain data for
+!> kernels. Point physics.
 module brz_air_grid
-    use brz_kinds, only: int64, rk
+    use brz_kinds, only: dp, int64, rk
     implicit none
     private
-    public :: grid_t, grid_of, place_of, variable_in_slot
+    public :: grid_t, stage_t, grid_of, place_of, variable_in_slot, line_start, lines_along
+    public :: rate_none, rate_in_flux, rate_in_new
+    public :: shortest, longest, threads_wanted
 
-    !> Arrays run over (1-g1:n1+g1, 1-g2:n2+g2, 1-g3:n3+g3, n_var).
+    integer, parameter :: rate_none = 0, rate_in_flux = 1, rate_in_new = 2
+    !! where the rates of the directions before one are: nowhere, the x fluxes, the next state
+    integer, parameter :: shortest = 8, longest = 64 !! cells along a line for one thread
+    integer, parameter :: threads_wanted = 200000 !! to fill a GPU a few times
+
+    !> Arrays run over (1-g1:n1+g1, 1-g2:n2+g2, 1-g3:n3+g3, n_var). What belongs to the two ends of
+    !> lines, of all directions one after the other, is kept in arrays (lines, n_var, 2).
     type :: grid_t
         integer :: n(3) !! cells
         integer :: g(3) !! ghost layers
@@ -14,17 +23,36 @@ module brz_air_grid
         integer :: step(3) !! distance of neighbours in memory
         integer(int64) :: apart !! distance of two variables in memory
         real(rk) :: inverse_dx(3) !! 1/side of a cell, 0 in directions that are not modelled [1/m]
+        integer :: bc(2, 3) !! boundary conditions, as in air_t
+        integer :: around(3) !! cells around a periodic direction, else 0
+        integer :: before(3) !! lines of the directions before
+        integer :: lines !! of all directions
+        integer :: segment(3) !! cells along a line that one thread takes
+        integer :: prior(3) !! rates of the directions before: rate_none, ...
+        integer :: last !! the last direction that is modelled
     end type grid_t
+
+    !> What the kernels must know of a stage of the time integration.
+    type :: stage_t
+        real(rk) :: dt !! time step [s]
+        real(rk) :: weight !! of the new state
+        real(rk) :: floor !! least ratio of new to old density and pressure of the Euler step
+        real(dp) :: leaves(3) !! area of a face times its share of dt, by direction [m2 s]
+        integer :: found !! a kernel sets 1 where it finds a bad cell
+    end type stage_t
 
 contains
 
     !> Grid of an array.
-    pure function grid_of(n, g, n_var, dx) result(grid)
+    pure function grid_of(n, g, n_var, dx, bc, periodic) result(grid)
         integer, intent(in) :: n(3) !! cells
         integer, intent(in) :: g(3) !! ghost layers
         integer, intent(in) :: n_var !! conserved variables
         real(rk), intent(in) :: dx(3) !! sides of a cell [m]
+        integer, intent(in) :: bc(2, 3) !! boundary conditions
+        integer, intent(in) :: periodic !! the one that goes on from the other end
         type(grid_t) :: grid
+        integer :: d
 
         grid%n = n
         grid%g = g
@@ -32,6 +60,21 @@ contains
         grid%step = [1, n(1) + 2*g(1), (n(1) + 2*g(1))*(n(2) + 2*g(2))]
         grid%apart = int(grid%step(3), int64)*(n(3) + 2*g(3))
         grid%inverse_dx = merge(1/dx, 0.0_rk, n > 1)
+        grid%bc = bc
+        grid%around = merge(n, 0, bc(1, :) == periodic)
+        grid%lines = 0
+        grid%prior = rate_none
+        grid%last = 1
+        do d = 1, 3
+            grid%before(d) = grid%lines
+            grid%segment(d) = min(longest, max(shortest, &
+                int(product(int(n, int64))/threads_wanted)))
+            if (n(d) == 1) cycle
+            grid%lines = grid%lines + lines_along(grid, d)
+            if (d > 1) grid%prior(d) = merge(rate_in_flux, rate_none, n(1) > 1)
+            grid%last = d
+        end do
+        if (n(2) > 1 .and. n(3) > 1) grid%prior(3) = rate_in_new
     end function grid_of
 
     !> Place of a cell among the values of a variable, from 1.
@@ -44,6 +87,37 @@ contains
         place = i + grid%g(1) + int(j + grid%g(2) - 1, int64)*grid%step(2) &
             + int(k + grid%g(3) - 1, int64)*grid%step(3)
     end function place_of
+
+    !> Number of lines of cells along direction d.
+    !@cuf attributes(host,device) &
+    pure function lines_along(grid, d) result(lines)
+        type(grid_t), intent(in) :: grid
+        integer, intent(in) :: d !! direction
+        integer :: lines
+
+        lines = grid%n(merge(2, 1, d == 1))*grid%n(merge(2, 3, d == 3))
+    end function lines_along
+
+    !> Place of the first cell of a line; the faster transverse index runs first.
+    !@cuf attributes(host,device) &
+    pure function line_start(grid, d, line) result(place)
+        type(grid_t), intent(in) :: grid
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: line !! from 1
+        integer(int64) :: place
+        integer :: a, b, n
+
+        n = grid%n(merge(2, 1, d == 1))
+        b = (line - 1)/n + 1
+        a = line - (b - 1)*n
+        if (d == 1) then
+            place = place_of(grid, 1, a, b)
+        else if (d == 2) then
+            place = place_of(grid, a, 1, b)
+        else
+            place = place_of(grid, a, b, 1)
+        end if
+    end function line_start
 
     !> Variable in a slot of a state turned into direction d, as the table `turned` has it.
     !@cuf attributes(host,device) &

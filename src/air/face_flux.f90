@@ -14,7 +14,7 @@ module brz_face_flux
     use brz_wall_riemann, only: wall_flux
     implicit none
     private
-    public :: gas_face, cut_face
+    public :: gas_face, cut_face, join_split, cell_faces
 
 contains
 
@@ -40,12 +40,25 @@ contains
         real(rk), intent(in) :: gamma(-2:3) !! ratio of specific heats of each cell [-]
         real(rk), intent(in) :: q(5, -2:3) !! conserved variables, normal momentum in slot 2
         real(rk), intent(out) :: f(5) !! flux in the positive direction
-        real(rk) :: plus(5, -2:3), minus(5, -2:3), up(-2:2), down(-2:2)
-        integer :: c, m
+        real(rk) :: plus(5, -2:3), minus(5, -2:3)
+        integer :: m
 
         do m = -2, 3
             call split_flux(gamma(m), q(1, m), plus(1, m), minus(1, m))
         end do
+        call join_split(scheme, plus, minus, f)
+    end subroutine split_face
+
+    !> Flux through a face from the split fluxes of the cells around it.
+    !@cuf attributes(host,device) &
+    pure subroutine join_split(scheme, plus, minus, f)
+        type(scheme_t), intent(in) :: scheme
+        real(rk), intent(in) :: plus(5, -2:3) !! what moves up, of each cell
+        real(rk), intent(in) :: minus(5, -2:3) !! what moves down
+        real(rk), intent(out) :: f(5) !! flux in the positive direction
+        real(rk) :: up(-2:2), down(-2:2)
+        integer :: c, m
+
         do c = 1, 5
             do m = -2, 2
                 up(m) = plus(c, m)
@@ -53,7 +66,7 @@ contains
             end do
             f(c) = face_value(scheme, c, up) + face_value(scheme, c, down)
         end do
-    end subroutine split_face
+    end subroutine join_split
 
     !> Flux by the Riemann problem of the primitive variables reconstructed on the two sides.
     !@cuf attributes(host,device) &

@@ -28,7 +28,8 @@ contains
 
         d0 = b - a
         d1 = c - b
-        e = relative*max(a*a, max(b*b, c*c))
+        e = max(abs(a), max(abs(b), abs(c)))
+        e = relative*(e*e)
         r0 = (d0*d0 + e)*scale + least
         r1 = (d1*d1 + e)*scale + least
         r0 = 2*(r0*r0)

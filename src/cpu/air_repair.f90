@@ -9,9 +9,10 @@ module brz_air_repair
     use brz_kinds, only: dp, int8, rk
     use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic, lines_per_block, wall_t
     use brz_air_faces, only: flux_at
-    use brz_air_sweep, only: stage_t, stray
+    use brz_air_sweep, only: stage_t
     use brz_air_walls, only: image_of
     use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
+    use brz_positivity, only: is_physical, is_sound
     use brz_runge_kutta, only: repair_passes
     use brz_scheme, only: first_order, max_var, scheme_t
     implicit none
@@ -111,21 +112,11 @@ contains
         end if
         old(:air%n_var) = air%u(cell(1), cell(2), cell(3), :)
         new(:air%n_var) = old(:air%n_var) + stage%dt*air%rate(cell(1), cell(2), cell(3), :)
-        if (new(1) > floor*old(1) .and. inner(new)*old(1) > floor*inner(old)*new(1)) then
-            if (air%n_var < 6) return
-            if (new(6) >= -stray*new(1) .and. new(6) <= (1 + stray)*new(1)) return
-        end if
+        if (is_sound(air%n_var, floor, old, new)) return
         n_bad = n_bad + 1
         call grow(air%bad, n_bad)
         air%bad(:, n_bad) = cell
     end subroutine add_if_bad
-
-    !> Internal energy per volume times density.
-    pure real(rk) function inner(q)
-        real(rk), intent(in) :: q(5) !! conserved variables
-
-        inner = q(5)*q(1) - 0.5_rk*(q(2)*q(2) + q(3)*q(3) + q(4)*q(4))
-    end function inner
 
     !> Give up on a cell that still has no positive density, or is not a number.
     subroutine judge(air, stage, cell, status)
@@ -133,14 +124,14 @@ contains
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: cell(3)
         integer, intent(inout) :: status
-        real(rk) :: new(5)
+        real(rk) :: new(max_var)
 
-        new = air%u(cell(1), cell(2), cell(3), 1:5) &
+        new(1:5) = air%u(cell(1), cell(2), cell(3), 1:5) &
             + stage%dt*air%rate(cell(1), cell(2), cell(3), 1:5)
-        if (new(1) > 0 .and. abs(inner(new)) <= huge(1.0_rk)) return
+        if (is_physical(new)) return
         status = air_unphysical
         air%bad_cell = cell
-        air%bad_state = new
+        air%bad_state = new(1:5)
     end subroutine judge
 
     !> Give the faces of a cell the first-order flux, unless they have it already.

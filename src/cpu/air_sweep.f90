@@ -9,16 +9,16 @@ module brz_air_sweep
     use brz_air_state, only: air_t, brick, lines_per_block, n_ghost, sweep_work_t, wall_t
     use brz_grid_lines, only: first_cell_of, line_of, n_blocks, n_lines, turned
     use brz_gas, only: pressure
+    use brz_positivity, only: stray
     use brz_scheme, only: max_var
     use brz_air_faces, only: flux_at
     use brz_air_lines, only: line_fluxes
     use omp_lib, only: omp_get_thread_num
     implicit none
     private
-    public :: stage_t, sweep, stray
+    public :: stage_t, sweep
 
     integer, parameter :: nb = lines_per_block
-    real(rk), parameter :: stray = 1e3_rk*epsilon(1.0_rk) !! allowed of a mass fraction beyond 0..1
     integer, parameter :: few_cells = 8000 !! fewer are not worth waking the other threads
 
     !> What the sweeps must know of the stage.

@@ -4,9 +4,9 @@
 !> All fields stay on the GPU. The host arrays of `air_t` are a mirror that `fetch_air` refreshes
 !> before a dump or a checkpoint, and `fetch_cells` at the places of gauges.
 module brz_gpu_air_state
-    use brz_air_grid, only: grid_of, grid_t, place_of
+    use brz_air_grid, only: grid_of, grid_t, place_of, stage_t
     use brz_air_outside, only: keep_outside
-    use brz_air_state, only: air_t, set_scale
+    use brz_air_state, only: air_t, bc_periodic, set_scale
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
         find_kernel, free_buffer, kernel_t, launch
     use brz_errors, only: error_t, exit_device, failed, raise
@@ -16,9 +16,8 @@ module brz_gpu_air_state
     implicit none
     private
     public :: gpu_air_t, open_gpu_air, close_gpu_air, fetch_air, fetch_cells
-    public :: leave_threads, fold_threads
+    public :: fold_threads, bytes_of_real
 
-    integer, parameter :: leave_threads = 4096 !! partial sums of what leaves the box
     integer, parameter :: fold_threads = 1024 !! partial results that the host folds
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
 
@@ -26,17 +25,18 @@ module brz_gpu_air_state
         type(grid_t) :: grid
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         type(buffer_t) :: grid_at, scheme_at !! constants
-        type(buffer_t) :: u, u_start !! as in air_t
-        type(buffer_t) :: flux(3) !! through the face above each cell, by direction
-        type(buffer_t) :: bad !! one byte for each cell, see air_check
-        type(buffer_t) :: any_bad
-        type(buffer_t) :: outside(2, 3) !! gas beyond open boundaries, as in air_t
+        type(buffer_t) :: stage_at !! numbers of a stage
+        type(buffer_t) :: u !! conserved variables, as in air_t
+        type(buffer_t) :: spare(2) !! the same of the stages of a step
+        type(buffer_t) :: flux !! through the faces of direction x above each cell
+        type(buffer_t) :: bad !! one byte for each cell, see finish_cell
+        type(buffer_t) :: outside !! (lines, n_var, 2) gas beyond open boundaries
+        type(buffer_t) :: edge !! (lines, n_var, 2) fluxes through the outer faces
+        type(buffer_t) :: outflow !! (lines, n_var) what left since the start
         type(buffer_t) :: part !! one number for each column along z
         type(buffer_t) :: folded !! partial results of all columns
-        type(buffer_t) :: outflow !! (leave_threads, n_var) what left since the start
-        type(kernel_t) :: faces, fallback !! fluxes by the scheme, and of first order
-        type(kernel_t) :: ghosts, ghosts_open, check, judge, update
-        type(kernel_t) :: speed, total, leave, lowered, gather, most, sum
+        type(kernel_t) :: faces, march, redo !! of the scheme
+        type(kernel_t) :: ghosts, update_line, speed, total, leave, lowered, gather, most, sum
         real(dp) :: outflow_before(6) = 0 !! what had left when the GPU took over
     end type gpu_air_t
 
@@ -48,29 +48,33 @@ contains
         type(air_t), intent(inout) :: air
         type(gpu_air_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
-        integer(int64) :: cells, field
-        integer :: d
+        integer(int64) :: cells, field, ends
+        integer :: m
 
-        gpu%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk))
+        gpu%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
         cells = gpu%grid%apart
         field = cells*air%n_var*bytes_of_real
-        call require(device, field*(2 + count(air%n > 1)) + cells, err)
+        ends = int(gpu%grid%lines, int64)*air%n_var
+        call require(device, 4*field + cells + ends*(4*bytes_of_real + 8), err)
         call find_kernels(device, air%scheme, gpu, err)
         call allocate_buffer(gpu%u, field, err)
-        call allocate_buffer(gpu%u_start, field, err)
-        do d = 1, 3
-            call allocate_buffer(gpu%flux(d), merge(field, 8_int64, air%n(d) > 1), err)
-        end do
+        call allocate_buffer(gpu%flux, field, err)
         call allocate_buffer(gpu%bad, cells, err)
-        call allocate_buffer(gpu%any_bad, 8_int64, err)
-        call allocate_buffer(gpu%part, 8_int64*(air%n(1) + 1)*(air%n(2) + 1), err)
+        call allocate_buffer(gpu%outside, 2*ends*bytes_of_real, err)
+        call allocate_buffer(gpu%edge, 2*ends*bytes_of_real, err)
+        call allocate_buffer(gpu%outflow, 8*ends, err)
+        call allocate_buffer(gpu%part, 8_int64*air%n(1)*air%n(2), err)
         call allocate_buffer(gpu%folded, 8_int64*fold_threads, err)
-        call allocate_buffer(gpu%outflow, 8_int64*leave_threads*air%n_var, err)
         gpu%outflow_before = [air%outflow, air%outflow_products]
         call keep_outside(air)
         call set_scale(air)
         call put_constants(air, gpu, err)
+        call put_outside(air, gpu, err)
         call copy_in(air%u, gpu%u, field, err)
+        do m = 1, 2
+            call allocate_buffer(gpu%spare(m), field, err)
+            call copy_in(air%u, gpu%spare(m), field, err)
+        end do
     end subroutine open_gpu_air
 
     !> Refuse a scene that does not fit, before anything is reserved.
@@ -92,12 +96,10 @@ contains
         type(error_t), intent(inout) :: err
 
         call find_kernel(device, 'air_ghosts', gpu%ghosts, err)
-        call find_kernel(device, 'flux_'//flux_name(scheme, scheme%reconstruction), gpu%faces, err)
-        call find_kernel(device, 'flux_'//flux_name(scheme, first_order), gpu%fallback, err)
-        call find_kernel(device, 'air_ghosts_open', gpu%ghosts_open, err)
-        call find_kernel(device, 'air_check', gpu%check, err)
-        call find_kernel(device, 'air_judge', gpu%judge, err)
-        call find_kernel(device, 'air_update', gpu%update, err)
+        call find_kernel(device, 'faces_'//name_of(scheme), gpu%faces, err)
+        call find_kernel(device, 'march_'//name_of(scheme), gpu%march, err)
+        call find_kernel(device, 'redo_'//name_of(scheme), gpu%redo, err)
+        call find_kernel(device, 'air_update_line', gpu%update_line, err)
         call find_kernel(device, 'air_speed', gpu%speed, err)
         call find_kernel(device, 'air_total', gpu%total, err)
         call find_kernel(device, 'air_outflow', gpu%leave, err)
@@ -108,19 +110,18 @@ contains
     end subroutine find_kernels
 
     !> Name of a scheme among the kernels.
-    function flux_name(scheme, reconstruction) result(name)
+    function name_of(scheme) result(name)
         type(scheme_t), intent(in) :: scheme
-        integer, intent(in) :: reconstruction
         character(:), allocatable :: name
 
-        select case (reconstruction)
+        select case (scheme%reconstruction)
         case (first_order); name = 'first_order'
         case (muscl_cells); name = 'muscl'
         case (weno3_cells); name = 'weno3'
         case default; name = 'weno5z'
         end select
         name = name//trim(merge('_hllc ', '_split', scheme%flux == hllc))
-    end function flux_name
+    end function name_of
 
     !> Copy what does not change during a run.
     subroutine put_constants(air, gpu, err)
@@ -128,7 +129,7 @@ contains
         type(gpu_air_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
-        integer :: d, side
+        type(stage_t) :: stage
 
         bytes = storage_size(gpu%grid)/8
         call allocate_buffer(gpu%grid_at, bytes, err)
@@ -136,35 +137,50 @@ contains
         bytes = storage_size(air%scheme)/8
         call allocate_buffer(gpu%scheme_at, bytes, err)
         call copy_in(air%scheme, gpu%scheme_at, bytes, err)
+        call allocate_buffer(gpu%stage_at, storage_size(stage)/8_int64, err)
+    end subroutine put_constants
+
+    !> Copy the gas beyond the open boundaries, line by line.
+    subroutine put_outside(air, gpu, err)
+        type(air_t), intent(in) :: air
+        type(gpu_air_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+        real(rk), allocatable :: outside(:, :, :)
+        integer :: c, d, first, side
+
+        allocate (outside(gpu%grid%lines, air%n_var, 2), source=0.0_rk)
         do d = 1, 3
             do side = 1, 2
                 if (.not. allocated(air%outside(side, d)%q)) cycle
-                bytes = size(air%outside(side, d)%q)*bytes_of_real
-                call allocate_buffer(gpu%outside(side, d), bytes, err)
-                call copy_in(air%outside(side, d)%q, gpu%outside(side, d), bytes, err)
+                first = gpu%grid%before(d) + 1
+                associate (q => air%outside(side, d)%q)
+                    do c = 1, air%n_var
+                        outside(first:first + size(q)/air%n_var - 1, c, side) = &
+                            pack(q(c, :, :), .true.)
+                    end do
+                end associate
             end do
         end do
-    end subroutine put_constants
+        call copy_in(outside, gpu%outside, size(outside, kind=int64)*bytes_of_real, err)
+    end subroutine put_outside
 
     !> Give the memory back.
     subroutine close_gpu_air(gpu)
         type(gpu_air_t), intent(inout) :: gpu
-        integer :: d
 
         call free_buffer(gpu%grid_at)
         call free_buffer(gpu%scheme_at)
+        call free_buffer(gpu%stage_at)
         call free_buffer(gpu%u)
-        call free_buffer(gpu%u_start)
-        do d = 1, 3
-            call free_buffer(gpu%flux(d))
-            call free_buffer(gpu%outside(1, d))
-            call free_buffer(gpu%outside(2, d))
-        end do
+        call free_buffer(gpu%spare(1))
+        call free_buffer(gpu%spare(2))
+        call free_buffer(gpu%flux)
         call free_buffer(gpu%bad)
-        call free_buffer(gpu%any_bad)
+        call free_buffer(gpu%outside)
+        call free_buffer(gpu%edge)
+        call free_buffer(gpu%outflow)
         call free_buffer(gpu%part)
         call free_buffer(gpu%folded)
-        call free_buffer(gpu%outflow)
     end subroutine close_gpu_air
 
     !> Refresh the host's conserved variables, if the GPU has moved on.

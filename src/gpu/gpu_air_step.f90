@@ -1,244 +1,285 @@
 ! SPDX-License-Identifier: MIT
 !> One time step of the air on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_air_step
-    use brz_air_state, only: air_ok, air_t, air_unphysical, bc_outflow, bc_periodic
-    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, kernel_t, launch
+    use brz_air_grid, only: lines_along, stage_t
+    use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic
+    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_in, copy_out, launch
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: gpu_air_t, leave_threads
-    use brz_gpu_air_sums, only: sum_of_columns
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_air_sums, only: sum_of
     use brz_kinds, only: dp, int64, rk
+    use brz_positivity, only: lost_mark
     use brz_runge_kutta, only: least_ratio, new_weight, repair_passes, share_of
+    use brz_scheme, only: first_order
     implicit none
     private
     public :: gpu_air_step
 
+    !> The state that a stage starts from, that of the start of the step, and the next one.
+    type :: states_t
+        type(buffer_t) :: u, start, new
+    end type states_t
+
 contains
 
     !> Advance the air by dt. `status` is air_ok, or air_unphysical: air%bad_cell tells where.
+    !>
+    !> Each stage reads one state and writes another, so that a cell can be computed again.
     subroutine gpu_air_step(gpu, air, dt, status, err)
         type(gpu_air_t), intent(inout) :: gpu
         type(air_t), intent(inout) :: air
         real(dp), intent(in) :: dt !! time step [s]
         integer, intent(out) :: status
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
-        integer :: d, m
+        type(states_t) :: states
+        type(stage_t) :: stage
+        integer :: m
         logical :: lost
 
         status = air_ok
         gpu%fetched = .false.
+        states = states_t(gpu%u, gpu%u, gpu%spare(1))
         do m = 1, air%n_stages
-            call fill_ghosts(gpu, air, err)
-            do d = 1, 3
-                if (air%n(d) > 1) call compute_fluxes(gpu, air, gpu%faces, d, 0, err)
-            end do
-            call repair(gpu, air, real(dt, rk), lost, err)
+            stage = stage_of(air, dt, m)
+            call put_stage(gpu, stage, err)
+            call fill_ghosts(gpu, air, states%u, err)
+            call sweep(gpu, air, states, err)
+            call repair(gpu, air, states, stage, lost, err)
             if (lost) status = air_unphysical
             if (failed(err) .or. lost) return
-            do d = 1, 3
-                if (air%n(d) > 1) call add_outflow(gpu, air, d, share_of(m, air%n_stages)*dt, err)
-            end do
-            call update(gpu, air, real(dt, rk), m, err)
+            call add_outflow(gpu, air, err)
+            states%u = states%new
+            states%new = gpu%spare(1 + mod(m, 2))
         end do
+        m = merge(1, 2, states%u%address == gpu%spare(1)%address)
+        gpu%spare(m) = gpu%u
+        gpu%u = states%u
     end subroutine gpu_air_step
 
-    !> Cells and, in direction d, one more: the number of faces.
-    pure function faces_of(n, d) result(faces)
-        integer, intent(in) :: n(3) !! cells
-        integer, intent(in) :: d !! direction
-        integer :: faces(3)
+    !> What the kernels must know of a stage.
+    pure function stage_of(air, dt, m) result(stage)
+        type(air_t), intent(in) :: air
+        real(dp), intent(in) :: dt !! time step [s]
+        integer, intent(in) :: m !! stage
+        type(stage_t) :: stage
 
-        faces = n
-        faces(d) = faces(d) + 1
-    end function faces_of
+        stage%dt = real(dt, rk)
+        stage%weight = new_weight(m, air%n_stages)
+        stage%floor = merge(least_ratio, 0.0_rk, air%fallback)
+        stage%leaves = share_of(m, air%n_stages)*dt*product(air%dx)/air%dx
+        where (air%bc(1, :) == bc_periodic) stage%leaves = 0
+        stage%found = 0
+    end function stage_of
 
-    subroutine fill_ghosts(gpu, air, err)
+    subroutine put_stage(gpu, stage, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(stage_t), intent(in) :: stage
+        type(error_t), intent(inout) :: err
+
+        call copy_in(stage, gpu%stage_at, storage_size(stage)/8_int64, err)
+    end subroutine put_stage
+
+    !> Has a kernel found a bad cell since the last put_stage?
+    logical function found_bad(gpu, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+        type(stage_t) :: stage
+
+        stage%found = 0
+        call copy_out(gpu%stage_at, stage, storage_size(stage)/8_int64, err)
+        found_bad = stage%found /= 0 .and. .not. failed(err)
+    end function found_bad
+
+    subroutine fill_ghosts(gpu, air, u, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
+        type(buffer_t), intent(in) :: u
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        integer :: d, side, plane(3)
+        integer :: d, lines
 
-        do d = 1, 3
-            if (air%n(d) == 1) cycle
-            plane = [pack(air%n, [1, 2, 3] /= d), 1]
-            do side = 1, 2
-                arguments%n = 0
-                call arguments%add(d)
-                call arguments%add(side)
-                if (air%bc(side, d) == bc_outflow) then
-                    call arguments%add(gpu%grid_at)
-                    call arguments%add(gpu%scheme_at)
-                    call arguments%add(gpu%outside(side, d))
-                    call arguments%add(gpu%u)
-                    call launch(gpu%ghosts_open, plane, arguments, err)
-                else
-                    call arguments%add(air%bc(side, d))
-                    call arguments%add(gpu%grid_at)
-                    call arguments%add(gpu%u)
-                    call launch(gpu%ghosts, plane, arguments, err)
-                end if
-            end do
-        end do
+        lines = maxval([(lines_along(gpu%grid, d), d=1, 3)], mask=air%n > 1)
+        call arguments%add(gpu%grid_at)
+        call arguments%add(gpu%scheme_at)
+        call arguments%add(gpu%outside)
+        call arguments%add(u)
+        call launch(gpu%ghosts, [lines, 6, 1], arguments, err)
     end subroutine fill_ghosts
 
-    !> Fluxes of direction d, of all faces or only of those next to marked cells.
-    subroutine compute_fluxes(gpu, air, kernel, d, only_bad, err)
+    !> Rates of all directions; the last one completes the next state and marks its bad cells.
+    subroutine sweep(gpu, air, states, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
-        type(kernel_t), intent(in) :: kernel !! of a scheme
+        type(states_t), intent(in) :: states
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: d
+
+        if (air%n(1) > 1) then
+            call arguments%add(gpu%grid_at)
+            call arguments%add(gpu%scheme_at)
+            call arguments%add(states%u)
+            call arguments%add(gpu%flux)
+            call arguments%add(gpu%edge)
+            call launch(gpu%faces, [(air%n(1) + 1)*air%n(2), air%n(3), 1], arguments, err)
+        end if
+        if (gpu%grid%last == 1) call update_line(gpu, air, states, err)
+        do d = 2, 3
+            if (air%n(d) > 1) call march(gpu, air, d, states, err)
+        end do
+    end subroutine sweep
+
+    !> Next state of a scene in one dimension.
+    subroutine update_line(gpu, air, states, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        type(states_t), intent(in) :: states
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call arguments%add(gpu%grid_at)
+        call arguments%add(gpu%stage_at)
+        call arguments%add(states%u)
+        call arguments%add(states%start)
+        call arguments%add(states%new)
+        call arguments%add(gpu%flux)
+        call arguments%add(gpu%bad)
+        call launch(gpu%update_line, air%n, arguments, err)
+    end subroutine update_line
+
+    !> Rates of direction y or z.
+    subroutine march(gpu, air, d, states, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
         integer, intent(in) :: d !! direction
-        integer, intent(in) :: only_bad !! 1: next to marked cells
+        type(states_t), intent(in) :: states
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
         call arguments%add(d)
-        call arguments%add(only_bad)
         call arguments%add(gpu%grid_at)
         call arguments%add(gpu%scheme_at)
-        call arguments%add(gpu%u)
+        call arguments%add(gpu%stage_at)
+        call arguments%add(states%u)
+        call arguments%add(states%start)
+        call arguments%add(states%new)
+        call arguments%add(gpu%flux)
         call arguments%add(gpu%bad)
-        call arguments%add(gpu%flux(d))
-        call launch(kernel, faces_of(air%n, d), arguments, err)
-    end subroutine compute_fluxes
+        call arguments%add(gpu%edge)
+        call launch(gpu%march, [lines_along(gpu%grid, d), (air%n(d) - 1)/gpu%grid%segment(d) + 1, &
+            1], arguments, err)
+    end subroutine march
 
-    !> Find the cells whose Euler step loses nearly all density or pressure, and give their faces
-    !> the flux of the fallback. `lost` if that does not help.
-    subroutine repair(gpu, air, dt, lost, err)
+    !> Give the faces of bad cells the flux of first order. `lost` if that does not help.
+    subroutine repair(gpu, air, states, stage, lost, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(inout) :: air
-        real(rk), intent(in) :: dt !! time step [s]
+        type(states_t), intent(in) :: states
+        type(stage_t), intent(in) :: stage
         logical, intent(out) :: lost
         type(error_t), intent(inout) :: err
-        integer :: d, pass
-        logical :: found
+        integer :: pass
 
         lost = .false.
-        call look(gpu, gpu%check, air, dt, merge(least_ratio, 0.0_rk, air%fallback), found, err)
-        if (.not. found) return
-        if (air%fallback) then
+        if (.not. found_bad(gpu, err)) return
+        pass = 0
+        if (air%fallback .and. air%scheme%reconstruction /= first_order) then
             do pass = 1, repair_passes
-                do d = 1, 3
-                    if (air%n(d) > 1) call compute_fluxes(gpu, air, gpu%fallback, d, 1, err)
-                end do
-                call look(gpu, gpu%check, air, dt, least_ratio, found, err)
-                if (.not. found) exit
+                call redo(gpu, air, states, stage, pass, 0, err)
+                if (.not. found_bad(gpu, err)) exit
             end do
-            call count_lowered(gpu, air, err)
+            pass = min(pass, repair_passes)
+            call count_lowered(gpu, air, pass, err)
         end if
-        call look(gpu, gpu%judge, air, dt, 0.0_rk, lost, err)
-        if (lost) call find_lost_cell(gpu, air, err)
+        call redo(gpu, air, states, stage, pass, 1, err)
+        lost = found_bad(gpu, err)
+        if (lost) call find_lost_cell(gpu, air, states%new, err)
         call clear_buffer(gpu%bad, err)
     end subroutine repair
 
-    !> Launch a kernel that looks at the Euler step of every cell. Did it mark one?
-    subroutine look(gpu, kernel, air, dt, floor, found, err)
+    !> Compute marked cells and their neighbours again.
+    subroutine redo(gpu, air, states, stage, pass, judge, err)
         type(gpu_air_t), intent(in) :: gpu
-        type(kernel_t), intent(in) :: kernel
         type(air_t), intent(in) :: air
-        real(rk), intent(in) :: dt !! [s]
-        real(rk), intent(in) :: floor !! least ratio of new to old density and pressure
-        logical, intent(out) :: found
+        type(states_t), intent(in) :: states
+        type(stage_t), intent(in) :: stage
+        integer, intent(in) :: pass !! marks up to this one count
+        integer, intent(in) :: judge !! 1: find the cells that are lost
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        integer, target :: any_bad(1)
 
-        call clear_buffer(gpu%any_bad, err)
+        call put_stage(gpu, stage, err)
+        call arguments%add(pass)
+        call arguments%add(judge)
         call arguments%add(gpu%grid_at)
-        call arguments%add(dt)
-        call arguments%add(floor)
-        call arguments%add(gpu%u)
-        call arguments%add(gpu%flux(1))
-        call arguments%add(gpu%flux(2))
-        call arguments%add(gpu%flux(3))
+        call arguments%add(gpu%scheme_at)
+        call arguments%add(gpu%stage_at)
+        call arguments%add(states%u)
+        call arguments%add(states%start)
+        call arguments%add(states%new)
         call arguments%add(gpu%bad)
-        call arguments%add(gpu%any_bad)
-        call launch(kernel, air%n, arguments, err)
-        any_bad = 0
-        call copy_out(gpu%any_bad, any_bad, 4_int64, err)
-        found = any_bad(1) /= 0
-    end subroutine look
+        call arguments%add(gpu%edge)
+        call launch(gpu%redo, air%n, arguments, err)
+    end subroutine redo
 
-    !> Count the faces next to marked cells.
-    subroutine count_lowered(gpu, air, err)
+    !> Count the faces that took the first-order flux.
+    subroutine count_lowered(gpu, air, pass, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(inout) :: air
+        integer, intent(in) :: pass !! marks up to this one count
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        integer :: d, across(3)
         real(dp) :: n
 
-        call clear_buffer(gpu%part, err)
-        do d = 1, 3
-            if (air%n(d) == 1) cycle
-            across = faces_of(air%n, d)
-            across(3) = 1
-            arguments%n = 0
-            call arguments%add(d)
-            call arguments%add(gpu%grid_at)
-            call arguments%add(gpu%bad)
-            call arguments%add(gpu%part)
-            call launch(gpu%lowered, across, arguments, err)
-        end do
-        call sum_of_columns(gpu, (air%n(1) + 1)*(air%n(2) + 1), n, err)
+        call arguments%add(pass)
+        call arguments%add(gpu%grid_at)
+        call arguments%add(gpu%bad)
+        call arguments%add(gpu%part)
+        call launch(gpu%lowered, [air%n(1:2), 1], arguments, err)
+        call sum_of(gpu, gpu%part, air%n(1)*air%n(2), n, err)
         air%fallback_faces = air%fallback_faces + nint(n, int64)
     end subroutine count_lowered
 
-    !> Where the first lost cell is, for the message.
-    subroutine find_lost_cell(gpu, air, err)
+    !> Where the first lost cell is, and what it would have become.
+    subroutine find_lost_cell(gpu, air, new, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(inout) :: air
+        type(buffer_t), intent(in) :: new !! holds the Euler step of lost cells
         type(error_t), intent(inout) :: err
         character, allocatable, target :: marks(:)
-        integer(int64) :: at
-        integer :: i
+        type(buffer_t) :: value_at
+        real(rk), target :: value(1)
+        integer(int64) :: at, first
+        integer :: c, i
 
         allocate (marks(gpu%grid%apart))
         call copy_out(gpu%bad, marks, gpu%grid%apart, err)
-        call copy_out(gpu%u, air%u, gpu%u%bytes, err)
-        at = findloc(ichar(marks), 2, dim=1) - 1
+        first = findloc(ichar(marks), lost_mark, dim=1)
+        at = first - 1
         do i = 3, 1, -1
             air%bad_cell(i) = int(at/gpu%grid%step(i)) + 1 - air%g(i)
             at = mod(at, int(gpu%grid%step(i), int64))
         end do
-        air%bad_state = air%u(air%bad_cell(1), air%bad_cell(2), air%bad_cell(3), 1:5)
+        do c = 1, 5
+            value = 0
+            value_at = new
+            value_at%address = new%address + (first - 1 + (c - 1)*gpu%grid%apart)*bytes_of_real
+            call copy_out(value_at, value, bytes_of_real, err)
+            air%bad_state(c) = value(1)
+        end do
     end subroutine find_lost_cell
 
-    !> Book what left through the two outer faces of a direction.
-    subroutine add_outflow(gpu, air, d, share, err)
+    !> Book what left through the outer faces.
+    subroutine add_outflow(gpu, air, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
-        integer, intent(in) :: d !! direction
-        real(dp), intent(in) :: share !! weight of the stage times dt [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        if (air%bc(1, d) == bc_periodic) return
-        call arguments%add(d)
-        call arguments%add(leave_threads)
-        call arguments%add(share*product(air%dx)/air%dx(d))
         call arguments%add(gpu%grid_at)
-        call arguments%add(gpu%flux(d))
+        call arguments%add(gpu%stage_at)
+        call arguments%add(gpu%edge)
         call arguments%add(gpu%outflow)
-        call launch(gpu%leave, [leave_threads, 1, 1], arguments, err)
+        call launch(gpu%leave, [gpu%grid%lines, air%n_var, 1], arguments, err)
     end subroutine add_outflow
-
-    subroutine update(gpu, air, dt, m, err)
-        type(gpu_air_t), intent(in) :: gpu
-        type(air_t), intent(in) :: air
-        real(rk), intent(in) :: dt !! time step [s]
-        integer, intent(in) :: m !! stage
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-
-        call arguments%add(gpu%grid_at)
-        call arguments%add(dt)
-        call arguments%add(new_weight(m, air%n_stages))
-        call arguments%add(merge(1, 0, m == 1))
-        call arguments%add(gpu%flux(1))
-        call arguments%add(gpu%flux(2))
-        call arguments%add(gpu%flux(3))
-        call arguments%add(gpu%u)
-        call arguments%add(gpu%u_start)
-        call launch(gpu%update, air%n, arguments, err)
-    end subroutine update
 end module brz_gpu_air_step

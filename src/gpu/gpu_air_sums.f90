@@ -4,11 +4,11 @@ module brz_gpu_air_sums
     use brz_air_state, only: air_t
     use brz_device, only: arguments_t, buffer_t, copy_out, kernel_t, launch
     use brz_errors, only: error_t
-    use brz_gpu_air_state, only: fold_threads, gpu_air_t, leave_threads
+    use brz_gpu_air_state, only: fold_threads, gpu_air_t
     use brz_kinds, only: dp, int64
     implicit none
     private
-    public :: gpu_air_time_step, gpu_air_totals, gpu_outflow, sum_of_columns
+    public :: gpu_air_time_step, gpu_air_totals, gpu_outflow, sum_of
 
 contains
 
@@ -26,7 +26,7 @@ contains
         call arguments%add(gpu%u)
         call arguments%add(gpu%part)
         call launch(gpu%speed, [air%n(1:2), 1], arguments, err)
-        call fold(gpu, gpu%most, air%n(1)*air%n(2), folded, err)
+        call fold(gpu, gpu%most, gpu%part, air%n(1)*air%n(2), folded, err)
         dt = cfl/maxval(folded)
     end function gpu_air_time_step
 
@@ -47,7 +47,7 @@ contains
             call arguments%add(gpu%u)
             call arguments%add(gpu%part)
             call launch(gpu%total, [air%n(1:2), 1], arguments, err)
-            call sum_of_columns(gpu, air%n(1)*air%n(2), totals(c), err)
+            call sum_of(gpu, gpu%part, air%n(1)*air%n(2), totals(c), err)
         end do
         totals = totals*product(air%dx)
     end subroutine gpu_air_totals
@@ -57,33 +57,39 @@ contains
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
-        real(dp), target :: part(leave_threads, air%n_var)
-        real(dp) :: left(6)
+        type(buffer_t) :: lines
+        real(dp) :: left(6), total
+        integer :: c
 
-        part = 0
-        call copy_out(gpu%outflow, part, 8_int64*size(part), err)
         left = gpu%outflow_before
-        left(1:air%n_var) = left(1:air%n_var) + sum(part, dim=1)
+        lines = gpu%outflow
+        do c = 1, air%n_var
+            call sum_of(gpu, lines, gpu%grid%lines, total, err)
+            left(c) = left(c) + total
+            lines%address = lines%address + 8_int64*gpu%grid%lines
+        end do
         air%outflow = left(1:5)
         air%outflow_products = left(6)
     end subroutine gpu_outflow
 
-    !> Sum of the numbers of n columns.
-    subroutine sum_of_columns(gpu, n, total, err)
+    !> Sum of n numbers on the GPU.
+    subroutine sum_of(gpu, numbers, n, total, err)
         type(gpu_air_t), intent(in) :: gpu
+        type(buffer_t), intent(in) :: numbers
         integer, intent(in) :: n
         real(dp), intent(out) :: total
         type(error_t), intent(inout) :: err
         real(dp), target :: folded(fold_threads)
 
-        call fold(gpu, gpu%sum, n, folded, err)
+        call fold(gpu, gpu%sum, numbers, n, folded, err)
         total = sum(folded)
-    end subroutine sum_of_columns
+    end subroutine sum_of
 
-    !> Partial results of the numbers of n columns, by a kernel of reduce.CUF.
-    subroutine fold(gpu, kernel, n, folded, err)
+    !> Partial results of n numbers, by a kernel of reduce.CUF.
+    subroutine fold(gpu, kernel, numbers, n, folded, err)
         type(gpu_air_t), intent(in) :: gpu
         type(kernel_t), intent(in) :: kernel
+        type(buffer_t), intent(in) :: numbers
         integer, intent(in) :: n
         real(dp), intent(out), target :: folded(fold_threads)
         type(error_t), intent(inout) :: err
@@ -92,7 +98,7 @@ contains
         folded = 0
         call arguments%add(int(n, int64))
         call arguments%add(fold_threads)
-        call arguments%add(gpu%part)
+        call arguments%add(numbers)
         call arguments%add(gpu%folded)
         call launch(kernel, [fold_threads, 1, 1], arguments, err)
         call copy_out(gpu%folded, folded, 8_int64*fold_threads, err)
