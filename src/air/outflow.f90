@@ -4,7 +4,7 @@
 !> The gas that was at the boundary at first is taken to go on for ever beyond it. The two meet in a
 !> Riemann problem: a wave into gas at rest is its own solution and finds no obstacle, shock or
 !> not, and gas that is sucked in has the state of the gas outside. Gas that leaves faster than
-!> sound is left alone. Point physics.
+!> sound is left alone; of gas that comes faster than sound the state is that of the gas outside. Point physics.
 module brz_outflow
     use brz_kinds, only: rk
     use brz_gas, only: sound_speed, to_conserved, to_primitive
@@ -97,7 +97,7 @@ contains
         real(rk), intent(in) :: far(5) !! the same of the gas far away
         integer, intent(in) :: side !! +1: the boundary is above the gas, -1: below
         real(rk), intent(out) :: out(5) !! the same just outside
-        real(rk) :: u, u_star, p_in, p_out, rho_in, rho_out, gap
+        real(rk) :: u, u_star, p_in, p_out, rho_in, rho_out, gap, front
         integer :: c, m
 
         do c = 1, 5
@@ -115,6 +115,15 @@ contains
                 + gap/(sqrt(gamma*p_in*rho_in) + sqrt(gamma_far*p_out*rho_out))
         end do
         if (.not. abs(u_star - u) > 0) return
+        ! the wave into the gas outside; where the wind blows it back, nothing inside is felt
+        front = sound_speed(gamma_far, far(1), far(5))*sqrt(1 &
+            + max((gamma_far + 1)/(2*gamma_far)*(p_out/far(5) - 1), 0.0_rk))
+        if (side*far(2) + front <= 0) then
+            do c = 1, 5
+                out(c) = far(c)
+            end do
+            return
+        end if
         out(2) = far(2) + side*u_star
         if (side*out(2) > 0) then
             out(1) = rho_in
