@@ -15,6 +15,7 @@ module brz_scheme
     !! reconstructions
     integer, parameter :: steger_warming = 1, hllc = 2 !! fluxes
 
+    !> Without a deck the combination of the paper; what a deck says nothing about is in case.f90.
     type :: scheme_t
         integer :: reconstruction = weno3_cells
         integer :: flux = steger_warming

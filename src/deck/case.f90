@@ -44,10 +44,10 @@ module brz_case
         real(dp) :: gamma = 1.4_dp
         real(dp) :: cfl = 0.5_dp
         integer :: ramp_steps = 20 !! first steps, over which the time step grows from a tenth
-        character(name_len) :: reconstruction = 'weno3'
+        character(name_len) :: reconstruction = 'muscl'
         !! 'first_order', 'muscl', 'weno3', 'weno5z'
-        character(name_len) :: flux = 'steger_warming' !! or 'hllc'
-        character(name_len) :: integrator = 'ssprk3' !! or 'ssprk2'
+        character(name_len) :: flux = 'hllc' !! or 'steger_warming'
+        character(name_len) :: integrator = 'ssprk2' !! or 'ssprk3'
         logical :: activity = .true. !! leave out what nothing has reached
         logical :: fallback = .true. !! first-order fluxes where a state would become unphysical
     end type air_case_t

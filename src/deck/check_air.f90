@@ -30,7 +30,7 @@ contains
         call check_corners(deck, g, case%air%lo, case%air%hi)
         if (case%air%reconstruction == 'weno5z' .and. case%air%integrator == 'ssprk2') &
             call complain(deck, g, 'integrator', "fifth order is unstable with two stages; use "// &
-                          "integrator='ssprk3', or reconstruction='weno3' or 'muscl'")
+                          "integrator='ssprk3', or reconstruction='muscl'")
         if (.not. is_usable(deck%groups(g), 'cells')) return
         if (product(real(case%air%cells, dp)) > real(huge(1), dp)) &
             call complain(deck, g, 'cells', to_text(product(real(case%air%cells, dp)))// &

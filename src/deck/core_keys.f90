@@ -96,15 +96,15 @@ contains
                       upper=1e6_dp, &
                       meaning='First steps, over which the time step grows from a tenth to '// &
                       'the whole.'), &
-                key_t(group=g, key='reconstruction', kind=kind_text, default='weno3', &
+                key_t(group=g, key='reconstruction', kind=kind_text, default='muscl', &
                       choices='first_order|muscl|weno3|weno5z', &
                       meaning='Reconstruction at the faces: of the split fluxes with '// &
                       'steger_warming, of density, velocity and pressure with hllc.'), &
-                key_t(group=g, key='flux', kind=kind_text, default='steger_warming', &
+                key_t(group=g, key='flux', kind=kind_text, default='hllc', &
                       choices='steger_warming|hllc', &
                       meaning='Flux: by splitting, or by an approximate Riemann solver that '// &
                       'keeps contacts.'), &
-                key_t(group=g, key='integrator', kind=kind_text, default='ssprk3', &
+                key_t(group=g, key='integrator', kind=kind_text, default='ssprk2', &
                       choices='ssprk3|ssprk2', &
                       meaning='Runge-Kutta method: three stages or two; weno5z needs three.'), &
                 key_t(group=g, key='activity', kind=kind_logical, default='.true.', &
