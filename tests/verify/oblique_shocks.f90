@@ -45,7 +45,8 @@ contains
         real(dp) :: normal2
 
         normal2 = (mach*sin(beta))**2
-        mach_behind = sqrt((1 + (g - 1)/2*normal2)/(g*normal2 - (g - 1)/2))/sin(beta - turn(mach, beta))
+        mach_behind = sqrt((1 + (g - 1)/2*normal2)/(g*normal2 - (g - 1)/2)) &
+            /sin(beta - turn(mach, beta))
     end function mach_behind
 
     !> Angle of the weak shock that turns a flow by an angle [rad].
