@@ -18,6 +18,7 @@ module brz_coupling_state
 
     type :: coupling_t
         logical :: present = .false.
+        logical :: paper = .false. !! as the paper prints it, see brz_coupling_paper
         integer :: n_var = 5 !! conserved variables of the air
         real(rk) :: spread = 1.5_rk !! depth over which a load is spread, in air cells
         real(rk) :: reference_pressure = 0 !! taken off every load [Pa]

@@ -15,7 +15,7 @@ module brz_air_step
     use omp_lib, only: omp_get_max_threads
     implicit none
     private
-    public :: air_step
+    public :: air_step, begin_step, take_rates, update
 
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
 
@@ -31,33 +31,55 @@ contains
         real(dp), intent(in) :: dt !! time step [s]
         integer, intent(out) :: status
         type(stage_t) :: stage
-        integer :: d, last, m
+        integer :: m
 
-        status = air_ok
-        call make_buffers(air)
-        if (wall%present) wall%impulse(1:wall%n_faces) = 0
-        last = findloc(air%n > 1, .true., dim=1, back=.true.)
-        stage%dt = real(dt, rk)
-        stage%floor = merge(least_ratio, 0.0_rk, air%fallback)
-        call set_scale(air)
-        call find_awake(air, wall)
+        call begin_step(air, wall, dt, stage)
         do m = 1, air%n_stages
-            call fill_ghosts(air, wall)
-            stage%share = real(share_of(m, air%n_stages), rk)*stage%dt
-            stage%first = .true.
-            do d = 1, last
-                if (air%n(d) == 1) cycle
-                stage%last = d == last
-                call sweep(air, wall, d, stage)
-                call add_outflow(air, d, stage%share)
-                stage%first = .false.
-            end do
-            if (any(air%suspect(1:n_blocks(air%n, last)) > 0)) &
-                call repair(air, wall, last, stage, status)
+            call take_rates(air, wall, m, stage, status)
             if (status /= air_ok) return
             call update(air, stage%dt, new_weight(m, air%n_stages), m == 1)
         end do
     end subroutine air_step
+
+    !> Buffers, impulses and the map of what is awake, for a step of dt.
+    subroutine begin_step(air, wall, dt, stage)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        real(dp), intent(in) :: dt !! time step [s]
+        type(stage_t), intent(out) :: stage
+
+        call make_buffers(air)
+        if (wall%present) wall%impulse(1:wall%n_faces) = 0
+        stage%dt = real(dt, rk)
+        stage%floor = merge(least_ratio, 0.0_rk, air%fallback)
+        call set_scale(air)
+        call find_awake(air, wall)
+    end subroutine begin_step
+
+    !> Rates of stage m from the state of the air, in air%rate; `status` as air_step has it.
+    subroutine take_rates(air, wall, m, stage, status)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        integer, intent(in) :: m !! stage, from 1
+        type(stage_t), intent(inout) :: stage
+        integer, intent(out) :: status
+        integer :: d, last
+
+        status = air_ok
+        last = findloc(air%n > 1, .true., dim=1, back=.true.)
+        call fill_ghosts(air, wall)
+        stage%share = real(share_of(m, air%n_stages), rk)*stage%dt
+        stage%first = .true.
+        do d = 1, last
+            if (air%n(d) == 1) cycle
+            stage%last = d == last
+            call sweep(air, wall, d, stage)
+            call add_outflow(air, d, stage%share)
+            stage%first = .false.
+        end do
+        if (any(air%suspect(1:n_blocks(air%n, last)) > 0)) &
+            call repair(air, wall, last, stage, status)
+    end subroutine take_rates
 
     !> Give every thread its buffers; only a first step, or one with more threads, allocates.
     subroutine make_buffers(air)

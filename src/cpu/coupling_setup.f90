@@ -34,6 +34,8 @@ contains
         if (failed(err)) return
         call couple(air, solid, real(case%coupling%spread, rk), &
                     real(case%coupling%reference_pressure, rk), coupling)
+        coupling%paper = case%coupling%scheme == 'paper'
+        if (coupling%paper) air%activity = .false.
     end subroutine set_up_coupling
 
     !> Put the walls up where the particles are. What gas was there is taken out.

@@ -20,6 +20,7 @@ contains
         integer :: e
 
         call air_totals(air, coupling%wall, gas, ledger)
+        if (coupling%paper) ledger = 0 ! there is none: solid cells hold gas that is made up
         debt = 0
         do e = 1, coupling%n_debts
             debt = debt + coupling%debt(1:5, e)*product(air%dx)

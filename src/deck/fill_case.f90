@@ -308,6 +308,7 @@ contains
                     call get(group, 'leave', case%solid%leave)
                     call get_region(group, case%solid)
                 case ('coupling')
+                    call get(group, 'scheme', case%coupling%scheme)
                     call get(group, 'spread', case%coupling%spread)
                     call get(group, 'reference_pressure', case%coupling%reference_pressure)
                 case ('output')

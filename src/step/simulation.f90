@@ -51,6 +51,6 @@ contains
         call start_solid(sim%solid, err)
         if (failed(err)) return
         call set_up_coupling(sim%case, sim%air, sim%solid, sim%coupling, err)
-        if (.not. sim%coupling%present) sim%solid%asleep = .false.
+        if (.not. sim%coupling%present .or. sim%coupling%paper) sim%solid%asleep = .false.
     end subroutine set_up_simulation
 end module brz_simulation

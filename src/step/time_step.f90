@@ -6,6 +6,7 @@ module brz_time_step
     use brz_backend, only: advance_air, limit_of_air
     use brz_coupling_events, only: reclassify
     use brz_coupling_load, only: load_is_negligible, spread_load
+    use brz_coupling_paper, only: move_paper_walls, paper_step
     use brz_coupling_velocity, only: set_wall_velocity
     use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_kinds, only: dp, int64
@@ -30,14 +31,14 @@ contains
         call choose_time_step(sim, dt, err)
         if (failed(err)) return
         mark = wall_seconds()
-        if (sim%coupling%present) then
+        if (sim%coupling%present .and. .not. sim%coupling%paper) then
             call set_wall_velocity(sim%air, sim%solid, sim%coupling, dt)
             call lap(mark, sim%progress%coupling_seconds)
         end if
         if (sim%air%present) call step_air(sim, dt, err)
         call lap(mark, sim%progress%air_seconds)
         if (failed(err)) return
-        if (sim%coupling%present) then
+        if (sim%coupling%present .and. .not. sim%coupling%paper) then
             call load_solid(sim, dt)
             call lap(mark, sim%progress%coupling_seconds)
         end if
@@ -45,7 +46,11 @@ contains
         call lap(mark, sim%progress%solid_seconds)
         if (failed(err)) return
         if (sim%coupling%present) then
-            call reclassify(sim%air, sim%solid, sim%coupling)
+            if (sim%coupling%paper) then
+                call move_paper_walls(sim%air, sim%solid, sim%coupling)
+            else
+                call reclassify(sim%air, sim%solid, sim%coupling)
+            end if
             call lap(mark, sim%progress%coupling_seconds)
         end if
         sim%clock%dt = dt
@@ -117,7 +122,11 @@ contains
         type(error_t), intent(inout) :: err
         integer :: status
 
-        call advance_air(sim%backend, sim%air, sim%coupling%wall, dt, status, err)
+        if (sim%coupling%paper) then
+            call paper_step(sim%air, sim%solid, sim%coupling, dt, status)
+        else
+            call advance_air(sim%backend, sim%air, sim%coupling%wall, dt, status, err)
+        end if
         if (status /= air_ok) call report_lost_cell(sim, err)
         sim%progress%cell_steps = sim%progress%cell_steps + product(int(sim%air%n, int64))
     end subroutine step_air

@@ -1,0 +1,137 @@
+! SPDX-License-Identifier: MIT
+!> The coupling of Chen et al. as printed, to compare with: solid cells are filled with gas before
+!> every stage, ordinary fluxes run through them, and the force is what they would do to that gas.
+!>
+!> It loses mass and lets gas through thin solids: docs/coupling.md shows how much.
+module brz_coupling_paper
+    use brz_air_state, only: air_ok, air_t, wall_t
+    use brz_air_step, only: begin_step, take_rates, update
+    use brz_air_sweep, only: stage_t
+    use brz_air_walls, only: build_walls
+    use brz_cell_shells, only: neighbour
+    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, move_walls
+    use brz_coupling_state, only: coupling_t
+    use brz_gas, only: to_conserved
+    use brz_kinds, only: dp, rk
+    use brz_paper_rules, only: add_neighbour, filled_state, paper_force
+    use brz_runge_kutta, only: new_weight, share_of
+    use brz_scheme, only: max_var
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: paper_step, move_paper_walls
+
+contains
+
+    !> One step of the air with the bodies in it; their particles get its mean force (Eq. 28, 29:
+    !> the weights of the stages, even shares for the particles of a cell).
+    subroutine paper_step(air, solid, coupling, dt, status)
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(inout) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        real(dp), intent(in) :: dt !! [s]
+        integer, intent(out) :: status !! as air_step has it
+        type(wall_t) :: none
+        type(stage_t) :: stage
+        integer :: m
+
+        call move_walls(solid, coupling)
+        call fill_solid_cells(air, coupling)
+        call begin_step(air, none, dt, stage)
+        solid%load(:, :solid%n) = 0
+        do m = 1, air%n_stages
+            if (m > 1) call fill_solid_cells(air, coupling)
+            call take_rates(air, none, m, stage, status)
+            if (status /= air_ok) return
+            call add_forces(air, solid, coupling, share_of(m, air%n_stages), dt)
+            call update(air, stage%dt, new_weight(m, air%n_stages), m == 1)
+        end do
+    end subroutine paper_step
+
+    !> Fill the solid cells with gas: those that touch gas from the gas around, the others at rest.
+    subroutine fill_solid_cells(air, coupling)
+        type(air_t), intent(inout) :: air
+        type(coupling_t), intent(in) :: coupling
+        real(rk) :: u(max_var), v(3)
+        integer :: c, ijk(3)
+
+        do c = 1, coupling%wall%n_cells
+            ijk = coupling%wall%cell(:, c)
+            v = coupling%wall%v(:, c)
+            u(6) = 0
+            if (any(coupling%face_of(:, c) > 0)) then
+                call blend(air, coupling, ijk, v, u)
+            else
+                call to_conserved(air%scheme%gamma, [air%rho_rest, v, air%p_rest], u)
+            end if
+            air%u(ijk(1), ijk(2), ijk(3), :) = u(:air%n_var)
+        end do
+    end subroutine fill_solid_cells
+
+    !> State of an interface cell from the gas cells within reach.
+    subroutine blend(air, coupling, c, v, u)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        integer, intent(in) :: c(3) !! cell
+        real(rk), intent(in) :: v(3) !! of the solid in it
+        real(rk), intent(out) :: u(max_var)
+        real(rk) :: sums(4), q(max_var), distance
+        integer :: m, to(3)
+        logical :: inside
+
+        sums = 0
+        do m = 1, coupling%shells%first(coupling%shells%n + 1) - 1
+            call neighbour(air%n, coupling%wraps, c, coupling%shells%offset(:, m), to, inside)
+            if (.not. inside) cycle
+            if (coupling%wall%solid(to(1), to(2), to(3)) == 1) cycle
+            q(6) = 0
+            q(:air%n_var) = air%u(to(1), to(2), to(3), :)
+            distance = norm2(real(coupling%shells%offset(:, m), rk))
+            call add_neighbour(q, distance, sums)
+        end do
+        call filled_state(sums, v, u)
+    end subroutine blend
+
+    !> Add what one stage does to the mean force of the step, and to the sums of impulse and work.
+    subroutine add_forces(air, solid, coupling, share, dt)
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(inout) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        real(dp), intent(in) :: share !! weight of the stage
+        real(dp), intent(in) :: dt !! [s]
+        real(rk) :: force(3)
+        integer :: c, i, p, ijk(3)
+
+        do c = 1, coupling%wall%n_cells
+            ijk = coupling%wall%cell(:, c)
+            call paper_force(air%rate(ijk(1), ijk(2), ijk(3), 1:4), coupling%wall%v(:, c), force)
+            force = real(share*product(air%dx), rk)*force
+            do i = coupling%first(c), coupling%first(c + 1) - 1
+                p = coupling%binned(i)
+                solid%load(:, p) = solid%load(:, p) &
+                                   + force/(coupling%first(c + 1) - coupling%first(c))
+            end do
+            coupling%impulse = coupling%impulse + force*dt
+            coupling%work = coupling%work + dt*dot_product(force, coupling%wall%v(:, c))
+        end do
+    end subroutine add_forces
+
+    !> The map of solid cells after the particles have moved. A cell that the solid leaves keeps the
+    !> gas it was filled with.
+    subroutine move_paper_walls(air, solid, coupling)
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        logical :: moved
+
+        call find_cells(air, solid, coupling, moved)
+        if (moved) then
+            call mark_cells(air, solid, coupling)
+            coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = coupling%mark
+            call build_walls(air, coupling%wall)
+            call index_faces(coupling)
+            call fill_bins(air, solid, coupling)
+        end if
+        call move_walls(solid, coupling)
+    end subroutine move_paper_walls
+end module brz_coupling_paper
