@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> One solid cell in the coupling of Chen et al. as printed: what gas it is filled with, and the force
-!> on its particles. Point physics: compiled for the CPU and for the GPU.
+!> One solid cell in the coupling of Chen et al. as printed: what gas it is filled with, and the
+!> force on its particles. Point physics: compiled for the CPU and for the GPU.
 !>
 !> Source: Chen et al., Eq. 26-30. The state of solid cells that touch no gas is not given there;
 !> they hold air at rest, moving with the solid.

@@ -233,8 +233,8 @@ contains
                 key_t(group='coupling', meaning='How air and bodies meet.'), &
                 key_t(group='coupling', key='scheme', kind=kind_text, default='wall_flux', &
                       choices='wall_flux|paper', &
-                      meaning='wall_flux: fluxes at walls, nothing is lost. paper: as the paper '// &
-                      'prints it, solid cells filled with gas, to compare; it loses mass.'), &
+                      meaning='wall_flux: fluxes at walls, nothing is lost. paper: as the paper'// &
+                      ' prints it, solid cells filled with gas, to compare; it loses mass.'), &
                 key_t(group='coupling', key='spread', default='1.5', lower=zero, &
                       open_lower=.true., upper=10*one, &
                       meaning='Depth over which a surface load is spread into a body, in air '// &
