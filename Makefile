@@ -91,7 +91,7 @@ PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf tests/gpu/*.pf))
 PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90 tests/gpu/gpu_tools.f90))
 include tests/pfstub/pfunit.mk
 BENCH    := $(sort $(wildcard tests/bench/bench_*.f90))
-$(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(LIB)
+$(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(B)/obj/tests/bench/floors.o $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
@@ -179,7 +179,7 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) $(wildcard tests/gpu/bench_gpu.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
+SCANNED = $(SRC) $(wildcard tests/gpu/bench_gpu.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) tests/bench/floors.f90 \
           $(STUDY)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }

@@ -8,6 +8,7 @@
 !> flop, divisions and roots apart.
 program bench_air
     use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_bench_floors, only: core_time, floors_t, measure_floors
     use brz_kinds, only: dp, int64, rk
     use brz_air_state, only: air_t, wall_t
     use brz_air_setup, only: make_grid
@@ -25,11 +26,6 @@ program bench_air
         integer :: reconstruction = first_order, flux = steger_warming, stages = 3
         integer :: flops = 0, divisions = 0
     end type method_t
-
-    !> What the machine can do.
-    type :: floors_t
-        real(dp) :: bytes = 0, flops = 0, divisions = 0 !! per second of core time
-    end type floors_t
 
     integer, parameter :: n = 96, steps = 6
     integer, parameter :: update_flops = 50 !! per cell and stage: the update and the test of it
@@ -166,63 +162,4 @@ contains
             '     activity: 60 steps of a blast until ', awake, &
             ' of the bricks are awake take ', core(2)/core(1), ' of the time'
     end subroutine measure_activity
-
-    !> Bandwidth, multiply-adds and divisions per second of core time, with all threads at it.
-    subroutine measure_floors(floors)
-        type(floors_t), intent(out) :: floors
-        integer, parameter :: large = 6000000, small = 1024, rounds = 4000
-        real(rk), allocatable :: a(:), b(:), c(:)
-        real(rk) :: x(small)
-        integer :: i, k, pass
-
-        allocate (a(large), b(large), c(large), source=1.0_rk)
-        do pass = 1, 4
-            floors%bytes = -core_time()
-            !$omp parallel do schedule(static)
-            do i = 1, large
-                a(i) = b(i) + 0.5_rk*c(i)
-            end do
-            floors%bytes = 3.0_dp*storage_size(1.0_rk)/8*large/(floors%bytes + core_time())
-            c(pass) = a(pass)
-        end do
-        floors%flops = -core_time()
-        !$omp parallel private(x, i, k)
-        x = 1.0_rk
-        do k = 1, rounds
-            do i = 1, small
-                x(i) = polynomial(x(i))
-            end do
-        end do
-        if (sum(x) < 0) write (output_unit, *) x
-        !$omp end parallel
-        floors%flops = 32.0_dp*rounds*small*omp_get_max_threads()/(floors%flops + core_time())
-        floors%divisions = -core_time()
-        !$omp parallel private(x, i, k)
-        x = 1.0_rk
-        do k = 1, rounds
-            do i = 1, small
-                x(i) = 2/(x(i) + 1)
-            end do
-        end do
-        if (sum(x) < 0) write (output_unit, *) x
-        !$omp end parallel
-        floors%divisions = 1.0_dp*rounds*small*omp_get_max_threads() &
-            /(floors%divisions + core_time())
-    end subroutine measure_floors
-
-    !> Time that the cores have worked for this program so far [s].
-    real(dp) function core_time()
-        call cpu_time(core_time)
-    end function core_time
-
-    !> Sixteen multiply-adds.
-    pure real(rk) function polynomial(x) result(p)
-        real(rk), intent(in) :: x
-        integer :: i
-
-        p = x
-        do i = 1, 16
-            p = 0.5_rk - 0.25_rk*p
-        end do
-    end function polynomial
 end program bench_air
