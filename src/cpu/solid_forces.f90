@@ -8,7 +8,7 @@ module brz_solid_forces
     use brz_solid_bonds, only: add_bonded_forces
     use brz_solid_lanes, only: centre_t
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, &
-                                   n_terms, sum_axial, sum_plain, sum_stiff, sum_total, &
+                                   n_terms, sum_axial, sum_plain, sum_stiff, &
                                    sum_viscous, viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, n_pair, &
@@ -105,14 +105,15 @@ contains
                     call sum_axial(p, solid%x, solid%v, solid%x_ref, solid%hold, &
                                    solid%pair, solid%list(first), f)
                 else
-                    call sum_stiff(solid%n, p, solid%x, solid%v, solid%x_ref, solid%pair, &
+                    call sum_stiff(.false., p, solid%x, solid%v, solid%x_ref, solid%pair, &
                                    solid%list(first), f)
                 end if
             case (form_total)
-                call sum_total(solid%n, p, solid%x, solid%v, solid%x_ref, solid%pair, &
+                call sum_stiff(.true., p, solid%x, solid%v, solid%x_ref, solid%pair, &
                                solid%list(first), f)
             case (form_corrected_hourglass)
-                call sum_viscous(solid%n, p, solid%x, solid%v, solid%pair, solid%list(first), f)
+                call sum_viscous(body%first, p, solid%near(1, body%near), &
+                                 solid%pair(1, body%first), solid%list(first), f)
             case default
                 call sum_plain(solid%n, p, solid%x, solid%v, solid%pair, solid%list(first), f)
             end select

@@ -7,7 +7,7 @@ module brz_solid_gradient_sums
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, rk
     use brz_solid_lanes, only: add_lanes, centre_t
-    use brz_solid_state, only: lanes
+    use brz_solid_state, only: lanes, n_near
     implicit none
     private
     public :: sum_plain, sum_bending, n_moment, n_outer, n_terms, at_g, at_x
@@ -20,27 +20,34 @@ module brz_solid_gradient_sums
 contains
 
     !> Sums over the direct neighbours: moments and velocity.
-    subroutine sum_plain(n, p, x, v, volume, list, sums)
-        integer, intent(in) :: n
+    !>
+    !> Whole rows are loaded and turned in registers, which is faster than to gather their numbers
+    !> one by one. The nil at the end of a row is added so that the compiler takes all of it.
+    subroutine sum_plain(first, p, near, list, sums)
+        integer, intent(in) :: first !! of the body: the particle of the first row
         type(centre_t), intent(in) :: p
-        real(dp), intent(in) :: x(3, n)
-        real(rk), intent(in) :: v(3, n), volume(n)
+        real(dp), intent(in) :: near(n_near, first:*)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: sums(n_terms)
+        real(dp) :: row(n_near, lanes), own(n_near)
         real(rk) :: acc(lanes, at_x), r(3), dv(3), m(n_moment), g(n_outer), w
-        integer :: k, l, j, t
+        integer :: k, l, t
 
+        own = near(:, p%i)
         acc = 0
         do k = 0, p%count - 1, lanes
+            !GCC$ novector
+            do l = 1, lanes
+                row(:, l) = near(:, list(k + l))
+            end do
             !GCC$ unroll 1
             do l = 1, lanes
-                j = list(k + l)
                 do t = 1, 3
-                    r(t) = real(x(t, p%i) - x(t, j), rk)
-                    dv(t) = v(t, p%i) - v(t, j)
+                    r(t) = real(own(t) - row(t, l), rk)
+                    dv(t) = real(own(t + 3) - row(t + 3, l), rk)
                 end do
-                w = volume(j)*kernel_slope(p%scale, p%half_over_h, &
-                                           sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
+                w = real(row(7, l) + row(8, l), rk) &
+                    *kernel_slope(p%scale, p%half_over_h, sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
                 call moment_terms(w, r, m)
                 call outer_terms(w, dv, r, g)
                 do t = 1, n_moment

@@ -34,6 +34,7 @@ contains
         real(dp) :: limit
         integer :: k
 
+        call fill_near(solid)
         limit = huge(limit)
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) reduction(min: limit)
         do k = 1, size(solid%block, 2)
@@ -42,6 +43,24 @@ contains
         solid%dt_limit = limit
         if (dt > 0) call book_work(solid)
     end subroutine gradient_pass
+
+    !> Bring the rows of `near` up to date: both passes of a step see the same.
+    subroutine fill_near(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: i, k
+
+        if (size(solid%near) == 0) return
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
+        do k = 1, size(solid%block, 2)
+            associate (body => solid%bodies(solid%block(1, k)))
+                if (body%near == 0) cycle
+                do i = solid%block(2, k), solid%block(3, k)
+                    solid%near(:, body%near + i - body%first) = &
+                        [solid%x(:, i), real(solid%v(:, i), dp), real(solid%volume(i), dp), 0.0_dp]
+                end do
+            end associate
+        end do
+    end subroutine fill_near
 
     !> Add the work of the blocks to the ledgers of the bodies, in fixed order.
     subroutine book_work(solid)
@@ -108,7 +127,7 @@ contains
                 call sum_bending(solid%n, p, solid%x_ref, solid%v, solid%x, solid%volume, &
                                  solid%list(first), sums)
             case default
-                call sum_plain(solid%n, p, solid%x, solid%v, solid%volume, solid%list(first), sums)
+                call sum_plain(body%first, p, solid%near(1, body%near), solid%list(first), sums)
             end select
         end associate
     end subroutine sum_direct

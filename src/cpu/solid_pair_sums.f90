@@ -9,11 +9,11 @@ module brz_solid_pair_sums
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force, &
                               viscous_force
     use brz_solid_lanes, only: add_lanes, centre_t
-    use brz_solid_state, only: lanes, n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
+    use brz_solid_state, only: lanes, n_near, n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
                                pair_quadratic, pair_stress, pair_volume
     implicit none
     private
-    public :: sum_plain, sum_viscous, sum_stiff, sum_axial, sum_total, viscosity, &
+    public :: sum_plain, sum_viscous, sum_stiff, sum_axial, viscosity, &
               mirrored
     public :: n_terms, at_heat, at_friction, at_drag, at_hold
 
@@ -66,37 +66,46 @@ contains
         call add_lanes(at_hold, acc, f)
     end subroutine sum_plain
 
-    !> Stress, viscosity and viscous hourglass force over the direct neighbours.
-    subroutine sum_viscous(n, p, x, v, pair, list, f)
-        integer, intent(in) :: n
+    !> Stress, viscosity and viscous hourglass force over the direct neighbours. Whole rows are
+    !> loaded and turned in registers.
+    subroutine sum_viscous(first, p, near, pair, list, f)
+        integer, intent(in) :: first !! of the body: the particle of the first rows
         type(centre_t), intent(in) :: p
-        real(dp), intent(in) :: x(3, n)
-        real(rk), intent(in) :: v(3, n), pair(n_pair, n)
+        real(dp), intent(in) :: near(n_near, first:*)
+        real(rk), intent(in) :: pair(n_pair, first:*)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: f(n_terms)
+        real(dp) :: here(n_near), row(n_near, lanes)
+        real(rk) :: one(8, lanes), two(8, lanes), three(8, lanes)
         real(rk) :: acc(lanes, at_hold), r(3), dv(3), own(n_pair), other(n_pair), g(3), d(3)
         real(rk) :: w, u, y, r2, vr, heat
-        integer :: k, l, j, t
+        integer :: k, l, t
 
+        here = near(:, p%i)
         own = pair(:, p%i)
         acc = 0
         do k = 0, p%count - 1, lanes
+            !GCC$ novector
+            do l = 1, lanes
+                row(:, l) = near(:, list(k + l))
+                one(:, l) = pair(1:8, list(k + l))
+                two(:, l) = pair(9:16, list(k + l))
+                three(:, l) = pair(17:24, list(k + l))
+            end do
             !GCC$ unroll 1
             do l = 1, lanes
-                j = list(k + l)
                 do t = 1, 3
-                    r(t) = real(x(t, p%i) - x(t, j), rk)
-                    dv(t) = v(t, p%i) - v(t, j)
+                    r(t) = real(here(t) - row(t, l), rk)
+                    dv(t) = real(here(t + 3) - row(t + 3, l), rk)
                 end do
-                do t = 1, pair_affine
-                    other(t) = pair(t, j)
-                end do
-                do t = pair_affine + 1, pair_hold
-                    other(t) = pair(t, j)
+                do t = 1, 8
+                    other(t) = one(t, l)
+                    other(t + 8) = two(t, l)
+                    other(t + 16) = three(t, l)
                 end do
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
-                w = own(pair_volume)*other(pair_volume) &
+                w = own(pair_volume)*(other(pair_volume) + real(row(n_near, l), rk)) &
                     *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
                 call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
                 u = viscosity(p, own, other, w, r2, vr)
@@ -114,16 +123,17 @@ contains
         call add_lanes(at_hold, acc, f)
     end subroutine sum_viscous
 
-    !> Stress, viscosity and stiff hourglass force over the direct neighbours.
-    subroutine sum_stiff(n, p, x, v, x_ref, pair, list, f)
-        integer, intent(in) :: n
+    !> Stress, viscosity and stiff hourglass force over the direct neighbours. In a total-Lagrangian
+    !> body X_ij weighs the pairs, and the stress (there Piola's) acts along it.
+    subroutine sum_stiff(total, p, x, v, x_ref, pair, list, f)
+        logical, intent(in) :: total !! total-Lagrangian
         type(centre_t), intent(in) :: p
-        real(dp), intent(in) :: x(3, n), x_ref(3, n)
-        real(rk), intent(in) :: v(3, n), pair(n_pair, n)
+        real(dp), intent(in) :: x(3, *), x_ref(3, *)
+        real(rk), intent(in) :: v(3, *), pair(n_pair, *)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: f(n_terms)
-        real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), other(n_pair), g(3), d(3)
-        real(rk) :: w, u, r2, vr
+        real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), arm(3), own(n_pair), other(n_pair)
+        real(rk) :: g(3), d(3), w, u, r2, vr
         integer :: k, l, j, t
 
         own = pair(:, p%i)
@@ -136,18 +146,20 @@ contains
                     r(t) = real(x(t, p%i) - x(t, j), rk)
                     dx(t) = real(x_ref(t, p%i) - x_ref(t, j), rk)
                     dv(t) = v(t, p%i) - v(t, j)
+                    arm(t) = merge(dx(t), r(t), total)
                 end do
                 do t = 1, pair_affine
                     other(t) = pair(t, j)
                 end do
-                do t = pair_affine + 1, pair_hold
+                do t = pair_affine + 1, n_pair
                     other(t) = pair(t, j)
                 end do
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
                 w = own(pair_volume)*other(pair_volume) &
-                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
-                call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
+                    *kernel_slope(p%scale, p%half_over_h, &
+                                  sqrt(arm(1)*arm(1) + arm(2)*arm(2) + arm(3)*arm(3)))
+                call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, g)
                 u = viscosity(p, own, other, w, r2, vr)
                 call hourglass_stiff(w*own(pair_keep)*other(pair_keep), &
                                      own(pair_hold) + other(pair_hold), own(pair_affine + 1), &
@@ -189,7 +201,7 @@ contains
                 do t = 1, pair_affine
                     other(t) = pair(t, j)
                 end do
-                do t = pair_affine + 1, pair_affine + 9
+                do t = pair_affine + 1, n_pair
                     other(t) = pair(t, j)
                 end do
                 do t = 1, 6
@@ -213,57 +225,6 @@ contains
         end do
         call add_lanes(n_terms, acc, f)
     end subroutine sum_axial
-
-    !> The same between the neighbours of the unloaded body: X_ij weighs the pairs, and the stress
-    !> (here Piola's) acts along it.
-    subroutine sum_total(n, p, x, v, x_ref, pair, list, f)
-        integer, intent(in) :: n
-        type(centre_t), intent(in) :: p
-        real(dp), intent(in) :: x(3, n), x_ref(3, n)
-        real(rk), intent(in) :: v(3, n), pair(n_pair, n)
-        integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: f(n_terms)
-        real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), other(n_pair), g(3), d(3)
-        real(rk) :: w, u, r2, vr
-        integer :: k, l, j, t
-
-        own = pair(:, p%i)
-        acc = 0
-        do k = 0, p%count - 1, lanes
-            !GCC$ unroll 1
-            do l = 1, lanes
-                j = list(k + l)
-                do t = 1, 3
-                    r(t) = real(x(t, p%i) - x(t, j), rk)
-                    dx(t) = real(x_ref(t, p%i) - x_ref(t, j), rk)
-                    dv(t) = v(t, p%i) - v(t, j)
-                end do
-                do t = 1, pair_affine
-                    other(t) = pair(t, j)
-                end do
-                do t = pair_affine + 1, pair_hold
-                    other(t) = pair(t, j)
-                end do
-                r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
-                vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
-                w = own(pair_volume)*other(pair_volume) &
-                    *kernel_slope(p%scale, p%half_over_h, &
-                                  sqrt(dx(1)*dx(1) + dx(2)*dx(2) + dx(3)*dx(3)))
-                call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), dx, g)
-                u = viscosity(p, own, other, w, r2, vr)
-                call hourglass_stiff(w*own(pair_keep)*other(pair_keep), &
-                                     own(pair_hold) + other(pair_hold), own(pair_affine + 1), &
-                                     other(pair_affine + 1), dx, r, d)
-                do t = 1, 3
-                    acc(l, t) = acc(l, t) + g(t)
-                    acc(l, at_drag + t) = acc(l, at_drag + t) + u*r(t)
-                    acc(l, at_hold + t) = acc(l, at_hold + t) + d(t)
-                end do
-                acc(l, at_heat) = acc(l, at_heat) - u*vr/2
-            end do
-        end do
-        call add_lanes(n_terms, acc, f)
-    end subroutine sum_total
 
     !> Monaghan's viscosity of a pair, as a factor of x_ij.
     pure function viscosity(p, own, other, w, r2, vr) result(u)

@@ -2,7 +2,8 @@
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
     use brz_kinds, only: dp, real32, rk
-    use brz_solid_state, only: bond_none, n_pair, solid_t
+    use brz_solid_state, only: bond_none, form_bending, form_rigid, form_total, n_near, n_pair, &
+                               solid_t
     implicit none
     private
     public :: allocate_solid, bytes_per_particle
@@ -27,10 +28,28 @@ contains
             if (any(solid%bodies%directional)) allocate (solid%hold(6, n), source=0.0_real32)
             allocate (solid%search%cell(n), solid%search%order(n), solid%search%b(n))
         end associate
+        call allocate_near(solid)
         call clear(solid)
         call cut_blocks(solid)
         if (solid%links%present) call allocate_links(solid)
     end subroutine allocate_solid
+
+    !> Rows of the particles of bodies whose hourglass force needs no unloaded positions.
+    subroutine allocate_near(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b, n
+
+        n = 0
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b))
+                if (body%variable .or. any(body%formulation == [form_bending, form_rigid, &
+                                                                form_total])) cycle
+                body%near = n + 1
+                n = n + body%last - body%first + 1
+            end associate
+        end do
+        allocate (solid%near(n_near, n), source=0.0_dp)
+    end subroutine allocate_near
 
     !> What particles need to meet those of other bodies.
     subroutine allocate_links(solid)
@@ -96,7 +115,7 @@ contains
         type(solid_t), intent(in) :: solid
 
         associate (s => solid)
-            bytes = wide(size(s%x) + size(s%x_ref) + size(s%x_built)) &
+            bytes = wide(size(s%x) + size(s%x_ref) + size(s%x_built) + size(s%near)) &
                     + working(size(s%v) + size(s%a) + size(s%load) + size(s%mass) + size(s%mu)) &
                     + working(size(s%energy) + size(s%stress) + size(s%hist) + size(s%damage)) &
                     + working(size(s%volume) + size(s%pair)) &

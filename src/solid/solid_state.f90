@@ -15,7 +15,7 @@ module brz_solid_state
     public :: solid_t, body_t, ledger_t, search_t
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_total, lanes, worth_threads, links_t, bond_none, bond_whole, bond_broken
-    public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
+    public :: n_near, n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
@@ -29,12 +29,13 @@ module brz_solid_state
     integer, parameter :: pair_volume = 1 !! [m3]
     integer, parameter :: pair_linear = 2 !! linear viscosity, alpha rho c/2 [kg/(m2 s)]
     integer, parameter :: pair_quadratic = 3 !! quadratic viscosity, beta rho/2 [kg/m3]
-    integer, parameter :: pair_keep = 4 !! share of the hourglass force that is left, 0..1
+    integer, parameter :: pair_hold = 4 !! strength of the hourglass force: zeta h rho c or zeta G
     integer, parameter :: pair_stress = 4 !! + 1..9: stress times gradient correction [Pa]
     !> + 1..9: stiff hourglass force: stiffness times dx/dX [Pa]; artificial stress: R; else dv/dx
     integer, parameter :: pair_affine = 13
-    integer, parameter :: pair_hold = 23 !! strength of the hourglass force: zeta h rho c or zeta G
+    integer, parameter :: pair_keep = 24 !! share of the hourglass force that is left, 0..1
     integer, parameter :: n_pair = 24 !! a whole number of cache lines; also a buffer for sorting
+    integer, parameter :: n_near = 8 !! x (3), v (3), volume, 0 of a particle: a cache line
 
     !> What one body has done with its energy so far, all in J.
     type :: ledger_t
@@ -62,6 +63,7 @@ module brz_solid_state
         real(dp) :: volume_scale = 1 !! volume of a particle over that of its lattice cell
         integer :: across = 0 !! bars: particles across the diameter
         real(rk) :: h = 0 !! smoothing length of the unloaded body [m]
+        integer :: near = 0 !! first row of its particles in solid%near, 0: has none
         logical :: variable = .false. !! smoothing length follows the density
         real(rk) :: h_range(2) = 1 !! its bounds over h
         real(rk) :: alpha = 1, beta = 2, zeta = 2, zeta_viscous = 0
@@ -143,6 +145,8 @@ module brz_solid_state
         real(rk), allocatable :: h(:) !! (n) smoothing length; only where a body varies it [m]
         real(real32), allocatable :: hold(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz,
                                                 !! xz; only where a body has one along axes [Pa]
+        real(dp), allocatable :: near(:, :) !! (n_near, ...) what both passes read of a neighbour,
+                                            !! of bodies that do not need its x_ref
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int32), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
