@@ -106,7 +106,7 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	$(Q)$(FC) -fopenmp -o $@ $(filter-out $(B)/obj/tests/study/study_%,$^) \
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
-.PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden
+.PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden vectors
 .PHONY: charts charts-air stability stability-air validate
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
@@ -131,7 +131,7 @@ $(B)/tests/gpu/bench_gpu: $(B)/obj/tests/gpu/bench_gpu.o $(B)/obj/tests/gpu/gpu_
 
 # --- what users and CI call ---------------------------------------------------------------------
 FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90')
-PARTS  := all unit verify emulated python lint check-docs gpu-check gpu
+PARTS  := all unit verify emulated python lint check-docs vectors gpu-check gpu
 setup: ## install what is missing
 	@scripts/setup.sh
 test: setup ## build and run every test
@@ -142,6 +142,8 @@ demo: setup ## a coarse blast on a CFRP plate, with pictures
 	$(PY) -m post report out/demo
 bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
 	@for program in $^; do $$program || exit 1; done
+vectors: $(if $(DEBUG)$(QUICK),,$(LIB)) ## are the pair loops of the solid still vector code?
+	@$(if $(DEBUG)$(QUICK),echo 'skipped: not in this build',$(PY) scripts/vectors.py $(LIB))
 golden: all ## write the golden curves of tests/golden anew from inputs/material
 	@$(PY) tests/python/golden.py
 charts: charts-air ## error against seconds of every scheme, recorded and drawn
@@ -179,8 +181,8 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) $(wildcard tests/gpu/bench_gpu.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) tests/bench/floors.f90 \
-          $(STUDY)
+SCANNED = $(SRC) $(wildcard tests/gpu/bench_gpu.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
+          tests/bench/floors.f90 $(STUDY)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
 	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@

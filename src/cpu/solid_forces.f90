@@ -105,11 +105,11 @@ contains
                     call sum_axial(p, solid%x, solid%v, solid%x_ref, solid%hold, &
                                    solid%pair, solid%list(first), f)
                 else
-                    call sum_stiff(.false., p, solid%x, solid%v, solid%x_ref, solid%pair, &
+                    call sum_stiff(0.0_rk, p, solid%x, solid%v, solid%x_ref, solid%pair, &
                                    solid%list(first), f)
                 end if
             case (form_total)
-                call sum_stiff(.true., p, solid%x, solid%v, solid%x_ref, solid%pair, &
+                call sum_stiff(1.0_rk, p, solid%x, solid%v, solid%x_ref, solid%pair, &
                                solid%list(first), f)
             case (form_corrected_hourglass)
                 call sum_viscous(body%first, p, solid%near(1, body%near), &

@@ -7,7 +7,7 @@ module brz_solid_gradients
     use brz_algebra, only: inverse3, to_matrix, multiply3
     use brz_artificial_stress, only: artificial_none, artificial_stress
     use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms, piola, &
-                            shear_limiter, total_gradient
+                            shear_limiter, stable_step, total_gradient
     use brz_kernel, only: kernel_scale, kernel_slope, pair_kernel
     use brz_kinds, only: dp, int64, int8, real32, rk
     use brz_material, only: point_t
@@ -184,7 +184,7 @@ contains
         integer, intent(in) :: i, k !! particle and its block
         real(rk), intent(inout) :: sums(n_terms)
         real(dp), intent(inout) :: limit
-        real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), c_wave, c_bulk, rate, shrink, size
+        real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), c_wave, c_bulk, shrink, size
         integer :: weak, c
 
         do c = solid%dimension + 1, 3
@@ -207,11 +207,9 @@ contains
             call midstep_gradient(h, real(dt, rk), l)
             call update_particle(solid, body, real(dt, rk), l, i, k, c_wave, c_bulk)
         end if
-        rate = abs(h(1, 1) + h(2, 2) + h(3, 3))
         size = body%h
         if (body%variable) size = solid%h(i)
-        limit = min(limit, real(body%cfl*size &
-                                /(shrink*c_wave + 0.6_rk*body%beta*size*rate), dp))
+        limit = min(limit, real(stable_step(body%cfl, size, shrink*c_wave, body%beta, h), dp))
         call to_matrix(solid%stress(:, i), s)
         if (body%formulation == form_total) then
             call piola(a, s)

@@ -9,12 +9,11 @@ module brz_solid_pair_sums
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force, &
                               viscous_force
     use brz_solid_lanes, only: add_lanes, centre_t
-    use brz_solid_state, only: lanes, n_near, n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
-                               pair_quadratic, pair_stress, pair_volume
+    use brz_solid_state, only: lanes, n_near, n_pair, pair_affine, pair_hold, pair_keep, &
+                               pair_linear, pair_quadratic, pair_stress, pair_volume
     implicit none
     private
-    public :: sum_plain, sum_viscous, sum_stiff, sum_axial, viscosity, &
-              mirrored
+    public :: sum_plain, sum_viscous, sum_stiff, sum_axial, viscosity, mirrored
     public :: n_terms, at_heat, at_friction, at_drag, at_hold
 
     ! slots of the sums: 1..3 force of the stress [N]
@@ -126,7 +125,7 @@ contains
     !> Stress, viscosity and stiff hourglass force over the direct neighbours. In a total-Lagrangian
     !> body X_ij weighs the pairs, and the stress (there Piola's) acts along it.
     subroutine sum_stiff(total, p, x, v, x_ref, pair, list, f)
-        logical, intent(in) :: total !! total-Lagrangian
+        real(rk), intent(in) :: total !! 1 in a total-Lagrangian body, else 0
         type(centre_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), pair(n_pair, *)
@@ -146,7 +145,7 @@ contains
                     r(t) = real(x(t, p%i) - x(t, j), rk)
                     dx(t) = real(x_ref(t, p%i) - x_ref(t, j), rk)
                     dv(t) = v(t, p%i) - v(t, j)
-                    arm(t) = merge(dx(t), r(t), total)
+                    arm(t) = total*dx(t) + (1 - total)*r(t) ! a choice would not be vector code
                 end do
                 do t = 1, pair_affine
                     other(t) = pair(t, j)

@@ -12,11 +12,12 @@ module brz_gradient
     implicit none
     private
     public :: moment_terms, outer_terms, correction, midstep_gradient, shear_limiter, &
-              total_gradient, piola
+              stable_step, total_gradient, piola
 
     ! smaller eigenvalues of M are not inverted in full; at the corner of a regular block the
     ! smallest is 0.25 in 2-D and 0.18 in 3-D
     real(rk), parameter :: weakest_2d = 0.15_rk, weakest_3d = 0.1_rk
+    real(rk), parameter :: most_strain = 0.2_rk !! and rotation of one step
 
 contains
 
@@ -148,6 +149,27 @@ contains
         curl = sqrt((h(3, 2) - h(2, 3))**2 + (h(1, 3) - h(3, 1))**2 + (h(2, 1) - h(1, 2))**2)
         share = div/(div + curl + 1e-4_rk*rate)
     end function shear_limiter
+
+    !> Largest time step of a particle: no wave, with what the viscosity adds to it, crosses more
+    !> than `cfl` of its size, and it is not strained by more than a fifth.
+    !@cuf attributes(host,device) &
+    pure function stable_step(cfl, size, c, beta, h) result(dt)
+        real(rk), intent(in) :: cfl
+        real(rk), intent(in) :: size !! smoothing length [m]
+        real(rk), intent(in) :: c !! fastest wave [m/s]
+        real(rk), intent(in) :: beta !! quadratic viscosity
+        real(rk), intent(in) :: h(3, 3) !! dv/dx [1/s]
+        real(rk) :: dt !! [s]
+        real(rk) :: rate
+        integer :: i
+
+        dt = cfl*size/(c + 0.6_rk*beta*size*abs(h(1, 1) + h(2, 2) + h(3, 3)))
+        rate = tiny(rate)
+        do i = 1, 3
+            rate = rate + h(1, i)*h(1, i) + h(2, i)*h(2, i) + h(3, i)*h(3, i)
+        end do
+        dt = min(dt, most_strain/sqrt(rate))
+    end function stable_step
 
     !> Velocity gradient dv/dx from dv/dX, and how much shorter the reference looks to a wave.
     !@cuf attributes(host,device) &
