@@ -11,16 +11,17 @@ module solid_scenes
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: solid_step, solid_time_step, start_solid
     use brz_solid_totals, only: solid_totals, solid_totals_t
-    use omp_lib, only: omp_get_wtime
     implicit none
     private
     public :: form_t, seen_t, scene_t, forms, elastic, metal, choose, begin, advance, finish, noise
 
     !> A formulation as a deck would choose it.
     type :: form_t
-        character(32) :: label = ''
+        character(40) :: label = ''
         character(20) :: formulation = '', artificial = 'auto'
         real(dp) :: alpha = -1, beta = -1
+        real(dp) :: zeta = -1 !! stiffness of the stiff hourglass force
+        character(8) :: limiter = 'none' !! of the viscosity
     end type form_t
 
     !> What was seen.
@@ -28,7 +29,7 @@ module solid_scenes
         real(dp) :: value = 0 !! the number of the test
         real(dp) :: energy = 0 !! error of the total over the energy at the start
         real(dp) :: longest = 1, shortest = 1 !! distance of lattice neighbours over the spacing
-        real(dp) :: seconds = 0
+        real(dp) :: seconds = 0 !! of one core
         real(dp) :: particle_steps = 0
         logical :: ended = .false. !! the program stopped with an error
     end type seen_t
@@ -94,6 +95,8 @@ contains
             case%bodies(b)%artificial_stress = form%artificial
             if (form%alpha >= 0) case%bodies(b)%alpha = form%alpha
             if (form%beta >= 0) case%bodies(b)%beta = form%beta
+            if (form%zeta >= 0) case%bodies(b)%zeta = form%zeta
+            case%bodies(b)%limiter = form%limiter
         end do
     end subroutine choose
 
@@ -104,7 +107,7 @@ contains
         call start_solid(s%solid, s%err)
         s%energy = total(s%solid)
         s%time = 0
-        s%start = omp_get_wtime()
+        call cpu_time(s%start)
     end subroutine begin
 
     subroutine advance(s, t_end)
@@ -122,9 +125,10 @@ contains
     subroutine finish(s, seen)
         type(scene_t), intent(in) :: s
         type(seen_t), intent(inout) :: seen
-        real(dp) :: scale
+        real(dp) :: scale, now
 
-        seen%seconds = omp_get_wtime() - s%start
+        call cpu_time(now)
+        seen%seconds = now - s%start
         seen%particle_steps = real(s%solid%n, dp)*real(s%solid%steps, dp)
         seen%ended = failed(s%err)
         scale = max(abs(s%energy), abs(sum(s%solid%bodies%ledger%load)), tiny(scale))
@@ -137,7 +141,7 @@ contains
         type(solid_totals_t) :: t
 
         call solid_totals(solid, 0, t)
-        total = t%kinetic + t%internal + t%hourglass + t%artificial
+        total = t%kinetic + t%internal + t%hourglass + t%artificial + t%contact
     end function total
 
     !> Longest and shortest distance, over the spacing, of particles that were lattice neighbours.

@@ -1,0 +1,101 @@
+! SPDX-License-Identifier: MIT
+!> Taylor bars: convergence of the particles towards finite elements of the same constants, as CSV.
+!>
+!> usage: study_taylor shapes [copper|steel]   lengths, feet, bulges, energies; both bars if absent
+!>        study_taylor profiles                surfaces of the copper bar
+program study_taylor
+    use brz_kinds, only: dp
+    use omp_lib, only: omp_set_num_threads
+    use solid_scenes, only: form_t, seen_t
+    use taylor_bars, only: bar_t, copper, particle_bar, shape_t, steel
+    use taylor_elements, only: element_bar
+    implicit none
+
+    type(form_t), parameter :: forms(6) = [ &
+        form_t('corrected_hourglass, alpha 1', 'corrected_hourglass', alpha=1), &
+        form_t('corrected_hourglass, alpha 0.3', 'corrected_hourglass', alpha=0.3_dp), &
+        form_t('corrected_hourglass, balsara', 'corrected_hourglass', limiter='balsara'), &
+        form_t('bending, zeta 0.02, balsara', 'bending', zeta=0.02_dp, limiter='balsara'), &
+        form_t('total_lagrangian, zeta 0.02, alpha 0.3', 'total_lagrangian', alpha=0.3_dp, &
+               zeta=0.02_dp), &
+        form_t('total_lagrangian, zeta 0.02, balsara', 'total_lagrangian', zeta=0.02_dp, &
+               limiter='balsara')]
+    character(20) :: what, which
+
+    call omp_set_num_threads(1)
+    call get_command_argument(1, what)
+    call get_command_argument(2, which)
+    select case (what)
+    case ('shapes')
+        if (which /= 'steel') print '(a)', 'bar,method,per radius,L/L0,D/D0,W/D0,viscous,'// &
+            'kinetic,energy error,hottest K,plastic strain,seconds'
+        if (which /= 'steel') call shapes(copper)
+        if (which /= 'copper') call shapes(steel)
+    case ('profiles')
+        call profiles()
+    case default
+        error stop 'usage: study_taylor shapes [copper|steel] | profiles'
+    end select
+
+contains
+
+    subroutine shapes(bar)
+        type(bar_t), intent(in) :: bar
+        type(shape_t) :: shape
+        type(seen_t) :: seen
+        integer :: f, k
+
+        do k = 1, 3
+            call element_bar(bar, 3*2**k, 'johnson_cook', shape)
+            call report(bar, 'elements', 3*2**k, shape)
+        end do
+        if (bar%name == copper%name) then
+            call element_bar(bar, 12, 'zerilli_armstrong', shape)
+            call report(bar, 'elements, Zerilli-Armstrong', 12, shape)
+        end if
+        do k = 6, 12, 3
+            do f = 1, size(forms)
+                call particle_bar(bar, forms(f), k, shape, seen)
+                call report(bar, forms(f)%label, k, shape)
+            end do
+        end do
+    end subroutine shapes
+
+    subroutine report(bar, method, across, shape)
+        type(bar_t), intent(in) :: bar
+        character(*), intent(in) :: method
+        integer, intent(in) :: across
+        type(shape_t), intent(in) :: shape
+
+        print '(a,",""",a,""",",i0,3(",",f7.4),3(",",es10.2),",",f6.1,",",f6.3,",",f7.1)', &
+            trim(bar%name), trim(method), across, shape%length, shape%foot, shape%bulge, &
+            shape%viscous, shape%kinetic, shape%error, shape%hottest, shape%strain, shape%seconds
+        flush (6)
+    end subroutine report
+
+    subroutine profiles()
+        type(shape_t) :: shape
+        type(seen_t) :: seen
+
+        print '(a)', 'method,radius mm,height mm'
+        call element_bar(copper, 12, 'johnson_cook', shape)
+        call outline('finite elements', shape)
+        call element_bar(copper, 12, 'zerilli_armstrong', shape)
+        call outline('finite elements, Zerilli-Armstrong', shape)
+        call particle_bar(copper, forms(6), 12, shape, seen)
+        call outline(forms(6)%label, shape)
+        call particle_bar(copper, forms(3), 12, shape, seen)
+        call outline(forms(3)%label, shape)
+    end subroutine profiles
+
+    subroutine outline(method, shape)
+        character(*), intent(in) :: method
+        type(shape_t), intent(in) :: shape
+        integer :: k
+
+        do k = 1, size(shape%profile, 2)
+            print '("""",a,"""",2(",",f8.4))', trim(method), 1e3_dp*shape%profile(:, k)
+        end do
+        flush (6)
+    end subroutine outline
+end program study_taylor
