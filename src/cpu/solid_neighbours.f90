@@ -35,23 +35,37 @@ contains
             end do
         end if
         do b = 1, size(solid%bodies)
-            call lay_grid(solid%search, solid%x_built, solid%bodies(b), reach(solid, b))
-            call fill_cells(solid%search, solid%x_built, solid%bodies(b))
-            call count_body(solid, solid%bodies(b), reach(solid, b))
-            call make_room(solid, solid%first(solid%bodies(b)%last + 1) - 1)
-            call fill_body(solid, solid%bodies(b), reach(solid, b))
+            if (solid%bodies(b)%formulation == form_total) then
+                call build_list(solid, solid%bodies(b), reach(solid, b), solid%x_ref)
+            else
+                call build_list(solid, solid%bodies(b), reach(solid, b), solid%x_built)
+            end if
         end do
         call build_links(solid)
     end subroutine build_neighbours
 
-    !> Positions that decide on the neighbours of a body: total-Lagrangian bodies keep the unloaded
-    !> ones, and with them their order and their list.
+    !> List of a body for given places: those of total-Lagrangian bodies are the unloaded ones.
+    subroutine build_list(solid, body, reach, place)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: reach !! [m]
+        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
+
+        call lay_grid(solid%search, place, body, reach)
+        call fill_cells(solid%search, place, body)
+        call count_body(solid, body, reach, place)
+        call make_room(solid, solid%first(body%last + 1) - 1)
+        call fill_body(solid, body, reach, place)
+    end subroutine build_list
+
+    !> Positions that decide on the neighbours of a body: a total-Lagrangian body that meets no other
+    !> keeps the unloaded ones, and with them its order and its list.
     subroutine note_positions(solid, body)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
 
         associate (first => body%first, last => body%last)
-            if (body%formulation == form_total) then
+            if (body%formulation == form_total .and. .not. solid%links%present) then
                 solid%x_built(:, first:last) = solid%x_ref(:, first:last)
             else
                 solid%x_built(:, first:last) = solid%x(:, first:last)
@@ -69,7 +83,8 @@ contains
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, d) &
         !$omp reduction(max: far)
         do k = 1, size(solid%block, 2)
-            if (solid%bodies(solid%block(1, k))%formulation == form_total) cycle
+            if (solid%bodies(solid%block(1, k))%formulation == form_total .and. &
+                .not. solid%links%present) cycle
             do i = solid%block(2, k), solid%block(3, k)
                 d = solid%x(:, i) - solid%x_built(:, i)
                 far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
@@ -91,10 +106,11 @@ contains
     end function reach
 
     !> Lengths of the lists of a body, as running sums in `first`, and of their parts in `direct`.
-    subroutine count_body(solid, body, reach)
+    subroutine count_body(solid, body, reach, place)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
+        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         integer(int64) :: last
         integer :: i, m
         integer(int32) :: none(1)
@@ -108,12 +124,12 @@ contains
                 solid%first(i + 1) = 0
                 cycle
             end if
-            call search(solid, i, 0, reach, .false., none, last)
+            call search(solid, place, i, 0, reach, .false., none, last)
             solid%direct(i) = int(round_up(last), int32)
             last = 0
             do m = 1, 7
-                if (image_in_reach(solid, i, m, reach)) &
-                    call search(solid, i, m, reach, .false., none, last)
+                if (image_in_reach(solid, place(:, i), m, reach)) &
+                    call search(solid, place, i, m, reach, .false., none, last)
             end do
             solid%first(i + 1) = round_up(last)
         end do
@@ -147,10 +163,11 @@ contains
         call move_alloc(mask, solid%mask)
     end subroutine make_room
 
-    subroutine fill_body(solid, body, reach)
+    subroutine fill_body(solid, body, reach, place)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
+        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         integer(int64) :: at, image, next
         integer :: i, m
 
@@ -158,15 +175,15 @@ contains
         do i = body%first, body%last
             at = solid%first(i) - 1
             if (body%formulation == form_rigid) cycle
-            call search(solid, i, 0, reach, .true., solid%list, at)
+            call search(solid, place, i, 0, reach, .true., solid%list, at)
             image = solid%first(i) + solid%direct(i)
             solid%list(at + 1:image - 1) = i
             solid%mask(solid%first(i):image - 1) = 0
             at = image - 1
             do m = 1, 7
-                if (.not. image_in_reach(solid, i, m, reach)) cycle
+                if (.not. image_in_reach(solid, place(:, i), m, reach)) cycle
                 next = at
-                call search(solid, i, m, reach, .true., solid%list, next)
+                call search(solid, place, i, m, reach, .true., solid%list, next)
                 solid%mask(at + 1:next) = int(m, int8)
                 at = next
             end do
@@ -175,23 +192,24 @@ contains
         end do
     end subroutine fill_body
 
-    !> True where the planes of the mask m exist and particle i is near all of them.
-    pure logical function image_in_reach(solid, i, m, reach)
+    !> True where the planes of the mask m exist and the place x is near all of them.
+    pure logical function image_in_reach(solid, x, m, reach)
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: i, m
-        real(dp), intent(in) :: reach !! [m]
+        integer, intent(in) :: m
+        real(dp), intent(in) :: x(3), reach !! [m]
         integer :: a
 
         image_in_reach = .true.
         do a = 1, 3
             if (.not. btest(m, a - 1)) cycle
-            image_in_reach = image_in_reach .and. solid%mirror(a) .and. solid%x_built(a, i) < reach
+            image_in_reach = image_in_reach .and. solid%mirror(a) .and. x(a) < reach
         end do
     end function image_in_reach
 
     !> Append to `list`, or only count, the particles near the image of i in the planes of m.
-    pure subroutine search(solid, i, m, reach, keep, list, last)
+    pure subroutine search(solid, place, i, m, reach, keep, list, last)
         type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         integer, intent(in) :: i
         integer, intent(in) :: m !! planes, bits 0..2; 0: i itself
         real(dp), intent(in) :: reach !! [m]
@@ -201,7 +219,7 @@ contains
         real(dp) :: x(3), d(3)
         integer :: a, j, k, c, c1, c2, c3, lo(3), hi(3)
 
-        x = solid%x_built(:, i)
+        x = place(:, i)
         do a = 1, 3
             if (btest(m, a - 1)) x(a) = -x(a)
         end do
@@ -213,7 +231,7 @@ contains
                         + solid%search%code(c3, 3)
                     do k = solid%search%start(c), solid%search%start(c + 1) - 1
                         j = solid%search%order(k)
-                        d = solid%x_built(:, j) - x
+                        d = place(:, j) - x
                         if (d(1)*d(1) + d(2)*d(2) + d(3)*d(3) >= reach*reach) cycle
                         if (m == 0 .and. j == i) cycle
                         last = last + 1

@@ -234,25 +234,32 @@ contains
         work = work + weight*(sum((old(1:3) + t(1:3))*d(1:3)) + 2*(old(4) + t(4))*d(4))/2
     end subroutine flow
 
-    !> Plastic increment: q - 3 G x = Y(strain + x, x/dt, T), by bisection.
+    !> Plastic increment: q - 3 G x = Y(strain + x, x/dt, T), by the Illinois method.
     pure real(dp) function plastic(bar, armstrong, q, strain, hot, dt) result(x)
         type(bar_t), intent(in) :: bar
         logical, intent(in) :: armstrong
         real(dp), intent(in) :: q, strain, hot, dt
-        real(dp) :: low, high
+        real(dp) :: x0, x1, f0, f1, f
         integer :: pass
 
         x = 0
-        if (q <= strength(bar, armstrong, strain, 0.0_dp, hot)) return
-        low = 0
-        high = q/(3*bar%shear)
-        do pass = 1, 45
-            x = (low + high)/2
-            if (q - 3*bar%shear*x > strength(bar, armstrong, strain + x, x/dt, hot)) then
-                low = x
+        x0 = 0
+        f0 = q - strength(bar, armstrong, strain, 0.0_dp, hot)
+        if (f0 <= 0) return
+        x1 = q/(3*bar%shear)
+        f1 = -strength(bar, armstrong, strain + x1, x1/dt, hot)
+        do pass = 1, 60
+            x = x1 - f1*(x1 - x0)/(f1 - f0)
+            f = q - 3*bar%shear*x - strength(bar, armstrong, strain + x, x/dt, hot)
+            if (abs(f) < 1e-9_dp*q) exit
+            if (f*f1 < 0) then
+                x0 = x1
+                f0 = f1
             else
-                high = x
+                f0 = f0/2
             end if
+            x1 = x
+            f1 = f
         end do
     end function plastic
 
