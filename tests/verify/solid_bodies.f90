@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Larger problems of the solids: colliding rings, clamped plates, a bar pulled to failure, aluminium
-!> through aluminium.
+!> Problems of whole bodies: rings that collide.
 module solid_bodies
     use brz_body_setup, only: set_up_solid
     use brz_case, only: body_case_t, interaction_case_t
@@ -25,8 +24,8 @@ module solid_bodies
 
 contains
 
-    !> Two rubber rings of radii 3 and 4 (Gray, Monaghan & Swift 2001: G/K = 0.22) that meet with
-    !> +-speed times the bulk sound speed, as halves above their common axis, until they have parted.
+    !> Two rubber rings of radii 3 and 4 (Gray, Monaghan & Swift 2001: G/K = 0.22) that meet, each
+    !> with `speed` over the bulk sound speed; the halves above their axis, until they have parted.
     subroutine rings(form, speed, across, found, seen)
         type(form_t), intent(in) :: form
         real(dp), intent(in) :: speed

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Taylor's test by axisymmetric finite elements: a reference that shares no line with the particles.
+!> Taylor's test by axisymmetric finite elements: independent of the particles.
 !>
 !> Method:  explicit; four-node elements, deviator at 2 x 2 Gauss points, one pressure per element
 !>          from its volume (mean dilatation), Jaumann rate, radial return with implicit rate and
@@ -168,7 +168,7 @@ contains
         real(dp), intent(in) :: dt
         real(dp), intent(inout) :: dt_next
         type(element_t) :: el
-        real(dp) :: v(2, 4), x(2, 4), div, work, mu, c, extra, p, total, force(2)
+        real(dp) :: v(2, 4), x(2, 4), div, work, mu, c, extra, p, total, force(2), rate(2)
         integer :: k, i
 
         x = mesh%x(:, mesh%nodes(:, e))
@@ -177,7 +177,9 @@ contains
         div = 0
         work = 0
         do k = 1, 4
-            call flow(bar, mesh, e, k, el%grad(:, :, k), dt, v, div, work, el%weight(k))
+            call flow(bar, mesh, e, k, el%grad(:, :, k), dt, v, rate)
+            div = div + el%weight(k)*rate(1)
+            work = work + el%weight(k)*rate(2)
         end do
         div = div/el%volume
         el = element(x)
@@ -204,13 +206,13 @@ contains
         dt_next = min(dt_next, 0.5_dp*el%size/(1.2_dp*c + 2*quadratic*el%size*abs(div)))
     end subroutine step_element
 
-    !> Deviator, plastic strain and temperature of a Gauss point; adds up divergence and work.
-    subroutine flow(bar, mesh, e, k, grad, dt, v, div, work, weight)
+    !> Deviator, plastic strain and temperature of a Gauss point; its divergence and its power.
+    subroutine flow(bar, mesh, e, k, grad, dt, v, rate)
         type(bar_t), intent(in) :: bar
         type(mesh_t), intent(inout) :: mesh
         integer, intent(in) :: e, k
-        real(dp), intent(in) :: grad(3, 4), dt, v(2, 4), weight
-        real(dp), intent(inout) :: div, work
+        real(dp), intent(in) :: grad(3, 4), dt, v(2, 4)
+        real(dp), intent(out) :: rate(2)
         real(dp) :: l(2, 2), hoop, tr, d(4), t(4), old(4), q, x, c, s
 
         l = matmul(v, transpose(grad(1:2, :)))
@@ -230,8 +232,7 @@ contains
         mesh%hot(k, e) = mesh%hot(k, e) &
                          + heat_fraction*(q - 3*bar%shear*x)*x/(bar%density*bar%heat)
         mesh%s(:, k, e) = t
-        div = div + weight*tr
-        work = work + weight*(sum((old(1:3) + t(1:3))*d(1:3)) + 2*(old(4) + t(4))*d(4))/2
+        rate = [tr, (sum((old(1:3) + t(1:3))*d(1:3)) + 2*(old(4) + t(4))*d(4))/2]
     end subroutine flow
 
     !> Plastic increment: q - 3 G x = Y(strain + x, x/dt, T), by the Illinois method.
