@@ -118,6 +118,44 @@ def special_register(found):
     return f"{plain} = {call}\n  {found['to']} = add nsw i32 {plain}, 1"
 
 
+def layout_of(kind, text, work):
+    """Name of a derived type in the IR of a file, and its definition where that is elsewhere."""
+    definition = re.compile(rf"^(%_QM\w+T{kind.lower()}) = type .*$", re.M)
+    if found := definition.search(text):
+        return found[1], ""
+    for other in sorted(work.glob("*.ll")):
+        if found := definition.search(other.read_text(encoding="utf-8")):
+            return found[1], found[0] + "\n"
+    raise Fault(f"the structure {kind} is nowhere defined")
+
+
+def structures_by_value(text, path, work):
+    """IR whose kernels take structures with the attribute `value` as such: flang passes pointers.
+
+    They land in the constant bank of the GPU, where instructions read them without a register.
+    """
+    source, extra = re.sub(r"&\s*\n\s*&?", "", path.read_text(encoding="utf-8")), "\n"
+    for name in kernels_of(path):
+        found = re.search(
+            rf"subroutine\s+{name}\s*\(([^)]*)\)(.*?)end subroutine", source, re.I | re.S
+        )
+        names = [x.strip() for x in found[1].split(",")]
+        types = {}
+        for kind, declared in re.findall(
+            r"type\((\w+)\)\s*,\s*value\s*::([^!\n]*)", found[2], re.I
+        ):
+            types.update({x: kind for x in re.findall(r"\w+", declared)})
+        head = re.search(rf"^define void @{mangled(path, name)}\((.*)\)(?= |$)", text, re.M)
+        given = re.split(r", (?=ptr|i\d+|float|double)", head[1])
+        for place, argument in enumerate(names):
+            if argument in types:
+                kind, definition = layout_of(types[argument], text + extra, work)
+                given[place] = f"ptr byval({kind}) align 8 {given[place].split()[-1]}"
+                extra += definition
+        text = text[: head.start(1)] + ", ".join(given) + text[head.end(1) :]
+    return text + extra
+
+
 def without_branches(text):
     """IR with the divisions and square roots of cuda/arithmetic.ll."""
     short = {"float": "f32", "double": "f64"}
@@ -131,7 +169,7 @@ def without_branches(text):
     return text
 
 
-def edited(text, path):
+def edited(text, path, work):
     """IR with what LLVM can translate for the GPU."""
     if AIR.match(path.as_posix()):
         text = without_branches(text)
@@ -147,6 +185,7 @@ def edited(text, path):
         raise Fault(f"{path}: unknown use of a CUDA variable: {left[0].strip()}")
     for register in REGISTER.values():
         text += "".join(f"\ndeclare i32 @llvm.nvvm.read.ptx.sreg.{register}.{x}()" for x in "xyz")
+    text = structures_by_value(text, path, work)
     for name, bounds in kernels_of(path).items():
         marks = f' "nvvm.maxntid"="{bounds[0]}" "nvvm.minctasm"="{bounds[1]}"' if bounds else ""
         head = rf"^define void (@{mangled(path, name)}\(.*\))( [^{{]*)?\{{"
@@ -165,10 +204,10 @@ def compile_one(path, wanted, args):
     if not wanted:
         run(*flang, "-fsyntax-only", path)
         return None
-    out = args.work / (path.stem + ".ll")
-    run(*flang, *RAW, path, "-o", out)
-    out.write_text(edited(out.read_text(encoding="utf-8"), path), encoding="utf-8")
-    return out
+    raw, out = args.work / (path.stem + ".raw"), args.work / (path.stem + ".ll")
+    run(*flang, *RAW, path, "-o", raw)
+    raw.write_text(edited(raw.read_text(encoding="utf-8"), path, args.work), encoding="utf-8")
+    return raw.rename(out)  # whole when another file looks for a structure in it
 
 
 def variables_of(text, keep):
@@ -215,6 +254,8 @@ def compile_all(sources, keep, args):
     args: work (folder), define (list of macros), no_fma (no contraction of a*b + c).
     """
     args.work.mkdir(parents=True, exist_ok=True)
+    for old in args.work.glob("*.ll"):
+        old.unlink()
     wanted = {path: bool(marked(path) or kernels_of(path)) for path in sources}
     needs, owner = {}, {}
     for path in sources:
@@ -240,6 +281,9 @@ def compile_all(sources, keep, args):
 
 
 def translate(ir, ptx, optimise, no_fma=False):
-    """Assembly of the GPU from IR."""
+    """Assembly of the GPU from IR.
+
+    Without loop strength reduction, which keeps a pointer for each array of a loop in registers.
+    """
     contract = "off" if no_fma else "fast"
-    run(BIN / "llc", *MACHINE, optimise, f"-fp-contract={contract}", ir, "-o", ptx)
+    run(BIN / "llc", *MACHINE, optimise, "-disable-lsr", f"-fp-contract={contract}", ir, "-o", ptx)

@@ -38,7 +38,6 @@ module brz_air_grid
         real(rk) :: weight !! of the new state
         real(rk) :: floor !! least ratio of new to old density and pressure of the Euler step
         real(dp) :: leaves(3) !! area of a face times its share of dt, by direction [m2 s]
-        integer :: found !! a kernel sets 1 where it finds a bad cell
     end type stage_t
 
 contains

@@ -4,8 +4,8 @@
 !> Every procedure reports through `error_t` with exit_device and does nothing once an error is
 !> recorded. All work goes through the default stream, in order.
 module brz_device
-    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_float, c_int, &
-        c_int64_t, c_intptr_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_signed_char, c_size_t
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_float, &
+        c_int, c_int64_t, c_intptr_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_signed_char, c_size_t
     use brz_cuda_driver, only: cu_allocate, cu_context_retain, cu_context_set, cu_device, &
         cu_device_attribute, cu_device_count, cu_device_name, cu_driver_version, &
         cu_event_create, cu_event_elapsed, cu_event_record, cu_event_synchronize, &
@@ -23,6 +23,7 @@ module brz_device
 
     integer, parameter :: threads_per_block = 128 !! all along x
     integer, parameter :: most_arguments = 40
+    integer, parameter :: most_words = 200 !! of eight bytes, for all arguments of a launch
 
     type :: device_t
         logical :: open = .false.
@@ -44,8 +45,10 @@ module brz_device
     !> Values for one launch, in the order and of the types of the arguments of the kernel.
     type :: arguments_t
         integer :: n = 0
-        integer(c_int64_t) :: value(most_arguments) = 0
+        integer :: first(most_arguments + 1) = 1 !! word of each argument
+        integer(c_int64_t) :: value(most_words) = 0
     contains
+        procedure :: add_structure
         procedure, private :: add_integer, add_long, add_single, add_double, add_buffer
         generic :: add => add_integer, add_long, add_single, add_double, add_buffer
     end type arguments_t
@@ -63,9 +66,26 @@ contains
         class(arguments_t), intent(inout) :: self
         integer(c_int64_t), intent(in) :: x
 
+        self%value(self%first(self%n + 1)) = x
         self%n = self%n + 1
-        self%value(self%n) = x
+        self%first(self%n + 1) = self%first(self%n) + 1
     end subroutine add_long
+
+    !> Add a structure of plain data, which the kernel takes with the attribute `value`.
+    subroutine add_structure(self, x, bytes)
+        class(arguments_t), intent(inout) :: self
+        type(*), intent(in), target, contiguous :: x(..)
+        integer, intent(in) :: bytes
+        character(kind=c_char), pointer :: from(:)
+        integer :: words
+
+        words = (bytes - 1)/8 + 1
+        call c_f_pointer(c_loc(x), from, [bytes])
+        self%value(self%first(self%n + 1):self%first(self%n + 1) + words - 1) = &
+            transfer([from, spread(c_null_char, 1, 8*words - bytes)], self%value)
+        self%n = self%n + 1
+        self%first(self%n + 1) = self%first(self%n) + words
+    end subroutine add_structure
 
     subroutine add_single(self, x)
         class(arguments_t), intent(inout) :: self
@@ -291,7 +311,7 @@ contains
 
         if (failed(err)) return
         do i = 1, arguments%n
-            values(i) = c_loc(arguments%value(i))
+            values(i) = c_loc(arguments%value(arguments%first(i)))
         end do
         call check(cu_launch(kernel%handle, (n(1) - 1)/threads_per_block + 1, n(2), n(3), &
                              threads_per_block, 1, 1, 0_c_int, c_null_ptr, values, c_null_ptr), &

@@ -4,7 +4,7 @@
 !> All fields stay on the GPU. The host arrays of `air_t` are a mirror that `fetch_air` refreshes
 !> before a dump or a checkpoint, and `fetch_cells` at the places of gauges.
 module brz_gpu_air_state
-    use brz_air_grid, only: grid_of, grid_t, place_of, stage_t
+    use brz_air_grid, only: grid_of, grid_t, place_of
     use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, bc_periodic, set_scale
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
@@ -24,18 +24,17 @@ module brz_gpu_air_state
     type :: gpu_air_t
         type(grid_t) :: grid
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
-        type(buffer_t) :: grid_at, scheme_at !! constants
-        type(buffer_t) :: stage_at !! numbers of a stage
         type(buffer_t) :: u !! conserved variables, as in air_t
         type(buffer_t) :: spare(2) !! the same of the stages of a step
         type(buffer_t) :: flux !! through the faces of direction x above each cell
         type(buffer_t) :: bad !! one byte for each cell, see finish_cell
+        type(buffer_t) :: found !! 1: a kernel has found a bad cell
         type(buffer_t) :: outside !! (lines, n_var, 2) gas beyond open boundaries
         type(buffer_t) :: edge !! (lines, n_var, 2) fluxes through the outer faces
         type(buffer_t) :: outflow !! (lines, n_var) what left since the start
         type(buffer_t) :: part !! one number for each column along z
         type(buffer_t) :: folded !! partial results of all columns
-        type(kernel_t) :: faces, march, redo !! of the scheme
+        type(kernel_t) :: faces, march, last, redo !! of the scheme
         type(kernel_t) :: ghosts, update_line, speed, total, leave, lowered, gather, most, sum
         real(dp) :: outflow_before(6) = 0 !! what had left when the GPU took over
     end type gpu_air_t
@@ -60,6 +59,7 @@ contains
         call allocate_buffer(gpu%u, field, err)
         call allocate_buffer(gpu%flux, field, err)
         call allocate_buffer(gpu%bad, cells, err)
+        call allocate_buffer(gpu%found, 8_int64, err)
         call allocate_buffer(gpu%outside, 2*ends*bytes_of_real, err)
         call allocate_buffer(gpu%edge, 2*ends*bytes_of_real, err)
         call allocate_buffer(gpu%outflow, 8*ends, err)
@@ -68,7 +68,6 @@ contains
         gpu%outflow_before = [air%outflow, air%outflow_products]
         call keep_outside(air)
         call set_scale(air)
-        call put_constants(air, gpu, err)
         call put_outside(air, gpu, err)
         call copy_in(air%u, gpu%u, field, err)
         do m = 1, 2
@@ -98,6 +97,7 @@ contains
         call find_kernel(device, 'air_ghosts', gpu%ghosts, err)
         call find_kernel(device, 'faces_'//name_of(scheme), gpu%faces, err)
         call find_kernel(device, 'march_'//name_of(scheme), gpu%march, err)
+        call find_kernel(device, 'last_'//name_of(scheme), gpu%last, err)
         call find_kernel(device, 'redo_'//name_of(scheme), gpu%redo, err)
         call find_kernel(device, 'air_update_line', gpu%update_line, err)
         call find_kernel(device, 'air_speed', gpu%speed, err)
@@ -122,23 +122,6 @@ contains
         end select
         name = name//trim(merge('_hllc ', '_split', scheme%flux == hllc))
     end function name_of
-
-    !> Copy what does not change during a run.
-    subroutine put_constants(air, gpu, err)
-        type(air_t), intent(in) :: air
-        type(gpu_air_t), intent(inout) :: gpu
-        type(error_t), intent(inout) :: err
-        integer(int64) :: bytes
-        type(stage_t) :: stage
-
-        bytes = storage_size(gpu%grid)/8
-        call allocate_buffer(gpu%grid_at, bytes, err)
-        call copy_in(gpu%grid, gpu%grid_at, bytes, err)
-        bytes = storage_size(air%scheme)/8
-        call allocate_buffer(gpu%scheme_at, bytes, err)
-        call copy_in(air%scheme, gpu%scheme_at, bytes, err)
-        call allocate_buffer(gpu%stage_at, storage_size(stage)/8_int64, err)
-    end subroutine put_constants
 
     !> Copy the gas beyond the open boundaries, line by line.
     subroutine put_outside(air, gpu, err)
@@ -168,14 +151,12 @@ contains
     subroutine close_gpu_air(gpu)
         type(gpu_air_t), intent(inout) :: gpu
 
-        call free_buffer(gpu%grid_at)
-        call free_buffer(gpu%scheme_at)
-        call free_buffer(gpu%stage_at)
         call free_buffer(gpu%u)
         call free_buffer(gpu%spare(1))
         call free_buffer(gpu%spare(2))
         call free_buffer(gpu%flux)
         call free_buffer(gpu%bad)
+        call free_buffer(gpu%found)
         call free_buffer(gpu%outside)
         call free_buffer(gpu%edge)
         call free_buffer(gpu%outflow)
@@ -215,7 +196,7 @@ contains
         call allocate_buffer(values_at, size(values)*bytes_of_real, err)
         call copy_in(place, place_at, 8_int64*n, err)
         call arguments%add(n)
-        call arguments%add(gpu%grid_at)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
         call arguments%add(place_at)
         call arguments%add(gpu%u)
         call arguments%add(values_at)

@@ -3,7 +3,7 @@
 module brz_gpu_air_step
     use brz_air_grid, only: lines_along, stage_t
     use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic
-    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_in, copy_out, launch
+    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_air_sums, only: sum_of
@@ -41,13 +41,12 @@ contains
         states = states_t(gpu%u, gpu%u, gpu%spare(1))
         do m = 1, air%n_stages
             stage = stage_of(air, dt, m)
-            call put_stage(gpu, stage, err)
             call fill_ghosts(gpu, air, states%u, err)
-            call sweep(gpu, air, states, err)
+            call sweep(gpu, air, stage, states, err)
             call repair(gpu, air, states, stage, lost, err)
             if (lost) status = air_unphysical
             if (failed(err) .or. lost) return
-            call add_outflow(gpu, air, err)
+            call add_outflow(gpu, air, stage, err)
             states%u = states%new
             states%new = gpu%spare(1 + mod(m, 2))
         end do
@@ -68,26 +67,18 @@ contains
         stage%floor = merge(least_ratio, 0.0_rk, air%fallback)
         stage%leaves = share_of(m, air%n_stages)*dt*product(air%dx)/air%dx
         where (air%bc(1, :) == bc_periodic) stage%leaves = 0
-        stage%found = 0
     end function stage_of
 
-    subroutine put_stage(gpu, stage, err)
-        type(gpu_air_t), intent(in) :: gpu
-        type(stage_t), intent(in) :: stage
-        type(error_t), intent(inout) :: err
-
-        call copy_in(stage, gpu%stage_at, storage_size(stage)/8_int64, err)
-    end subroutine put_stage
-
-    !> Has a kernel found a bad cell since the last put_stage?
+    !> Has a kernel found a bad cell since the last call?
     logical function found_bad(gpu, err)
         type(gpu_air_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
-        type(stage_t) :: stage
+        integer, target :: found(1)
 
-        stage%found = 0
-        call copy_out(gpu%stage_at, stage, storage_size(stage)/8_int64, err)
-        found_bad = stage%found /= 0 .and. .not. failed(err)
+        found = 0
+        call copy_out(gpu%found, found, 4_int64, err)
+        found_bad = found(1) /= 0 .and. .not. failed(err)
+        if (found_bad) call clear_buffer(gpu%found, err)
     end function found_bad
 
     subroutine fill_ghosts(gpu, air, u, err)
@@ -99,75 +90,85 @@ contains
         integer :: d, lines
 
         lines = maxval([(lines_along(gpu%grid, d), d=1, 3)], mask=air%n > 1)
-        call arguments%add(gpu%grid_at)
-        call arguments%add(gpu%scheme_at)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
         call arguments%add(gpu%outside)
         call arguments%add(u)
         call launch(gpu%ghosts, [lines, 6, 1], arguments, err)
     end subroutine fill_ghosts
 
     !> Rates of all directions; the last one completes the next state and marks its bad cells.
-    subroutine sweep(gpu, air, states, err)
+    subroutine sweep(gpu, air, stage, states, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
+        type(stage_t), intent(in) :: stage
         type(states_t), intent(in) :: states
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer :: d
 
         if (air%n(1) > 1) then
-            call arguments%add(gpu%grid_at)
-            call arguments%add(gpu%scheme_at)
+            call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+            call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
             call arguments%add(states%u)
             call arguments%add(gpu%flux)
             call arguments%add(gpu%edge)
             call launch(gpu%faces, [(air%n(1) + 1)*air%n(2), air%n(3), 1], arguments, err)
         end if
-        if (gpu%grid%last == 1) call update_line(gpu, air, states, err)
+        if (gpu%grid%last == 1) call update_line(gpu, air, stage, states, err)
         do d = 2, 3
-            if (air%n(d) > 1) call march(gpu, air, d, states, err)
+            if (air%n(d) > 1) call march(gpu, air, d, stage, states, err)
         end do
     end subroutine sweep
 
     !> Next state of a scene in one dimension.
-    subroutine update_line(gpu, air, states, err)
+    subroutine update_line(gpu, air, stage, states, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
+        type(stage_t), intent(in) :: stage
         type(states_t), intent(in) :: states
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        call arguments%add(gpu%grid_at)
-        call arguments%add(gpu%stage_at)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call arguments%add_structure(stage, storage_size(stage)/8)
         call arguments%add(states%u)
         call arguments%add(states%start)
         call arguments%add(states%new)
         call arguments%add(gpu%flux)
         call arguments%add(gpu%bad)
+        call arguments%add(gpu%found)
         call launch(gpu%update_line, air%n, arguments, err)
     end subroutine update_line
 
     !> Rates of direction y or z.
-    subroutine march(gpu, air, d, states, err)
+    subroutine march(gpu, air, d, stage, states, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         integer, intent(in) :: d !! direction
+        type(stage_t), intent(in) :: stage
         type(states_t), intent(in) :: states
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
+        integer :: threads(3)
 
         call arguments%add(d)
-        call arguments%add(gpu%grid_at)
-        call arguments%add(gpu%scheme_at)
-        call arguments%add(gpu%stage_at)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
+        call arguments%add_structure(stage, storage_size(stage)/8)
         call arguments%add(states%u)
         call arguments%add(states%start)
         call arguments%add(states%new)
         call arguments%add(gpu%flux)
         call arguments%add(gpu%bad)
+        call arguments%add(gpu%found)
         call arguments%add(gpu%edge)
-        call launch(gpu%march, [lines_along(gpu%grid, d), (air%n(d) - 1)/gpu%grid%segment(d) + 1, &
-            1], arguments, err)
+        threads = [lines_along(gpu%grid, d), (air%n(d) - 1)/gpu%grid%segment(d) + 1, 1]
+        if (d == gpu%grid%last) then
+            call launch(gpu%last, threads, arguments, err)
+        else
+            call launch(gpu%march, threads, arguments, err)
+        end if
     end subroutine march
 
     !> Give the faces of bad cells the flux of first order. `lost` if that does not help.
@@ -208,16 +209,16 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        call put_stage(gpu, stage, err)
         call arguments%add(pass)
         call arguments%add(judge)
-        call arguments%add(gpu%grid_at)
-        call arguments%add(gpu%scheme_at)
-        call arguments%add(gpu%stage_at)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
+        call arguments%add_structure(stage, storage_size(stage)/8)
         call arguments%add(states%u)
         call arguments%add(states%start)
         call arguments%add(states%new)
         call arguments%add(gpu%bad)
+        call arguments%add(gpu%found)
         call arguments%add(gpu%edge)
         call launch(gpu%redo, air%n, arguments, err)
     end subroutine redo
@@ -232,7 +233,7 @@ contains
         real(dp) :: n
 
         call arguments%add(pass)
-        call arguments%add(gpu%grid_at)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
         call arguments%add(gpu%bad)
         call arguments%add(gpu%part)
         call launch(gpu%lowered, [air%n(1:2), 1], arguments, err)
@@ -270,14 +271,15 @@ contains
     end subroutine find_lost_cell
 
     !> Book what left through the outer faces.
-    subroutine add_outflow(gpu, air, err)
+    subroutine add_outflow(gpu, air, stage, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
+        type(stage_t), intent(in) :: stage
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        call arguments%add(gpu%grid_at)
-        call arguments%add(gpu%stage_at)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call arguments%add_structure(stage, storage_size(stage)/8)
         call arguments%add(gpu%edge)
         call arguments%add(gpu%outflow)
         call launch(gpu%leave, [gpu%grid%lines, air%n_var, 1], arguments, err)

@@ -21,8 +21,8 @@ contains
         type(arguments_t) :: arguments
         real(dp), target :: folded(fold_threads)
 
-        call arguments%add(gpu%grid_at)
-        call arguments%add(gpu%scheme_at)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
         call arguments%add(gpu%u)
         call arguments%add(gpu%part)
         call launch(gpu%speed, [air%n(1:2), 1], arguments, err)
@@ -42,7 +42,7 @@ contains
         totals = 0
         do c = 0, air%n_var
             arguments%n = 0
-            call arguments%add(gpu%grid_at)
+            call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
             call arguments%add(c)
             call arguments%add(gpu%u)
             call arguments%add(gpu%part)
