@@ -256,7 +256,7 @@ def compile_all(sources, keep, args):
     args.work.mkdir(parents=True, exist_ok=True)
     for old in args.work.glob("*.ll"):
         old.unlink()
-    wanted = {path: bool(marked(path) or kernels_of(path)) for path in sources}
+    wanted = {path: path.suffix == ".CUF" or bool(marked(path)) for path in sources}
     needs, owner = {}, {}
     for path in sources:
         makes, needs[path] = scan(path)

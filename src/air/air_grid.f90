@@ -7,11 +7,12 @@ module brz_air_grid
     private
     public :: grid_t, stage_t, grid_of, place_of, variable_in_slot, line_start, lines_along
     public :: rate_none, rate_in_flux, rate_in_new
-    public :: shortest, longest, threads_wanted
+    public :: faces_of_a_thread
 
     integer, parameter :: rate_none = 0, rate_in_flux = 1, rate_in_new = 2
     !! where the rates of the directions before one are: nowhere, the x fluxes, the next state
     integer, parameter :: shortest = 8, longest = 64 !! cells along a line for one thread
+    integer, parameter :: faces_of_a_thread = 2 !! of direction x, side by side
     integer, parameter :: threads_wanted = 200000 !! to fill a GPU a few times
 
     !> Arrays run over (1-g1:n1+g1, 1-g2:n2+g2, 1-g3:n3+g3, n_var). What belongs to the two ends of

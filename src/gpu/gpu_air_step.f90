@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> One time step of the air on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_air_step
-    use brz_air_grid, only: lines_along, stage_t
+    use brz_air_grid, only: faces_of_a_thread, lines_along, stage_t
     use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic
     use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
     use brz_errors, only: error_t, failed
@@ -113,7 +113,8 @@ contains
             call arguments%add(states%u)
             call arguments%add(gpu%flux)
             call arguments%add(gpu%edge)
-            call launch(gpu%faces, [(air%n(1) + 1)*air%n(2), air%n(3), 1], arguments, err)
+            call launch(gpu%faces, [(air%n(1)/faces_of_a_thread + 1)*air%n(2), air%n(3), 1], &
+                arguments, err)
         end if
         if (gpu%grid%last == 1) call update_line(gpu, air, stage, states, err)
         do d = 2, 3
