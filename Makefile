@@ -88,7 +88,7 @@ $(B)/presets.f90: scripts/presets.py FORCE
 
 # --- tests: one executable for each of tests/unit and tests/verify -----------------------------
 PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf tests/gpu/*.pf))
-PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90 tests/gpu/gpu_tools.f90))
+PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90 tests/gpu/gpu_*.f90))
 include tests/pfstub/pfunit.mk
 BENCH    := $(sort $(wildcard tests/bench/bench_*.f90))
 $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(B)/obj/tests/bench/floors.o $(LIB)
@@ -115,16 +115,17 @@ unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (
 
 # The same tests on a GPU, or anywhere with the emulated driver. They need no compiler: carry $(B)/tests/gpu and bin.
 GPU_TEST = BRISANCE_PTX=$(PTX) $(B)/tests/gpu/run
-gpu-tests: $(B)/tests/gpu/run $(B)/tests/gpu/bench_gpu $(PTX) ## build the tests and the benchmark of the GPU
+gpu-tests: $(B)/tests/gpu/run $(B)/tests/gpu/bench_gpu $(B)/tests/gpu/bench_gpu_solid $(PTX) ## build the tests and the benchmark of the GPU
 test-gpu: ## run the tests of the GPU (make gpu-tests builds them)
 	$(GPU_TEST) $(ARGS)
 bench-gpu: ## measure the speed on the GPU (ARGS: cells in each direction)
 	BRISANCE_PTX=$(PTX) $(B)/tests/gpu/bench_gpu $(or $(ARGS),128 256 400)
+	BRISANCE_PTX=$(PTX) $(B)/tests/gpu/bench_gpu_solid
 emulated: $(B)/tests/gpu/run $(EMULATOR) ## run the tests of the GPU with the emulated driver
 	@mkdir -p build/log
 	@echo '// $(STAMP)' > build/gpu/emulated.ptx
 	LD_LIBRARY_PATH=$(dir $(EMULATOR)) BRISANCE_PTX=build/gpu/emulated.ptx $(B)/tests/gpu/run -x build/log/emulated.xml $(ARGS)
-$(B)/tests/gpu/bench_gpu: $(B)/obj/tests/gpu/bench_gpu.o $(B)/obj/tests/gpu/gpu_tools.o $(LIB)
+$(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%.o,$(wildcard tests/gpu/gpu_*.f90)) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
@@ -182,7 +183,7 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) $(wildcard tests/gpu/bench_gpu.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
+SCANNED = $(SRC) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
           tests/bench/floors.f90 $(STUDY)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }

@@ -8,6 +8,7 @@ The first line of the file carries the stamp of the sources (gpu_stamp.py), whic
 compares with its own. Where ptxas is installed (Python package nvidia-cuda-nvcc) a kernel with a
 stack frame or a register spill fails the build, and the registers of each kernel are printed.
 Kernels whose names start with redo_ may spill: they work where cells fall back, which are few.
+So may the few bytes of the kernels in STACK.
 """
 
 import argparse
@@ -17,6 +18,9 @@ import sys
 from pathlib import Path
 
 from cuda_fortran import Fault, compile_all, kernels_of, mangled, missing_tools, run, translate
+
+# bytes of stack that a kernel may have: the ply keeps more numbers than a thread has registers
+STACK = {"update_by_orthotropic_ply": 64}
 
 
 def ptxas():
@@ -38,7 +42,8 @@ def resources(ptx, args):
         if found := re.search(r"(?:Function properties for|entry function) '?(\w+)", line):
             name = found[1]
         frame = re.search(r"(\d+) bytes stack frame, (\d+) bytes spill stores", line)
-        if frame and frame.groups() != ("0", "0") and not name.startswith("redo_"):
+        allowed = frame and max(map(int, frame.groups())) <= STACK.get(name, 0)
+        if frame and not allowed and not name.startswith("redo_"):
             faults.append(f"{name}: {line.strip()}")
         if found := re.search(r"Used (\d+) registers", line):
             print(f"{name}: {found[1]} registers")

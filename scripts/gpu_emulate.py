@@ -6,8 +6,9 @@ usage: gpu_emulate.py --work DIR --out DIR/libcuda.so.1 [-D NAME] SOURCE...
 
 The kernels of cuda/*.CUF are translated to plain Fortran: the CUDA attributes go, scalars are
 passed by reference, and threadIdx and the like come from a module. That is exact because the
-kernels use no shared memory, no barrier and no atomic operation. Everything is compiled once
-more for a shared library, without contraction of a*b + c, beside tests/gpu/emulator.c.
+kernels use no shared memory, no barrier and no atomic operation but the addition of integers.
+Everything is compiled once more for a shared library, without contraction of a*b + c, beside
+tests/gpu/emulator.c.
 """
 
 import argparse
@@ -46,7 +47,7 @@ def translated(text):
     text = head.sub(head_of, text)
     text = re.sub(r",\s*(?:device|value)\b", "", text, flags=re.I)
     text = re.sub(r"attributes\(device\)\s*", "pure ", text, flags=re.I)
-    names = "use emulated_cuda, only: threadIdx, blockIdx, blockDim, gridDim"
+    names = "use emulated_cuda, only: threadIdx, blockIdx, blockDim, gridDim, atomicadd"
     return re.sub(r"^(\s*module\s+\w+\s*)$", rf"\1\n    {names}", text, count=1, flags=re.M), table
 
 

@@ -8,7 +8,7 @@ module brz_algebra
     implicit none
     private
     public :: inverse3, multiply3, determinant3, double_dot
-    public :: to_matrix, to_voigt, rotation_exp, rotate_voigt
+    public :: to_matrix, to_voigt, rotation_exp, rotate_voigt, turn_ratios
 
 contains
 
@@ -91,6 +91,35 @@ contains
         s(6) = (m(1, 3) + m(3, 1))/2
     end subroutine to_voigt
 
+    !> Ratios sin(t)/t and (1 - cos(t))/t^2 of an angle t, by their series up to an angle of 1 and
+    !> by doubling the angle beyond: no cancellation at small angles, and no sine of a large angle,
+    !> which would need memory on a GPU.
+    !@cuf attributes(host,device) &
+    pure subroutine turn_ratios(t2, a, b)
+        real(rk), intent(in) :: t2 !! t^2, at least 0 [rad2]
+        real(rk), intent(out) :: a, b
+        real(rk) :: x, cosine
+        integer :: n
+
+        x = t2
+        n = 0
+        do while (x > 1 .and. n < 60)
+            x = x/4
+            n = n + 1
+        end do
+        a = 1 - x*(1/6.0_rk)*(1 - x*(1/20.0_rk)*(1 - x*(1/42.0_rk)*(1 - x*(1/72.0_rk)*( &
+            1 - x*(1/110.0_rk)*(1 - x*(1/156.0_rk)*(1 - x*(1/210.0_rk)*(1 - x*(1/272.0_rk))))))))
+        b = (1 - x*(1/12.0_rk)*(1 - x*(1/30.0_rk)*(1 - x*(1/56.0_rk)*(1 - x*(1/90.0_rk)*( &
+            1 - x*(1/132.0_rk)*(1 - x*(1/182.0_rk)*(1 - x*(1/240.0_rk)*(1 - x*(1/306.0_rk)))))))))/2
+        do while (n > 0)
+            cosine = 1 - b*x
+            b = a*a/2
+            a = a*cosine
+            x = 4*x
+            n = n - 1
+        end do
+    end subroutine turn_ratios
+
     !> Rotation exp(w t) of the skew part of a velocity gradient, by Rodrigues' formula (exact).
     !@cuf attributes(host,device) &
     pure subroutine rotation_exp(l, t, q)
@@ -103,13 +132,7 @@ contains
         y = (l(1, 3) - l(3, 1))*t/2
         z = (l(2, 1) - l(1, 2))*t/2
         t2 = x*x + y*y + z*z
-        if (t2 < 1e-4_rk) then
-            a = 1 - t2*(1/6.0_rk - t2*(1/120.0_rk - t2*(1/5040.0_rk)))
-            b = 0.5_rk - t2*(1/24.0_rk - t2*(1/720.0_rk - t2*(1/40320.0_rk)))
-        else
-            a = sin(sqrt(t2))/sqrt(t2)
-            b = (1 - cos(sqrt(t2)))/t2
-        end if
+        call turn_ratios(t2, a, b)
         q(1, 1) = 1 - b*(y*y + z*z)
         q(2, 2) = 1 - b*(x*x + z*z)
         q(3, 3) = 1 - b*(x*x + y*y)

@@ -5,7 +5,7 @@
 !> same, entry by entry. Images of a particle follow its direct neighbours; i may be a neighbour of
 !> its own image. Both parts are padded with i itself, whose pair with i is exactly nothing.
 module brz_solid_neighbours
-    use brz_cell_grid, only: cell_span, fill_cells, lay_grid
+    use brz_cell_grid, only: cell_span, fill_cells, lay_grid, reach_of_lists
     use brz_kinds, only: dp, int32, int64, int8
     use brz_particle_order, only: reorder_particles
     use brz_solid_links, only: build_links
@@ -26,7 +26,8 @@ contains
         if (sort) then
             do b = 1, size(solid%bodies)
                 call note_positions(solid, solid%bodies(b))
-                call lay_grid(solid%search, solid%x_built, solid%bodies(b), reach(solid, b))
+                call lay_grid(solid%search, solid%x_built, solid%bodies(b), &
+                              reach_of_lists(solid, b))
                 call fill_cells(solid%search, solid%x_built, solid%bodies(b))
             end do
             call reorder_particles(solid)
@@ -36,9 +37,9 @@ contains
         end if
         do b = 1, size(solid%bodies)
             if (solid%bodies(b)%formulation == form_total) then
-                call build_list(solid, solid%bodies(b), reach(solid, b), solid%x_ref)
+                call build_list(solid, solid%bodies(b), reach_of_lists(solid, b), solid%x_ref)
             else
-                call build_list(solid, solid%bodies(b), reach(solid, b), solid%x_built)
+                call build_list(solid, solid%bodies(b), reach_of_lists(solid, b), solid%x_built)
             end if
         end do
         call build_links(solid)
@@ -92,18 +93,6 @@ contains
         end do
         needs_rebuild = far > (solid%skin/2)**2
     end function needs_rebuild
-
-    !> Length of a pair in the list: the support of the kernel, and the skin where pairs change [m].
-    pure real(dp) function reach(solid, b)
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: b
-
-        associate (body => solid%bodies(b))
-            reach = 2*real(body%h, dp)
-            if (body%variable) reach = reach*body%h_range(2)
-            if (body%formulation /= form_total) reach = reach + solid%skin
-        end associate
-    end function reach
 
     !> Lengths of the lists of a body, as running sums in `first`, and of their parts in `direct`.
     subroutine count_body(solid, body, reach, place)

@@ -4,6 +4,7 @@
 !> The particles of a rigid body carry its mass to contact, air and output. Their velocity is kept
 !> at half steps like that of all others, and `a` is what brings it to the step.
 module brz_solid_rigid
+    use brz_drive, only: book_drive
     use brz_kinds, only: dp, rk
     use brz_motion, only: mean_velocity, velocity_of
     use brz_rigid, only: attitude, cross, spin_of, turn
@@ -33,19 +34,6 @@ contains
             end associate
         end do
     end subroutine move_rigid
-
-    !> Work of what drives a body: its kinetic energy, less what the body itself does, whose second
-    !> half is booked with the force.
-    subroutine book_drive(body, time, dt, v)
-        type(body_t), intent(inout) :: body
-        real(dp), intent(in) :: time, dt, v(3)
-        real(dp) :: before(3), after(3)
-
-        before = velocity_of(body%motion, time)
-        after = velocity_of(body%motion, time + dt)
-        body%ledger%drive = body%ledger%drive - dt/2*dot_product(body%motion%force, v) &
-            + body%motion%mass/2*(dot_product(after, after) - dot_product(before, before))
-    end subroutine book_drive
 
     !> Carry the held particles of a body along.
     subroutine drive(solid, body, dt, v)

@@ -8,18 +8,18 @@ module brz_solid_step
     use brz_solid_bonds, only: break_bonds
     use brz_solid_contact, only: contact_pass, find_touch
     use brz_solid_doubles, only: refuse_doubles
+    use brz_solid_faults, only: report_bad
     use brz_solid_forces, only: force_pass, update_sizes
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_links, only: first_bonds
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
     use brz_solid_rigid, only: balance_rigid, move_rigid
-    use brz_solid_state, only: form_bending, form_rigid, solid_t, worth_threads
+    use brz_solid_state, only: form_bending, form_rigid, intact_share, solid_t, worth_threads
     implicit none
     private
     public :: start_solid, resume_solid, solid_time_step, solid_step, velocity_at_step
 
     real(dp), parameter :: growth = 1.05_dp !! most that a time step may exceed the last one
-    real(rk), parameter :: intact_share = 0.5_rk !! fewer intact neighbours end the hourglass force
 
 contains
 
@@ -166,22 +166,4 @@ contains
             end do
         end do
     end subroutine end_support
-
-    !> Raise an error for the first particle with an impossible state.
-    subroutine report_bad(solid, err)
-        type(solid_t), intent(in) :: solid
-        type(error_t), intent(inout) :: err
-        character(400) :: text
-        integer :: i, k
-
-        if (all(solid%search%bad == 0)) return
-        k = findloc(solid%search%bad > 0, .true., 1)
-        i = solid%search%bad(k)
-        write (text, '(a, i0, 3a, 3(es11.3), a, 3(es11.3), a, es11.3, a, 6(es11.3), a, i0, a)') &
-            'particle ', solid%id(i), " of body '", trim(solid%bodies(solid%block(1, k))%id), &
-            "' has an impossible state: at", solid%x(:, i), ' m, velocity', solid%v(:, i), &
-            ' m/s, compression', solid%mu(i), ', stress', solid%stress(:, i), ' Pa, solid step ', &
-            solid%steps, '; try a smaller cfl or another formulation for this body'
-        call raise(err, exit_numerical, trim(text))
-    end subroutine report_bad
 end module brz_solid_step

@@ -24,8 +24,8 @@ module brz_materials
     use brz_polynomial_eos, only: polynomial_eos, describe_polynomial_eos, update_polynomial_eos
     implicit none
     private
-    public :: material_keys, make_material, start_point, update_material, history_names, &
-              derived_constants, unloaded_speed
+    public :: material_keys, make_material, start_point, update_material, update_model, &
+              history_names, derived_constants, unloaded_speed
 
     ! Numbers beyond these are no state of a solid; below them no update can overflow, in real32
     ! either. The strain of one step is the sum of |dv_i/dx_j| dt.
@@ -52,13 +52,14 @@ contains
 
     !> The physics of one step of one material point. ... and a line here.
     !@cuf attributes(host,device) &
-    pure subroutine apply_model(material, dt, h, l, point, status)
+    pure subroutine apply_model(model, material, dt, h, l, point, status)
+        integer, intent(in) :: model !! code
         type(material_t), intent(in) :: material
         real(rk), intent(in) :: dt, h, l(3, 3)
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
 
-        select case (material%model)
+        select case (model)
         case (linear_elastic); call update_linear_elastic(material, dt, l, point, status)
         case (gruneisen); call update_gruneisen(material, dt, l, point, status)
         case (orthotropic_ply); call update_orthotropic_ply(material, dt, h, l, point, status)
@@ -88,9 +89,22 @@ contains
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status !! see brz_material
 
-        call check_input(material, dt, h, l, point, status)
-        if (status == material_ok) call apply_model(material, dt, h, l, point, status)
+        call update_model(int(material%model), material, dt, h, l, point, status)
     end subroutine update_material
+
+    !> The same where the model is known beforehand: with a constant `model`, a compiler keeps the
+    !> code of that model alone.
+    !@cuf attributes(host,device) &
+    pure subroutine update_model(model, material, dt, h, l, point, status)
+        integer, intent(in) :: model !! code, that of the material
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: dt, h, l(3, 3) !! [s, m, 1/s]
+        type(point_t), intent(inout) :: point
+        integer, intent(out) :: status
+
+        call check_input(material, dt, h, l, point, status)
+        if (status == material_ok) call apply_model(model, material, dt, h, l, point, status)
+    end subroutine update_model
 
     !> Refuse what is not a number or cannot be a state of a solid.
     !@cuf attributes(host,device) &

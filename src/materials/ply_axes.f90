@@ -11,7 +11,7 @@
 !> d is the rate of deformation in the axes at mid-step, so that a step can be taken back.
 !> Point physics: compiled for the CPU and for the GPU.
 module brz_ply_axes
-    use brz_algebra, only: rotate_voigt, to_voigt
+    use brz_algebra, only: rotate_voigt, to_voigt, turn_ratios
     use brz_kinds, only: rk
     implicit none
     private
@@ -147,13 +147,9 @@ contains
         real(rk) :: t2, s
 
         t2 = (a(1)*a(1) + a(2)*a(2) + a(3)*a(3))/4
-        if (t2 < 1e-3_rk) then
-            q(1) = 1 - t2*(0.5_rk - t2*(1/24.0_rk - t2*(1/720.0_rk - t2*(1/40320.0_rk))))
-            s = 0.5_rk - t2*(1/12.0_rk - t2*(1/240.0_rk - t2*(1/10080.0_rk - t2*(1/725760.0_rk))))
-        else
-            q(1) = cos(sqrt(t2))
-            s = sin(sqrt(t2))/sqrt(t2)/2
-        end if
+        call turn_ratios(t2, s, q(1))
+        q(1) = 1 - t2*q(1)
+        s = s/2
         q(2) = s*a(1)
         q(3) = s*a(2)
         q(4) = s*a(3)

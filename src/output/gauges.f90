@@ -15,7 +15,8 @@ module brz_gauges
     use brz_solid_step, only: velocity_at_step
     implicit none
     private
-    public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_points, gauge_row
+    public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_points, gauge_particles
+    public :: gauge_row
     public :: radial_gauge_row
 
     !> What can be measured, and where.
@@ -166,6 +167,14 @@ contains
             end associate
         end do
     end subroutine gauge_names
+
+    !> Numbers of the particles that gauges follow.
+    pure function gauge_particles(gauges) result(id)
+        type(gauges_t), intent(in) :: gauges
+        integer, allocatable :: id(:)
+
+        id = pack(gauges%list%particle, gauges%list%body > 0)
+    end function gauge_particles
 
     !> One row of the history.
     subroutine gauge_row(gauges, time, air, wall, solid, row)

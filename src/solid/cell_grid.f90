@@ -5,14 +5,26 @@
 !> as being in the outermost cells, which keeps neighbours in neighbouring cells.
 module brz_cell_grid
     use brz_kinds, only: dp
-    use brz_solid_state, only: body_t, search_t
+    use brz_solid_state, only: body_t, form_total, search_t, solid_t
     implicit none
     private
-    public :: lay_grid, fill_cells, cell_span
+    public :: lay_grid, choose_cells, fill_cells, cell_span, cell_along, reach_of_lists
 
     integer, parameter :: cells_per_particle = 2 !! most cells, empty ones included
 
 contains
+
+    !> Length of a pair in the list: the support of the kernel, and the skin where pairs change [m].
+    pure real(dp) function reach_of_lists(solid, b) result(reach)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+
+        associate (body => solid%bodies(b))
+            reach = 2*real(body%h, dp)
+            if (body%variable) reach = reach*body%h_range(2)
+            if (body%formulation /= form_total) reach = reach + solid%skin
+        end associate
+    end function reach_of_lists
 
     !> Choose the cells for one body: `size` is the reach of the list.
     subroutine lay_grid(s, x, body, size)
@@ -20,24 +32,36 @@ contains
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: size !! side of a cell [m]
-        real(dp) :: lo(3), hi(3)
-        integer :: a, most
+        real(dp) :: lo(3), hi(3), centre(3)
+        integer :: a
 
         do a = 1, 3
             lo(a) = minval(x(a, body%first:body%last))
             hi(a) = maxval(x(a, body%first:body%last))
-            s%cells(a) = int(min((hi(a) - lo(a))/size, 1e6_dp)) + 1
+            centre(a) = sum(x(a, body%first:body%last))/(body%last - body%first + 1)
         end do
+        call choose_cells(s, lo, hi, centre, body%last - body%first + 1, size)
+    end subroutine lay_grid
+
+    !> The same from the extent of the body. Too many cells are cut down to those about its centre.
+    subroutine choose_cells(s, lo, hi, centre, n, size)
+        type(search_t), intent(inout) :: s
+        real(dp), intent(in) :: lo(3), hi(3), centre(3) !! corners, mean position [m]
+        integer, intent(in) :: n !! particles
+        real(dp), intent(in) :: size !! side of a cell [m]
+        integer :: a, most
+
+        s%lo = lo
         s%size = size
-        most = max(512, cells_per_particle*(body%last - body%first + 1))
+        s%cells = int(min((hi - lo)/size, 1e6_dp)) + 1
+        most = max(512, cells_per_particle*n)
         do while (product(real(padded(s%cells), dp)) > most)
             a = maxloc(s%cells, 1)
             s%cells(a) = max(1, s%cells(a)/2)
-            lo(a) = sum(x(a, body%first:body%last))/(body%last - body%first + 1) - s%cells(a)*size/2
+            s%lo(a) = centre(a) - s%cells(a)*size/2
         end do
-        s%lo = lo
         call number_cells(s)
-    end subroutine lay_grid
+    end subroutine choose_cells
 
     !> Smallest powers of two that hold n.
     elemental integer function padded(n)
@@ -112,20 +136,31 @@ contains
         s%start(0) = body%first
     end subroutine fill_cells
 
-    !> Cell of a point along each axis, held inside the grid; what is no number is in the first.
+    !> Cell of a point along each axis.
     pure function place(s, x) result(c)
         type(search_t), intent(in) :: s
         real(dp), intent(in) :: x(3)
         integer :: c(3)
-        real(dp) :: t
         integer :: a
 
-        c = 0
         do a = 1, 3
-            t = (x(a) - s%lo(a))/s%size
-            if (t > 0) c(a) = int(min(t, real(s%cells(a) - 1, dp)))
+            c(a) = cell_along(x(a), s%lo(a), s%size, s%cells(a))
         end do
     end function place
+
+    !> Cell of a coordinate along one axis, from 0, held inside the grid; what is no number is in
+    !> the first.
+    !@cuf attributes(host,device) &
+    pure function cell_along(x, lo, size, cells) result(c)
+        real(dp), intent(in) :: x, lo, size !! coordinate, low corner, side of a cell [m]
+        integer, intent(in) :: cells
+        integer :: c
+        real(dp) :: t
+
+        c = 0
+        t = (x - lo)/size
+        if (t > 0) c = int(min(t, real(cells - 1, dp)))
+    end function cell_along
 
     !> Cells lo..hi along each axis that hold everything within a reach of a point.
     pure subroutine cell_span(s, x, reach, lo, hi)

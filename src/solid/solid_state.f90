@@ -15,6 +15,7 @@ module brz_solid_state
     public :: solid_t, body_t, ledger_t, search_t
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_total, lanes, worth_threads, links_t, bond_none, bond_whole, bond_broken
+    public :: intact_share
     public :: n_near, n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold
 
@@ -24,6 +25,8 @@ module brz_solid_state
                                     !! multiple of this
 
     integer(int8), parameter :: bond_none = 0, bond_whole = 1, bond_broken = 2
+    real(rk), parameter :: intact_share = 0.5_rk !! fewer intact neighbours end the stiff
+                                                 !! hourglass force
     integer, parameter :: worth_threads = 2048 !! fewer particles are faster on one thread
     ! what a pair force needs of a particle, in one contiguous row of `pair`
     integer, parameter :: pair_volume = 1 !! [m3]

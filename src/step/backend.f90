@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Where a scene is computed: on the CPU, or its air on a GPU. The operations of a step that differ.
+!> Where a scene is computed: on the CPU, or its air or its bodies on a GPU. The operations of a
+!> step that differ.
 module brz_backend
     use brz_air_energy, only: air_kinetic
     use brz_air_probe, only: cells_around
@@ -14,17 +15,27 @@ module brz_backend
     use brz_gpu_air_state, only: fetch_air, fetch_cells, gpu_air_t, open_gpu_air
     use brz_gpu_air_step, only: gpu_air_step
     use brz_gpu_air_sums, only: gpu_air_time_step, gpu_air_totals, gpu_outflow
+    use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, open_gpu_solid
+    use brz_gpu_solid_state, only: cannot_run_solid, gpu_solid_t
+    use brz_gpu_solid_step, only: gpu_solid_step
+    use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
     use brz_kinds, only: dp
+    use brz_solid_state, only: solid_t
+    use brz_solid_step, only: solid_step
+    use brz_solid_totals, only: solid_totals, solid_totals_t
     use brz_version, only: device_code
     implicit none
     private
-    public :: backend_t, choose_backend, start_backend
-    public :: advance_air, limit_of_air, stock_of_air, fetch_state, fetch_around
+    public :: backend_t, choose_backend, settle_backend, start_backend
+    public :: advance_air, limit_of_air, stock_of_air, advance_solid, stock_of_solid
+    public :: fetch_state, fetch_around, fetch_followed
 
     type :: backend_t
         logical :: on_gpu = .false. !! the air
+        logical :: bodies_on_gpu = .false.
         type(device_t) :: device
         type(gpu_air_t) :: air
+        type(gpu_solid_t) :: solid
     end type backend_t
 
 contains
@@ -43,18 +54,43 @@ contains
         if (failed(err) .or. wanted == 'cpu') return
         call open_device(backend%device, trial)
         if (wanted == 'auto' .and. failed(trial)) return
-        if (has_solid .or. .not. has_air) call raise(trial, exit_device, 'this version has '// &
-            'only the air on the GPU, no bodies: run with --backend cpu')
+        if (has_solid .and. has_air) call raise(trial, exit_device, 'this version computes '// &
+            'air or bodies on the GPU, but not bodies in air: run with --backend cpu')
         call load_kernels(backend%device, kernel_file(), device_code, trial)
-        backend%on_gpu = .not. failed(trial)
+        backend%on_gpu = has_air .and. .not. failed(trial)
+        backend%bodies_on_gpu = has_solid .and. .not. failed(trial)
         if (backend%on_gpu) then
             note = 'the air runs on '//backend%device%name
+        else if (backend%bodies_on_gpu) then
+            note = '' ! settle_backend has the last word
         else if (wanted == 'gpu') then
             call raise(err, trial%code, trial%text)
         else
             note = 'the scene runs on the CPU: '//trial%text
         end if
     end subroutine choose_backend
+
+    !> Decide on the bodies once they are set up.
+    subroutine settle_backend(wanted, solid, backend, note, err)
+        character(*), intent(in) :: wanted !! 'cpu', 'gpu', 'auto'
+        type(solid_t), intent(in) :: solid
+        type(backend_t), intent(inout) :: backend
+        character(:), allocatable, intent(out) :: note !! what the user should know, '' for nothing
+        type(error_t), intent(inout) :: err !! exit_device if 'gpu' is not possible
+        character(:), allocatable :: why
+
+        note = ''
+        if (.not. backend%bodies_on_gpu) return
+        call cannot_run_solid(solid, why)
+        if (.not. allocated(why)) then
+            note = 'the bodies run on '//backend%device%name
+            return
+        end if
+        backend%bodies_on_gpu = .false.
+        note = 'the scene runs on the CPU: this version does not have '//why//' on the GPU'
+        if (wanted == 'gpu') call raise(err, exit_device, 'this version does not have '//why// &
+                                        ' on the GPU: run with --backend cpu')
+    end subroutine settle_backend
 
     !> The GPU code: beside the program, or where the environment variable BRISANCE_PTX says.
     function kernel_file() result(path)
@@ -67,13 +103,16 @@ contains
     end function kernel_file
 
     !> Hand the state to the GPU, once it is set up or read from a checkpoint.
-    subroutine start_backend(backend, air, err)
+    subroutine start_backend(backend, air, solid, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air
+        type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
         if (backend%on_gpu .and. .not. failed(err)) &
             call open_gpu_air(backend%device, air, backend%air, err)
+        if (backend%bodies_on_gpu .and. .not. failed(err)) &
+            call open_gpu_solid(backend%device, solid, backend%solid, err)
     end subroutine start_backend
 
     !> One step of the air. `status` as air_step has it.
@@ -134,16 +173,63 @@ contains
         end if
     end subroutine stock_of_air
 
-    !> Bring the whole state to the host, for a dump or a checkpoint.
-    subroutine fetch_state(backend, air, err)
+    !> One step of the bodies.
+    subroutine advance_solid(backend, solid, dt, err)
         type(backend_t), intent(inout) :: backend
-        type(air_t), intent(inout) :: air
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
 
-        if (.not. backend%on_gpu .or. failed(err)) return
-        call fetch_air(backend%air, air, err)
-        call gpu_outflow(backend%air, air, err)
+        if (backend%bodies_on_gpu) then
+            call gpu_solid_step(backend%solid, solid, dt, err)
+        else
+            call solid_step(solid, dt, err)
+        end if
+    end subroutine advance_solid
+
+    !> Totals of body b, or of all with b = 0; the ledgers of the bodies are brought up to date.
+    subroutine stock_of_solid(backend, solid, b, totals, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        type(solid_totals_t), intent(out) :: totals
+        type(error_t), intent(inout) :: err
+
+        if (backend%bodies_on_gpu) then
+            call gpu_solid_totals(backend%solid, solid, b, totals, err)
+        else
+            call solid_totals(solid, b, totals)
+        end if
+    end subroutine stock_of_solid
+
+    !> Bring the whole state to the host, for a dump or a checkpoint.
+    subroutine fetch_state(backend, air, solid, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        if (backend%on_gpu) then
+            call fetch_air(backend%air, air, err)
+            call gpu_outflow(backend%air, air, err)
+        end if
+        if (backend%bodies_on_gpu) then
+            call fetch_solid(backend%solid, solid, err)
+            call fetch_ledgers(backend%solid, solid, err)
+        end if
     end subroutine fetch_state
+
+    !> Bring the motion of some particles to the host, for gauges.
+    subroutine fetch_followed(backend, id, solid, err)
+        type(backend_t), intent(in) :: backend
+        integer, intent(in) :: id(:) !! numbers of the particles
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (backend%bodies_on_gpu .and. .not. failed(err)) &
+            call fetch_particles(backend%solid, id, solid, err)
+    end subroutine fetch_followed
 
     !> Bring the cells around some points to the host, for gauges.
     subroutine fetch_around(backend, points, air, err)

@@ -4,12 +4,12 @@
 !> All values are of what is modelled (a half or a quarter where symmetry planes cut the scene).
 module brz_ledger
     use brz_air_state, only: air_t
-    use brz_backend, only: backend_t, stock_of_air
+    use brz_backend, only: backend_t, stock_of_air, stock_of_solid
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
-    use brz_solid_totals, only: solid_totals, solid_totals_t
+    use brz_solid_totals, only: solid_totals_t
     implicit none
     private
     public :: ledger_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
@@ -74,9 +74,9 @@ contains
     !> Take stock of the scene. The first call sets what errors are measured against.
     subroutine take_stock(time, backend, air, solid, coupling, start, ledger, err)
         real(dp), intent(in) :: time !! [s]
-        type(backend_t), intent(in) :: backend
+        type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air !! its row sums are overwritten
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid !! its ledgers are brought up to date
         type(coupling_t), intent(in) :: coupling
         type(ledger_start_t), intent(inout) :: start
         type(ledger_t), intent(out) :: ledger
@@ -93,7 +93,7 @@ contains
             ledger%fallback_faces = real(air%fallback_faces, dp)
         end if
         if (solid%present) then
-            call solid_totals(solid, 0, sums)
+            call stock_of_solid(backend, solid, 0, sums, err)
             ledger%solid_kinetic = sums%kinetic
             ledger%solid_internal = sums%internal
             ledger%outside = sums%outside
@@ -187,16 +187,18 @@ contains
     end subroutine body_names
 
     !> The row that belongs to the columns of bodies.csv.
-    subroutine body_row(time, solid, row)
+    subroutine body_row(time, backend, solid, row, err)
         real(dp), intent(in) :: time !! [s]
-        type(solid_t), intent(in) :: solid
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
         real(dp), intent(out) :: row(:) !! (1 + n_body bodies)
+        type(error_t), intent(inout) :: err
         type(solid_totals_t) :: t
         integer :: b
 
         row(1) = time
         do b = 1, size(solid%bodies)
-            call solid_totals(solid, b, t)
+            call stock_of_solid(backend, solid, b, t, err)
             row(2 + n_body*(b - 1):1 + n_body*b) = &
                 [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, t%damage, &
                  solid%bodies(b)%ledger%load, solid%bodies(b)%reaction]

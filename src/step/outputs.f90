@@ -2,7 +2,7 @@
 !> What a run writes and when: histories, dumps, checkpoints, progress lines.
 module brz_outputs
     use, intrinsic :: iso_fortran_env, only: error_unit
-    use brz_backend, only: fetch_around, fetch_state
+    use brz_backend, only: fetch_around, fetch_followed, fetch_state
     use brz_checkpoint, only: drop_later_checkpoints, find_checkpoint, read_checkpoint, &
                               write_checkpoint
     use brz_clock, only: resume_clock, tick
@@ -10,8 +10,8 @@ module brz_outputs
     use brz_coupling_setup, only: restart_coupling
     use brz_dumps, only: dumps_t, start_dumps, write_dumps
     use brz_errors, only: error_t, exit_numerical, failed, raise
-    use brz_gauges, only: gauge_names, gauge_points, gauge_row, gauges_t, radial_gauge_row, &
-                          set_up_gauges
+    use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, gauges_t, &
+                          radial_gauge_row, set_up_gauges
     use brz_history, only: append_row, close_history, flush_history, history_t, open_history
     use brz_kinds, only: dp
     use brz_ledger, only: body_names, body_row, energy_columns, is_balanced, ledger_row, &
@@ -153,7 +153,7 @@ contains
             call write_histories(sim, outputs, err)
         if (failed(err)) return
         if (tick(sim%clock%dump, sim%clock%time) .or. last) then
-            call fetch_state(sim%backend, sim%air, err)
+            call fetch_state(sim%backend, sim%air, sim%solid, err)
             if (failed(err)) return
             call write_dumps(outputs%dumps, sim%case, sim%clock, sim%air, sim%coupling%wall, &
                              sim%solid, err)
@@ -175,11 +175,12 @@ contains
         outputs%energy_error = ledger%energy_error
         call append_row(outputs%energy, ledger_row(ledger), err)
         if (sim%solid%present) then
-            call body_row(sim%clock%time, sim%solid, outputs%body_values)
+            call body_row(sim%clock%time, sim%backend, sim%solid, outputs%body_values, err)
             call append_row(outputs%bodies, outputs%body_values, err)
         end if
         if (outputs%gauges%n > 0) then
             call fetch_around(sim%backend, gauge_points(outputs%gauges), sim%air, err)
+            call fetch_followed(sim%backend, gauge_particles(outputs%gauges), sim%solid, err)
             call gauge_row(outputs%gauges, sim%clock%time, sim%air, sim%coupling%wall, sim%solid, &
                            outputs%gauge_values)
             call append_row(outputs%gauge_history, outputs%gauge_values, err)
@@ -237,7 +238,7 @@ contains
         if (outputs%saved_cycle == sim%clock%cycle) return
         begin = wall_seconds()
         call flush_all(outputs, err)
-        call fetch_state(sim%backend, sim%air, err)
+        call fetch_state(sim%backend, sim%air, sim%solid, err)
         if (failed(err)) return
         sums = [sim%start%total, sim%start%mass, sim%start%momentum]
         call write_checkpoint(outputs%folder, sim%case, sim%clock, sim%air, sim%coupling, &

@@ -2,7 +2,7 @@
 !> A run from the deck to the last result.
 module brz_run
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-    use brz_backend, only: choose_backend, start_backend
+    use brz_backend, only: choose_backend, settle_backend, start_backend
     use brz_build_case, only: build_case
     use brz_check, only: print_check
     use brz_check_start, only: is_radial
@@ -38,6 +38,7 @@ contains
         type(simulation_t), allocatable :: sim
         type(outputs_t) :: outputs
         type(error_t) :: closing
+        character(:), allocatable :: note
 
         allocate (sim)
         call read_scene(options, sim, err)
@@ -49,6 +50,9 @@ contains
         end if
         call set_up_simulation(sim, err)
         if (failed(err)) return
+        call settle_backend(trim(sim%case%run%backend), sim%solid, sim%backend, note, err)
+        if (failed(err)) return
+        if (note /= '') write (error_unit, '(a)') note
         if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes
         if (sim%early%present) call print_early(sim%early)
         if (options%check) then
@@ -60,7 +64,7 @@ contains
         if (sim%early%present) sim%clock%time = sim%early%time
         call open_outputs(options, sim, outputs, err)
         if (failed(err)) return
-        call start_backend(sim%backend, sim%air, err)
+        call start_backend(sim%backend, sim%air, sim%solid, err)
         if (failed(err)) return
         call time_loop(sim, outputs, err)
         call close_outputs(outputs, closing) ! the rows up to a failure are the ones that tell

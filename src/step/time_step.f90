@@ -3,7 +3,7 @@
 module brz_time_step
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok
-    use brz_backend, only: advance_air, limit_of_air
+    use brz_backend, only: advance_air, advance_solid, limit_of_air
     use brz_coupling_events, only: reclassify
     use brz_coupling_load, only: load_is_negligible, spread_load
     use brz_coupling_paper, only: move_paper_walls, paper_step
@@ -11,7 +11,7 @@ module brz_time_step
     use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_kinds, only: dp, int64
     use brz_simulation, only: simulation_t
-    use brz_solid_step, only: solid_step, solid_time_step
+    use brz_solid_step, only: solid_time_step
     use brz_text, only: to_text
     use brz_timer, only: lap, wall_seconds
     implicit none
@@ -169,7 +169,7 @@ contains
         integer :: k
 
         do k = 1, sim%substeps
-            call solid_step(sim%solid, dt/sim%substeps, err)
+            call advance_solid(sim%backend, sim%solid, dt/sim%substeps, err)
             if (failed(err)) return
         end do
         sim%progress%particle_steps = sim%progress%particle_steps + &

@@ -4,7 +4,7 @@ module emulated_cuda
     use, intrinsic :: iso_c_binding, only: c_int
     implicit none
     private
-    public :: threadIdx, blockIdx, blockDim, gridDim
+    public :: threadIdx, blockIdx, blockDim, gridDim, atomicadd
 
     type :: dim3_t
         integer :: x = 1, y = 1, z = 1
@@ -14,6 +14,17 @@ module emulated_cuda
     !$omp threadprivate(threadIdx, blockIdx, blockDim, gridDim)
 
 contains
+
+    !> Add to a number that other threads may add to; the result is what it was.
+    integer function atomicadd(mem, value) result(old)
+        integer, intent(inout) :: mem
+        integer, intent(in) :: value
+
+        !$omp atomic capture
+        old = mem
+        mem = mem + value
+        !$omp end atomic
+    end function atomicadd
 
     subroutine set_grid(gx, gy, gz, bx, by, bz) bind(c)
         integer(c_int), value :: gx, gy, gz, bx, by, bz

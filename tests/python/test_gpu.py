@@ -6,6 +6,7 @@ import re
 import subprocess
 from pathlib import Path
 
+import h5py
 import pytest
 
 ROOT = Path(__file__).parents[2]
@@ -111,18 +112,88 @@ def test_auto_takes_the_cpu_where_there_is_no_gpu(deck):
     assert "runs on the CPU" in done.stderr
 
 
-def test_bodies_are_not_on_the_gpu_yet(deck):
-    (deck / "b.nml").write_text(
-        DECK
-        + "&material id='m', model='linear_elastic', density=1e3,"
-        + " youngs_modulus=1e9, poisson_ratio=0.3 /\n"
-        + "&body id='b', shape='box', box=0.4,0.6, 0.1,0.2, 0.1,0.2, spacing=0.02,"
-        + " material='m' /\n",
-        encoding="utf-8",
-    )
-    done = run(deck, "b.nml", "--backend", "gpu", "--check")
-    assert done.returncode == 5, done.stderr
-    assert "no bodies" in done.stderr
+SOLID = """&run title='t', t_end=8e-7, symmetry='x' /
+&material id='cu', preset='ofhc_copper' /
+&material id='ply', preset='cfrp_woven' /
+&body id='rod', shape='cylinder', axis='z', centre=0,0,0.003, radius=0.002, length=0.006,
+      spacing=0.0005, material='cu', velocity=0,0,-190, fix='z-' /
+&body id='plate', shape='box', box=0.01,0.014, 0,0.004, 0,0.0015, spacing=0.0005, material='ply',
+      plies='3*(0/90)', velocity=0,0,150, fix='x+' /
+&interaction bodies='rod','plate', law='LAW' /
+&gauge id='g', body='rod', at=0,0,0.005, quantity='velocity_z' /
+&output dump_every=4e-7, checkpoint_every=2e-7, history_every=1e-7 /
+"""
+
+
+@pytest.fixture(name="solid")
+def _solid(deck):
+    (deck / "s.nml").write_text(SOLID.replace("LAW", "none"), encoding="utf-8")
+    (deck / "c.nml").write_text(SOLID.replace("LAW", "contact"), encoding="utf-8")
+    return deck
+
+
+def same(first, second, folder):
+    """The histories of two runs agree to rounding, column by column."""
+    for name in ("energy.csv", "bodies.csv", "gauges.csv"):
+        columns = [zip(*rows(folder / x / name), strict=True) for x in (first, second)]
+        for a, b in zip(*columns, strict=True):
+            scale = max(map(abs, b)) + 1e-30
+            if name == "energy.csv" or scale > 1e-12:
+                assert a == pytest.approx(b, rel=1e-8, abs=max(1e-8 * scale, 1e-9))
+
+
+def test_bodies_on_the_gpu_are_those_of_the_cpu(solid):
+    for backend in ("gpu", "cpu"):
+        done = run(solid, "s.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+        assert ("the bodies run on Emulated" in done.stderr) == (backend == "gpu")
+    same("gpu", "cpu", solid)
+    with (
+        h5py.File(solid / "gpu/solid_00002.vtkhdf") as a,
+        h5py.File(solid / "cpu/solid_00002.vtkhdf") as b,
+    ):
+        for key in ("Points", "PointData/velocity", "PointData/stress"):
+            x, y = a["VTKHDF/" + key][:], b["VTKHDF/" + key][:]
+            assert abs(x - y).max() <= 1e-5 * abs(y).max(), key
+
+
+def test_a_checkpoint_of_bodies_serves_both_backends(solid):
+    assert run(solid, "s.nml", "--backend", "gpu", "--out", "whole").returncode == 0
+    first = ("--set", "run.max_steps=9", "--out", "parts")
+    for backend, more in (("gpu", first), ("cpu", ("--set", "run.max_steps=20")), ("gpu", ())):
+        restart = () if more is first else ("--restart", "latest", "--out", "parts")
+        done = run(solid, "s.nml", "--backend", backend, *more, *restart)
+        assert done.returncode == 0, done.stderr
+    same("whole", "parts", solid)
+
+
+def test_a_restart_on_the_gpu_gives_the_same_bits(solid):
+    assert run(solid, "s.nml", "--backend", "gpu", "--out", "a").returncode == 0
+    first = ("--set", "run.max_steps=9", "--out", "b")
+    assert run(solid, "s.nml", "--backend", "gpu", *first).returncode == 0
+    second = ("--restart", "latest", "--out", "b")
+    assert run(solid, "s.nml", "--backend", "gpu", *second).returncode == 0
+    assert rows(solid / "a" / "gauges.csv") == rows(solid / "b" / "gauges.csv")
+    assert rows(solid / "a" / "bodies.csv")[-1][:8] == rows(solid / "b" / "bodies.csv")[-1][:8]
+
+
+def test_what_bodies_cannot_do_on_the_gpu_is_told(solid):
+    air = "&air box=0,1, 0,1, 0,1, cells=8,8,8 /\n"
+    (solid / "d.nml").write_text(air + SOLID.replace("LAW", "none"), encoding="utf-8")
+    for name, words in (("c.nml", "bodies that meet"), ("d.nml", "not bodies in air")):
+        done = run(solid, name, "--backend", "gpu", "--check")
+        assert done.returncode == 5, done.stderr
+        assert words in done.stderr
+        done = run(solid, name, "--backend", "auto", "--check")
+        assert done.returncode == 0, done.stderr
+        assert "runs on the CPU" in done.stderr and words in done.stderr
+
+
+def test_a_lost_particle_is_reported(solid):
+    fast = ("--set", "body(rod).velocity=0,0,-9e4", "--out", "o")
+    done = run(solid, "s.nml", "--backend", "gpu", *fast)
+    assert done.returncode == 3, done.stderr
+    assert "particle" in done.stderr and "impossible state" in done.stderr
 
 
 def test_a_failure_leaves_the_last_checkpoint(deck):

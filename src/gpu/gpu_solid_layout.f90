@@ -1,0 +1,79 @@
+! SPDX-License-Identifier: MIT
+!> How the particles lie in the memory of the GPU: names shared by its kernels and the host.
+!>
+!> What neighbours read is gathered row by row, in rows of 16 B and multiples of it:
+!>     place(4, n)      x, y, z, unused [m]; reference(4, n), built(4, n) alike
+!>     motion(4, n)     velocity [m/s], volume [m3]
+!>     row(n_pair, n)   what pass 2 needs, slots of brz_solid_state
+!>     hold(6, n)       hourglass stiffness along axes [Pa]
+!> What only the particle itself reads lies column by column: state(n, ...), tag(n, ...), and
+!> book(n, ...), whose sums over a body are its ledger.
+module brz_gpu_solid_layout
+    use brz_kinds, only: dp, rk
+    implicit none
+    private
+    public :: body_gpu_t, grid_gpu_t
+    public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
+    public :: tag_id, tag_ply, tag_support, tag_fixed, tag_cut, tag_fault, n_tag
+    public :: book_viscous, book_friction, book_hold, book_ahead, book_plastic, book_damage, &
+              book_force, n_book, n_total
+    public :: at_heat, at_friction, at_drag, at_hold, n_terms
+    public :: flag_far, flag_bad, n_flag, slice_width, mask_unit, scan_chunk
+
+    ! columns of `state`
+    integer, parameter :: at_mu = 1, at_energy = 2
+    integer, parameter :: at_stress = 2 !! + 1..6
+    integer, parameter :: at_damage = 9, at_wave = 10, at_bulk = 11, at_mass = 12
+    integer, parameter :: at_accel = 12 !! + 1..3
+    integer, parameter :: at_hist = 15 !! + 1..n_hist
+
+    ! columns of `tag`
+    integer, parameter :: tag_id = 1, tag_ply = 2, tag_support = 3, tag_fixed = 4, tag_cut = 5
+    integer, parameter :: tag_fault = 6 !! 1: an impossible state was seen here
+    integer, parameter :: n_tag = 6
+
+    ! columns of `book`, since the GPU took over [J, N s]; the place of a particle, not the
+    ! particle, keeps them
+    integer, parameter :: book_viscous = 1, book_friction = 2
+    integer, parameter :: book_hold = 3 !! held by the hourglass or artificial force, with ahead
+    integer, parameter :: book_ahead = 4 !! the part of the half step to come
+    integer, parameter :: book_plastic = 5, book_damage = 6
+    integer, parameter :: book_force = 6 !! + 1..3: impulse on held particles
+    integer, parameter :: n_book = 9
+    integer, parameter :: n_total = 14 !! sums of the state of a body, see brz_solid_totals
+
+    ! sums of pass 2: 1..3 force of the stress [N]
+    integer, parameter :: at_heat = 4, at_friction = 5 !! heat of the two viscous forces [W]
+    integer, parameter :: at_drag = 5, at_hold = 8 !! + 1..3: viscous forces, stiff ones [N]
+    integer, parameter :: n_terms = 11
+
+    integer, parameter :: flag_far = 1 !! a particle has moved more than half the skin
+    integer, parameter :: flag_bad = 2 !! a particle has an impossible state
+    integer, parameter :: n_flag = 2
+
+    ! Lists: entry k of particle t of a body, both from 1, is entry
+    ! (slice((t - 1)/w + 1) + k - 1)*w + mod(t - 1, w) + 1, w = slice_width: threads side by side
+    ! read side by side. An entry is the neighbour plus mask_unit times its mirrored axes.
+    integer, parameter :: slice_width = 32
+    integer, parameter :: mask_unit = 2**28
+    integer, parameter :: scan_chunk = 256 !! numbers that a thread of a scan adds
+
+    !> One body, as kernels see it.
+    type :: body_gpu_t
+        integer :: first, last !! particles
+        integer :: dimension, formulation, artificial
+        integer :: balsara, directional !! 1: yes
+        integer :: axes !! place before the axes of ply 0 among those of all bodies
+        integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step
+        real(rk) :: h, scale, half_over_h, alpha, beta, zeta, zeta_viscous, cfl
+        real(rk) :: artificial_strength, artificial_power, shape_at_spacing
+    end type body_gpu_t
+
+    !> Cells over one body.
+    type :: grid_gpu_t
+        integer :: first, last !! particles
+        integer :: cells(3), stride !! cells by axis; length of a table of codes
+        integer :: mirror(3) !! 1: symmetry plane
+        real(dp) :: lo(3), size, reach !! low corner, side of a cell, length of a pair [m]
+    end type grid_gpu_t
+end module brz_gpu_solid_layout

@@ -1,0 +1,299 @@
+! SPDX-License-Identifier: MIT
+!> One time step of the solids on the GPU: the same list of operations as on the CPU, as launches.
+module brz_gpu_solid_step
+    use brz_device, only: arguments_t, clear_buffer, copy_in, copy_out, launch
+    use brz_drive, only: book_drive
+    use brz_errors, only: error_t, failed
+    use brz_gpu_solid_copy, only: faults_of
+    use brz_gpu_solid_layout, only: book_force, flag_bad, flag_far, n_book, n_flag, n_total
+    use brz_gpu_solid_search, only: build_gpu_lists
+    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t
+    use brz_gpu_solid_sums, only: fetch_limit, sums_of_body
+    use brz_kinds, only: dp, int64, rk
+    use brz_motion, only: mean_velocity, velocity_of
+    use brz_solid_faults, only: report_bad
+    use brz_solid_state, only: form_bending, intact_share, solid_t
+    implicit none
+    private
+    public :: gpu_solid_step, gradient_pass, force_pass
+    public :: sum_moments, find_gradients, update_material, fill_rows, drift ! apart, to be timed
+
+contains
+
+    !> One time step. The first kick is half a step, as in solid_step.
+    subroutine gpu_solid_step(gpu, solid, dt, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        real(dp) :: impulse(3)
+        integer :: flags(n_flag), b
+
+        gpu%fetched = .false.
+        gpu%stepped = .true.
+        gpu%summed = .false.
+        if (solid%steps == 0) then
+            call gradient_pass(gpu, 0.0_dp, err)
+            call force_pass(gpu, dt/2, err)
+            do b = 1, size(gpu%bodies)
+                if (solid%bodies(b)%motion%n > 0) call book_reaction(gpu, solid, b, impulse, err)
+            end do
+        end if
+        call clear_buffer(gpu%flags, err)
+        call drift(gpu, solid, dt, err)
+        solid%time = solid%time + dt
+        solid%dt_last = dt
+        solid%steps = solid%steps + 1
+        flags = 0
+        call copy_out(gpu%flags, flags, 4_int64*n_flag, err)
+        if (flags(flag_far) /= 0) then
+            call build_gpu_lists(gpu, solid, .true., err)
+            solid%rebuilds = solid%rebuilds + 1
+            call end_support(gpu, solid, err)
+        end if
+        call gradient_pass(gpu, dt, err)
+        call force_pass(gpu, dt, err)
+        call balance_drives(gpu, solid, dt, err)
+        call fetch_limit(gpu, solid%dt_limit, err)
+        call copy_out(gpu%flags, flags, 4_int64*n_flag, err)
+        if (failed(err) .or. flags(flag_bad) == 0) return
+        call faults_of(gpu, solid, err)
+        call report_bad(solid, err)
+    end subroutine gpu_solid_step
+
+    !> Velocity by the mean of the last and this time step, then position; held particles of driven
+    !> bodies follow the motion.
+    subroutine drift(gpu, solid, dt, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp) :: v(3)
+        integer :: b
+
+        do b = 1, size(gpu%bodies)
+            associate (body => solid%bodies(b), there => gpu%bodies(b))
+                if (body%motion%n > 0) then
+                    v = mean_velocity(body%motion, solid%time, dt)
+                    call book_drive(body, solid%time, dt, v)
+                    call copy_in(v, there%drive, 24_int64, err)
+                end if
+                arguments%n = 0
+                call arguments%add(gpu%n)
+                call arguments%add(there%params)
+                call arguments%add(real((solid%dt_last + dt)/2, rk))
+                call arguments%add(dt)
+                call arguments%add(merge(huge(dt)/4, solid%skin/2, there%total))
+                call arguments%add(there%drive)
+                call arguments%add(gpu%place)
+                call arguments%add(gpu%motion)
+                call arguments%add(gpu%state)
+                call arguments%add(gpu%tag)
+                call arguments%add(gpu%built)
+                call arguments%add(gpu%flags)
+                call launch(gpu%drift, threads(there), arguments, err)
+            end associate
+        end do
+    end subroutine drift
+
+    !> One thread for each particle of a body.
+    pure function threads(body) result(n)
+        type(gpu_solid_body_t), intent(in) :: body
+        integer :: n(3)
+
+        n = [body%last - body%first + 1, 1, 1]
+    end function threads
+
+    !> Pass 1, and the material over the step just made; with dt = 0 no material.
+    subroutine gradient_pass(gpu, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        integer :: b
+
+        do b = 1, size(gpu%bodies)
+            call sum_moments(gpu, gpu%bodies(b), err)
+            call find_gradients(gpu, gpu%bodies(b), err)
+            if (dt > 0) call update_material(gpu, gpu%bodies(b), real(dt, rk), err)
+            call fill_rows(gpu, gpu%bodies(b), err)
+        end do
+    end subroutine gradient_pass
+
+    subroutine sum_moments(gpu, body, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call arguments%add(gpu%n)
+        call arguments%add(body%params)
+        if (body%total) call arguments%add(gpu%reference)
+        call arguments%add(gpu%place)
+        if (body%held .and. .not. body%total) call arguments%add(gpu%reference)
+        call arguments%add(gpu%motion)
+        call arguments%add(body%slice)
+        call arguments%add(gpu%count)
+        call arguments%add(body%list)
+        call arguments%add(gpu%row)
+        call arguments%add(gpu%grad)
+        call launch(body%moments, threads(body), arguments, err)
+    end subroutine sum_moments
+
+    subroutine find_gradients(gpu, body, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call arguments%add(gpu%n)
+        call arguments%add(body%params)
+        call arguments%add(gpu%row)
+        call arguments%add(gpu%grad)
+        call arguments%add(gpu%tag)
+        call launch(gpu%gradients, threads(body), arguments, err)
+    end subroutine find_gradients
+
+    subroutine update_material(gpu, body, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        real(rk), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call arguments%add(gpu%n)
+        call arguments%add(dt)
+        call arguments%add(body%params)
+        call arguments%add(body%material)
+        call arguments%add(gpu%grad)
+        call arguments%add(gpu%state)
+        call arguments%add(gpu%tag)
+        call arguments%add(gpu%book)
+        call arguments%add(gpu%flags)
+        call launch(body%update, threads(body), arguments, err)
+    end subroutine update_material
+
+    subroutine fill_rows(gpu, body, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call arguments%add(gpu%n)
+        call arguments%add(body%params)
+        call arguments%add(body%material)
+        call arguments%add(gpu%grad)
+        call arguments%add(gpu%state)
+        call arguments%add(gpu%tag)
+        call arguments%add(gpu%motion)
+        call arguments%add(gpu%row)
+        call arguments%add(gpu%rate)
+        call arguments%add(gpu%axes)
+        call arguments%add(gpu%hold)
+        call launch(gpu%rows, threads(body), arguments, err)
+    end subroutine fill_rows
+
+    !> Pass 2: accelerations; heat and ledgers over dt, the step just made.
+    subroutine force_pass(gpu, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: b
+
+        do b = 1, size(gpu%bodies)
+            associate (body => gpu%bodies(b))
+                arguments%n = 0
+                call arguments%add(gpu%n)
+                call arguments%add(real(dt, rk))
+                call arguments%add(0)
+                call arguments%add(body%params)
+                call arguments%add(gpu%place)
+                call arguments%add(gpu%motion)
+                call arguments%add(gpu%row)
+                call arguments%add(gpu%reference)
+                call arguments%add(gpu%hold)
+                call arguments%add(body%slice)
+                call arguments%add(gpu%count)
+                call arguments%add(body%list)
+                call arguments%add(gpu%extra)
+                call arguments%add(gpu%state)
+                call arguments%add(gpu%tag)
+                call arguments%add(gpu%book)
+                call arguments%add(gpu%flags)
+                call launch(body%forces, threads(body), arguments, err)
+            end associate
+        end do
+    end subroutine force_pass
+
+    !> End the stiff hourglass force for good where half of the intact neighbours are gone.
+    subroutine end_support(gpu, solid, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: b
+
+        do b = 1, size(gpu%bodies)
+            if (solid%bodies(b)%formulation /= form_bending) cycle
+            associate (body => gpu%bodies(b))
+                arguments%n = 0
+                call arguments%add(gpu%n)
+                call arguments%add(body%params)
+                call arguments%add(intact_share)
+                call arguments%add(body%slice)
+                call arguments%add(gpu%count)
+                call arguments%add(body%list)
+                call arguments%add(gpu%state)
+                call arguments%add(gpu%tag)
+                call launch(gpu%end_support, threads(body), arguments, err)
+            end associate
+        end do
+    end subroutine end_support
+
+    !> Impulse on the held particles of a driven body in the last pass 2.
+    subroutine book_reaction(gpu, solid, b, impulse, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(out) :: impulse(3) !! [N s]
+        type(error_t), intent(inout) :: err
+        real(dp) :: sums(n_total + n_book)
+
+        call sums_of_body(gpu, b, solid%dt_last, sums, err)
+        impulse = sums(n_total + book_force + 1:n_total + book_force + 3)
+        solid%bodies(b)%reaction = solid%bodies(b)%reaction + impulse
+    end subroutine book_reaction
+
+    !> Force of a body on what is driven, the work of the half step up to now, and its velocity.
+    subroutine balance_drives(gpu, solid, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp) :: impulse(3), v(3)
+        integer :: b
+
+        do b = 1, size(gpu%bodies)
+            associate (body => solid%bodies(b))
+                if (body%motion%n == 0) cycle
+                call book_reaction(gpu, solid, b, impulse, err)
+                body%motion%force = impulse/dt
+                body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
+                    body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
+                v = velocity_of(body%motion, solid%time)
+                call copy_in(v, gpu%bodies(b)%drive, 24_int64, err)
+                arguments%n = 0
+                call arguments%add(gpu%n)
+                call arguments%add(gpu%bodies(b)%params)
+                call arguments%add(dt)
+                call arguments%add(gpu%bodies(b)%drive)
+                call arguments%add(gpu%motion)
+                call arguments%add(gpu%tag)
+                call arguments%add(gpu%state)
+                call launch(gpu%hold_drive, threads(gpu%bodies(b)), arguments, err)
+            end associate
+        end do
+    end subroutine balance_drives
+end module brz_gpu_solid_step

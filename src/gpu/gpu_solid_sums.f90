@@ -1,0 +1,129 @@
+! SPDX-License-Identifier: MIT
+!> Numbers about all particles on the GPU: totals, ledgers, time step. Folded in a fixed order.
+module brz_gpu_solid_sums
+    use brz_artificial_stress, only: artificial_none
+    use brz_device, only: arguments_t, copy_out, launch
+    use brz_errors, only: error_t, failed
+    use brz_gpu_solid_layout, only: book_ahead, book_damage, book_force, book_friction, book_hold, &
+        book_plastic, book_viscous, n_book, n_total
+    use brz_gpu_solid_state, only: fold_threads, gpu_solid_t, sum_threads
+    use brz_kinds, only: dp, int64, rk
+    use brz_solid_state, only: solid_t
+    use brz_solid_sums, only: solid_totals_t, totals_of_sums
+    implicit none
+    private
+    public :: gpu_solid_totals, fetch_ledgers, fetch_limit, sums_of_body
+
+contains
+
+    !> Totals of body b, or of all bodies with b = 0, as solid_totals has them.
+    subroutine gpu_solid_totals(gpu, solid, b, totals, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid !! its ledgers are brought up to date
+        integer, intent(in) :: b
+        type(solid_totals_t), intent(out) :: totals
+        type(error_t), intent(inout) :: err
+
+        call fetch_ledgers(gpu, solid, err)
+        if (failed(err)) return
+        if (b == 0) then
+            call totals_of_sums(solid, b, sum(gpu%sums, dim=2), totals)
+        else
+            call totals_of_sums(solid, b, gpu%sums(:, b), totals)
+        end if
+    end subroutine gpu_solid_totals
+
+    !> Sums of the state of body b, then of its columns of `book`.
+    subroutine sums_of_body(gpu, b, dt_last, sums, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: b
+        real(dp), intent(in) :: dt_last !! [s]
+        real(dp), intent(out) :: sums(n_total + n_book)
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp), allocatable :: part(:, :)
+
+        allocate (part(sum_threads, n_total + n_book), source=0.0_dp)
+        call arguments%add(gpu%n)
+        call arguments%add(sum_threads)
+        call arguments%add(gpu%bodies(b)%params)
+        call arguments%add(real(dt_last/2, rk))
+        call arguments%add(gpu%region)
+        call arguments%add(gpu%place)
+        call arguments%add(gpu%motion)
+        call arguments%add(gpu%state)
+        call arguments%add(gpu%book)
+        call arguments%add(gpu%part)
+        call launch(gpu%totals, [sum_threads, 1, 1], arguments, err)
+        call copy_out(gpu%part, part, 8_int64*size(part), err)
+        sums = sum(part, dim=1)
+    end subroutine sums_of_body
+
+    !> Bring the sums, the ledgers and the reactions of all bodies up to date.
+    subroutine fetch_ledgers(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        real(dp) :: sums(n_total + n_book)
+        integer :: b
+
+        if (gpu%summed) return
+        do b = 1, size(gpu%bodies)
+            call sums_of_body(gpu, b, solid%dt_last, sums, err)
+            if (failed(err)) return
+            gpu%sums(:, b) = sums(:n_total)
+            if (gpu%stepped) call fill_ledger(gpu, b, sums(n_total + 1:), solid)
+        end do
+        gpu%summed = .true.
+    end subroutine fetch_ledgers
+
+    !> Ledger of body b from what it was when the GPU took over and from the sums of `book`.
+    subroutine fill_ledger(gpu, b, book, solid)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: b
+        real(dp), intent(in) :: book(n_book)
+        type(solid_t), intent(inout) :: solid
+
+        associate (ledger => solid%bodies(b)%ledger, before => gpu%ledger(b))
+            ledger%viscous = before%viscous + book(book_viscous)
+            ledger%hourglass_heat = before%hourglass_heat + book(book_friction)
+            ledger%plastic = before%plastic + book(book_plastic)
+            ledger%damage = before%damage + book(book_damage)
+            ledger%ahead = book(book_ahead)
+            if (solid%bodies(b)%artificial == artificial_none) then
+                ledger%hourglass = before%hourglass + before%ahead + book(book_hold) - ledger%ahead
+            else
+                ledger%artificial = before%artificial + before%ahead + book(book_hold) &
+                    - ledger%ahead
+            end if
+            if (solid%bodies(b)%motion%n == 0) solid%bodies(b)%reaction = &
+                gpu%reaction(:, b) + book(book_force + 1:book_force + 3)
+        end associate
+    end subroutine fill_ledger
+
+    !> Largest stable time step, as pass 1 left it [s].
+    subroutine fetch_limit(gpu, limit, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        real(dp), intent(out) :: limit
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp) :: folded(fold_threads)
+        integer, parameter :: first_fold = 32*sum_threads
+
+        call arguments%add(int(gpu%n, int64))
+        call arguments%add(first_fold)
+        call arguments%add(gpu%rate)
+        call arguments%add(gpu%part)
+        call launch(gpu%most, [first_fold, 1, 1], arguments, err)
+        arguments%n = 0
+        call arguments%add(int(first_fold, int64))
+        call arguments%add(fold_threads)
+        call arguments%add(gpu%part)
+        call arguments%add(gpu%folded)
+        call launch(gpu%most, [fold_threads, 1, 1], arguments, err)
+        folded = 0
+        call copy_out(gpu%folded, folded, 8_int64*fold_threads, err)
+        limit = 0 ! no step is possible with a rate that is no number
+        if (all(folded <= huge(limit)) .and. .not. failed(err)) limit = 1/maxval(folded)
+    end subroutine fetch_limit
+end module brz_gpu_solid_sums

@@ -1,0 +1,25 @@
+! SPDX-License-Identifier: MIT
+!> Work of the prescribed motion of a body.
+module brz_drive
+    use brz_kinds, only: dp
+    use brz_motion, only: velocity_of
+    use brz_solid_state, only: body_t
+    implicit none
+    private
+    public :: book_drive
+
+contains
+
+    !> Work of what drives a body: its kinetic energy, less what the body itself does, whose second
+    !> half is booked with the force.
+    subroutine book_drive(body, time, dt, v)
+        type(body_t), intent(inout) :: body
+        real(dp), intent(in) :: time, dt, v(3)
+        real(dp) :: before(3), after(3)
+
+        before = velocity_of(body%motion, time)
+        after = velocity_of(body%motion, time + dt)
+        body%ledger%drive = body%ledger%drive - dt/2*dot_product(body%motion%force, v) &
+            + body%motion%mass/2*(dot_product(after, after) - dot_product(before, before))
+    end subroutine book_drive
+end module brz_drive

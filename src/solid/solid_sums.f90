@@ -1,0 +1,62 @@
+! SPDX-License-Identifier: MIT
+!> Totals of bodies from sums over their particles.
+module brz_solid_sums
+    use brz_kinds, only: dp
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: totals_of_sums, solid_totals_t, n_sum
+
+    !> Of what is modelled (a half or a quarter where symmetry planes cut), at the time of the step.
+    type :: solid_totals_t
+        real(dp) :: mass = 0 !! [kg]
+        real(dp) :: centre(3) = 0 !! mass centre [m]
+        real(dp) :: momentum(3) = 0 !! [N s]
+        real(dp) :: angular(3) = 0 !! angular momentum about the origin [N m s]
+        real(dp) :: kinetic = 0, internal = 0 !! [J]
+        real(dp) :: hourglass = 0 !! energy held by the stiff hourglass force [J]
+        real(dp) :: artificial = 0 !! energy held by the artificial stress [J]
+        real(dp) :: contact = 0 !! energy held by the springs of contact [J]
+        real(dp) :: outside = 0 !! mass that has left the region [kg]
+        real(dp) :: damage = 0 !! mean over the mass
+    end type solid_totals_t
+
+    integer, parameter :: n_sum = 14
+
+contains
+
+    !> Totals of body b, or of all bodies with b = 0.
+    subroutine totals_of_sums(solid, b, sums, totals)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: sums(n_sum) !! as sum_block of brz_solid_totals has them
+        type(solid_totals_t), intent(out) :: totals
+        integer :: k
+
+        totals%mass = sums(1)
+        totals%centre = sums(2:4)/max(sums(1), tiny(1.0_dp))
+        totals%momentum = sums(5:7)
+        totals%angular = sums(8:10)
+        totals%kinetic = sums(11)
+        totals%internal = sums(12)
+        totals%outside = sums(14)
+        totals%damage = sums(13)/max(sums(1), tiny(1.0_dp))
+        do k = 1, size(solid%bodies) ! the turning of the particles of rigid bodies
+            if (b /= 0 .and. b /= k) cycle
+            associate (r => solid%bodies(k)%rigid)
+                totals%angular = totals%angular + r%cell_inertia*r%omega
+                totals%kinetic = totals%kinetic &
+                                 + r%cell_inertia/2*dot_product(r%omega, r%omega)
+            end associate
+        end do
+        if (b == 0) then
+            totals%hourglass = sum(solid%bodies%ledger%hourglass)
+            totals%artificial = sum(solid%bodies%ledger%artificial)
+            totals%contact = sum(solid%bodies%ledger%contact)
+        else
+            totals%hourglass = solid%bodies(b)%ledger%hourglass
+            totals%artificial = solid%bodies(b)%ledger%artificial
+            totals%contact = solid%bodies(b)%ledger%contact
+        end if
+    end subroutine totals_of_sums
+end module brz_solid_sums
