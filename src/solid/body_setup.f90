@@ -18,7 +18,7 @@ module brz_body_setup
     use brz_solid_state, only: body_t, solid_t
     implicit none
     private
-    public :: set_up_solid
+    public :: meeting_speed, set_up_solid
 
     real(dp), parameter :: anisotropy = 0.02_dp !! larger differences of the spacings are reported
 
@@ -79,7 +79,7 @@ contains
         type(solid_t), intent(inout) :: solid
         type(points_t), intent(out) :: points(:)
         type(error_t), intent(inout) :: err
-        real(dp) :: middle(3)
+        real(dp) :: middle(3), speed
         integer :: a, b, n
 
         solid%dimension = case%run%dimension
@@ -97,12 +97,13 @@ contains
         if (case%solid%has_region) solid%region = case%solid%region
         solid%skin = case%solid%skin*minval(case%bodies%spacing)
         call place_points(case, solid%mirror, solid%depth, middle, points, err)
+        speed = meeting_speed(case)
         n = 0
         do b = 1, size(points)
             if (failed(err)) return
             associate (m => case%bodies(b)%material_index)
                 call settle(case%bodies(b), trim(case%materials(m)%model), solid%materials(m), &
-                            solid%bodies(b), err)
+                            speed, solid%bodies(b), err)
             end associate
             solid%bodies(b)%first = n + 1
             n = n + size(points(b)%x, 2)
@@ -116,18 +117,36 @@ contains
         solid%n = n
     end subroutine lay_bodies
 
+    !> Largest speed of a body at the start, or of two bodies against each other, or of a body
+    !> against its mirror image [m/s].
+    pure real(dp) function meeting_speed(case) result(speed)
+        type(case_t), intent(in) :: case
+        integer :: a, b
+
+        speed = 0
+        do a = 1, size(case%bodies)
+            associate (v => case%bodies(a)%velocity)
+                speed = max(speed, norm2(v), 2*maxval(abs(v), mask=case%run%symmetry))
+                do b = 1, size(case%bodies)
+                    speed = max(speed, norm2(v - case%bodies(b)%velocity))
+                end do
+            end associate
+        end do
+    end function meeting_speed
+
     !> Copy the settings of a body from the deck.
-    subroutine settle(input, model, material, body, err)
+    subroutine settle(input, model, material, speed, body, err)
         type(body_case_t), intent(in) :: input
         character(*), intent(in) :: model !! name of the model of its material
         type(material_t), intent(in) :: material
+        real(dp), intent(in) :: speed !! [m/s]
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
 
         body%id = input%id
         body%material = input%material_index
         body%spacing = input%spacing
-        call settle_formulation(input, model, material, body, err)
+        call settle_formulation(input, model, material, speed, body, err)
     end subroutine settle
 
     !> Report a box whose sides are no whole number of spacings.

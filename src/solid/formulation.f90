@@ -13,13 +13,16 @@ module brz_formulation
     private
     public :: settle_formulation
 
+    real(dp), parameter :: fast = 1000 !! bodies that meet faster send strong shocks [m/s]
+
 contains
 
     !> Fill the numbers of a body's formulation from the deck.
-    subroutine settle_formulation(input, model, material, body, err)
+    subroutine settle_formulation(input, model, material, speed, body, err)
         type(body_case_t), intent(in) :: input
         character(*), intent(in) :: model !! name of the model of its material
         type(material_t), intent(in) :: material
+        real(dp), intent(in) :: speed !! largest of two bodies towards each other [m/s]
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
 
@@ -27,14 +30,9 @@ contains
         body%zeta_viscous = real(input%zeta_viscous, rk)
         body%cfl = real(input%cfl, rk)
         body%balsara = input%limiter == 'balsara'
-        body%alpha = merge(2, 1, input%formulation == 'paper')
-        body%beta = merge(10, 2, input%formulation == 'paper')
-        if (input%alpha >= 0) body%alpha = real(input%alpha, rk)
-        if (input%beta >= 0) body%beta = real(input%beta, rk)
+        call settle_class(input, model, speed, body)
         select case (input%formulation)
         case ('auto')
-            body%formulation = form_corrected_hourglass
-            if (bends(model)) body%formulation = form_bending
         case ('corrected')
             body%formulation = form_corrected
         case ('corrected_hourglass')
@@ -99,12 +97,31 @@ contains
         e(b, 2) = cos(angle)
     end function ply_axes
 
-    !> What is elastic until it fails bends; metals and concrete flow or fragment.
-    pure logical function bends(model)
+    !> Formulation and viscosity where the deck gives none, by what a material does: it bends until
+    !> it breaks, it flows (metals), or it crumbles. Metals at moderate speed take little linear
+    !> viscosity: with 1 a coarse Taylor bar loses a third of its energy to it.
+    pure subroutine settle_class(input, model, speed, body)
+        type(body_case_t), intent(in) :: input
         character(*), intent(in) :: model
+        real(dp), intent(in) :: speed !! see settle_formulation [m/s]
+        type(body_t), intent(inout) :: body
 
-        bends = model == 'linear_elastic' .or. model == 'orthotropic_ply'
-    end function bends
+        body%formulation = form_corrected_hourglass
+        body%alpha = 1
+        body%beta = 2
+        select case (model)
+        case ('linear_elastic', 'orthotropic_ply')
+            body%formulation = form_bending
+        case ('bilinear_j2', 'johnson_cook', 'gruneisen')
+            if (speed <= fast) body%alpha = 0.3_rk
+        end select
+        if (input%formulation == 'paper') then
+            body%alpha = 2
+            body%beta = 10
+        end if
+        if (input%alpha >= 0) body%alpha = real(input%alpha, rk)
+        if (input%beta >= 0) body%beta = real(input%beta, rk)
+    end subroutine settle_class
 
     !> Artificial stress: where it may act, and its strength, 0.2 (Monaghan) or 0.3 (Gray).
     subroutine settle_artificial(input, body, err)

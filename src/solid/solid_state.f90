@@ -14,13 +14,16 @@ module brz_solid_state
     private
     public :: solid_t, body_t, ledger_t, search_t
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
-    public :: form_total, lanes, worth_threads, links_t, bond_none, bond_whole, bond_broken
-    public :: intact_share
+    public :: form_names, form_total, lanes, worth_threads, links_t
+    public :: bond_none, bond_whole, bond_broken, intact_share
     public :: n_near, n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
                           form_uncorrected = 4, form_rigid = 5, form_total = 6
+    character(19), parameter :: form_names(6) = [character(19) :: 'corrected', &
+                                                 'corrected_hourglass', 'bending', &
+                                                 'uncorrected', 'rigid', 'total_lagrangian']
     integer, parameter :: lanes = 8 !! neighbour lists are padded with the particle itself to a
                                     !! multiple of this
 

@@ -3,12 +3,14 @@
 module brz_check
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_air_setup, only: time_step_ramp
+    use brz_body_setup, only: meeting_speed
     use brz_check_bodies, only: body_box
     use brz_errors, only: error_t
     use brz_kinds, only: dp, real32
     use brz_material_report, only: material_report
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
+    use brz_solid_state, only: form_names
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
     implicit none
@@ -50,20 +52,13 @@ contains
     !> Materials of the bodies; their Hugoniot where two bodies of them would meet at full speed.
     subroutine check_materials(sim)
         type(simulation_t), intent(in) :: sim
-        real(dp) :: speed
-        integer :: a, b, m
+        integer :: m
 
-        speed = 0
-        do a = 1, size(sim%case%bodies)
-            do b = 1, size(sim%case%bodies)
-                speed = max(speed, norm2(sim%case%bodies(a)%velocity), &
-                            norm2(sim%case%bodies(a)%velocity - sim%case%bodies(b)%velocity))
-            end do
-        end do
         do m = 1, size(sim%case%materials)
             if (.not. any(sim%case%bodies%material == sim%case%materials(m)%id)) cycle
             write (output_unit, '(a)', advance='no') &
-                material_report(sim%case%materials(m), sim%solid%materials(m), speed/2)
+                material_report(sim%case%materials(m), sim%solid%materials(m), &
+                                meeting_speed(sim%case)/2)
         end do
     end subroutine check_materials
 
@@ -109,6 +104,9 @@ contains
                     to_text(real(1e3_dp*body%spacing, real32)), ' mm,', &
                     sum(real(solid%mass(body%first:body%last), dp)), ' kg, volume scaled by ', &
                     body%volume_scale
+                write (output_unit, '(2a, 2(a, f0.2))') '             ', &
+                    trim(form_names(body%formulation)), ', viscosity alpha ', body%alpha, &
+                    ', beta ', body%beta
                 if (body%across > 0) write (output_unit, '(a, i0, a)') '             ', &
                     body%across, ' particles per bar diameter'
                 if (sim%case%bodies(b)%n_plies > 0 .and. sim%case%bodies(b)%file == '') &

@@ -3,6 +3,7 @@
 
 import os
 
+import h5py
 import pytest
 from test_run import history, run, tables
 
@@ -101,3 +102,122 @@ def test_two_particles_at_one_place_are_refused(tmp_path):
     (tmp_path / "lone.nml").write_text(deck)
     done = run("run", "lone.nml", cwd=tmp_path, code=2)
     assert "particles 2 and 3 are at the same place" in done.stderr
+
+
+def test_overlapping_bodies_are_both_named(tmp_path):
+    (tmp_path / "lone.nml").write_text(LONE.replace("0.0012,0.0022", "0.0004,0.0022"))
+    done = run("run", "lone.nml", "--check", cwd=tmp_path, code=2)
+    assert "&body id='one'" in done.stderr and "overlaps the body 'sheet'" in done.stderr
+    assert "cuts=" in done.stderr, "the remedy"
+
+
+@pytest.mark.parametrize(
+    "shape",
+    [
+        "shape='sphere', centre=0.0005,0.0005,0.0005, radius=0.0001",
+        "shape='stl', file='sliver.stl'",
+        "box=0.0013,0.0021, 0,0.001, 0,0.001",
+    ],
+)
+def test_a_body_without_particles_is_refused(tmp_path, shape):
+    corners = [(0, 0, 0), (1e-4, 0, 0), (0, 1e-4, 0), (0, 0, 1e-4)]
+    sides = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    text = "".join(
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join("vertex {} {} {}\n".format(*corners[c]) for c in side)
+        + "endloop\nendfacet\n"
+        for side in sides
+    )
+    (tmp_path / "sliver.stl").write_text(f"solid sliver\n{text}endsolid sliver\n")
+    deck = LONE.replace("box=0,0.001, 0,0.001, 0,0.001", shape)
+    deck = deck.replace("id='sheet'", "id='sheet', cuts='one'")
+    (tmp_path / "lone.nml").write_text(deck)
+    done = run("run", "lone.nml", cwd=tmp_path, code=2)
+    assert "&body id='one'" in done.stderr, done.stderr
+    assert "holds no particle" in done.stderr or "larger than the body" in done.stderr
+
+
+BLOCK = """\
+&run title='block', t_end=1e-6 /
+&material id='soft', model='linear_elastic', density=1000,
+          youngs_modulus=5e8, poisson_ratio=0.3 /
+&body id='block', box=0,0.004, 0,0.003, 0,0.002, spacing=1e-3, material='soft', velocity=9,0,0 /
+&output dump_every=1e-6 /
+"""
+
+
+def mass_of(folder, body):
+    """Mass of a body as bodies.csv has it."""
+    return history(folder / "bodies.csv")[f"{body}:mass[kg]"][0]
+
+
+def test_particles_come_from_hdf5(tmp_path):
+    (tmp_path / "block.nml").write_text(BLOCK)
+    run("run", "block.nml", cwd=tmp_path)
+    with h5py.File(tmp_path / "out/block/solid_00000.vtkhdf") as file:
+        points = file["VTKHDF/Points"][:]
+    assert points.shape == (24, 3)
+    box = "box=0,0.004, 0,0.003, 0,0.002"
+    dump = "shape='particles', file='out/block/solid_00000.vtkhdf'"
+    (tmp_path / "dump.nml").write_text(BLOCK.replace(box, dump))
+    run("run", "dump.nml", cwd=tmp_path)
+    block, again = tmp_path / "out/block", tmp_path / "out/dump"
+    assert mass_of(again, "block") == pytest.approx(mass_of(block, "block"), rel=1e-12)
+    with h5py.File(tmp_path / "own.h5", "w") as file:
+        file["VTKHDF/Points"] = points[:4]
+        file["VTKHDF/PointData/volume"] = [1e-9, 2e-9, 3e-9, 4e-9]
+    own = "shape='particles', file='own.h5'"
+    (tmp_path / "own.nml").write_text(BLOCK.replace(box, own))
+    run("run", "own.nml", cwd=tmp_path)
+    assert mass_of(tmp_path / "out/own", "block") == pytest.approx(1e-5, rel=1e-12)
+
+
+def flat(file):
+    file["VTKHDF/Points"] = [0.0, 1.0, 2.0]
+
+
+def empty(file):
+    file.create_group("VTKHDF")
+
+
+def negative(file):
+    file["VTKHDF/Points"] = [[0.0, 0.0, 0.0]]
+    file["VTKHDF/PointData/volume"] = [-1.0]
+
+
+@pytest.mark.parametrize(
+    ("fill", "code", "words"),
+    [
+        (flat, 2, "is no table of three columns"),
+        (negative, 2, "a volume is not positive"),
+        (empty, 4, "VTKHDF/Points"),
+        (None, 4, "own.h5: cannot open it, or it is damaged"),
+    ],
+)
+def test_a_bad_hdf5_file_is_refused(tmp_path, fill, code, words):
+    if fill:
+        with h5py.File(tmp_path / "own.h5", "w") as file:
+            fill(file)
+    else:
+        (tmp_path / "own.h5").write_bytes(b"no HDF5 at all")
+    deck = BLOCK.replace("box=0,0.004, 0,0.003, 0,0.002", "shape='particles', file='own.h5'")
+    (tmp_path / "block.nml").write_text(deck)
+    done = run("run", "block.nml", cwd=tmp_path, code=code)
+    assert "&body id='block'" in done.stderr and words in done.stderr, done.stderr
+
+
+FRAGMENT = """\
+&run title='fragment', t_end=3e-6, symmetry='y','z' /
+&material id='al', model='gruneisen', density=2785, sound_speed=5328, s1=1.338,
+          gruneisen_gamma=2.0, shear_modulus=27.6e9, yield_stress=0.29e9 /
+&body id='plate', box=0,0.003, -0.010,0.010, -0.010,0.010, spacing=1e-3, material='al', cfl=0.6 /
+&body id='ball', shape='sphere', centre=-0.0035,0,0, radius=0.003, spacing=1e-3, material='al',
+      velocity=6000,0,0, cfl=0.6 /
+"""
+
+
+def test_a_fragment_at_6_km_per_s_keeps_its_energy(tmp_path):
+    (tmp_path / "fragment.nml").write_text(FRAGMENT)
+    run("run", "fragment.nml", cwd=tmp_path)
+    energy = history(tmp_path / "out" / "fragment" / "energy.csv")
+    assert abs(energy["error[-]"]).max() < 0.01
