@@ -85,7 +85,7 @@ def test_two_runs_on_the_gpu_give_the_same_bits(deck):
         ({"BRISANCE_EMULATOR_MEMORY": "100000"}, True, "MiB on the GPU, but only 0 MiB are free"),
         ({"BRISANCE_EMULATOR_FAIL": "cuModuleLoadDataEx"}, True, "loading"),
         ({"BRISANCE_EMULATOR_FAIL": "cuMemAlloc_v2"}, True, "out of memory"),
-        ({"BRISANCE_EMULATOR_FAIL": "cuLaunchKernel:40"}, True, "launching air_"),
+        ({"BRISANCE_EMULATOR_FAIL": "cuLaunchKernel:40"}, True, "launching "),
         ({"BRISANCE_EMULATOR_FAIL": "cuMemcpyDtoH_v2:20"}, True, "a kernel before it"),
         ({"BRISANCE_PTX": "missing.ptx"}, True, "make gpu"),
     ],
@@ -201,4 +201,23 @@ def test_a_failure_leaves_the_last_checkpoint(deck):
     done = run(deck, "a.nml", "--backend", "gpu", "--out", "o", **fail)
     assert done.returncode == 5, done.stderr
     done = run(deck, "a.nml", "--backend", "gpu", "--out", "o", "--restart", "latest")
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_lost_cell_ends_the_run_and_leaves_the_checkpoint(deck):
+    first = ("--set", "run.max_steps=12", "--out", "o")
+    assert run(deck, "a.nml", "--backend", "gpu", *first).returncode == 0
+    good = sorted((deck / "o").glob("chk_*.h5"))[-1]
+    (deck / "bad.h5").write_bytes(good.read_bytes())
+    with h5py.File(deck / "bad.h5", "r+") as file:
+        file["air/u"][0, 3 + 5, 3 + 7, 3 + 20] = -1.0  # density
+    before = good.read_bytes()
+    done = run(deck, "a.nml", "--backend", "gpu", "--restart", str(deck / "bad.h5"), "--out", "p")
+    assert done.returncode == 3, done.stderr
+    told = re.search(r"cell (\d+), (\d+), (\d+) would have", done.stderr)
+    assert told, done.stderr
+    cell = [int(x) for x in told.groups()]
+    assert all(abs(a - b) <= 3 for a, b in zip(cell, (21, 8, 6), strict=True)), cell
+    assert good.read_bytes() == before
+    done = run(deck, "a.nml", "--backend", "gpu", "--restart", "latest", "--out", "o")
     assert done.returncode == 0, done.stderr
