@@ -108,7 +108,7 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
 .PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden vectors
-.PHONY: charts charts-air stability stability-air validate
+.PHONY: charts charts-air charts-coupling stability stability-air validate
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
 	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
@@ -149,6 +149,8 @@ vectors: $(if $(DEBUG)$(QUICK),,$(LIB)) ## are the pair loops of the solid still
 golden: all ## write the golden curves of tests/golden anew from inputs/material
 	@$(PY) tests/python/golden.py
 charts: charts-air ## error against seconds of every scheme, recorded and drawn
+charts-coupling: all ## the studies of docs/coupling.md (an hour of one core)
+	$(PY) scripts/coupling_charts.py paper steps panel plate
 charts-air: $(B)/tests/study/study_air
 	@mkdir -p docs/data
 	$< charts > $(B)/charts.csv && mv $(B)/charts.csv docs/data/air_accuracy.csv
