@@ -16,7 +16,8 @@ module brz_ledger_rules
     real(rk), parameter :: half_band = 1.5_rk !! it may lie so far off: in -1..2
     real(rk), parameter :: pace = 0.05_rk !! part of a debt released per step
     real(rk), parameter :: jolt = 0.02_rk !! largest change of density and internal energy by it
-    real(rk), parameter :: crumb = 1e-10_rk !! a debt this small, over the gas, is paid at once
+    !> A debt this small, over the gas, is paid at once: a twentieth of it may be lost to rounding
+    real(rk), parameter :: crumb = max(1e-10_rk, 40*epsilon(1.0_rk))
 
 contains
 

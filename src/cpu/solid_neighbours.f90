@@ -59,8 +59,8 @@ contains
         call fill_body(solid, body, reach, place)
     end subroutine build_list
 
-    !> Positions that decide on the neighbours of a body: a total-Lagrangian body that meets no other
-    !> keeps the unloaded ones, and with them its order and its list.
+    !> Positions that decide on the neighbours of a body: a total-Lagrangian body that meets no
+    !> other keeps the unloaded ones, and with them its order and its list.
     subroutine note_positions(solid, body)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
