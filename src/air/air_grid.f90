@@ -31,6 +31,7 @@ module brz_air_grid
         integer :: segment(3) !! cells along a line that one thread takes
         integer :: prior(3) !! rates of the directions before: rate_none, ...
         integer :: last !! the last direction that is modelled
+        integer :: walls !! 1: some cells hold solid
     end type grid_t
 
     !> What the kernels must know of a stage of the time integration.
@@ -39,6 +40,7 @@ module brz_air_grid
         real(rk) :: weight !! of the new state
         real(rk) :: floor !! least ratio of new to old density and pressure of the Euler step
         real(dp) :: leaves(3) !! area of a face times its share of dt, by direction [m2 s]
+        real(rk) :: push(3) !! the same, for the impulse on walls
     end type stage_t
 
 contains
@@ -63,6 +65,7 @@ contains
         grid%bc = bc
         grid%around = merge(n, 0, bc(1, :) == periodic)
         grid%lines = 0
+        grid%walls = 0
         grid%prior = rate_none
         grid%last = 1
         do d = 1, 3

@@ -7,6 +7,7 @@ module brz_face_flux
     use brz_kinds, only: rk
     use brz_gas, only: mirror, to_primitive
     use brz_hllc, only: hllc_flux
+    use brz_products, only: face_fraction
     use brz_muscl, only: limited_slope
     use brz_reconstruction, only: face_value, thinness
     use brz_scheme, only: first_order, hllc, scheme_t
@@ -14,7 +15,7 @@ module brz_face_flux
     use brz_wall_riemann, only: wall_flux
     implicit none
     private
-    public :: gas_face, cut_face, join_split, cell_faces
+    public :: gas_face, cut_face, cut_fraction, join_split, cell_faces
 
 contains
 
@@ -161,6 +162,27 @@ contains
         end if
         call gas_face(scheme, g, s, f)
     end subroutine cut_face
+
+    !> Mass fraction of the products that the mass flux through a face carries, where some
+    !> of the cells hold solid.
+    !@cuf attributes(host,device) &
+    pure function cut_fraction(scheme, solid, mass_flux, y) result(share)
+        type(scheme_t), intent(in) :: scheme
+        integer, intent(in) :: solid(-2:3) !! 1 where the cell holds solid
+        real(rk), intent(in) :: mass_flux !! [kg/(m2 s)]
+        real(rk), intent(in) :: y(-2:3) !! mass fractions of the gas cells
+        real(rk) :: share, z(-1:2)
+        integer :: m
+
+        do m = -1, 2
+            z(m) = y(m)
+        end do
+        if (solid(0) == 1) z(0) = y(1)
+        if (solid(1) == 1) z(1) = y(0)
+        if (solid(-1) == 1 .or. scheme%reconstruction == first_order) z(-1) = z(0)
+        if (solid(2) == 1 .or. scheme%reconstruction == first_order) z(2) = z(1)
+        share = face_fraction(mass_flux, z(-1), z(0), z(1), z(2))
+    end function cut_fraction
 
     !> Put the mirror image of a cell in the place of one that holds solid.
     !@cuf attributes(host,device) &

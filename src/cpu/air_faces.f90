@@ -3,10 +3,9 @@
 module brz_air_faces
     use brz_kinds, only: rk
     use brz_air_state, only: air_t, bc_symmetry, bc_wall, wall_t
-    use brz_face_flux, only: cut_face, gas_face
+    use brz_face_flux, only: cut_face, cut_fraction, gas_face
     use brz_grid_lines, only: turned
-    use brz_products, only: face_fraction
-    use brz_scheme, only: first_order, max_var, mixture_gamma, scheme_t
+    use brz_scheme, only: max_var, mixture_gamma, scheme_t
     implicit none
     private
     public :: flux_at
@@ -53,24 +52,8 @@ contains
             if (solid(0) /= solid(1)) speed = v(0)*solid(0) + v(1)*solid(1)
         end if
         f(6) = 0
-        if (air%n_var == 6) f(6) = f(1)*fraction_at(scheme, solid, f(1), y)
+        if (air%n_var == 6) f(6) = f(1)*cut_fraction(scheme, solid, f(1), y)
     end subroutine flux_at
-
-    !> Mass fraction of the products that the mass flux through a face carries.
-    pure real(rk) function fraction_at(scheme, solid, mass_flux, y) result(share)
-        type(scheme_t), intent(in) :: scheme
-        integer, intent(in) :: solid(-2:3) !! 1 where the cell holds solid
-        real(rk), intent(in) :: mass_flux !! [kg/(m2 s)]
-        real(rk), intent(in) :: y(-2:3) !! mass fractions of the gas cells
-        real(rk) :: z(-1:2)
-
-        z = y(-1:2)
-        if (solid(0) == 1) z(0) = y(1)
-        if (solid(1) == 1) z(1) = y(0)
-        if (solid(-1) == 1 .or. scheme%reconstruction == first_order) z(-1) = z(0)
-        if (solid(2) == 1 .or. scheme%reconstruction == first_order) z(2) = z(1)
-        share = face_fraction(mass_flux, z(-1), z(0), z(1), z(2))
-    end function fraction_at
 
     !> Normal velocity of a solid cell or of the image of one, which a mirror turns round.
     pure function wall_speed(air, wall, d, at) result(v)

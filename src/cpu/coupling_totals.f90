@@ -7,7 +7,7 @@ module brz_coupling_totals
     use brz_kinds, only: dp
     implicit none
     private
-    public :: coupling_totals, coupling_products
+    public :: coupling_totals, coupling_products, ledger_totals
 
 contains
 
@@ -26,6 +26,27 @@ contains
             debt = debt + coupling%debt(1:5, e)*product(air%dx)
         end do
     end subroutine coupling_totals
+
+    !> Totals of ledgers and debts alone.
+    subroutine ledger_totals(air, coupling, kept, products)
+        type(air_t), intent(in) :: air !! read in solid cells
+        type(coupling_t), intent(in) :: coupling
+        real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
+        real(dp), intent(out) :: products !! mass of products of explosives [kg]
+        real(dp) :: total(6)
+        integer :: c, e, ijk(3)
+
+        total = 0
+        do c = 1, coupling%wall%n_cells
+            ijk = coupling%wall%cell(:, c)
+            total(:air%n_var) = total(:air%n_var) + air%u(ijk(1), ijk(2), ijk(3), :)
+        end do
+        do e = 1, coupling%n_debts
+            total(:air%n_var) = total(:air%n_var) + coupling%debt(:, e)
+        end do
+        kept = total(1:5)*product(air%dx)
+        products = total(6)*product(air%dx)
+    end subroutine ledger_totals
 
     !> Mass of the products of explosives in gas, ledgers and debts [kg].
     real(dp) function coupling_products(air, coupling)

@@ -15,11 +15,23 @@ module brz_gpu_air_state
     use brz_text, only: to_text
     implicit none
     private
-    public :: gpu_air_t, open_gpu_air, close_gpu_air, fetch_air, fetch_cells
+    public :: gpu_air_t, gpu_walls_t, open_gpu_air, close_gpu_air, fetch_air, fetch_cells
     public :: fold_threads, bytes_of_real
 
     integer, parameter :: fold_threads = 1024 !! partial results that the host folds
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
+
+    !> The cells that hold solid, as wall_t has them; without walls the buffers hold nothing.
+    type :: gpu_walls_t
+        integer :: n_cells = 0, n_faces = 0
+        type(buffer_t) :: solid, near !! one byte for each cell, see air_near
+        type(buffer_t) :: cell_of !! place of each cell in the list of solid cells
+        type(buffer_t) :: v !! (3, n_cells) velocity of the walls
+        type(buffer_t) :: face_of !! (6, n_cells) wall face on each side
+        type(buffer_t) :: push, impulse !! (n_faces) impulse of a stage, of the step
+        type(kernel_t) :: mark_near, add_impulse, scatter
+        integer, allocatable :: shared(:, :) !! (3, n) cells that the host changes between steps
+    end type gpu_walls_t
 
     type :: gpu_air_t
         type(grid_t) :: grid
@@ -36,25 +48,28 @@ module brz_gpu_air_state
         type(buffer_t) :: folded !! partial results of all columns
         type(kernel_t) :: faces, march, last, redo !! of the scheme
         type(kernel_t) :: ghosts, update_line, speed, total, leave, lowered, gather, most, sum
+        type(gpu_walls_t) :: walls
         real(dp) :: outflow_before(6) = 0 !! what had left when the GPU took over
     end type gpu_air_t
 
 contains
 
     !> Reserve memory on the GPU and copy the air there.
-    subroutine open_gpu_air(device, air, gpu, err)
+    subroutine open_gpu_air(device, air, walls, gpu, err)
         type(device_t), intent(in) :: device
         type(air_t), intent(inout) :: air
+        logical, intent(in) :: walls !! there will be, see put_walls
         type(gpu_air_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: cells, field, ends
         integer :: m
 
         gpu%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
+        gpu%grid%walls = merge(1, 0, walls)
         cells = gpu%grid%apart
         field = cells*air%n_var*bytes_of_real
         ends = int(gpu%grid%lines, int64)*air%n_var
-        call require(device, 4*field + cells + ends*(4*bytes_of_real + 8), err)
+        call require(device, 4*field + merge(7, 1, walls)*cells + ends*(4*bytes_of_real + 8), err)
         call find_kernels(device, air%scheme, gpu, err)
         call allocate_buffer(gpu%u, field, err)
         call allocate_buffer(gpu%flux, field, err)
@@ -65,6 +80,9 @@ contains
         call allocate_buffer(gpu%outflow, 8*ends, err)
         call allocate_buffer(gpu%part, 8_int64*air%n(1)*air%n(2), err)
         call allocate_buffer(gpu%folded, 8_int64*fold_threads, err)
+        call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, walls), err)
+        call allocate_buffer(gpu%walls%near, merge(cells, 1_int64, walls), err)
+        call allocate_buffer(gpu%walls%cell_of, merge(4*cells, 1_int64, walls), err)
         gpu%outflow_before = [air%outflow, air%outflow_products]
         call keep_outside(air)
         call set_scale(air)
@@ -105,6 +123,9 @@ contains
         call find_kernel(device, 'air_outflow', gpu%leave, err)
         call find_kernel(device, 'air_faces_lowered', gpu%lowered, err)
         call find_kernel(device, 'gather_cells', gpu%gather, err)
+        call find_kernel(device, 'air_near', gpu%walls%mark_near, err)
+        call find_kernel(device, 'wall_impulse', gpu%walls%add_impulse, err)
+        call find_kernel(device, 'scatter_cells', gpu%walls%scatter, err)
         call find_kernel(device, 'max_strided', gpu%most, err)
         call find_kernel(device, 'sum_strided', gpu%sum, err)
     end subroutine find_kernels
@@ -162,6 +183,13 @@ contains
         call free_buffer(gpu%outflow)
         call free_buffer(gpu%part)
         call free_buffer(gpu%folded)
+        call free_buffer(gpu%walls%solid)
+        call free_buffer(gpu%walls%near)
+        call free_buffer(gpu%walls%cell_of)
+        call free_buffer(gpu%walls%v)
+        call free_buffer(gpu%walls%face_of)
+        call free_buffer(gpu%walls%push)
+        call free_buffer(gpu%walls%impulse)
     end subroutine close_gpu_air
 
     !> Refresh the host's conserved variables, if the GPU has moved on.
@@ -181,14 +209,15 @@ contains
         integer, intent(in) :: cell(:, :) !! (3, n) indices
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
-        integer(int64) :: place(size(cell, 2))
-        real(rk) :: values(size(cell, 2), air%n_var)
+        integer(int64), allocatable :: place(:)
+        real(rk), allocatable :: values(:, :)
         type(buffer_t) :: place_at, values_at
         type(arguments_t) :: arguments
         integer :: c, n
 
         n = size(cell, 2)
         if (gpu%fetched .or. n == 0) return
+        allocate (place(n), values(n, air%n_var))
         do c = 1, n
             place(c) = place_of(gpu%grid, cell(1, c), cell(2, c), cell(3, c))
         end do

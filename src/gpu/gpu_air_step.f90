@@ -38,15 +38,18 @@ contains
 
         status = air_ok
         gpu%fetched = .false.
+        if (gpu%grid%walls == 1) call clear_buffer(gpu%walls%impulse, err)
         states = states_t(gpu%u, gpu%u, gpu%spare(1))
         do m = 1, air%n_stages
             stage = stage_of(air, dt, m)
             call fill_ghosts(gpu, air, states%u, err)
             call sweep(gpu, air, stage, states, err)
+            if (gpu%grid%walls == 1) call redo(gpu, air, states, stage, 0, 0, err)
             call repair(gpu, air, states, stage, lost, err)
             if (lost) status = air_unphysical
             if (failed(err) .or. lost) return
             call add_outflow(gpu, air, stage, err)
+            call add_impulses(gpu, err)
             states%u = states%new
             states%new = gpu%spare(1 + mod(m, 2))
         end do
@@ -66,6 +69,7 @@ contains
         stage%weight = new_weight(m, air%n_stages)
         stage%floor = merge(least_ratio, 0.0_rk, air%fallback)
         stage%leaves = share_of(m, air%n_stages)*dt*product(air%dx)/air%dx
+        stage%push = real(stage%leaves, rk)
         where (air%bc(1, :) == bc_periodic) stage%leaves = 0
     end function stage_of
 
@@ -93,6 +97,7 @@ contains
         call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
         call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
         call arguments%add(gpu%outside)
+        call arguments%add(gpu%walls%solid)
         call arguments%add(u)
         call launch(gpu%ghosts, [lines, 6, 1], arguments, err)
     end subroutine fill_ghosts
@@ -137,6 +142,7 @@ contains
         call arguments%add(states%start)
         call arguments%add(states%new)
         call arguments%add(gpu%flux)
+        call arguments%add(gpu%walls%near)
         call arguments%add(gpu%bad)
         call arguments%add(gpu%found)
         call launch(gpu%update_line, air%n, arguments, err)
@@ -161,6 +167,7 @@ contains
         call arguments%add(states%start)
         call arguments%add(states%new)
         call arguments%add(gpu%flux)
+        call arguments%add(gpu%walls%near)
         call arguments%add(gpu%bad)
         call arguments%add(gpu%found)
         call arguments%add(gpu%edge)
@@ -199,7 +206,7 @@ contains
         call clear_buffer(gpu%bad, err)
     end subroutine repair
 
-    !> Compute marked cells and their neighbours again.
+    !> Compute marked cells and their neighbours again, in pass 0 those near walls.
     subroutine redo(gpu, air, states, stage, pass, judge, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
@@ -221,6 +228,12 @@ contains
         call arguments%add(gpu%bad)
         call arguments%add(gpu%found)
         call arguments%add(gpu%edge)
+        call arguments%add(gpu%walls%near)
+        call arguments%add(gpu%walls%solid)
+        call arguments%add(gpu%walls%cell_of)
+        call arguments%add(gpu%walls%v)
+        call arguments%add(gpu%walls%face_of)
+        call arguments%add(gpu%walls%push)
         call launch(gpu%redo, air%n, arguments, err)
     end subroutine redo
 
@@ -285,4 +298,17 @@ contains
         call arguments%add(gpu%outflow)
         call launch(gpu%leave, [gpu%grid%lines, air%n_var, 1], arguments, err)
     end subroutine add_outflow
+
+    !> Add what the walls were given in a stage.
+    subroutine add_impulses(gpu, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        if (gpu%grid%walls == 0 .or. gpu%walls%n_faces == 0) return
+        call arguments%add(gpu%walls%n_faces)
+        call arguments%add(gpu%walls%push)
+        call arguments%add(gpu%walls%impulse)
+        call launch(gpu%walls%add_impulse, [gpu%walls%n_faces, 1, 1], arguments, err)
+    end subroutine add_impulses
 end module brz_gpu_air_step

@@ -50,7 +50,8 @@ contains
         end if
         call set_up_simulation(sim, err)
         if (failed(err)) return
-        call settle_backend(trim(sim%case%run%backend), sim%solid, sim%backend, note, err)
+        call settle_backend(trim(sim%case%run%backend), sim%solid, sim%coupling, sim%backend, &
+                            err)
         if (failed(err)) return
         if (note /= '') write (error_unit, '(a)') note
         if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes
@@ -64,7 +65,7 @@ contains
         if (sim%early%present) sim%clock%time = sim%early%time
         call open_outputs(options, sim, outputs, err)
         if (failed(err)) return
-        call start_backend(sim%backend, sim%air, sim%solid, err)
+        call start_backend(sim%backend, sim%air, sim%coupling, sim%solid, err)
         if (failed(err)) return
         call time_loop(sim, outputs, err)
         call close_outputs(outputs, closing) ! the rows up to a failure are the ones that tell

@@ -3,7 +3,7 @@
 module brz_time_step
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok
-    use brz_backend, only: advance_air, advance_solid, limit_of_air
+    use brz_backend, only: advance_air, advance_solid, hand_back, limit_of_air
     use brz_coupling_events, only: reclassify
     use brz_coupling_load, only: load_is_negligible, spread_load
     use brz_coupling_paper, only: move_paper_walls, paper_step
@@ -50,6 +50,7 @@ contains
                 call move_paper_walls(sim%air, sim%solid, sim%coupling)
             else
                 call reclassify(sim%air, sim%solid, sim%coupling)
+                call hand_back(sim%backend, sim%air, sim%coupling, err)
             end if
             call lap(mark, sim%progress%coupling_seconds)
         end if

@@ -47,7 +47,7 @@ contains
         air%scheme%reconstruction = reconstruction
         air%scheme%flux = flux
         air%n_stages = stages
-        call open_gpu_air(device, air, gpu, err)
+        call open_gpu_air(device, air, .false., gpu, err)
         dt = gpu_air_time_step(gpu, air, 0.3_dp, err)
         call gpu_air_step(gpu, air, dt, status, err)
         call wait_for_device(err)

@@ -178,9 +178,9 @@ def test_a_restart_on_the_gpu_gives_the_same_bits(solid):
 
 
 def test_what_bodies_cannot_do_on_the_gpu_is_told(solid):
-    air = "&air box=0,1, 0,1, 0,1, cells=8,8,8 /\n"
+    air = "&air box=0,1, 0,1, 0,1, cells=8,8,8, bc='outflow' /\n&coupling scheme='paper' /\n"
     (solid / "d.nml").write_text(air + SOLID.replace("LAW", "none"), encoding="utf-8")
-    for name, words in (("c.nml", "bodies that meet"), ("d.nml", "not bodies in air")):
+    for name, words in (("c.nml", "bodies that meet"), ("d.nml", "scheme='paper'")):
         done = run(solid, name, "--backend", "gpu", "--check")
         assert done.returncode == 5, done.stderr
         assert words in done.stderr
@@ -221,3 +221,29 @@ def test_a_lost_cell_ends_the_run_and_leaves_the_checkpoint(deck):
     assert good.read_bytes() == before
     done = run(deck, "a.nml", "--backend", "gpu", "--restart", "latest", "--out", "o")
     assert done.returncode == 0, done.stderr
+
+
+COUPLED = """&run title='t', t_end=1e-4 /
+&air box=0,1, 0,0.4, 0,0.3, cells=20,8,6, bc='outflow' /
+&gas id='hot', box=0,0.3, 0,0.4, 0,0.3, density=3, pressure=2e6 /
+&material id='m', model='linear_elastic', density=50, youngs_modulus=1e6, poisson_ratio=0.3 /
+&body id='b', shape='box', box=0.35,0.5, 0.1,0.3, 0.1,0.2, spacing=0.025, material='m',
+      velocity=400,0,0 /
+&gauge id='g', at=0.32,0.23,0.17, quantity='overpressure' /
+&output dump_every=1e-4, checkpoint_every=2e-5, history_every=5e-6 /
+"""
+
+
+def test_bodies_in_air_move_as_on_the_cpu(deck):
+    (deck / "f.nml").write_text(COUPLED, encoding="utf-8")
+    for backend in ("gpu", "cpu"):
+        done = run(deck, "f.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+        assert ("coupling on the CPU" in done.stderr) == (backend == "gpu")
+    same("gpu", "cpu", deck)
+    assert rows(deck / "gpu" / "bodies.csv")[-1][2] > 0.43  # it has crossed a cell
+    first = ("--set", "run.max_steps=9", "--out", "parts")
+    assert run(deck, "f.nml", "--backend", "gpu", *first).returncode == 0
+    second = ("--restart", "latest", "--out", "parts")
+    assert run(deck, "f.nml", "--backend", "gpu", *second).returncode == 0
+    same("parts", "gpu", deck)

@@ -1,0 +1,163 @@
+! SPDX-License-Identifier: MIT
+!> Walls inside the air on the GPU, while the host moves them: maps and lists go there when the
+!> solid has changed cells, velocities before a step; impulses come back after it. So do the cells
+!> near the walls, between which and the bodies the host hands gas over.
+module brz_gpu_air_walls
+    use brz_air_state, only: air_t, bc_periodic, wall_t
+    use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, free_buffer, &
+        launch
+    use brz_air_grid, only: place_of
+    use brz_errors, only: error_t, failed
+    use brz_gpu_air_state, only: bytes_of_real, fetch_cells, gpu_air_t, gpu_walls_t
+    use brz_kinds, only: int64, int8, rk
+    use brz_scheme, only: reach_of
+    implicit none
+    private
+    public :: put_walls, put_wall_velocity, fetch_walls, return_cells
+
+contains
+
+    !> Copy the walls to the GPU after they have changed.
+    subroutine put_walls(gpu, air, wall, face_of, reach, err)
+        type(gpu_air_t), intent(inout) :: gpu
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: face_of(:, :) !! (6, n_cells) wall face by side, or 0
+        integer, intent(in) :: reach !! cells around a surface that the host may look at
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call copy_in(wall%solid, gpu%walls%solid, size(wall%solid, kind=int64), err)
+        call copy_in(wall%index, gpu%walls%cell_of, 4*size(wall%index, kind=int64), err)
+        call size_lists(gpu%walls, wall, err)
+        call copy_in(face_of, gpu%walls%face_of, 24_int64*wall%n_cells, err)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call arguments%add(reach_of(air%scheme))
+        call arguments%add(gpu%walls%solid)
+        call arguments%add(gpu%walls%near)
+        call launch(gpu%walls%mark_near, air%n, arguments, err)
+        call list_shared(gpu%walls, air, wall, face_of, reach)
+    end subroutine put_walls
+
+    !> Make room for the lists of walls.
+    subroutine size_lists(walls, wall, err)
+        type(gpu_walls_t), intent(inout) :: walls
+        type(wall_t), intent(in) :: wall
+        type(error_t), intent(inout) :: err
+
+        walls%n_cells = wall%n_cells
+        walls%n_faces = wall%n_faces
+        call at_least(walls%v, 3*bytes_of_real*wall%n_cells)
+        call at_least(walls%face_of, 24_int64*wall%n_cells)
+        call at_least(walls%push, bytes_of_real*wall%n_faces)
+        call at_least(walls%impulse, bytes_of_real*wall%n_faces)
+
+    contains
+
+        subroutine at_least(buffer, bytes)
+            type(buffer_t), intent(inout) :: buffer
+            integer(int64), intent(in) :: bytes
+
+            if (buffer%address /= 0 .and. buffer%bytes >= bytes) return
+            call free_buffer(buffer)
+            call allocate_buffer(buffer, bytes + bytes/4, err)
+        end subroutine at_least
+    end subroutine size_lists
+
+    !> List the cells around the surfaces.
+    subroutine list_shared(walls, air, wall, face_of, reach)
+        type(gpu_walls_t), intent(inout) :: walls
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: face_of(:, :)
+        integer, intent(in) :: reach !! cells
+        integer(int8), allocatable :: mark(:, :, :)
+        integer :: c, d, i, j, k, n, around(3), to(3)
+
+        allocate (mark(air%n(1), air%n(2), air%n(3)), source=0_int8)
+        around = merge(reach, 0, air%n > 1)
+        do c = 1, wall%n_cells
+            if (.not. any(face_of(:, c) > 0)) cycle
+            do k = -around(3), around(3)
+                do j = -around(2), around(2)
+                    do i = -around(1), around(1)
+                        to = wall%cell(:, c) + [i, j, k]
+                        do d = 1, 3
+                            if (air%bc(1, d) == bc_periodic) to(d) = modulo(to(d) - 1, air%n(d)) + 1
+                        end do
+                        if (any(to < 1 .or. to > air%n)) cycle
+                        mark(to(1), to(2), to(3)) = 1
+                    end do
+                end do
+            end do
+        end do
+        n = count(mark /= 0)
+        if (allocated(walls%shared)) deallocate (walls%shared)
+        allocate (walls%shared(3, n))
+        n = 0
+        do k = 1, air%n(3)
+            do j = 1, air%n(2)
+                do i = 1, air%n(1)
+                    if (mark(i, j, k) == 0) cycle
+                    n = n + 1
+                    walls%shared(:, n) = [i, j, k]
+                end do
+            end do
+        end do
+    end subroutine list_shared
+
+    !> Copy the velocities of the walls, before a step.
+    subroutine put_wall_velocity(gpu, wall, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(wall_t), intent(in) :: wall
+        type(error_t), intent(inout) :: err
+
+        call copy_in(wall%v, gpu%walls%v, 3*bytes_of_real*wall%n_cells, err)
+    end subroutine put_wall_velocity
+
+    !> Bring the impulses of a step to the host, and the cells near the walls.
+    subroutine fetch_walls(gpu, air, wall, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        type(error_t), intent(inout) :: err
+
+        call copy_out(gpu%walls%impulse, wall%impulse, bytes_of_real*wall%n_faces, err)
+        call fetch_cells(gpu, gpu%walls%shared, air, err)
+    end subroutine fetch_walls
+
+    !> Copy the cells near the walls to the GPU, and some more that the host has changed.
+    subroutine return_cells(gpu, air, more, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        integer, intent(in) :: more(:, :) !! (3, n) cells
+        type(error_t), intent(inout) :: err
+        integer, allocatable :: cell(:, :)
+        integer(int64), allocatable :: place(:)
+        real(rk), allocatable :: values(:, :)
+        type(buffer_t) :: place_at, values_at
+        type(arguments_t) :: arguments
+        integer :: c, n
+
+        cell = reshape([gpu%walls%shared, more], [3, size(gpu%walls%shared, 2) + size(more, 2)])
+        n = size(cell, 2)
+        if (n == 0) return
+        allocate (place(n), values(n, air%n_var))
+        do c = 1, n
+            place(c) = place_of(gpu%grid, cell(1, c), cell(2, c), cell(3, c))
+            values(c, :) = air%u(cell(1, c), cell(2, c), cell(3, c), :)
+        end do
+        call allocate_buffer(place_at, 8_int64*n, err)
+        call allocate_buffer(values_at, size(values, kind=int64)*bytes_of_real, err)
+        call copy_in(place, place_at, 8_int64*n, err)
+        call copy_in(values, values_at, size(values, kind=int64)*bytes_of_real, err)
+        call arguments%add(n)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call arguments%add(place_at)
+        call arguments%add(values_at)
+        call arguments%add(gpu%u)
+        if (.not. failed(err)) call launch(gpu%walls%scatter, [n, 1, 1], arguments, err)
+        call free_buffer(place_at)
+        call free_buffer(values_at)
+    end subroutine return_cells
+end module brz_gpu_air_walls
