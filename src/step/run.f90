@@ -51,7 +51,7 @@ contains
         call set_up_simulation(sim, err)
         if (failed(err)) return
         call settle_backend(trim(sim%case%run%backend), sim%solid, sim%coupling, sim%backend, &
-                            err)
+                            note, err)
         if (failed(err)) return
         if (note /= '') write (error_unit, '(a)') note
         if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes
