@@ -13,36 +13,35 @@ module brz_solid_links
 
 contains
 
-    !> Build the links for the positions `x_built`.
+    !> Build the links for the positions `x_built`. While they are counted and stored, `first(i+1)`
+    !> is the number, then the place, of the last link of i so far.
     subroutine build_links(solid)
         type(solid_t), intent(inout) :: solid
-        integer(int64), allocatable :: last(:)
-        integer(int64) :: total
-        integer :: i, pass
+        integer(int64) :: number, total
+        integer :: i
 
         if (.not. solid%links%present) return
-        allocate (last(solid%n))
-        do pass = 1, 2
-            if (pass == 1) last = 0
-            call visit_bodies(solid, pass == 2, last)
-            if (pass == 2) exit
-            total = 1
+        associate (first => solid%links%first)
+            first = 0
+            call visit_bodies(solid, .false.)
+            total = 0
             do i = 1, solid%n
-                solid%links%first(i) = total
-                total = total + last(i)
-                last(i) = solid%links%first(i) - 1
+                number = first(i + 1)
+                first(i + 1) = total
+                total = total + number
             end do
-            solid%links%first(solid%n + 1) = total
-            call make_room(solid%links, total)
-        end do
+            call make_room(solid%links, total + 1)
+            call visit_bodies(solid, .true.)
+            first = first + 1
+        end associate
     end subroutine build_links
 
     !> Count or store, for every particle, its links with one body after the other.
-    subroutine visit_bodies(solid, keep, last)
+    subroutine visit_bodies(solid, keep)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: keep
-        integer(int64), intent(inout) :: last(:) !! last link of a particle so far
         real(dp) :: lo(3), hi(3), reach
+        integer(int64) :: last
         integer :: a, b, c, i, m
 
         do b = 1, size(solid%bodies)
@@ -57,12 +56,15 @@ contains
             do a = 1, size(solid%bodies)
                 if (solid%links%table(a, b)%law == law_none) cycle
                 reach = 2*real(solid%links%table(a, b)%h, dp) + solid%skin
-                !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(m)
+                !$omp parallel do if(solid%n >= worth_threads) schedule(static) &
+                !$omp private(last, m)
                 do i = solid%bodies(a)%first, solid%bodies(a)%last
+                    last = solid%links%first(i + 1)
                     do m = 0, 7
                         if (near(solid, i, m, lo - reach, hi + reach)) &
-                            call search(solid, i, m, reach, keep, last(i))
+                            call search(solid, i, m, reach, keep, last)
                     end do
+                    solid%links%first(i + 1) = last
                 end do
             end do
         end do
