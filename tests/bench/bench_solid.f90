@@ -34,10 +34,10 @@ program bench_solid
     integer, parameter :: gradients = 1, material = 2, forces = 3, list = 4, whole = 5, by_clock = 6
     integer, parameter :: n_part = 6
     type(scene_t), parameter :: scenes(5) = [ &
-                                scene_t('johnson_cook', 'corrected_hourglass', 1.3_dp, [54, 131]), &
-                                scene_t('johnson_cook', 'corrected_hourglass', 1.2_dp, [54, 131]), &
-                                scene_t('linear_elastic', 'corrected', 1.2_dp, [54, 72]), &
-                                scene_t('linear_elastic', 'bending', 1.2_dp, [78, 124]), &
+                                scene_t('johnson_cook', 'corrected_hourglass', 1.3_dp, [55, 132]), &
+                                scene_t('johnson_cook', 'corrected_hourglass', 1.2_dp, [55, 132]), &
+                                scene_t('linear_elastic', 'corrected', 1.2_dp, [55, 72]), &
+                                scene_t('linear_elastic', 'bending', 1.2_dp, [78, 138]), &
                                 scene_t('orthotropic_ply', 'bending', 1.2_dp, [78, 141])]
     type(floors_t) :: floors
     integer :: layers, steps, most, s, threads
@@ -88,6 +88,8 @@ contains
             call time_one(whole, dt, solid, err, best)
         end do
         if (failed(err)) error stop err%text
+        if (scene%model == 'johnson_cook' .and. .not. solid%bodies(1)%ledger%plastic > 0) &
+            error stop 'the metal did not yield'
         best = best/solid%n
         best(material) = best(material) - best(gradients)
         print '(a16, 1x, a20, f4.1, 5f9.3)', scene%model, scene%formulation, scene%smoothing, &
@@ -111,10 +113,10 @@ contains
             1e-6_dp*pairs/(best(gradients) + best(forces)), ' M pairs/s through both passes'
         print '(4x, a, f5.2, a, f5.2, a, f5.2, a, f5.2, a, i0, a, i0, a)', 'ns per pair: pass 1', &
             1e9_dp*best(gradients)/pairs, ' (arithmetic ', 1e9_dp*scene%flops(1)/floors%flops, &
-            '), pass 2', 1e9_dp*best(forces)/pairs, ' (', 1e9_dp*scene%flops(2)/floors%flops, &
+            '), pass 2 ', 1e9_dp*best(forces)/pairs, ' (', 1e9_dp*scene%flops(2)/floors%flops, &
             '); ', scene%flops(1), ' and ', scene%flops(2), ' flops'
         print '(4x, a, f6.3, a, i0, a, f5.1, a)', 'memory: ', 1e6_dp*bytes/floors%bytes, &
-            ' us per step for ', nint(bytes), ' B;', bytes_per_particle(solid), &
+            ' us per step for ', nint(bytes), ' B; ', bytes_per_particle(solid), &
             ' B stored per particle, besides its list'
     end subroutine compare
 
