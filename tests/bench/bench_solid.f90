@@ -111,7 +111,7 @@ contains
             1e-6_dp/best(by_clock), ' by the clock'
         print '(4x, f6.1, a, f5.1, a, f6.1, a)', pairs, ' pairs (', entries, ' entries), ', &
             1e-6_dp*pairs/(best(gradients) + best(forces)), ' M pairs/s through both passes'
-        print '(4x, a, f5.2, a, f5.2, a, f5.2, a, f5.2, a, i0, a, i0, a)', 'ns per pair: pass 1', &
+        print '(4x, a, f5.2, a, f5.2, a, f5.2, a, f5.2, a, i0, a, i0, a)', 'ns per pair: pass 1 ', &
             1e9_dp*best(gradients)/pairs, ' (arithmetic ', 1e9_dp*scene%flops(1)/floors%flops, &
             '), pass 2 ', 1e9_dp*best(forces)/pairs, ' (', 1e9_dp*scene%flops(2)/floors%flops, &
             '); ', scene%flops(1), ' and ', scene%flops(2), ' flops'
