@@ -3,7 +3,8 @@
 !>
 !> Forces are equal and opposite pair by pair and do not depend on the number of threads.
 module brz_solid_contact
-    use brz_contact, only: contact_drag, contact_normal, contact_push, meeting_t
+    use brz_contact, only: contact_drag, contact_normal, contact_push, crossing_share, &
+                           meeting_t, spring_share
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int64, rk
     use brz_pair_force, only: viscous_force
@@ -12,9 +13,6 @@ module brz_solid_contact
     implicit none
     private
     public :: contact_pass, find_touch
-
-    real(dp), parameter :: spring_share = 0.5_dp !! of the period of a contact over 2 pi
-    real(dp), parameter :: crossing_share = 0.2_dp !! spacings that a pair may approach in a step
 
     !> What the links of one particle add up to.
     type :: sums_t

@@ -7,7 +7,8 @@ module brz_solid_rigid
     use brz_drive, only: book_drive
     use brz_kinds, only: dp, rk
     use brz_motion, only: mean_velocity, velocity_of
-    use brz_rigid, only: attitude, cross, spin_of, turn
+    use brz_rigid, only: attitude, cross
+    use brz_rigid_motion, only: advance_rigid, settle_rigid
     use brz_solid_state, only: body_t, form_rigid, solid_t, worth_threads
     implicit none
     private
@@ -54,24 +55,10 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt
-        real(dp) :: force(3), torque(3), omega(3), q_mid(4), v(3), before(3), mean
+        real(dp) :: load(6), omega(3), q_mid(4), v(3)
 
-        call sum_load(solid, body, force, torque)
-        mean = (solid%dt_last + dt)/2
-        associate (b => body%rigid)
-            before = b%p/b%mass
-            if (body%motion%n == 0) then
-                b%p = (b%p + mean*b%force + dt*force)*b%moves
-                b%l = (b%l + mean*b%torque + dt*torque)*b%turns
-            end if
-            call turn(b, dt, omega, q_mid)
-            v = b%p/b%mass
-            body%ledger%load = body%ledger%load &
-                + dt/2*(dot_product(force, v + before) + dot_product(torque, omega + b%spin))
-            body%reaction = body%reaction + dt*force*(1 - b%moves)
-            b%spin = omega
-            b%x = b%x + dt*v
-        end associate
+        call sum_load(solid, body, load(1:3), load(4:6))
+        call advance_rigid(body, (solid%dt_last + dt)/2, dt, load, v, omega, q_mid)
         call place_particles(solid, body, v, omega, q_mid)
     end subroutine move_body
 
@@ -139,11 +126,7 @@ contains
                     b%torque = b%torque + cross(solid%x(:, i) - b%x, push)
                 end do
             end if
-            v = (b%p + dt/2*b%force*b%moves)/b%mass
-            if (body%motion%n > 0) v = velocity_of(body%motion, solid%time)
-            b%omega = spin_of(b%compliance, b%q, b%l + dt/2*b%torque*b%turns)
-            if (body%motion%n > 0) b%omega = spin_of(b%compliance, b%q, b%l)
-            body%reaction = body%reaction + dt*b%force*(1 - b%moves)
+            call settle_rigid(body, solid%time, dt, v)
             if (.not. dt > 0) return
             do i = body%first, body%last
                 solid%a(:, i) = real(2/dt*(v + cross(b%omega, solid%x(:, i) - b%x) &

@@ -5,7 +5,9 @@ module brz_gpu_solid_copy
         free_buffer, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, &
-        at_mu, at_stress, at_wave, tag_cut, tag_fault, tag_fixed, tag_id, tag_ply, tag_support
+        at_mu, at_stress, at_wave, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_ply, &
+        tag_support
+    use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, open_gpu_solid_memory, part_of
     use brz_kinds, only: dp, int32, int64, int8, rk
@@ -33,7 +35,9 @@ contains
         end do
         call put_rows(solid, gpu, err)
         call put_columns(solid, gpu, err)
+        call open_gpu_links(device, solid, gpu, err)
         call build_gpu_lists(gpu, solid, .false., err)
+        call build_gpu_links(gpu, solid, err)
     end subroutine open_gpu_solid
 
     subroutine put_rows(solid, gpu, err)
@@ -95,6 +99,9 @@ contains
         call put_tag(tag_support, solid%support)
         call put_tag(tag_fixed, int(solid%fixed, int32))
         call put_tag(tag_cut, int(solid%cut, int32))
+        if (.not. gpu%linked) return
+        call put(gpu%n_state, solid%links%touch)
+        call put_tag(tag_bond, int(solid%links%bond, int32))
 
     contains
 
@@ -199,6 +206,10 @@ contains
         solid%fixed = int(marks, int8)
         call fetch_tag(gpu, tag_cut, marks, err)
         solid%cut = int(marks, int8)
+        if (.not. gpu%linked) return
+        call fetch(gpu%n_state, solid%links%touch)
+        call fetch_tag(gpu, tag_bond, marks, err)
+        solid%links%bond = int(marks, int8)
 
     contains
 

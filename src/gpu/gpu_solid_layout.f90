@@ -12,11 +12,13 @@ module brz_gpu_solid_layout
     use brz_kinds, only: dp, rk
     implicit none
     private
-    public :: body_gpu_t, grid_gpu_t
+    public :: body_gpu_t, grid_gpu_t, link_gpu_t
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
-    public :: tag_id, tag_ply, tag_support, tag_fixed, tag_cut, tag_fault, n_tag
+    public :: tag_id, tag_ply, tag_support, tag_fixed, tag_cut, tag_fault, &
+              tag_bond, n_tag
     public :: book_viscous, book_friction, book_hold, book_ahead, book_plastic, book_damage, &
-              book_force, n_book, n_total
+              book_force, book_contact, book_contact_heat, book_rub, n_book, n_total
+    public :: pose_centre, pose_x, pose_velocity, pose_spin, pose_turn, pose_half, n_pose
     public :: at_heat, at_friction, at_drag, at_hold, n_terms
     public :: flag_far, flag_bad, n_flag, slice_width, mask_unit, scan_chunk
 
@@ -30,7 +32,8 @@ module brz_gpu_solid_layout
     ! columns of `tag`
     integer, parameter :: tag_id = 1, tag_ply = 2, tag_support = 3, tag_fixed = 4, tag_cut = 5
     integer, parameter :: tag_fault = 6 !! 1: an impossible state was seen here
-    integer, parameter :: n_tag = 6
+    integer, parameter :: tag_bond = 7 !! bond_none, ...
+    integer, parameter :: n_tag = 7
 
     ! columns of `book`, since the GPU took over [J, N s]; the place of a particle, not the
     ! particle, keeps them
@@ -39,13 +42,20 @@ module brz_gpu_solid_layout
     integer, parameter :: book_ahead = 4 !! the part of the half step to come
     integer, parameter :: book_plastic = 5, book_damage = 6
     integer, parameter :: book_force = 6 !! + 1..3: impulse on held particles
-    integer, parameter :: n_book = 9
+    integer, parameter :: book_contact = 10 !! energy that contact holds now
+    integer, parameter :: book_contact_heat = 11, book_rub = 12 !! heat of contact, of friction
+    integer, parameter :: n_book = 12
     integer, parameter :: n_total = 14 !! sums of the state of a body, see brz_solid_totals
 
     ! sums of pass 2: 1..3 force of the stress [N]
     integer, parameter :: at_heat = 4, at_friction = 5 !! heat of the two viscous forces [W]
     integer, parameter :: at_drag = 5, at_hold = 8 !! + 1..3: viscous forces, stiff ones [N]
     integer, parameter :: n_terms = 11
+
+    ! where a rigid body is: centre unloaded and now [m], velocity, spin, attitude at the step and
+    ! in its middle; + 1..3 or + 1..9
+    integer, parameter :: pose_centre = 0, pose_x = 3, pose_velocity = 6, pose_spin = 9, &
+                          pose_turn = 12, pose_half = 21, n_pose = 30
 
     integer, parameter :: flag_far = 1 !! a particle has moved more than half the skin
     integer, parameter :: flag_bad = 2 !! a particle has an impossible state
@@ -76,4 +86,11 @@ module brz_gpu_solid_layout
         integer :: mirror(3) !! 1: symmetry plane
         real(dp) :: lo(3), size, reach !! low corner, side of a cell, length of a pair [m]
     end type grid_gpu_t
+
+    !> Pairs of particles of different bodies.
+    type :: link_gpu_t
+        integer :: bodies
+        integer :: touch !! column of `state` with the kernel sum at which contact begins
+        real(rk) :: depth !! of directions that are not modelled [m or m2]
+    end type link_gpu_t
 end module brz_gpu_solid_layout

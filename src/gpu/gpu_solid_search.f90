@@ -11,7 +11,7 @@ module brz_gpu_solid_search
     use brz_solid_state, only: n_pair, solid_t
     implicit none
     private
-    public :: build_gpu_lists
+    public :: build_gpu_lists, order_body, running_sums
 
 contains
 
@@ -22,23 +22,28 @@ contains
         type(solid_t), intent(inout) :: solid !! its search tables are overwritten
         logical, intent(in) :: sort
         type(error_t), intent(inout) :: err
+        type(buffer_t) :: place
         integer :: b, cells
 
         if (sort) then
             call note_positions(gpu, err)
             do b = 1, size(gpu%bodies)
-                call order_body(gpu, solid, b, cells, err)
+                call order_body(gpu, solid, b, gpu%built, reach_of_lists(solid, b), cells, err)
             end do
             call reorder(gpu, err)
             call note_positions(gpu, err)
         end if
         do b = 1, size(gpu%bodies)
-            call order_body(gpu, solid, b, cells, err)
-            call list_body(gpu, b, err)
+            if (gpu%bodies(b)%rigid) cycle
+            place = gpu%built
+            if (gpu%bodies(b)%total) place = gpu%reference
+            call order_body(gpu, solid, b, place, reach_of_lists(solid, b), cells, err)
+            call list_body(gpu, b, place, err)
         end do
     end subroutine build_gpu_lists
 
-    !> Positions that decide on the neighbours: total-Lagrangian bodies keep the unloaded ones.
+    !> Positions that decide on the neighbours: total-Lagrangian bodies that meet no other keep the
+    !> unloaded ones.
     subroutine note_positions(gpu, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
@@ -50,7 +55,7 @@ contains
             start = 32_int64*(gpu%bodies(b)%first - 1)
             n = gpu%bodies(b)%last - gpu%bodies(b)%first + 1
             from = gpu%place
-            if (gpu%bodies(b)%total) from = gpu%reference
+            if (gpu%bodies(b)%total .and. .not. gpu%linked) from = gpu%reference
             call copy_bytes(gpu, part_of(from, start), part_of(gpu%built, start), 32*n, err)
         end do
     end subroutine note_positions
@@ -69,25 +74,27 @@ contains
         call launch(gpu%copy, [int(bytes/4), 1, 1], arguments, err)
     end subroutine copy_bytes
 
-    !> Lay the cells over body b and put its particles into them, in `order`.
-    subroutine order_body(gpu, solid, b, cells, err)
+    !> Lay cells over body b for given places and put its particles into them, in `order`.
+    subroutine order_body(gpu, solid, b, place, reach, cells, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
+        type(buffer_t), intent(in) :: place
+        real(dp), intent(in) :: reach !! side of a cell [m]
         integer, intent(out) :: cells !! along the curve
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer :: n
 
         cells = 1
-        call lay_cells(gpu, solid, b, err)
+        call lay_cells(gpu, solid, b, place, reach, err)
         if (failed(err)) return
         cells = ubound(solid%search%start, 1)
         n = gpu%bodies(b)%last - gpu%bodies(b)%first + 1
         call clear_buffer(part_to(gpu%start, 4_int64*(cells + 1)), err)
         call arguments%add(gpu%grid)
         call arguments%add(gpu%code)
-        call arguments%add(gpu%built)
+        call arguments%add(place)
         call arguments%add(gpu%cell)
         call arguments%add(gpu%start)
         call launch(gpu%count_cells, [n, 1, 1], arguments, err)
@@ -117,14 +124,16 @@ contains
     end function part_to
 
     !> Choose the cells for body b, and hand them to the GPU.
-    subroutine lay_cells(gpu, solid, b, err)
+    subroutine lay_cells(gpu, solid, b, place, reach, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
+        type(buffer_t), intent(in) :: place
+        real(dp), intent(in) :: reach !! [m]
         type(error_t), intent(inout) :: err
         type(grid_gpu_t) :: grid
         type(arguments_t) :: arguments
-        real(dp) :: part(sum_threads, 9)
+        real(dp) :: part(sum_threads, 9), box(3, 2)
         integer :: n
 
         associate (body => gpu%bodies(b))
@@ -132,7 +141,7 @@ contains
             call arguments%add(body%first)
             call arguments%add(body%last)
             call arguments%add(sum_threads)
-            call arguments%add(gpu%built)
+            call arguments%add(place)
             call arguments%add(gpu%part)
             call launch(gpu%extent, [sum_threads, 1, 1], arguments, err)
             part = 0
@@ -141,9 +150,11 @@ contains
             grid%first = body%first
             grid%last = body%last
         end associate
-        grid%reach = reach_of_lists(solid, b)
-        call choose_cells(solid%search, minval(part(:, 1:3), 1), maxval(part(:, 4:6), 1), &
-                          sum(part(:, 7:9), 1)/n, n, grid%reach)
+        grid%reach = reach
+        box(:, 1) = minval(part(:, 1:3), 1)
+        box(:, 2) = maxval(part(:, 4:6), 1)
+        call copy_in(box, gpu%box, 48_int64, err)
+        call choose_cells(solid%search, box(:, 1), box(:, 2), sum(part(:, 7:9), 1)/n, n, reach)
         grid%cells = solid%search%cells
         grid%stride = size(solid%search%code, 1)
         grid%mirror = merge(1, 0, solid%mirror)
@@ -246,18 +257,20 @@ contains
     end subroutine swap
 
     !> The lists of body b, whose particles are in the cells.
-    subroutine list_body(gpu, b, err)
+    subroutine list_body(gpu, b, place, err)
         type(gpu_solid_t), intent(inout) :: gpu
         integer, intent(in) :: b
+        type(buffer_t), intent(in) :: place
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer(int64) :: entries
         integer :: longest(1)
 
         associate (body => gpu%bodies(b))
-            call search(gpu, b, 0, err)
+            call search(gpu, b, place, 0, err)
             call arguments%add(body%slices)
-            call arguments%add(body%params)
+            call arguments%add(body%first)
+            call arguments%add(body%last)
             call arguments%add(gpu%count)
             call arguments%add(body%slice)
             call launch(gpu%widths, [body%slices, 1, 1], arguments, err)
@@ -270,14 +283,15 @@ contains
                 body%room = entries + entries/8 + slice_width
                 call allocate_buffer(body%list, 4*body%room, err)
             end if
-            call search(gpu, b, 1, err)
+            call search(gpu, b, place, 1, err)
         end associate
     end subroutine list_body
 
     !> Look for the neighbours of body b: keep 0 counts them, 1 lists them.
-    subroutine search(gpu, b, keep, err)
+    subroutine search(gpu, b, place, keep, err)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b, keep
+        type(buffer_t), intent(in) :: place
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
@@ -287,7 +301,7 @@ contains
             call arguments%add(gpu%code)
             call arguments%add(gpu%start)
             call arguments%add(gpu%order)
-            call arguments%add(gpu%built)
+            call arguments%add(place)
             call arguments%add(body%slice)
             call arguments%add(gpu%count)
             call arguments%add(body%list)

@@ -10,8 +10,8 @@ module brz_gpu_solid_state
     use brz_device, only: allocate_buffer, buffer_t, copy_in, device_t, find_kernel, free_buffer, &
         kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
-    use brz_gpu_solid_layout, only: at_hist, body_gpu_t, grid_gpu_t, n_book, n_flag, n_tag, &
-        n_total, scan_chunk, slice_width
+    use brz_gpu_solid_layout, only: at_hist, body_gpu_t, grid_gpu_t, n_book, n_flag, n_pose, &
+        n_tag, n_total, scan_chunk, slice_width
     use brz_gruneisen, only: gruneisen
     use brz_hjc, only: hjc
     use brz_ideal_gas, only: ideal_gas
@@ -39,16 +39,26 @@ module brz_gpu_solid_state
         integer :: first = 1, last = 0 !! particles
         integer :: slices = 0
         logical :: total = .false. !! total-Lagrangian
+        logical :: rigid = .false.
         logical :: held = .false. !! uses reference positions
         type(buffer_t) :: params, material, drive, slice, list
         integer(int64) :: room = 0 !! entries that `list` has room for
         type(kernel_t) :: moments, update, forces
     end type gpu_solid_body_t
 
+    !> Pairs of particles of different bodies.
+    type :: gpu_links_t
+        type(buffer_t) :: params, owner, table, cell, press, slice, count, list
+        integer(int64) :: room = 0 !! entries that `list` has room for
+        type(kernel_t) :: search, find_press, push, moments, forces, break
+    end type gpu_links_t
+
     type :: gpu_solid_t
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         logical :: stepped = .false. !! the GPU has made a step
         logical :: summed = .false. !! `sums` and the ledgers are those of the present state
+        logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
+        type(gpu_links_t) :: links
         integer :: n = 0, n_state = 0 !! particles, columns of `state`
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
@@ -56,12 +66,13 @@ module brz_gpu_solid_state
         real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
         type(buffer_t) :: place, reference, built, motion, state, tag, book, row, grad, hold
         type(buffer_t) :: rate, flags, axes, region, extra
-        type(buffer_t) :: count, cell, order, start, code, grid, scan, part, folded
+        type(buffer_t) :: count, cell, order, start, code, grid, box, scan, part
+        type(buffer_t) :: folded
         integer :: code_room = 0 !! cells that `code` has room for
         type(kernel_t) :: gradients, rows, drift, hold_drive, end_support, totals
         type(kernel_t) :: extent, count_cells, fill_cells, sort_cells, search, widths
         type(kernel_t) :: scan_up, scan_down, most
-        type(kernel_t) :: find_particles
+        type(kernel_t) :: find_particles, rigid_place, rigid_row, rigid_push, rigid_accelerate
         type(kernel_t) :: gather_places, gather_motion, gather_columns, gather_tags, copy
     end type gpu_solid_t
 
@@ -72,8 +83,6 @@ contains
         type(solid_t), intent(in) :: solid
         character(:), allocatable, intent(out) :: why
 
-        if (solid%links%present) why = 'bodies that meet (contact, bonds)'
-        if (any(solid%bodies%formulation == form_rigid)) why = 'rigid bodies'
         if (any(solid%bodies%variable)) why = 'variable_h'
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
@@ -88,7 +97,9 @@ contains
         integer :: b
 
         gpu%n = solid%n
-        gpu%n_state = at_hist + solid%n_hist
+        gpu%linked = solid%links%present
+        gpu%bonded = gpu%linked .and. solid%links%bonds
+        gpu%n_state = at_hist + solid%n_hist + merge(1, 0, gpu%linked)
         n = solid%n
         call require(device, solid, err)
         call find_kernels(device, gpu, err)
@@ -105,6 +116,7 @@ contains
         call allocate_buffer(gpu%rate, 8*n, err)
         call allocate_buffer(gpu%flags, 4_int64*n_flag, err)
         call allocate_buffer(gpu%region, 48_int64, err)
+        call allocate_buffer(gpu%box, 48_int64, err)
         call allocate_buffer(gpu%extra, 8_int64, err)
         call allocate_buffer(gpu%count, 4*n, err)
         call allocate_buffer(gpu%cell, 4*n, err)
@@ -146,7 +158,8 @@ contains
         integer(int64) :: bytes
 
         bytes = solid%n*(bytes_of_real*(4 + at_hist + solid%n_hist + n_pair + 9) + 8*n_book &
-                         + 4*n_tag + 3*32 + 8 + 3*4 + 8 + 4*neighbours_guess)
+                         + 4*n_tag + 3*32 + 8 + 3*4 + 8 + 4*neighbours_guess &
+                         + merge(20*bytes_of_real, 0_int64, solid%links%present))
         if (bytes > device%free_bytes) call raise(err, exit_device, 'the bodies need about '// &
             to_text(int(bytes/2**20))//' MiB on the GPU, but only '// &
             to_text(int(device%free_bytes/2**20))//' MiB are free: use fewer particles, a '// &
@@ -163,6 +176,10 @@ contains
         call find_kernel(device, 'solid_drift', gpu%drift, err)
         call find_kernel(device, 'solid_hold_drive', gpu%hold_drive, err)
         call find_kernel(device, 'solid_end_support', gpu%end_support, err)
+        call find_kernel(device, 'solid_rigid_place', gpu%rigid_place, err)
+        call find_kernel(device, 'solid_rigid_row', gpu%rigid_row, err)
+        call find_kernel(device, 'solid_rigid_push', gpu%rigid_push, err)
+        call find_kernel(device, 'solid_rigid_accelerate', gpu%rigid_accelerate, err)
         call find_kernel(device, 'solid_totals_of', gpu%totals, err)
         call find_kernel(device, 'solid_extent', gpu%extent, err)
         call find_kernel(device, 'count_cells', gpu%count_cells, err)
@@ -229,6 +246,7 @@ contains
         gpu%last = params%last
         gpu%slices = (gpu%last - gpu%first)/slice_width + 1
         gpu%total = params%formulation == form_total
+        gpu%rigid = params%formulation == form_rigid
         gpu%held = gpu%total .or. params%formulation == form_bending
         bytes = storage_size(params)/8
         call allocate_buffer(gpu%params, bytes, err)
@@ -236,7 +254,7 @@ contains
         bytes = storage_size(material)/8
         call allocate_buffer(gpu%material, bytes, err)
         call copy_in(material, gpu%material, bytes, err)
-        call allocate_buffer(gpu%drive, 24_int64, err)
+        call allocate_buffer(gpu%drive, 8_int64*n_pose, err)
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
         call find_kernel(device, 'solid_moments'//trim(merge('_held', '     ', gpu%held)), &
                          gpu%moments, err)
@@ -321,13 +339,14 @@ contains
     !> Give the memory back.
     subroutine close_gpu_solid(gpu)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(buffer_t) :: all(24)
+        type(buffer_t) :: all(33)
         integer :: b
 
         all = [gpu%place, gpu%reference, gpu%built, gpu%motion, gpu%state, gpu%tag, gpu%book, &
                gpu%row, gpu%grad, gpu%hold, gpu%rate, gpu%flags, gpu%axes, gpu%region, gpu%extra, &
                gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, gpu%scan, gpu%part, &
-               gpu%folded]
+               gpu%folded, gpu%box, gpu%links%params, gpu%links%owner, gpu%links%table, &
+               gpu%links%cell, gpu%links%press, gpu%links%slice, gpu%links%count, gpu%links%list]
         do b = 1, size(all)
             call free_buffer(all(b))
         end do

@@ -6,6 +6,8 @@ module brz_gpu_solid_step
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_copy, only: faults_of
     use brz_gpu_solid_layout, only: book_force, flag_bad, flag_far, n_book, n_flag, n_total
+    use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass
+    use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t
     use brz_gpu_solid_sums, only: fetch_limit, sums_of_body
@@ -34,9 +36,11 @@ contains
         gpu%summed = .false.
         if (solid%steps == 0) then
             call gradient_pass(gpu, 0.0_dp, err)
+            call contact_pass(gpu, 0.0_dp, err)
             call force_pass(gpu, dt/2, err)
             do b = 1, size(gpu%bodies)
-                if (solid%bodies(b)%motion%n > 0) call book_reaction(gpu, solid, b, impulse, err)
+                if (solid%bodies(b)%motion%n > 0 .and. .not. gpu%bodies(b)%rigid) &
+                    call book_reaction(gpu, solid, b, impulse, err)
             end do
         end if
         call clear_buffer(gpu%flags, err)
@@ -48,10 +52,12 @@ contains
         call copy_out(gpu%flags, flags, 4_int64*n_flag, err)
         if (flags(flag_far) /= 0) then
             call build_gpu_lists(gpu, solid, .true., err)
+            call build_gpu_links(gpu, solid, err)
             solid%rebuilds = solid%rebuilds + 1
             call end_support(gpu, solid, err)
         end if
         call gradient_pass(gpu, dt, err)
+        call contact_pass(gpu, dt, err)
         call force_pass(gpu, dt, err)
         call balance_drives(gpu, solid, dt, err)
         call fetch_limit(gpu, solid%dt_limit, err)
@@ -73,6 +79,10 @@ contains
         integer :: b
 
         do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%rigid) then
+                call move_rigid(gpu, solid, b, dt, err)
+                cycle
+            end if
             associate (body => solid%bodies(b), there => gpu%bodies(b))
                 if (body%motion%n > 0) then
                     v = mean_velocity(body%motion, solid%time, dt)
@@ -84,7 +94,8 @@ contains
                 call arguments%add(there%params)
                 call arguments%add(real((solid%dt_last + dt)/2, rk))
                 call arguments%add(dt)
-                call arguments%add(merge(huge(dt)/4, solid%skin/2, there%total))
+                call arguments%add(merge(sqrt(huge(dt))/2, solid%skin/2, &
+                                         there%total .and. .not. gpu%linked))
                 call arguments%add(there%drive)
                 call arguments%add(gpu%place)
                 call arguments%add(gpu%motion)
@@ -113,7 +124,14 @@ contains
         integer :: b
 
         do b = 1, size(gpu%bodies)
-            call sum_moments(gpu, gpu%bodies(b), err)
+            if (.not. gpu%bodies(b)%rigid) call sum_moments(gpu, gpu%bodies(b), err)
+        end do
+        call add_bond_moments(gpu, err)
+        do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%rigid) then
+                call fill_rigid(gpu, b, err)
+                cycle
+            end if
             call find_gradients(gpu, gpu%bodies(b), err)
             if (dt > 0) call update_material(gpu, gpu%bodies(b), real(dt, rk), err)
             call fill_rows(gpu, gpu%bodies(b), err)
@@ -202,11 +220,12 @@ contains
         integer :: b
 
         do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%rigid) cycle
             associate (body => gpu%bodies(b))
                 arguments%n = 0
                 call arguments%add(gpu%n)
                 call arguments%add(real(dt, rk))
-                call arguments%add(0)
+                call arguments%add(merge(1, 0, gpu%linked))
                 call arguments%add(body%params)
                 call arguments%add(gpu%place)
                 call arguments%add(gpu%motion)
@@ -277,11 +296,16 @@ contains
 
         do b = 1, size(gpu%bodies)
             associate (body => solid%bodies(b))
+                if (gpu%bodies(b)%rigid) call balance_rigid(gpu, solid, b, dt, err)
                 if (body%motion%n == 0) cycle
-                call book_reaction(gpu, solid, b, impulse, err)
-                body%motion%force = impulse/dt
+                body%motion%force = body%rigid%force
+                if (.not. gpu%bodies(b)%rigid) then
+                    call book_reaction(gpu, solid, b, impulse, err)
+                    body%motion%force = impulse/dt
+                end if
                 body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
                     body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
+                if (gpu%bodies(b)%rigid) cycle
                 v = velocity_of(body%motion, solid%time)
                 call copy_in(v, gpu%bodies(b)%drive, 24_int64, err)
                 arguments%n = 0

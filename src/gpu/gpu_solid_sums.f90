@@ -4,8 +4,8 @@ module brz_gpu_solid_sums
     use brz_artificial_stress, only: artificial_none
     use brz_device, only: arguments_t, copy_out, launch
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: book_ahead, book_damage, book_force, book_friction, book_hold, &
-        book_plastic, book_viscous, n_book, n_total
+    use brz_gpu_solid_layout, only: book_ahead, book_contact, book_contact_heat, book_damage, &
+        book_force, book_friction, book_hold, book_plastic, book_rub, book_viscous, n_book, n_total
     use brz_gpu_solid_state, only: fold_threads, gpu_solid_t, sum_threads
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
@@ -90,13 +90,17 @@ contains
             ledger%plastic = before%plastic + book(book_plastic)
             ledger%damage = before%damage + book(book_damage)
             ledger%ahead = book(book_ahead)
+            if (gpu%linked) ledger%contact = book(book_contact)
+            ledger%contact_heat = before%contact_heat + book(book_contact_heat)
+            ledger%friction = before%friction + book(book_rub)
             if (solid%bodies(b)%artificial == artificial_none) then
                 ledger%hourglass = before%hourglass + before%ahead + book(book_hold) - ledger%ahead
             else
                 ledger%artificial = before%artificial + before%ahead + book(book_hold) &
                     - ledger%ahead
             end if
-            if (solid%bodies(b)%motion%n == 0) solid%bodies(b)%reaction = &
+            if (solid%bodies(b)%motion%n == 0 .and. .not. gpu%bodies(b)%rigid) &
+                solid%bodies(b)%reaction = &
                 gpu%reaction(:, b) + book(book_force + 1:book_force + 3)
         end associate
     end subroutine fill_ledger

@@ -8,14 +8,18 @@
 !>
 !> Source: docs/solid.md section 9
 module brz_contact
-    use brz_kinds, only: rk
+    use brz_kinds, only: dp, rk
     implicit none
     private
+    public :: spring_share, crossing_share
     public :: meeting_t, law_none, law_contact, law_bonded
     public :: contact_normal, contact_push, contact_drag, bond_effort
 
     integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2
     real(rk), parameter :: hard_core = 0.5_rk !! closer than this many spacings a pair is a spring
+
+    real(dp), parameter :: spring_share = 0.5_dp !! of the period of a contact over 2 pi
+    real(dp), parameter :: crossing_share = 0.2_dp !! spacings that a pair may approach in a step
 
     !> How a particle of one body meets those of another.
     type :: meeting_t

@@ -117,7 +117,7 @@ SOLID = """&run title='t', t_end=8e-7, symmetry='x' /
 &material id='ply', preset='cfrp_woven' /
 &body id='rod', shape='cylinder', axis='z', centre=0,0,0.003, radius=0.002, length=0.006,
       spacing=0.0005, material='cu', velocity=0,0,-190, fix='z-' /
-&body id='plate', shape='box', box=0.01,0.014, 0,0.004, 0,0.0015, spacing=0.0005, material='ply',
+&body id='plate', shape='box', box=0.0021,0.0061, 0,0.004, 0,0.0015, spacing=0.0005, material='ply',
       plies='3*(0/90)', velocity=0,0,150, fix='x+' /
 &interaction bodies='rod','plate', law='LAW' /
 &gauge id='g', body='rod', at=0,0,0.005, quantity='velocity_z' /
@@ -127,8 +127,10 @@ SOLID = """&run title='t', t_end=8e-7, symmetry='x' /
 
 @pytest.fixture(name="solid")
 def _solid(deck):
-    (deck / "s.nml").write_text(SOLID.replace("LAW", "none"), encoding="utf-8")
-    (deck / "c.nml").write_text(SOLID.replace("LAW", "contact"), encoding="utf-8")
+    (deck / "s.nml").write_text(SOLID.replace("LAW", "contact"), encoding="utf-8")
+    varied = SOLID.replace("LAW", "contact").replace("material='cu',", "material='cu', FORM")
+    varied = varied.replace("FORM", "variable_h=.true.,")
+    (deck / "c.nml").write_text(varied, encoding="utf-8")
     return deck
 
 
@@ -180,7 +182,7 @@ def test_a_restart_on_the_gpu_gives_the_same_bits(solid):
 def test_what_bodies_cannot_do_on_the_gpu_is_told(solid):
     air = "&air box=0,1, 0,1, 0,1, cells=8,8,8, bc='outflow' /\n&coupling scheme='paper' /\n"
     (solid / "d.nml").write_text(air + SOLID.replace("LAW", "none"), encoding="utf-8")
-    for name, words in (("c.nml", "bodies that meet"), ("d.nml", "scheme='paper'")):
+    for name, words in (("c.nml", "variable_h"), ("d.nml", "scheme='paper'")):
         done = run(solid, name, "--backend", "gpu", "--check")
         assert done.returncode == 5, done.stderr
         assert words in done.stderr

@@ -1,0 +1,259 @@
+! SPDX-License-Identifier: MIT
+!> Contact and bonds between bodies on the GPU: memory, lists of links, launches.
+module brz_gpu_solid_links
+    use brz_contact, only: law_none
+    use brz_device, only: allocate_buffer, arguments_t, clear_buffer, copy_in, copy_out, device_t, &
+        find_kernel, free_buffer, kernel_t, launch
+    use brz_errors, only: error_t
+    use brz_gpu_solid_layout, only: link_gpu_t, n_terms, slice_width
+    use brz_gpu_solid_search, only: order_body, running_sums
+    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, part_of
+    use brz_kinds, only: dp, int64, rk
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: open_gpu_links, build_gpu_links, add_bond_moments, contact_pass
+
+contains
+
+    !> Reserve memory and copy what the laws between the bodies are.
+    subroutine open_gpu_links(device, solid, gpu, err)
+        type(device_t), intent(in) :: device
+        type(solid_t), intent(in) :: solid
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        type(link_gpu_t) :: params
+        integer(int64) :: bytes, n
+
+        if (.not. gpu%linked) return
+        n = gpu%n
+        associate (links => gpu%links)
+            call put(size(solid%links%body)*4_int64, solid%links%body, links%owner)
+            bytes = size(solid%links%table)*(storage_size(solid%links%table)/8_int64)
+            call put(bytes, solid%links%table, links%table)
+            call put(size(solid%links%cell)*bytes_of_real, solid%links%cell, links%cell)
+            params%bodies = size(solid%bodies)
+            params%touch = gpu%n_state
+            params%depth = real(solid%depth, rk)
+            call allocate_buffer(links%params, int(storage_size(params)/8, int64), err)
+            call copy_in(params, links%params, int(storage_size(params)/8, int64), err)
+            call allocate_buffer(links%press, 8*bytes_of_real*n, err)
+            call allocate_buffer(links%count, 4*n, err)
+            call allocate_buffer(links%slice, 4*((n - 1)/slice_width + 2), err)
+            call free_buffer(gpu%extra)
+            call allocate_buffer(gpu%extra, n_terms*bytes_of_real*n, err)
+            call find_kernel(device, 'solid_link_search', links%search, err)
+            call find_kernel(device, 'solid_link_press', links%find_press, err)
+            call find_kernel(device, 'solid_link_push', links%push, err)
+            call find_kernel(device, 'solid_bond_moments', links%moments, err)
+            call find_kernel(device, 'solid_bond_forces', links%forces, err)
+            call find_kernel(device, 'solid_bond_break', links%break, err)
+        end associate
+
+    contains
+
+        subroutine put(bytes, x, buffer)
+            use brz_device, only: buffer_t
+            integer(int64), intent(in) :: bytes
+            type(*), intent(in), target, contiguous :: x(..)
+            type(buffer_t), intent(out) :: buffer
+
+            call allocate_buffer(buffer, bytes, err)
+            call copy_in(x, buffer, bytes, err)
+        end subroutine put
+    end subroutine open_gpu_links
+
+    !> Build the links for the positions `built`: count them, then list them, body by body.
+    subroutine build_gpu_links(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid !! its search tables are overwritten
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer(int64) :: entries
+        integer :: keep, slices, longest(1)
+
+        if (.not. gpu%linked) return
+        slices = (gpu%n - 1)/slice_width + 1
+        do keep = 0, 1
+            call clear_buffer(gpu%links%count, err)
+            call visit_bodies(gpu, solid, keep, err)
+            if (keep == 1) exit
+            arguments%n = 0
+            call arguments%add(slices)
+            call arguments%add(1)
+            call arguments%add(gpu%n)
+            call arguments%add(gpu%links%count)
+            call arguments%add(gpu%links%slice)
+            call launch(gpu%widths, [slices, 1, 1], arguments, err)
+            call running_sums(gpu, gpu%links%slice, slices + 1, err)
+            longest = 0
+            call copy_out(part_of(gpu%links%slice, 4_int64*slices), longest, 4_int64, err)
+            entries = int(longest(1), int64)*slice_width
+            if (entries > gpu%links%room .or. gpu%links%room == 0) then
+                call free_buffer(gpu%links%list)
+                gpu%links%room = entries + entries/4 + slice_width
+                call allocate_buffer(gpu%links%list, 4*gpu%links%room, err)
+            end if
+        end do
+    end subroutine build_gpu_links
+
+    !> Count or list, for every particle, its links with one body after the other.
+    subroutine visit_bodies(gpu, solid, keep, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: keep
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: a, b, cells
+
+        do b = 1, size(gpu%bodies)
+            if (all(solid%links%table(:, b)%law == law_none)) cycle
+            call order_body(gpu, solid, b, gpu%built, &
+                            2*real(maxval(solid%links%table(:, b)%h), dp) + solid%skin, cells, err)
+            do a = 1, size(gpu%bodies)
+                if (solid%links%table(a, b)%law == law_none) cycle
+                arguments%n = 0
+                call arguments%add(keep)
+                call arguments%add(gpu%bodies(a)%first)
+                call arguments%add(gpu%bodies(a)%last)
+                call arguments%add(2*real(solid%links%table(a, b)%h, dp) + solid%skin)
+                call arguments%add(gpu%grid)
+                call arguments%add(gpu%box)
+                call arguments%add(gpu%code)
+                call arguments%add(gpu%start)
+                call arguments%add(gpu%order)
+                call arguments%add(gpu%built)
+                call arguments%add(gpu%links%slice)
+                call arguments%add(gpu%links%count)
+                call arguments%add(gpu%links%list)
+                call launch(gpu%links%search, &
+                            [gpu%bodies(a)%last - gpu%bodies(a)%first + 1, 1, 1], arguments, err)
+            end do
+        end do
+    end subroutine visit_bodies
+
+    !> Add the bonded partners to the sums of pass 1.
+    subroutine add_bond_moments(gpu, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        if (.not. gpu%bonded) return
+        call begin(gpu, arguments)
+        call arguments%add(gpu%place)
+        call arguments%add(gpu%reference)
+        call arguments%add(gpu%motion)
+        call arguments%add(gpu%tag)
+        call add_list(gpu, arguments)
+        call arguments%add(gpu%row)
+        call arguments%add(gpu%grad)
+        call launch(gpu%links%moments, [gpu%n, 1, 1], arguments, err)
+    end subroutine add_bond_moments
+
+    !> The first arguments of most kernels here.
+    subroutine begin(gpu, arguments)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(arguments_t), intent(inout) :: arguments
+
+        arguments%n = 0
+        call arguments%add(gpu%n)
+        call arguments%add(gpu%links%params)
+        call arguments%add(gpu%links%owner)
+        call arguments%add(gpu%links%table)
+    end subroutine begin
+
+    subroutine add_list(gpu, arguments)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(arguments_t), intent(inout) :: arguments
+
+        call arguments%add(gpu%links%slice)
+        call arguments%add(gpu%links%count)
+        call arguments%add(gpu%links%list)
+    end subroutine add_list
+
+    !> Between the passes: bonds break, then all forces between bodies go into `extra`.
+    subroutine contact_pass(gpu, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        real(dp), intent(in) :: dt !! step just made [s]
+        type(error_t), intent(inout) :: err
+
+        if (.not. gpu%linked) return
+        if (gpu%bonded .and. dt > 0) call break_bonds(gpu, err)
+        call find_pressures(gpu, err)
+        call push_bodies(gpu, real(dt, rk), err)
+        if (gpu%bonded) call add_bond_forces(gpu, err)
+    end subroutine contact_pass
+
+    subroutine break_bonds(gpu, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call begin(gpu, arguments)
+        call arguments%add(gpu%place)
+        call arguments%add(gpu%reference)
+        call arguments%add(gpu%motion)
+        call arguments%add(gpu%row)
+        call arguments%add(gpu%state)
+        call add_list(gpu, arguments)
+        call arguments%add(gpu%tag)
+        call launch(gpu%links%break, [gpu%n, 1, 1], arguments, err)
+    end subroutine break_bonds
+
+    subroutine find_pressures(gpu, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call begin(gpu, arguments)
+        call arguments%add(gpu%links%cell)
+        call arguments%add(gpu%place)
+        call arguments%add(gpu%state)
+        call arguments%add(gpu%tag)
+        call add_list(gpu, arguments)
+        call arguments%add(gpu%links%press)
+        call launch(gpu%links%find_press, [gpu%n, 1, 1], arguments, err)
+    end subroutine find_pressures
+
+    subroutine push_bodies(gpu, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        real(rk), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call arguments%add(gpu%n)
+        call arguments%add(dt)
+        call arguments%add(gpu%links%params)
+        call arguments%add(gpu%links%owner)
+        call arguments%add(gpu%links%table)
+        call arguments%add(gpu%links%cell)
+        call arguments%add(gpu%place)
+        call arguments%add(gpu%motion)
+        call arguments%add(gpu%row)
+        call arguments%add(gpu%links%press)
+        call add_list(gpu, arguments)
+        call arguments%add(gpu%state)
+        call arguments%add(gpu%tag)
+        call arguments%add(gpu%book)
+        call arguments%add(gpu%rate)
+        call arguments%add(gpu%extra)
+        call launch(gpu%links%push, [gpu%n, 1, 1], arguments, err)
+    end subroutine push_bodies
+
+    subroutine add_bond_forces(gpu, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call begin(gpu, arguments)
+        call arguments%add(gpu%place)
+        call arguments%add(gpu%reference)
+        call arguments%add(gpu%motion)
+        call arguments%add(gpu%row)
+        call arguments%add(gpu%hold)
+        call arguments%add(gpu%tag)
+        call add_list(gpu, arguments)
+        call arguments%add(gpu%extra)
+        call launch(gpu%links%forces, [gpu%n, 1, 1], arguments, err)
+    end subroutine add_bond_forces
+end module brz_gpu_solid_links

@@ -1,0 +1,125 @@
+! SPDX-License-Identifier: MIT
+!> Rigid bodies on the GPU: the host moves the body, the GPU its particles.
+module brz_gpu_solid_rigid
+    use brz_device, only: arguments_t, copy_in, copy_out, launch
+    use brz_drive, only: book_drive
+    use brz_errors, only: error_t, failed
+    use brz_gpu_solid_layout, only: n_pose, pose_centre, pose_half, pose_spin, pose_turn, &
+        pose_velocity, pose_x
+    use brz_gpu_solid_state, only: gpu_solid_t, sum_threads
+    use brz_kinds, only: dp, int64
+    use brz_motion, only: mean_velocity
+    use brz_rigid, only: attitude
+    use brz_rigid_motion, only: advance_rigid, settle_rigid
+    use brz_solid_state, only: body_t, solid_t
+    implicit none
+    private
+    public :: move_rigid, fill_rigid, balance_rigid
+
+contains
+
+    !> Kick and drift of rigid body b, and its particles.
+    subroutine move_rigid(gpu, solid, b, dt, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp) :: v(3), omega(3), q_mid(4)
+
+        associate (body => solid%bodies(b), there => gpu%bodies(b))
+            if (body%motion%n > 0) then
+                v = mean_velocity(body%motion, solid%time, dt)
+                call book_drive(body, solid%time, dt, v)
+                body%rigid%p = body%rigid%mass*v
+            end if
+            call advance_rigid(body, (solid%dt_last + dt)/2, dt, [real(dp) :: 0, 0, 0, 0, 0, 0], &
+                               v, omega, q_mid)
+            call copy_in(pose_of(body, v, omega, q_mid), there%drive, 8_int64*n_pose, err)
+            call arguments%add(gpu%n)
+            call arguments%add(there%params)
+            call arguments%add(solid%skin/2)
+            call arguments%add(there%drive)
+            call arguments%add(gpu%reference)
+            call arguments%add(gpu%built)
+            call arguments%add(gpu%place)
+            call arguments%add(gpu%motion)
+            call arguments%add(gpu%flags)
+            call launch(gpu%rigid_place, [there%last - there%first + 1, 1, 1], arguments, err)
+        end associate
+    end subroutine move_rigid
+
+    !> Where a body is and how it moves, for the kernels.
+    pure function pose_of(body, v, omega, q_mid) result(pose)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: v(3), omega(3), q_mid(4)
+        real(dp) :: pose(n_pose)
+
+        pose(pose_centre + 1:pose_centre + 3) = body%rigid%centre_ref
+        pose(pose_x + 1:pose_x + 3) = body%rigid%x
+        pose(pose_velocity + 1:pose_velocity + 3) = v
+        pose(pose_spin + 1:pose_spin + 3) = omega
+        pose(pose_turn + 1:pose_turn + 9) = reshape(attitude(body%rigid%q), [9])
+        pose(pose_half + 1:pose_half + 9) = reshape(attitude(q_mid), [9])
+    end function pose_of
+
+    !> What contact gathers of the particles of body b.
+    subroutine fill_rigid(gpu, b, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        associate (there => gpu%bodies(b))
+            call arguments%add(gpu%n)
+            call arguments%add(there%params)
+            call arguments%add(there%material)
+            call arguments%add(gpu%motion)
+            call arguments%add(gpu%row)
+            call arguments%add(gpu%rate)
+            call launch(gpu%rigid_row, [there%last - there%first + 1, 1, 1], arguments, err)
+        end associate
+    end subroutine fill_rigid
+
+    !> Force and torque of contact on body b at the step, and `a` of its particles.
+    subroutine balance_rigid(gpu, solid, b, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: dt !! step just made [s]
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp) :: part(sum_threads, 6), v(3)
+
+        associate (body => solid%bodies(b), there => gpu%bodies(b))
+            part = 0
+            if (gpu%linked) then
+                call arguments%add(gpu%n)
+                call arguments%add(sum_threads)
+                call arguments%add(there%params)
+                call arguments%add(there%drive)
+                call arguments%add(gpu%place)
+                call arguments%add(gpu%extra)
+                call arguments%add(gpu%part)
+                call launch(gpu%rigid_push, [sum_threads, 1, 1], arguments, err)
+                call copy_out(gpu%part, part, 8_int64*size(part), err)
+            end if
+            if (failed(err)) return
+            body%rigid%force = sum(part(:, 1:3), 1)
+            body%rigid%torque = sum(part(:, 4:6), 1)
+            call settle_rigid(body, solid%time, dt, v)
+            call copy_in(pose_of(body, v, body%rigid%omega, body%rigid%q), there%drive, &
+                         8_int64*n_pose, err)
+            arguments%n = 0
+            call arguments%add(gpu%n)
+            call arguments%add(there%params)
+            call arguments%add(dt)
+            call arguments%add(there%drive)
+            call arguments%add(gpu%place)
+            call arguments%add(gpu%motion)
+            call arguments%add(gpu%state)
+            call launch(gpu%rigid_accelerate, [there%last - there%first + 1, 1, 1], arguments, err)
+        end associate
+    end subroutine balance_rigid
+end module brz_gpu_solid_rigid

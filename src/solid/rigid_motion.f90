@@ -1,0 +1,54 @@
+! SPDX-License-Identifier: MIT
+!> The two halves of the time step of one rigid body: kick and drift, and the balance at the step.
+module brz_rigid_motion
+    use brz_kinds, only: dp
+    use brz_motion, only: velocity_of
+    use brz_rigid, only: spin_of, turn
+    use brz_solid_state, only: body_t
+    implicit none
+    private
+    public :: advance_rigid, settle_rigid
+
+contains
+
+    !> Momentum by contact and load, then position and attitude.
+    subroutine advance_rigid(body, mean, dt, load, v, omega, q_mid)
+        type(body_t), intent(inout) :: body
+        real(dp), intent(in) :: mean !! of the last and this time step [s]
+        real(dp), intent(in) :: dt !! [s]
+        real(dp), intent(in) :: load(6) !! force and torque of the air [N, N m]
+        real(dp), intent(out) :: v(3), omega(3) !! velocity and spin in the middle of the step
+        real(dp), intent(out) :: q_mid(4) !! attitude there
+        real(dp) :: before(3)
+
+        associate (b => body%rigid, force => load(1:3), torque => load(4:6))
+            before = b%p/b%mass
+            if (body%motion%n == 0) then
+                b%p = (b%p + mean*b%force + dt*force)*b%moves
+                b%l = (b%l + mean*b%torque + dt*torque)*b%turns
+            end if
+            call turn(b, dt, omega, q_mid)
+            v = b%p/b%mass
+            body%ledger%load = body%ledger%load &
+                + dt/2*(dot_product(force, v + before) + dot_product(torque, omega + b%spin))
+            body%reaction = body%reaction + dt*force*(1 - b%moves)
+            b%spin = omega
+            b%x = b%x + dt*v
+        end associate
+    end subroutine advance_rigid
+
+    !> Velocity and spin at the step, from force and torque there.
+    subroutine settle_rigid(body, time, dt, v)
+        type(body_t), intent(inout) :: body
+        real(dp), intent(in) :: time, dt !! at the step; of the step just made [s]
+        real(dp), intent(out) :: v(3) !! [m/s]
+
+        associate (b => body%rigid)
+            v = (b%p + dt/2*b%force*b%moves)/b%mass
+            if (body%motion%n > 0) v = velocity_of(body%motion, time)
+            b%omega = spin_of(b%compliance, b%q, b%l + dt/2*b%torque*b%turns)
+            if (body%motion%n > 0) b%omega = spin_of(b%compliance, b%q, b%l)
+            body%reaction = body%reaction + dt*b%force*(1 - b%moves)
+        end associate
+    end subroutine settle_rigid
+end module brz_rigid_motion
