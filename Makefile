@@ -40,7 +40,7 @@ LIB  := $(B)/brisance.o
 KERNELS := $(sort $(wildcard cuda/*.CUF))
 PTX  := $(BIN).ptx
 # what the GPU code is made from; the executable refuses a PTX file of other sources
-DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(KERNELS) cuda/arithmetic.ll
+DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(KERNELS) $(wildcard cuda/*.ll)
 STAMP := $(shell cat $(DEVICE) scripts/cuda_fortran.py | sha1sum | cut -c 1-16)
 SAVE := scripts/write_if_changed.sh
 
@@ -58,7 +58,7 @@ $(LIB): $(OBJ)
 	$(call say,optimise $@)
 	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG)$(QUICK),,-fPIE -flinker-output=nolto-rel) -o $@ $(OBJ)
 gpu: $(PTX) ## build the GPU code (FMA=off: no contraction, for comparisons with the CPU)
-$(PTX): $(SRC) $(KERNELS) cuda/arithmetic.ll scripts/cuda_fortran.py scripts/gpu_build.py
+$(PTX): $(SRC) $(KERNELS) $(wildcard cuda/*.ll) scripts/cuda_fortran.py scripts/gpu_build.py
 	@mkdir -p $(@D)
 	$(Q)$(PY) scripts/gpu_build.py --work build/gpu/ptx$(KIND) --out $@ --stamp $(STAMP) \
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(if $(filter off,$(FMA)),--no-fma) $(SRC) $(KERNELS)
@@ -91,7 +91,8 @@ PF       := $(sort $(wildcard tests/unit/*.pf tests/verify/*.pf tests/gpu/*.pf))
 PF_HELP  := $(sort $(wildcard tests/unit/*.f90 tests/verify/*.f90 tests/gpu/gpu_*.f90))
 include tests/pfstub/pfunit.mk
 BENCH    := $(sort $(wildcard tests/bench/bench_*.f90))
-$(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(B)/obj/tests/bench/floors.o $(LIB)
+FLOORS   := $(wildcard tests/bench/floors.f90)
+$(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
@@ -186,7 +187,7 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
 SCANNED = $(SRC) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
-          tests/bench/floors.f90 $(STUDY)
+          $(FLOORS) $(STUDY)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }
 	@{ $(FC) --version | head -n 1; echo '$(COMPILE)'; } | $(SAVE) $@
