@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Exact relations of shocks in an ideal gas of gamma 1.4: oblique shocks, regular reflection from an
-!> inclined wall, the pitot pressure. Source: Ames Research Staff 1953, NACA Report 1135.
+!> Exact relations of shocks in an ideal gas of gamma 1.4: oblique shocks, regular reflection from
+!> an inclined wall, the pitot pressure. Source: Ames Research Staff 1953, NACA Report 1135.
 module oblique_shocks
     use brz_kinds, only: dp
     implicit none
