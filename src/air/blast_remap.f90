@@ -6,6 +6,7 @@
 !> energy and products come out exactly. Outside the front the air is left as it is; what the
 !> rings cover more or less than their true volume is made up for at the front. Momentum points
 !> outwards; the small sum that the points leave of it is taken out in proportion to the mass.
+!> No sum depends on the order of the directions: x, y and z get the same bits.
 module brz_blast_remap
     use brz_air_state, only: air_t, bc_symmetry
     use brz_blast1d_state, only: blast1d_t, whole_angle
@@ -19,6 +20,8 @@ module brz_blast_remap
     integer, parameter :: many_cells = 400000 !! more are probed with half the points
     real(dp), parameter :: on_plane = 1e-6_dp !! how exactly a plane halves a charge, in cells
     integer, parameter :: few_points = 200 !! a ring with fewer joins the next
+    real(dp), parameter :: unit = 2.0_dp**52
+    !! of direction cosines as whole numbers, whose sums are exact in any order
 
     !> Rings of the blast; the sums are those of the modelled part of the circle.
     type :: rings_t
@@ -131,7 +134,7 @@ contains
                     do c = 1, probe%m(3)
                         do b = 1, probe%m(2)
                             do a = 1, probe%m(1)
-                                ring = ring_at(rings, norm2(arm(air, probe, [i, j, k], [a, b, c])))
+                                ring = ring_at(rings, length(arm(air, probe, [i, j, k], real([a, b, c], dp))))
                                 points(ring) = points(ring) + 1
                             end do
                         end do
@@ -147,12 +150,23 @@ contains
     pure function arm(air, probe, cell, point)
         type(air_t), intent(in) :: air
         type(probe_t), intent(in) :: probe
-        integer, intent(in) :: cell(3), point(3)
+        integer, intent(in) :: cell(3)
+        real(dp), intent(in) :: point(3) !! from 1 on, in each direction
         real(dp) :: arm(3)
 
         arm = air%lo + (cell - 1 + (2*point - 1)/(2.0_dp*probe%m))*air%dx - probe%centre
         where (.not. probe%active) arm = 0
     end function arm
+
+    !> Length of a vector, the same bits for any order of its components.
+    pure real(dp) function length(x)
+        real(dp), intent(in) :: x(3)
+        real(dp) :: s(3), middle
+
+        s = x*x
+        middle = max(min(s(1), s(2)), min(max(s(1), s(2)), s(3)))
+        length = sqrt((minval(s) + middle) + maxval(s))
+    end function length
 
     !> Rings with few points join the next outside, the last one the one before.
     subroutine join_thin_rings(rings)
@@ -235,24 +249,35 @@ contains
         integer, intent(in) :: cell(3)
         real(dp), intent(out) :: mean(6)
         integer, intent(out) :: inside
-        real(dp) :: x(3), radius
-        integer :: a, b, c, ring
+        real(dp) :: x(3), radius, half
+        integer(int64) :: sums(0:3, rings%n) !! points and their direction cosines in each ring
+        integer :: a, b, c, ring, first, last
 
         mean = 0
         inside = 0
+        half = 0.5_dp*length(merge(air%dx, 0.0_dp, probe%active))
+        radius = length(arm(air, probe, cell, (probe%m + 1)/2.0_dp))
+        first = ring_at(rings, max(radius - 1.001_dp*half, 0.0_dp))
+        last = min(ring_at(rings, radius + 1.001_dp*half), rings%n)
+        if (first > rings%n) return
+        sums(:, first:last) = 0
         do c = 1, probe%m(3)
             do b = 1, probe%m(2)
                 do a = 1, probe%m(1)
-                    x = arm(air, probe, cell, [a, b, c])
-                    radius = norm2(x)
+                    x = arm(air, probe, cell, real([a, b, c], dp))
+                    radius = length(x)
                     ring = ring_at(rings, radius)
                     if (ring > rings%n) cycle
-                    inside = inside + 1
-                    mean(1) = mean(1) + density(1, ring)
-                    mean(2:4) = mean(2:4) + density(2, ring)*x/max(radius, tiny(radius))
-                    mean(5:6) = mean(5:6) + density(3:4, ring)
+                    sums(0, ring) = sums(0, ring) + 1
+                    sums(1:3, ring) = sums(1:3, ring) + int(x/max(radius, tiny(radius))*unit, int64)
                 end do
             end do
+        end do
+        do ring = first, last
+            inside = inside + int(sums(0, ring))
+            mean(1) = mean(1) + density(1, ring)*sums(0, ring)
+            mean(2:4) = mean(2:4) + density(2, ring)*(sums(1:3, ring)/unit)
+            mean(5:6) = mean(5:6) + density(3:4, ring)*sums(0, ring)
         end do
         mean = mean/product(probe%m)
     end subroutine mean_of_points
@@ -263,18 +288,20 @@ contains
         type(air_t), intent(inout) :: air
         type(probe_t), intent(in) :: probe
         real(dp), intent(in) :: radial !! sum of the radial momentum [kg m/s]
-        real(dp) :: total(4), want(3)
+        real(dp) :: total(4), rest(4), want(3)
         integer :: i, j, k
 
         total = 0
+        rest = 0
         do k = probe%lo(3), probe%hi(3)
             do j = probe%lo(2), probe%hi(2)
                 do i = probe%lo(1), probe%hi(1)
                     if (at_rest(air, i, j, k)) cycle
-                    total = total + air%u(i, j, k, 1:4)
+                    call add(total, rest, real(air%u(i, j, k, 1:4), dp))
                 end do
             end do
         end do
+        total = total + rest
         want = radial*outward(air, probe%centre)
         want = (want/product(air%dx, mask=probe%active) - total(2:4))/total(1)
         where (.not. probe%active) want = 0
@@ -287,6 +314,19 @@ contains
             end do
         end do
     end subroutine balance_momentum
+
+    !> Add to a sum and keep what rounding takes away, so that the order does not count.
+    !> Source: Knuth, The Art of Computer Programming, vol. 2, section 4.2.2.
+    pure elemental subroutine add(total, rest, x)
+        real(dp), intent(inout) :: total, rest
+        real(dp), intent(in) :: x
+        real(dp) :: new, part
+
+        new = total + x
+        part = new - total
+        rest = rest + ((total - (new - part)) + (x - part))
+        total = new
+    end subroutine add
 
     !> Momentum along x, y, z over the radial momentum of the modelled part: zero in a direction
     !> that is whole, the mean component over a half where a plane of symmetry passes the centre.

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> What the accuracy of the schemes of the air costs, and where they fail, as CSV.
 !>
-!> usage: study_air charts|stability
+!> usage: study_air charts|stability|sedov
 program study_air
     use air_problems, only: balloon_box, entropy_wave, free_air_blast, n_schemes, scheme_name, &
                             sedov, seen_t, sod, vortex
@@ -18,8 +18,10 @@ program study_air
         call charts()
     case ('stability')
         call stability()
+    case ('sedov')
+        call point_blast()
     case default
-        error stop 'usage: study_air charts|stability'
+        error stop 'usage: study_air charts|stability|sedov'
     end select
 
 contains
@@ -52,6 +54,19 @@ contains
             end do
         end do
     end subroutine charts
+
+    !> The point blast with the default scheme of decks: some minutes.
+    subroutine point_blast()
+        type(seen_t) :: seen
+        integer :: k
+        integer, parameter :: sides(4) = [16, 32, 64, 128]
+
+        print '(a)', 'problem,scheme,cells,error,shock radius,seconds,cell steps,fallback faces'
+        do k = 1, size(sides)
+            call sedov(6, sides(k), seen)
+            call report('sedov', 6, sides(k), seen)
+        end do
+    end subroutine point_blast
 
     !> Balloons in a box of 16 x 16 x 16 cells: which Courant number, pressure ratio and scheme
     !> survives, with and without fallback.
