@@ -157,7 +157,7 @@ charts-air: $(B)/tests/study/study_air
 	$< charts > $(B)/charts.csv && mv $(B)/charts.csv docs/data/air_accuracy.csv
 	$(PY) scripts/air_charts.py accuracy docs/data/air_accuracy.csv docs/figures/speed_accuracy_air.png
 validate: all ## blasts of TNT against the Kingery-Bulmash curves, recorded and drawn
-	$(PY) scripts/validate_air.py
+	$(PY) scripts/validate_air.py && $(PY) scripts/validate_reflection.py $(ARGS)
 python: all emulator ## tests of the Python tools and of the whole program
 	@$(PY) -m pytest --junitxml=build/log/python.xml $(ARGS)
 stability-air: $(B)/tests/study/study_air

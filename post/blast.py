@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Blast engineering: Kingery-Bulmash curves, and what is measured on a pressure history."""
+"""Blast engineering: reference curves, and what is measured on a pressure history."""
 
 from __future__ import annotations
 
@@ -98,6 +98,17 @@ def free_air(mass: float, distance: float) -> FreeAirBlast:
     for name in ("arrival", "duration", "incident_impulse", "reflected_impulse"):
         values[name] *= mass ** (1 / 3)
     return FreeAirBlast(scaled_distance=z, **values)
+
+
+def kinney_graham(mass: float, distance: float) -> tuple[float, float]:
+    """Incident overpressure [Pa] and impulse [Pa s] by G. F. Kinney and K. J. Graham, Explosive
+    Shocks in Air (1985): `mass` of TNT [kg] in free air at 101325 Pa and 288 K, `distance` [m].
+    """
+    z = distance / mass ** (1 / 3)
+    peak = 808 * (1 + (z / 4.5) ** 2)
+    peak /= math.sqrt((1 + (z / 0.048) ** 2) * (1 + (z / 0.32) ** 2) * (1 + (z / 1.35) ** 2))
+    impulse = 0.067 * math.sqrt(1 + (z / 0.23) ** 4) / (z**2 * (1 + (z / 1.55) ** 3) ** (1 / 3))
+    return 101325 * peak, 100 * impulse * mass ** (1 / 3)  # impulse: bar ms
 
 
 def _evaluate(name: str, x: float) -> float:

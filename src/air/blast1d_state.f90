@@ -28,6 +28,8 @@ module brz_blast1d_state
         integer :: n_in = 240 !! cells in the charge, at all times
         integer :: n_air = 720 !! most cells in the air
         real(dp) :: cfl = 0.6_dp
+        real(dp) :: afterburn = 0 !! energy that the products set free in the air [J/kg]
+        real(dp) :: afterburn_time = 0 !! at a constant rate from the start, for so long [s]
     end type blast1d_input_t
 
     type :: blast1d_t
@@ -35,6 +37,7 @@ module brz_blast1d_state
         real(dp) :: time = 0 !! [s]
         integer :: cycle = 0
         logical :: burning = .false. !! the detonation has not reached the surface
+        real(dp) :: burnt_on = 0 !! energy that the products have set free in the air [J/kg]
         integer :: n_in = 0 !! cells of products
         integer :: n = 0 !! all cells
         integer :: front = 0 !! last cell that the blast has reached

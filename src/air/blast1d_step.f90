@@ -46,12 +46,27 @@ contains
             blast%q = blast%q_start
             call prepare(blast, blast%time)
         end do
+        call burn_on(blast, dt)
         blast%time = blast%time + dt
         blast%cycle = blast%cycle + 1
         ok = ok .and. blast%cycle < most_steps
         if (blast%burning) blast%burning = blast%time*blast%input%velocity <= &
             blast%input%radius*(1 + burn_width/blast%n_in)
     end subroutine advance_blast1d
+
+    !> What the products set free by burning with the air in one step.
+    subroutine burn_on(blast, dt)
+        type(blast1d_t), intent(inout) :: blast
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: energy
+
+        associate (in => blast%input)
+            if (.not. (in%afterburn > 0 .and. blast%time < in%afterburn_time)) return
+            energy = in%afterburn*min(dt, in%afterburn_time - blast%time)/in%afterburn_time
+        end associate
+        blast%q(3, :blast%n_in) = blast%q(3, :blast%n_in) + energy*blast%q(1, :blast%n_in)
+        blast%burnt_on = blast%burnt_on + energy
+    end subroutine burn_on
 
     !> Heun's method: the second stage goes from the mean of both states over half the step.
     subroutine both_stages(blast, outer, dt, ok)

@@ -134,7 +134,8 @@ contains
                     do c = 1, probe%m(3)
                         do b = 1, probe%m(2)
                             do a = 1, probe%m(1)
-                                ring = ring_at(rings, length(arm(air, probe, [i, j, k], real([a, b, c], dp))))
+                                ring = ring_at(rings, length(arm(air, probe, [i, j, k], &
+                                    real([a, b, c], dp))))
                                 points(ring) = points(ring) + 1
                             end do
                         end do

@@ -60,6 +60,10 @@ contains
             input%density = air%density
             input%pressure = air%pressure
             input%gamma = air%gamma
+            input%n_in = charge%radial_cells
+            input%n_air = 3*charge%radial_cells
+            input%afterburn = charge%afterburn
+            input%afterburn_time = charge%afterburn_time
             row = find_explosive(charge%explosive)
             input%eos = jwl_t(rho0=charge%density, omega=air%gamma - 1, &
                 e0=charge%density*charge%energy)

@@ -4,7 +4,7 @@
 !> The gas that was at the boundary at first is taken to go on for ever beyond it. The two meet in a
 !> Riemann problem: a wave into gas at rest is its own solution and finds no obstacle, shock or
 !> not, and gas that is sucked in has the state of the gas outside. Gas that leaves faster than
-!> sound is left alone; of gas that comes faster than sound the state is that of the gas outside. Point physics.
+!> sound is left alone; gas that comes faster than sound is that of the outside. Point physics.
 module brz_outflow
     use brz_kinds, only: rk
     use brz_gas, only: sound_speed, to_conserved, to_primitive

@@ -72,6 +72,9 @@ module brz_case
         real(dp) :: energy = 7.0e9_dp/1630 !! [J/kg]
         real(dp) :: velocity = 6930 !! of the detonation [m/s]
         real(dp) :: gamma = 0 !! ratio of specific heats of its gas; 0: that of the air
+        integer :: radial_cells = 240 !! in the charge, where it is computed along the radius
+        real(dp) :: afterburn = 0 !! energy that the products set free in the air [J/kg]
+        real(dp) :: afterburn_time = 0 !! how long that takes [s]
         real(dp) :: at(3) = 0 !! centre [m]
         real(dp) :: aspect = 1 !! cylinder: length over diameter
         real(dp) :: sides(3) = 1 !! box: ratio of the sides

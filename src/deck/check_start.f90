@@ -70,6 +70,7 @@ contains
                                  'the constants of JWL hold for a density of '// &
                                  to_text(explosives(row)%density)//' kg/m3')
         end if
+        call check_afterburn(deck, g, case, charge)
         if (is_radial(case)) return
         if (charge%eos == 'jwl' .and. charge%start == '3d') &
             call complain(deck, g, 'eos', "eos='jwl' is computed in one dimension only: add "// &
@@ -82,6 +83,21 @@ contains
             call complain(deck, g, 'start', "start='1d' is for a sphere in three dimensions "// &
                           "and a disc in two; this shape needs start='3d'")
     end subroutine check_start
+
+    !> Burning with the air is known along the radius alone.
+    subroutine check_afterburn(deck, g, case, charge)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g !! group of the charge
+        type(case_t), intent(in) :: case
+        type(charge_case_t), intent(in) :: charge
+
+        if (.not. charge%afterburn > 0) return
+        if (.not. charge%afterburn_time > 0) &
+            call complain(deck, g, 'afterburn', 'over which time? give afterburn_time [s]')
+        if (.not. is_radial(case)) &
+            call complain(deck, g, 'afterburn', 'in a box the products do not burn on; use '// &
+                          "geometry='spherical', or take it out")
+    end subroutine check_afterburn
 
     !> True if the blast of the charge depends on the radius alone.
     pure logical function fits(case, charge)

@@ -174,6 +174,15 @@ contains
                       meaning='Energy set free by detonation, if not that of the table.'), &
                 key_t(group=g, key='velocity', unit='m/s', lower=zero, open_lower=.true., &
                       meaning='Velocity of the detonation, if not that of the table.'), &
+                key_t(group=g, key='radial_cells', kind=kind_integer, default='240', &
+                      lower=40*one, upper=4000*one, &
+                      meaning='Cells in the charge while it is computed along the radius; the '// &
+                      'air has up to three times as many.'), &
+                key_t(group=g, key='afterburn', unit='J/kg', default='0.0', lower=zero, &
+                      meaning='Along the radius alone: energy that the products set free by '// &
+                      'burning with the air, at a constant rate.'), &
+                key_t(group=g, key='afterburn_time', unit='s', lower=zero, open_lower=.true., &
+                      meaning='How long that takes.'), &
                 key_t(group=g, key='aspect', default='1.0', lower=zero, open_lower=.true., &
                       meaning='Cylinder: length over diameter.'), &
                 key_t(group=g, key='sides', n_min=3, n_max=3, default='1.0, 1.0, 1.0', &

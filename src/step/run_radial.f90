@@ -128,6 +128,7 @@ contains
         real(dp) :: change(4), room
 
         change = blast1d_totals(blast) - before
+        change(4) = change(4) - blast%burnt_on*before(1)
         room = blast%xi(blast%n)
         associate (in => blast%input)
             write (output_unit, '(/, a, es12.5, a, i0, a)') 'end at t =', blast%time, &
@@ -138,6 +139,8 @@ contains
             write (output_unit, '(a, es10.2)') 'products error ', change(1)/before(1)
             write (output_unit, '(a, es12.5, a)') 'energy set free', &
                 whole_angle(in%power)*before(4), ' J less that of the air it displaced'
+            if (blast%burnt_on > 0) write (output_unit, '(a, es12.5, a)') 'by burning on  ', &
+                whole_angle(in%power)*before(1)*blast%burnt_on, ' J'
         end associate
         write (output_unit, '(a, f0.1, a)') 'wall clock     ', wall_seconds() - begin, ' s'
     end subroutine print_end

@@ -177,6 +177,15 @@ BAD = [
     swap("key_of_other_shape", "spacing=", "radius=0.1, spacing=", 9, "shape='box'"),
     swap("charge_outside", "at=0.2,0.2,0.2", "at=0.2,0.2,9", 7, "outside the air"),
     swap("charge_without_cells", "mass=1.5", "mass=1e-6", 7, "cells lie across its radius"),
+    swap(
+        "afterburn_in_a_box",
+        "mass=1.5",
+        "mass=1.5, afterburn=1e7, afterburn_time=1e-3",
+        7,
+        "do not burn on",
+        "geometry='spherical'",
+    ),
+    swap("afterburn_without_end", "mass=1.5", "mass=1.5, afterburn=1e7", 7, "afterburn_time"),
     swap("jwl_in_3d", "mass=1.5", "mass=1.5, eos='jwl'", 7, "in one dimension only", "start='1d'"),
     swap("shape_of_start", "mass=1.5", "mass=1.5, start='1d', shape='box'", 7, "needs start='3d'"),
     swap(

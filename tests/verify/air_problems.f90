@@ -12,7 +12,7 @@ module air_problems
     use brz_blast1d_step, only: advance_blast1d
     use brz_gas, only: to_conserved, to_primitive
     use brz_jwl, only: jwl_t
-    use exact_blasts, only: sedov_energy, sedov_state
+    use exact_blasts, only: front_radius, sedov_energy, sedov_state
     use exact_riemann, only: riemann
     implicit none
     private
@@ -263,7 +263,7 @@ contains
         type(seen_t), intent(out) :: seen
         type(air_t) :: air
         integer :: i, j, k, inside
-        real(dp) :: dx, w(5), s(3), total, r
+        real(dp) :: dx, w(5), s(3), total, r, p(n, n, n)
 
         call make_box(m, [n, n, n], 1.2_dp, bc_outflow, [1.0_dp, 1e-5_dp], air)
         air%bc(1, :) = bc_symmetry
@@ -281,42 +281,13 @@ contains
                     s = sedov_state(r)
                     seen%error = seen%error + abs(w(1) - s(1))
                     if (r < 1) total = total + s(1)
+                    p(i, j, k) = w(5)
                 end do
             end do
         end do
         seen%error = seen%error/total
-        seen%radius = front_radius(air, 1.2_dp)
+        seen%radius = front_radius(p)*dx
     end subroutine sedov
-
-    !> Radius where the pressure, averaged over shells half a cell thick, falls to half of its peak.
-    real(dp) function front_radius(air, side) result(radius)
-        type(air_t), intent(in) :: air
-        real(dp), intent(in) :: side !! of the octant
-        real(dp) :: mean(2*air%n(1)), w(5), thick
-        integer :: cells(2*air%n(1)), i, j, k, shell
-
-        thick = 0.5_dp*side/air%n(1)
-        mean = 0
-        cells = 0
-        do k = 1, air%n(3)
-            do j = 1, air%n(2)
-                do i = 1, air%n(1)
-                    shell = ceiling(norm2([i, j, k] - 0.5_dp)*2)
-                    if (shell > size(mean)) cycle
-                    w = state_of(air, [i, j, k])
-                    mean(shell) = mean(shell) + w(5)
-                    cells(shell) = cells(shell) + 1
-                end do
-            end do
-        end do
-        mean = mean/max(cells, 1)
-        shell = maxloc(mean, 1)
-        do while (mean(shell) > maxval(mean)/2)
-            shell = shell + 1
-        end do
-        radius = thick*(shell - 0.5_dp - (mean(shell) - maxval(mean)/2) &
-            /(mean(shell) - mean(shell - 1)))
-    end function front_radius
 
     !> Cells of an octant within a radius in cells.
     pure integer function count_near(n, radius)

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Exact flows to measure the air against: the blast of a point source.
+!> Exact flows to measure the air against: the blast of a point source, and where its front is.
 module exact_blasts
     use brz_kinds, only: dp
     implicit none
     private
-    public :: sedov_state, sedov_energy
+    public :: sedov_state, sedov_energy, front_radius
 
     real(dp), parameter :: sedov_energy = 0.851072_dp
     !! of a point source whose shock is at radius 1 at time 1 in a gas of density 1, gamma 1.4
@@ -59,4 +59,32 @@ contains
         d(1) = -s(1)*(d(2) + 2*s(2)/x)/w
         d(3) = s(1)*(1.5_dp*s(2) - w*d(2))
     end function slope
+
+    !> Radius in cells where the pressure of an octant, averaged over shells half a cell thick,
+    !> falls to half of its peak.
+    pure real(dp) function front_radius(p) result(radius)
+        real(dp), intent(in) :: p(:, :, :)
+        real(dp) :: mean(2*size(p, 1)), half
+        integer :: cells(2*size(p, 1)), i, j, k, shell
+
+        mean = 0
+        cells = 0
+        do k = 1, size(p, 3)
+            do j = 1, size(p, 2)
+                do i = 1, size(p, 1)
+                    shell = ceiling(norm2([i, j, k] - 0.5_dp)*2)
+                    if (shell > size(mean)) cycle
+                    mean(shell) = mean(shell) + p(i, j, k)
+                    cells(shell) = cells(shell) + 1
+                end do
+            end do
+        end do
+        mean = mean/max(cells, 1)
+        half = maxval(mean)/2
+        shell = maxloc(mean, 1)
+        do while (mean(shell) > half .and. shell < size(mean))
+            shell = shell + 1
+        end do
+        radius = (shell - 0.5_dp + (half - mean(shell))/(mean(shell) - mean(shell - 1)))/2
+    end function front_radius
 end module exact_blasts
