@@ -35,7 +35,7 @@ MODELS = {
     "burns on for 10 ms": BURNING + "10e-3",
     "burns on for 5 ms": BURNING + "5e-3",
 }
-DRAWN = dict(zip(MODELS, ("o-", "s-", "", "", "^-", "x--", "", "+--"), strict=True))
+DRAWN = dict(zip(MODELS, ("o-", "s-", "", "", "^-", "x--", "d-.", "+--"), strict=True))
 QUANTITIES = ("peak", "arrival", "duration", "impulse")
 DECK = """1 kg of TNT in open air, along the radius.
 &run title = 'TNT in free air', t_end = 17e-3 /
@@ -92,8 +92,8 @@ def band(model: str, quantity: str, z: float) -> tuple[float, float]:
         return 0, np.inf
     wide = goal(quantity, z)
     low, high = 1 - wide, 1 + wide
-    if quantity == "impulse" and z >= 1:
-        low = 0.68
+    if quantity == "impulse" and z >= 0.725:
+        low = 0.68 if z >= 1 else 0.82
     if quantity == "peak" and z == 2 and "4.52" not in model:
         low = 0.85
     return low, high
