@@ -124,7 +124,7 @@ def draw(table: dict[str, list[dict[str, float]]], picture: Path) -> None:
     axes[1].set_ylim(0.75, 1.25)
     axes[0].set_ylim(0.75, 1.25)
     handles, labels = axes[3].get_legend_handles_labels()
-    fig.legend(handles, labels, loc="outside lower center", ncols=7, frameon=False)
+    fig.legend(handles, labels, loc="outside lower center", ncols=8, frameon=False)
     fig.savefig(picture, dpi=110)
 
 
