@@ -15,7 +15,7 @@ module brz_gpu_air_state
     use brz_text, only: to_text
     implicit none
     private
-    public :: gpu_air_t, gpu_walls_t, open_gpu_air, close_gpu_air, fetch_air, fetch_cells
+    public :: gpu_air_t, gpu_walls_t, open_gpu_air, close_gpu_air, fetch_air, fetch_cells, gather
     public :: fold_threads, bytes_of_real
 
     integer, parameter :: fold_threads = 1024 !! partial results that the host folds
@@ -31,6 +31,8 @@ module brz_gpu_air_state
         type(buffer_t) :: push, impulse !! (n_faces) impulse of a stage, of the step
         type(kernel_t) :: mark_near, add_impulse, scatter
         integer, allocatable :: shared(:, :) !! (3, n) cells that the host changes between steps
+        real(rk), allocatable :: values(:, :) !! (n, n_var) their state, on its way
+        type(buffer_t) :: place_at, values_at !! the same on the GPU
     end type gpu_walls_t
 
     type :: gpu_air_t
@@ -190,6 +192,8 @@ contains
         call free_buffer(gpu%walls%face_of)
         call free_buffer(gpu%walls%push)
         call free_buffer(gpu%walls%impulse)
+        call free_buffer(gpu%walls%place_at)
+        call free_buffer(gpu%walls%values_at)
     end subroutine close_gpu_air
 
     !> Refresh the host's conserved variables, if the GPU has moved on.
@@ -212,7 +216,6 @@ contains
         integer(int64), allocatable :: place(:)
         real(rk), allocatable :: values(:, :)
         type(buffer_t) :: place_at, values_at
-        type(arguments_t) :: arguments
         integer :: c, n
 
         n = size(cell, 2)
@@ -224,13 +227,7 @@ contains
         call allocate_buffer(place_at, 8_int64*n, err)
         call allocate_buffer(values_at, size(values)*bytes_of_real, err)
         call copy_in(place, place_at, 8_int64*n, err)
-        call arguments%add(n)
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
-        call arguments%add(place_at)
-        call arguments%add(gpu%u)
-        call arguments%add(values_at)
-        call launch(gpu%gather, [n, 1, 1], arguments, err)
-        call copy_out(values_at, values, size(values)*bytes_of_real, err)
+        call gather(gpu, place_at, values_at, values, err)
         call free_buffer(place_at)
         call free_buffer(values_at)
         if (failed(err)) return
@@ -238,4 +235,23 @@ contains
             air%u(cell(1, c), cell(2, c), cell(3, c), :) = values(c, :)
         end do
     end subroutine fetch_cells
+
+    !> Copy the state of cells whose places are on the GPU to the host.
+    subroutine gather(gpu, place_at, values_at, values, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(buffer_t), intent(in) :: place_at, values_at
+        real(rk), intent(inout), contiguous :: values(:, :) !! (n, n_var)
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: n
+
+        n = size(values, 1)
+        call arguments%add(n)
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call arguments%add(place_at)
+        call arguments%add(gpu%u)
+        call arguments%add(values_at)
+        call launch(gpu%gather, [n, 1, 1], arguments, err)
+        call copy_out(values_at, values, size(values, kind=int64)*bytes_of_real, err)
+    end subroutine gather
 end module brz_gpu_air_state

@@ -8,7 +8,7 @@ module brz_gpu_air_walls
         launch
     use brz_air_grid, only: place_of
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: bytes_of_real, fetch_cells, gpu_air_t, gpu_walls_t
+    use brz_gpu_air_state, only: bytes_of_real, gather, gpu_air_t, gpu_walls_t
     use brz_kinds, only: int64, int8, rk
     use brz_scheme, only: reach_of
     implicit none
@@ -37,6 +37,7 @@ contains
         call arguments%add(gpu%walls%near)
         call launch(gpu%walls%mark_near, air%n, arguments, err)
         call list_shared(gpu%walls, air, wall, face_of, reach)
+        call put_places(gpu, air%n_var, err)
     end subroutine put_walls
 
     !> Make room for the lists of walls.
@@ -47,22 +48,22 @@ contains
 
         walls%n_cells = wall%n_cells
         walls%n_faces = wall%n_faces
-        call at_least(walls%v, 3*bytes_of_real*wall%n_cells)
-        call at_least(walls%face_of, 24_int64*wall%n_cells)
-        call at_least(walls%push, bytes_of_real*wall%n_faces)
-        call at_least(walls%impulse, bytes_of_real*wall%n_faces)
-
-    contains
-
-        subroutine at_least(buffer, bytes)
-            type(buffer_t), intent(inout) :: buffer
-            integer(int64), intent(in) :: bytes
-
-            if (buffer%address /= 0 .and. buffer%bytes >= bytes) return
-            call free_buffer(buffer)
-            call allocate_buffer(buffer, bytes + bytes/4, err)
-        end subroutine at_least
+        call reserve(walls%v, 3*bytes_of_real*wall%n_cells, err)
+        call reserve(walls%face_of, 24_int64*wall%n_cells, err)
+        call reserve(walls%push, bytes_of_real*wall%n_faces, err)
+        call reserve(walls%impulse, bytes_of_real*wall%n_faces, err)
     end subroutine size_lists
+
+    !> Make room in a buffer; what was there is lost.
+    subroutine reserve(buffer, bytes, err)
+        type(buffer_t), intent(inout) :: buffer
+        integer(int64), intent(in) :: bytes
+        type(error_t), intent(inout) :: err
+
+        if (buffer%address /= 0 .and. buffer%bytes >= bytes) return
+        call free_buffer(buffer)
+        call allocate_buffer(buffer, bytes + bytes/4, err)
+    end subroutine reserve
 
     !> List the cells around the surfaces.
     subroutine list_shared(walls, air, wall, face_of, reach)
@@ -106,6 +107,27 @@ contains
         end do
     end subroutine list_shared
 
+    !> Keep the places of the shared cells on the GPU, and room for their state.
+    subroutine put_places(gpu, n_var, err)
+        type(gpu_air_t), intent(inout) :: gpu
+        integer, intent(in) :: n_var
+        type(error_t), intent(inout) :: err
+        integer(int64), allocatable :: place(:)
+        integer :: c, n
+
+        n = size(gpu%walls%shared, 2)
+        allocate (place(n))
+        do c = 1, n
+            place(c) = place_of(gpu%grid, gpu%walls%shared(1, c), gpu%walls%shared(2, c), &
+                gpu%walls%shared(3, c))
+        end do
+        call reserve(gpu%walls%place_at, 8_int64*n, err)
+        call reserve(gpu%walls%values_at, bytes_of_real*n_var*n, err)
+        call copy_in(place, gpu%walls%place_at, 8_int64*n, err)
+        if (allocated(gpu%walls%values)) deallocate (gpu%walls%values)
+        allocate (gpu%walls%values(n, n_var))
+    end subroutine put_places
+
     !> Copy the velocities of the walls, before a step.
     subroutine put_wall_velocity(gpu, wall, err)
         type(gpu_air_t), intent(in) :: gpu
@@ -117,47 +139,70 @@ contains
 
     !> Bring the impulses of a step to the host, and the cells near the walls.
     subroutine fetch_walls(gpu, air, wall, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(gpu_air_t), intent(inout) :: gpu
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
+        integer :: c
 
         call copy_out(gpu%walls%impulse, wall%impulse, bytes_of_real*wall%n_faces, err)
-        call fetch_cells(gpu, gpu%walls%shared, air, err)
+        associate (cell => gpu%walls%shared, values => gpu%walls%values)
+            if (size(cell, 2) == 0) return
+            call gather(gpu, gpu%walls%place_at, gpu%walls%values_at, values, err)
+            if (failed(err)) return
+            do c = 1, size(cell, 2)
+                air%u(cell(1, c), cell(2, c), cell(3, c), :) = values(c, :)
+            end do
+        end associate
     end subroutine fetch_walls
 
     !> Copy the cells near the walls to the GPU, and some more that the host has changed.
     subroutine return_cells(gpu, air, more, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(gpu_air_t), intent(inout) :: gpu
         type(air_t), intent(in) :: air
         integer, intent(in) :: more(:, :) !! (3, n) cells
         type(error_t), intent(inout) :: err
-        integer, allocatable :: cell(:, :)
-        integer(int64), allocatable :: place(:)
-        real(rk), allocatable :: values(:, :)
         type(buffer_t) :: place_at, values_at
-        type(arguments_t) :: arguments
-        integer :: c, n
+        real(rk) :: values(size(more, 2), air%n_var)
+        integer(int64) :: place(size(more, 2))
+        integer :: c
 
-        cell = reshape([gpu%walls%shared, more], [3, size(gpu%walls%shared, 2) + size(more, 2)])
-        n = size(cell, 2)
-        if (n == 0) return
-        allocate (place(n), values(n, air%n_var))
-        do c = 1, n
-            place(c) = place_of(gpu%grid, cell(1, c), cell(2, c), cell(3, c))
-            values(c, :) = air%u(cell(1, c), cell(2, c), cell(3, c), :)
+        associate (cell => gpu%walls%shared)
+            do c = 1, size(cell, 2)
+                gpu%walls%values(c, :) = air%u(cell(1, c), cell(2, c), cell(3, c), :)
+            end do
+        end associate
+        call scatter(gpu, gpu%walls%place_at, gpu%walls%values_at, gpu%walls%values, err)
+        if (size(more, 2) == 0) return
+        do c = 1, size(more, 2) ! few, and seldom
+            place(c) = place_of(gpu%grid, more(1, c), more(2, c), more(3, c))
+            values(c, :) = air%u(more(1, c), more(2, c), more(3, c), :)
         end do
-        call allocate_buffer(place_at, 8_int64*n, err)
-        call allocate_buffer(values_at, size(values, kind=int64)*bytes_of_real, err)
-        call copy_in(place, place_at, 8_int64*n, err)
+        call allocate_buffer(place_at, 8_int64*size(more, 2), err)
+        call allocate_buffer(values_at, size(values)*bytes_of_real, err)
+        call copy_in(place, place_at, 8_int64*size(more, 2), err)
+        call scatter(gpu, place_at, values_at, values, err)
+        call free_buffer(place_at)
+        call free_buffer(values_at)
+    end subroutine return_cells
+
+    !> Copy the state of cells whose places are on the GPU there.
+    subroutine scatter(gpu, place_at, values_at, values, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(buffer_t), intent(in) :: place_at, values_at
+        real(rk), intent(in), contiguous :: values(:, :) !! (n, n_var)
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: n
+
+        n = size(values, 1)
+        if (n == 0) return
         call copy_in(values, values_at, size(values, kind=int64)*bytes_of_real, err)
         call arguments%add(n)
         call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
         call arguments%add(place_at)
         call arguments%add(values_at)
         call arguments%add(gpu%u)
-        if (.not. failed(err)) call launch(gpu%walls%scatter, [n, 1, 1], arguments, err)
-        call free_buffer(place_at)
-        call free_buffer(values_at)
-    end subroutine return_cells
+        call launch(gpu%walls%scatter, [n, 1, 1], arguments, err)
+    end subroutine scatter
 end module brz_gpu_air_walls

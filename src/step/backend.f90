@@ -38,6 +38,7 @@ module brz_backend
         type(device_t) :: device
         type(gpu_air_t) :: air
         type(gpu_solid_t) :: solid
+        integer, allocatable :: owed(:, :) !! (3, n) gas cells with debts, which the host changes too
         integer(int64) :: wall_changes = -1
         !! cells that had changed hands when the walls were last copied
     end type backend_t
@@ -118,6 +119,7 @@ contains
         if (backend%on_gpu .and. .not. failed(err)) then
             call open_gpu_air(backend%device, air, coupling%present, backend%air, err)
             call renew_walls(backend, air, coupling, err)
+            call list_owed(backend, air, coupling)
         end if
         if (backend%bodies_on_gpu .and. .not. failed(err)) &
             call open_gpu_solid(backend%device, solid, backend%solid, err)
@@ -143,15 +145,28 @@ contains
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
         type(error_t), intent(inout) :: err
-        integer :: cells(3, coupling%n_debts), e
 
         if (.not. backend%on_gpu .or. failed(err)) return
-        do e = 1, coupling%n_debts
-            cells(:, e) = cell_at(air%n, coupling%debt_cell(e))
-        end do
-        call return_cells(backend%air, air, cells, err)
+        call return_cells(backend%air, air, backend%owed, err)
         call renew_walls(backend, air, coupling, err)
+        call list_owed(backend, air, coupling)
     end subroutine hand_back
+
+    !> List the gas cells with debts: they may lie far from the walls by now.
+    subroutine list_owed(backend, air, coupling)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        integer :: e
+
+        if (allocated(backend%owed)) then
+            if (size(backend%owed, 2) /= coupling%n_debts) deallocate (backend%owed)
+        end if
+        if (.not. allocated(backend%owed)) allocate (backend%owed(3, coupling%n_debts))
+        do e = 1, coupling%n_debts
+            backend%owed(:, e) = cell_at(air%n, coupling%debt_cell(e))
+        end do
+    end subroutine list_owed
 
     !> One step of the air. `status` as air_step has it.
     subroutine advance_air(backend, air, wall, dt, status, err)
@@ -165,7 +180,9 @@ contains
         if (backend%on_gpu) then
             if (wall%present) call put_wall_velocity(backend%air, wall, err)
             call gpu_air_step(backend%air, air, dt, status, err)
-            if (wall%present .and. status == air_ok) call fetch_walls(backend%air, air, wall, err)
+            if (.not. wall%present .or. status /= air_ok) return
+            call fetch_walls(backend%air, air, wall, err)
+            call fetch_cells(backend%air, backend%owed, air, err)
         else
             call air_step(air, wall, dt, status)
         end if
