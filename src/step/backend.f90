@@ -38,7 +38,7 @@ module brz_backend
         type(device_t) :: device
         type(gpu_air_t) :: air
         type(gpu_solid_t) :: solid
-        integer, allocatable :: owed(:, :) !! (3, n) gas cells with debts, which the host changes too
+        integer, allocatable :: owed(:, :) !! (3, n) gas cells with debts, also shared
         integer(int64) :: wall_changes = -1
         !! cells that had changed hands when the walls were last copied
     end type backend_t
