@@ -126,7 +126,7 @@ contains
         speed = 0
         do a = 1, size(case%bodies)
             associate (v => case%bodies(a)%velocity)
-                speed = max(speed, norm2(v), 2*maxval(abs(v), mask=case%run%symmetry))
+                speed = max(speed, norm2(v), 2*maxval(merge(abs(v), 0.0_dp, case%run%symmetry)))
                 do b = 1, size(case%bodies)
                     speed = max(speed, norm2(v - case%bodies(b)%velocity))
                 end do

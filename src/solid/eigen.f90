@@ -33,10 +33,11 @@ contains
     pure subroutine rotate_away(a, q, i, j)
         real(rk), intent(inout) :: a(3, 3), q(3, 3)
         integer, intent(in) :: i, j
+        real(rk), parameter :: least = epsilon(1.0_rk)**2 !! angle that is worth a rotation
         real(rk) :: half, t, c, s, u, w
         integer :: k
 
-        if (abs(a(i, j)) <= tiny(1.0_rk)) return
+        if (abs(a(i, j)) <= tiny(1.0_rk) + least*abs(a(j, j) - a(i, i))) return
         half = (a(j, j) - a(i, i))/(2*a(i, j))
         t = sign(1.0_rk, half)/(abs(half) + sqrt(half*half + 1))
         c = 1/sqrt(t*t + 1)
