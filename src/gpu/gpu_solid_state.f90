@@ -28,9 +28,10 @@ module brz_gpu_solid_state
     implicit none
     private
     public :: gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, close_gpu_solid, &
-              cannot_run_solid, part_of, bytes_of_real, sum_threads, fold_threads
+              cannot_run_solid, part_of, bytes_of_real, sum_threads, total_threads, fold_threads
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
+    integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
     integer, parameter :: fold_threads = 1024 !! partial results that the host folds
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
     integer, parameter :: neighbours_guess = 100 !! entries per particle, to judge the memory
@@ -69,7 +70,7 @@ module brz_gpu_solid_state
         type(buffer_t) :: count, cell, order, start, code, grid, box, scan, part
         type(buffer_t) :: folded
         integer :: code_room = 0 !! cells that `code` has room for
-        type(kernel_t) :: gradients, rows, drift, hold_drive, end_support, totals
+        type(kernel_t) :: fold, gradients, rows, drift, hold_drive, end_support, totals
         type(kernel_t) :: extent, count_cells, fill_cells, sort_cells, search, widths
         type(kernel_t) :: scan_up, scan_down, most
         type(kernel_t) :: find_particles, rigid_place, rigid_row, rigid_push, rigid_accelerate
@@ -125,8 +126,8 @@ contains
         call allocate_buffer(gpu%grid, int(storage_size(grid_gpu_t(1, 1, 1, 1, 1, 1.0_dp, 1.0_dp, &
                                                                    1.0_dp))/8, int64), err)
         call allocate_buffer(gpu%scan, scan_bytes(n), err)
-        call allocate_buffer(gpu%part, 8_int64*sum_threads*max(n_total + n_book, 32), err)
-        call allocate_buffer(gpu%folded, 8_int64*fold_threads, err)
+        call allocate_buffer(gpu%part, 8_int64*total_threads*(n_total + n_book), err)
+        call allocate_buffer(gpu%folded, 8_int64*fold_threads*(n_total + n_book), err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
         allocate (gpu%bodies(size(solid%bodies)), gpu%ledger(size(solid%bodies)), &
                   gpu%reaction(3, size(solid%bodies)), gpu%sums(n_total, size(solid%bodies)))
@@ -180,6 +181,7 @@ contains
         call find_kernel(device, 'solid_rigid_row', gpu%rigid_row, err)
         call find_kernel(device, 'solid_rigid_push', gpu%rigid_push, err)
         call find_kernel(device, 'solid_rigid_accelerate', gpu%rigid_accelerate, err)
+        call find_kernel(device, 'solid_fold', gpu%fold, err)
         call find_kernel(device, 'solid_totals_of', gpu%totals, err)
         call find_kernel(device, 'solid_extent', gpu%extent, err)
         call find_kernel(device, 'count_cells', gpu%count_cells, err)

@@ -6,7 +6,7 @@ module brz_gpu_solid_sums
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: book_ahead, book_contact, book_contact_heat, book_damage, &
         book_force, book_friction, book_hold, book_plastic, book_rub, book_viscous, n_book, n_total
-    use brz_gpu_solid_state, only: fold_threads, gpu_solid_t, sum_threads
+    use brz_gpu_solid_state, only: fold_threads, gpu_solid_t, sum_threads, total_threads
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: solid_totals_t, totals_of_sums
@@ -43,9 +43,9 @@ contains
         type(arguments_t) :: arguments
         real(dp), allocatable :: part(:, :)
 
-        allocate (part(sum_threads, n_total + n_book), source=0.0_dp)
+        allocate (part(fold_threads, n_total + n_book), source=0.0_dp)
         call arguments%add(gpu%n)
-        call arguments%add(sum_threads)
+        call arguments%add(total_threads)
         call arguments%add(gpu%bodies(b)%params)
         call arguments%add(real(dt_last/2, rk))
         call arguments%add(gpu%region)
@@ -54,8 +54,14 @@ contains
         call arguments%add(gpu%state)
         call arguments%add(gpu%book)
         call arguments%add(gpu%part)
-        call launch(gpu%totals, [sum_threads, 1, 1], arguments, err)
-        call copy_out(gpu%part, part, 8_int64*size(part), err)
+        call launch(gpu%totals, [total_threads, 1, 1], arguments, err)
+        arguments%n = 0
+        call arguments%add(total_threads)
+        call arguments%add(fold_threads)
+        call arguments%add(gpu%part)
+        call arguments%add(gpu%folded)
+        call launch(gpu%fold, [fold_threads, n_total + n_book, 1], arguments, err)
+        call copy_out(gpu%folded, part, 8_int64*size(part), err)
         sums = sum(part, dim=1)
     end subroutine sums_of_body
 

@@ -33,6 +33,7 @@ module brz_orthotropic_ply
     ! history: last slot before the axes, the strain, the damage
     integer, parameter :: h_axes = 0, h_strain = 3, h_damage = 9
     real(rk), parameter :: wild = 1 !! strain beyond which the axes only spin
+    real(rk), parameter :: torn = -1/3.0_rk !! compression of a ply that is debris
 
 contains
 
@@ -189,6 +190,9 @@ contains
         call ply_stress(material%par, e0, damage, s0)
         call ply_stress(material%par, e1, damage, s1)
         call fail(material%par, dt, h, e1, s0, s1, damage)
+        mu = point%mu
+        call volume_step(material%density, l, dt, mu, dv, v_mid)
+        if (mu < torn .and. material%fails == 1) call tear(material%par, s1, damage)
         work = 0
         loss = 0
         do i = 1, 6
@@ -197,8 +201,6 @@ contains
         end do
         point%damage = total_damage(damage)
         if (.not. point%damage > 0) loss = 0
-        mu = point%mu
-        call volume_step(material%density, l, dt, mu, dv, v_mid)
         call add_excess(material, mu, dv, work*v_mid, damage, s1, point, status)
         if (status > 0) return
         call rotate_voigt(last, s1)
@@ -209,6 +211,23 @@ contains
         point%work(2) = loss*v_mid
         call store_history(axes, e1, damage, point%hist)
     end subroutine update_orthotropic_ply
+
+    !> A ply that takes up half as much volume again is debris: every mode has failed, and no stress
+    !> is left. What it had stored is booked as damage.
+    !@cuf attributes(host,device) &
+    pure subroutine tear(par, s, damage)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(inout) :: s(6) !! [Pa]
+        real(rk), intent(inout) :: damage(n_modes)
+        integer :: i
+
+        do i = 1, 6
+            s(i) = 0
+        end do
+        do i = 1, n_modes
+            damage(i) = par(p_limit)
+        end do
+    end subroutine tear
 
     !> New compression, energy and wave speeds; the excess of a shock pressure over the linear law.
     !>
