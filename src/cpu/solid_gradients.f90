@@ -10,7 +10,7 @@ module brz_solid_gradients
                             shear_limiter, stable_step, total_gradient
     use brz_kernel, only: kernel_scale, kernel_slope, pair_kernel
     use brz_kinds, only: dp, int64, int8, real32, rk
-    use brz_material, only: point_t
+    use brz_material, only: point_t, strength_left
     use brz_materials, only: unloaded_speed, update_material
     use brz_pair_force, only: axial_stiffness
     use brz_solid_bonds, only: add_bonded_gradients
@@ -252,7 +252,8 @@ contains
         end select
         solid%pair(pair_hold, i) = z
         call copy_matrix(q, solid%pair(pair_affine + 1, i))
-        solid%pair(pair_keep, i) = (1 - solid%damage(i))*(1 - solid%cut(i))
+        solid%pair(pair_keep, i) = (1 - solid%cut(i)) &
+            *strength_left(solid%materials(body%material)%fails, solid%damage(i))
     end subroutine fill_row
 
     !> Stiffness of the hourglass force, and what it makes of the deformation f.

@@ -5,6 +5,7 @@
 module brz_solid_step
     use brz_errors, only: error_t, exit_numerical, raise
     use brz_kinds, only: dp, int8, int64, rk
+    use brz_material, only: strength_left
     use brz_solid_bonds, only: break_bonds
     use brz_solid_contact, only: contact_pass, find_touch
     use brz_solid_doubles, only: refuse_doubles
@@ -35,7 +36,7 @@ contains
             call update_sizes(solid, solid%bodies(solid%block(1, i)), i)
         end do
         do i = 1, solid%n
-            solid%support(i) = count_intact(solid, i)
+            solid%support(i) = count_intact(solid, i, 0)
         end do
         call refuse_doubles(solid, err)
         call meet(solid)
@@ -140,29 +141,32 @@ contains
     end function velocity_at_step
 
     !> Neighbours of a particle within reach of the list that still carry load.
-    pure integer function count_intact(solid, i) result(n)
+    pure integer function count_intact(solid, i, fails) result(n)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
+        integer, intent(in) :: fails !! how the material of the body fails
         integer(int64) :: k
 
         n = 0
         do k = solid%first(i), solid%first(i + 1) - 1
             if (solid%list(k) == i .and. solid%mask(k) == 0) cycle
-            if (solid%damage(solid%list(k)) < 1 - intact_share) n = n + 1
+            if (strength_left(fails, solid%damage(solid%list(k))) > intact_share) n = n + 1
         end do
     end function count_intact
 
     !> End the stiff hourglass force for good where half of the intact neighbours are gone.
     subroutine end_support(solid)
         type(solid_t), intent(inout) :: solid
-        integer :: i, k
+        integer :: fails, i, k
 
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(fails, i)
         do k = 1, size(solid%block, 2)
             if (solid%bodies(solid%block(1, k))%formulation /= form_bending) cycle
+            fails = solid%materials(solid%bodies(solid%block(1, k))%material)%fails
             do i = solid%block(2, k), solid%block(3, k)
                 if (solid%cut(i) == 1) cycle
-                if (count_intact(solid, i) < intact_share*solid%support(i)) solid%cut(i) = 1_int8
+                if (count_intact(solid, i, fails) < intact_share*solid%support(i)) &
+                    solid%cut(i) = 1_int8
             end do
         end do
     end subroutine end_support

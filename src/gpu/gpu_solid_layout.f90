@@ -73,6 +73,7 @@ module brz_gpu_solid_layout
         integer :: first, last !! particles
         integer :: dimension, formulation, artificial
         integer :: balsara, directional !! 1: yes
+        integer :: fails !! how the material may fail
         integer :: axes !! place before the axes of ply 0 among those of all bodies
         integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step
         real(rk) :: h, scale, half_over_h, alpha, beta, zeta, zeta_viscous, cfl

@@ -244,6 +244,7 @@ contains
 
         material = solid%materials(solid%bodies(b)%material)
         params = params_of(solid%bodies(b), solid%dimension, axes_before(solid, b))
+        params%fails = material%fails
         gpu%first = params%first
         gpu%last = params%last
         gpu%slices = (gpu%last - gpu%first)/slice_width + 1
@@ -278,6 +279,7 @@ contains
         p%balsara = merge(1, 0, body%balsara)
         p%directional = merge(1, 0, body%directional)
         p%axes = axes
+        p%fails = 0
         p%keep_force = merge(0, 1, body%motion%n > 0)
         p%h = body%h
         p%scale = kernel_scale(body%h, dimension)

@@ -19,7 +19,8 @@ module brz_hjc
                                 p_limit, p_k_el, p_k_tran, p_mu_plock, p_full
     use brz_key, only: key_t, none, required
     use brz_kinematics, only: volume_step
-    use brz_material, only: material_t, point_t, material_ok, material_clamped, n_par
+    use brz_material, only: fails_by_degrees, material_t, point_t, material_ok, &
+                            material_clamped, n_par
     use brz_model, only: derived_t, model_t, real_key, text_key
     use brz_text, only: to_text
     implicit none
@@ -129,7 +130,7 @@ contains
             call check_slopes(par, fault)
             material%density = par(p_density)
             material%bulk = par(p_k_el)
-            material%fails = 1
+            material%fails = fails_by_degrees
             material%shear = par(p_shear)
             material%c_wave = sqrt((par(p_k_el) + 4*par(p_shear)/3)/par(p_density))
         end associate

@@ -15,7 +15,7 @@ module brz_johnson_cook
     use brz_isotropic, only: begin_step, end_step, no_cutoff, on_surface, refine_root, step_t
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
-    use brz_material, only: material_t, point_t, n_par
+    use brz_material, only: fails_at_once, material_t, point_t, n_par
     use brz_model, only: model_t, real_key, text_key
     implicit none
     private
@@ -124,7 +124,7 @@ contains
             if (.not. given(p_start)) par(p_start) = par(p_room)
             if (.not. given(p_cutoff)) par(p_cutoff) = no_cutoff
             par(p_fails) = merge(1, 0, given(p_d1))
-            material%fails = merge(1, 0, given(p_d1))
+            material%fails = merge(fails_at_once, 0, given(p_d1))
             material%density = par(p_density)
             material%bulk = unloaded_bulk(block)
             material%shear = par(p_shear)

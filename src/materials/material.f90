@@ -8,7 +8,7 @@ module brz_material
     use brz_kinds, only: rk
     implicit none
     private
-    public :: material_t, point_t, n_par, n_hist
+    public :: material_t, point_t, n_par, n_hist, strength_left, fails_by_degrees, fails_at_once
     public :: material_ok, material_clamped, material_not_finite, material_step_too_large, &
               material_unknown
 
@@ -22,10 +22,13 @@ module brz_material
     integer, parameter :: material_step_too_large = 2 !! strain increment beyond the limit
     integer, parameter :: material_unknown = 3 !! no such model
 
+    ! How a material fails: it may not (0), by and by as damage grows, or all at once at damage 1.
+    integer, parameter :: fails_by_degrees = 1, fails_at_once = 2
+
     type, bind(c) :: material_t
         integer(c_int) :: model !! code of the model, see the registry
         integer(c_int) :: n_hist !! history variables that the model uses
-        integer(c_int) :: fails !! 1: may lose its strength for good, else 0
+        integer(c_int) :: fails !! how it may lose its strength for good, 0: never
         real(rk) :: density !! unloaded [kg/m3]
         real(rk) :: shear !! shear modulus for the hourglass force [Pa]
         real(rk) :: axial(3) !! Young's modulus along each axis of a ply; 0: no axes [Pa]
@@ -45,4 +48,17 @@ module brz_material
         real(rk) :: work(2) !! plastic work and work spent in damage during the step [J/kg]
         real(rk) :: hist(n_hist) !! history, slots named by the model
     end type point_t
+
+contains
+
+    !> Share of the strength, 0..1, that damage leaves to a material.
+    !@cuf attributes(host,device) &
+    pure function strength_left(fails, damage) result(left)
+        integer, intent(in) :: fails !! how the material fails
+        real(rk), intent(in) :: damage
+        real(rk) :: left
+
+        left = 1 - damage
+        if (fails == fails_at_once .and. damage < 1) left = 1
+    end function strength_left
 end module brz_material

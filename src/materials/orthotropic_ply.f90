@@ -10,7 +10,7 @@ module brz_orthotropic_ply
     use brz_kinds, only: dp, rk
     use brz_algebra, only: rotate_voigt
     use brz_kinematics, only: volume_step
-    use brz_material, only: material_t, point_t, material_ok, material_clamped, &
+    use brz_material, only: fails_by_degrees, material_t, point_t, material_ok, material_clamped, &
                             material_step_too_large, n_hist, n_par
     use brz_mie_gruneisen, only: hugoniot_excess, pressure_step, hugoniot_limit, eos_density, &
                                  eos_c0, eos_s1, eos_gamma, eos_mu_max
@@ -74,7 +74,7 @@ contains
         material%density = material%par(p_density)
         material%bulk = material%par(p_bulk)
         ! as stiff as an isotropic plate (nu = 0.3) of the stiffer in-plane modulus
-        material%fails = 1
+        material%fails = fails_by_degrees
         material%shear = max(material%par(p_e1), material%par(p_e2))/2.6_rk
         material%axial = [material%par(p_e1), material%par(p_e2), material%par(p_e3)]
         material%c_wave = sqrt(maxval(material%par(p_c11:p_c33))/material%density)

@@ -41,7 +41,7 @@ contains
             body%formulation = form_bending
         case ('total_lagrangian')
             body%formulation = form_total
-            if (material%fails == 1) call refuse(input, "formulation='total_lagrangian' is for "// &
+            if (material%fails > 0) call refuse(input, "formulation='total_lagrangian' is for "// &
                 "what never breaks, and model='"//model//"' fails; take 'bending' or "// &
                 "'corrected_hourglass'", err)
         case ('uncorrected', 'paper')

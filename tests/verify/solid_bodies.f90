@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
-!> Problems of whole bodies: rings that collide.
+!> Problems of whole bodies: rings that collide, a bar pulled to failure, aluminium through
+!> aluminium.
 module solid_bodies
     use brz_body_setup, only: set_up_solid
-    use brz_case, only: body_case_t, interaction_case_t
     use brz_errors, only: failed
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
@@ -10,7 +10,7 @@ module solid_bodies
     use solid_scenes, only: advance, begin, choose, finish, form_t, metal, scene_t, seen_t
     implicit none
     private
-    public :: rings_t, rings, pieces
+    public :: rings_t, rings, torn_t, torn_bar, hole
 
     real(dp), parameter :: pi = acos(-1.0_dp)
 
@@ -21,6 +21,12 @@ module solid_bodies
         real(dp) :: energy = 0 !! error of the total over the energy at the start
         real(dp) :: apart = 0 !! least distance of the rings at the end, in spacings
     end type rings_t
+
+    type :: torn_t
+        real(dp) :: strain = 0, energy = 0 !! of the middle at failure, over the exact ones
+        real(dp) :: failed = 0 !! part of the particles that failed
+        integer :: pieces = 0
+    end type torn_t
 
 contains
 
@@ -73,6 +79,103 @@ contains
                               - maxval(s%solid%x(1, :), mask=owner(s%solid) == 1))
     end subroutine rings
 
+    !> A bar of a metal that hardens linearly, Y = a + b eps_p, and fails at eps_p = 0.3, drawn at
+    !> both ends at a strain rate of 3000 1/s; an eighth of it. In uniaxial stress, at failure:
+    !> strain 0.3 + Y/E, energy 0.3 a + 0.3^2 b/2 + Y^2/2E per volume. Told of the middle half, when
+    !> the first particle fails, over these; it necks at a strain of 0.8 only.
+    subroutine torn_bar(form, across, found, seen)
+        type(form_t), intent(in) :: form
+        integer, intent(in) :: across !! particles per half thickness
+        type(torn_t), intent(out) :: found
+        type(seen_t), intent(out) :: seen
+        type(scene_t) :: s
+        real(dp), parameter :: half = 0.02_dp, rate = 3e3_dp, a = 100e6_dp, b = 500e6_dp, &
+                               last = 0.3_dp, shear = 26e9_dp, rho = 2700, sound = 5000
+        real(dp) :: young, y, volume
+        logical, allocatable :: middle(:)
+
+        call metal(s%case, 'johnson_cook', [character(24) :: 'density', 'shear_modulus', 'a', 'b', &
+                   'n', 'c', 'm', 'melt_temperature', 'specific_heat', 'sound_speed', 's1', &
+                   'gruneisen_gamma', 'd1'], [rho, shear, a, b, 1.0_dp, 0.0_dp, 1.0_dp, &
+                   1000.0_dp, 1e7_dp, sound, 1.4_dp, 0.0_dp, last])
+        s%case%run%dimension = 3
+        s%case%run%symmetry = .true.
+        associate (body => s%case%bodies(1))
+            body%spacing = 0.002_dp/across
+            body%lo = -[half + 3*body%spacing, 0.002_dp, 0.002_dp]
+            body%hi = -body%lo
+            body%fix(1) = 'x+'
+            body%n_motion = 1
+            body%motion_velocity(1, 1) = rate*half
+        end associate
+        call choose(s%case, form)
+        call set_up_solid(s%case, s%solid, s%err)
+        s%solid%v(1, :) = real(min(rate*s%solid%x(1, :), rate*half), rk)
+        call begin(s)
+        do while (maxval(s%solid%damage) < 1 .and. s%time < 0.5_dp/rate .and. .not. failed(s%err))
+            call advance(s, s%time + 1e-3_dp/rate)
+        end do
+        middle = s%solid%x_ref(1, :) < half/2
+        young = rho*sound**2
+        young = 9*young*shear/(3*young + shear)
+        y = a + b*last
+        found%strain = log(sum(s%solid%x(1, :), middle)/sum(s%solid%x_ref(1, :), middle)) &
+                       /(last + y/young)
+        volume = sum(real(s%solid%mass, dp), middle)/rho
+        found%energy = sum(real(s%solid%mass*s%solid%energy, dp), middle)/volume &
+                       /(last*a + last**2*b/2 + y**2/(2*young))
+        call advance(s, s%time + 20e-6_dp)
+        call finish(s, seen)
+        found%pieces = pieces(s%solid, 1.6_dp)
+        found%failed = real(count(s%solid%damage >= 1), dp)/s%solid%n
+    end subroutine torn_bar
+
+    !> Aluminium cylinder of 10 mm through an aluminium plate of 2 mm at 3.1 km/s, in plane strain,
+    !> the half above its axis: the hole in the plate [m], twice the least height of the particles
+    !> that still hang together with its outer end.
+    subroutine hole(form, spacing, cutoff, times, holes, seen)
+        type(form_t), intent(in) :: form
+        real(dp), intent(in) :: spacing !! [m]
+        real(dp), intent(in) :: cutoff !! least pressure [Pa]
+        real(dp), intent(in) :: times(:) !! [s]
+        real(dp), intent(out) :: holes(:)
+        type(seen_t), intent(out) :: seen
+        type(scene_t) :: s
+        integer, allocatable :: heap(:)
+        integer :: k, outer
+
+        call metal(s%case, 'gruneisen', [character(24) :: 'density', 'sound_speed', 's1', &
+                   'gruneisen_gamma', 'shear_modulus', 'yield_stress', 'pressure_cutoff'], &
+                   [2785.0_dp, 5328.0_dp, 1.338_dp, 2.0_dp, 27.6e9_dp, 0.3e9_dp, cutoff])
+        s%case%run%dimension = 2
+        s%case%run%symmetry(2) = .true.
+        deallocate (s%case%bodies)
+        allocate (s%case%bodies(2), s%case%interactions(0))
+        s%case%bodies%id = [character(8) :: 'cylinder', 'plate']
+        s%case%bodies%material_index = 1
+        s%case%bodies%spacing = spacing
+        s%case%bodies(1)%shape = 'cylinder'
+        s%case%bodies(1)%centre = [-5e-3_dp - spacing/2, 0.0_dp, 0.5_dp]
+        s%case%bodies(1)%radius = 5e-3_dp
+        s%case%bodies(1)%length = 1
+        s%case%bodies(1)%velocity(1) = 3100
+        s%case%bodies(2)%lo = [spacing/2, -0.03_dp, 0.0_dp]
+        s%case%bodies(2)%hi = [2e-3_dp + spacing/2, 0.03_dp, 1.0_dp]
+        call choose(s%case, form)
+        call set_up_solid(s%case, s%solid, s%err)
+        call begin(s)
+        allocate (heap(s%solid%n))
+        holes = 0
+        do k = 1, size(times)
+            call advance(s, times(k))
+            if (failed(s%err)) exit
+            outer = maxloc(s%solid%x_ref(2, :), 1, owner(s%solid) == 2)
+            call heaps(s%solid, 1.6_dp, heap)
+            holes(k) = 2*minval(s%solid%x(2, :), mask=heap == heap(outer)) - spacing
+        end do
+        call finish(s, seen)
+    end subroutine hole
+
     !> Body of each particle.
     pure function owner(solid) result(body)
         type(solid_t), intent(in) :: solid
@@ -84,10 +187,21 @@ contains
     end function owner
 
     !> Heaps of particles of one body that hang together by distances below `reach` spacings.
-    integer function pieces(solid, reach) result(n)
+    integer function pieces(solid, reach)
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: reach
-        integer :: heap(solid%n), queue(solid%n), b, i, j, head, tail
+        integer :: heap(solid%n)
+
+        call heaps(solid, reach, heap)
+        pieces = maxval(heap)
+    end function pieces
+
+    !> Number of the heap of each particle.
+    subroutine heaps(solid, reach, heap)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: reach
+        integer, intent(out) :: heap(:)
+        integer :: queue(solid%n), b, i, j, n, head, tail
 
         n = 0
         heap = 0
@@ -112,5 +226,5 @@ contains
                 end do
             end do
         end do
-    end function pieces
+    end subroutine heaps
 end module solid_bodies
