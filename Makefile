@@ -156,6 +156,11 @@ charts-air: $(B)/tests/study/study_air
 	@mkdir -p docs/data
 	$< charts > $(B)/charts.csv && mv $(B)/charts.csv docs/data/air_accuracy.csv
 	$(PY) scripts/air_charts.py accuracy docs/data/air_accuracy.csv docs/figures/speed_accuracy_air.png
+taylor: $(B)/tests/study/study_taylor ## bars that strike a wall: particles, finite elements, experiment (15 minutes)
+	$< shapes > $(B)/taylor.csv && mv $(B)/taylor.csv docs/data/taylor_bars.csv
+	$< profiles > $(B)/taylor.csv && mv $(B)/taylor.csv docs/data/taylor_profiles.csv
+	$(PY) scripts/taylor_charts.py docs/data/taylor_bars.csv docs/data/taylor_profiles.csv \
+	    docs/data/taylor_experiment.csv docs/figures/taylor_copper.png
 validate: all ## blasts of TNT against the Kingery-Bulmash curves, recorded and drawn
 	$(PY) scripts/validate_air.py && $(PY) scripts/validate_reflection.py $(ARGS)
 python: all emulator ## tests of the Python tools and of the whole program

@@ -2,7 +2,7 @@
 !> Taylor bars: convergence of the particles towards finite elements of the same constants, as CSV.
 !>
 !> usage: study_taylor shapes [copper|steel]   lengths, feet, bulges, energies; both bars if absent
-!>        study_taylor profiles                surfaces of the copper bar
+!>        study_taylor profiles                surfaces of the copper bar, six per radius
 program study_taylor
     use brz_kinds, only: dp
     use omp_lib, only: omp_set_num_threads
@@ -76,13 +76,13 @@ contains
         type(seen_t) :: seen
 
         print '(a)', 'method,radius mm,height mm'
-        call element_bar(copper, 12, 'johnson_cook', shape)
+        call element_bar(copper, 6, 'johnson_cook', shape)
         call outline('finite elements', shape)
-        call element_bar(copper, 12, 'zerilli_armstrong', shape)
+        call element_bar(copper, 6, 'zerilli_armstrong', shape)
         call outline('finite elements, Zerilli-Armstrong', shape)
-        call particle_bar(copper, forms(5), 12, shape, seen)
+        call particle_bar(copper, forms(5), 6, shape, seen)
         call outline(forms(5)%label, shape)
-        call particle_bar(copper, forms(3), 12, shape, seen)
+        call particle_bar(copper, forms(3), 6, shape, seen)
         call outline(forms(3)%label, shape)
     end subroutine profiles
 
