@@ -49,7 +49,9 @@ def main(shapes, profiles, experiment, picture):
     for method, points in surfaces.items():
         r, z = zip(*points, strict=True)
         axes[3].plot(r, z, label=method)
-    measured = [(float(p["radius_mm"]), float(p["height_above_anvil_mm"])) for p in rows(experiment)]
+    measured = [
+        (float(p["radius_mm"]), float(p["height_above_anvil_mm"])) for p in rows(experiment)
+    ]
     r, z = zip(*[p for p in measured if p[0] > 0], strict=True)
     axes[3].plot(r, z, "k.", ms=6, label="experiment")
     axes[3].set(xlabel="radius [mm]", ylabel="height [mm]", title="surface at rest", xlim=(3, 8))
