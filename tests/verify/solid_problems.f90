@@ -224,7 +224,7 @@ contains
 
     !> Clamped square plate as a quarter: twice the time of its first half swing over the exact
     !> period, less 1. Without plies isotropic, side 20 thicknesses, against Mindlin's theory; else
-    !> 3 or 5 plies of carbon fibre at 0, 90, 0, ... degrees, side 10 thicknesses, against elasticity
+    !> 3 or 5 plies of carbon fibre at 0, 90, 0, ... degrees, side 10, against elasticity
     !> in space (scripts/plate_reference.py, extrapolated).
     subroutine plate(form, layers, seen, plies)
         type(form_t), intent(in) :: form
@@ -234,7 +234,8 @@ contains
         type(scene_t) :: s
         real(dp) :: w, w_old, exact, step, side, a
         integer :: i, middle, n
-        real(dp), parameter :: omega(0:5) = [10.586_dp, 0.0_dp, 0.0_dp, 4.084_dp, 0.0_dp, 4.338_dp]
+        real(dp), parameter :: omega(0:5) = [10.586_dp, 0.0_dp, 0.0_dp, 4.084_dp, 0.0_dp, &
+                                             4.338_dp]
 
         n = 0
         if (present(plies)) n = plies
