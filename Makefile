@@ -109,7 +109,7 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
 .PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden vectors
-.PHONY: charts charts-air charts-coupling stability stability-air validate
+.PHONY: charts charts-air charts-coupling stability stability-air validate point-blast
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
 	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
@@ -161,6 +161,8 @@ taylor: $(B)/tests/study/study_taylor ## bars that strike a wall: particles, fin
 	$< profiles > $(B)/taylor.csv && mv $(B)/taylor.csv docs/data/taylor_profiles.csv
 	$(PY) scripts/taylor_charts.py docs/data/taylor_bars.csv docs/data/taylor_profiles.csv \
 	    docs/data/taylor_experiment.csv docs/figures/taylor_copper.png
+point-blast: $(B)/tests/study/study_air ## the point blast up to 128^3 cells, recorded (a quarter of an hour)
+	$< sedov > $(B)/sedov.csv && mv $(B)/sedov.csv docs/data/point_blast.csv
 validate: all ## blasts of TNT against the Kingery-Bulmash curves, recorded and drawn
 	$(PY) scripts/validate_air.py && $(PY) scripts/validate_reflection.py $(ARGS)
 python: all emulator ## tests of the Python tools and of the whole program
