@@ -14,8 +14,10 @@ program study_taylor
     type(form_t), parameter :: forms(5) = [ &
         form_t('corrected_hourglass, alpha 1', 'corrected_hourglass', alpha=1), &
         form_t('corrected_hourglass, alpha 0.3', 'corrected_hourglass', alpha=0.3_dp), &
-        form_t('corrected_hourglass, balsara', 'corrected_hourglass', limiter='balsara'), &
-        form_t('bending, zeta 0.02, balsara', 'bending', zeta=0.02_dp, limiter='balsara'), &
+        form_t('corrected_hourglass, balsara', 'corrected_hourglass', alpha=1, &
+               limiter='balsara'), &
+        form_t('bending, zeta 0.02, balsara', 'bending', alpha=1, zeta=0.02_dp, &
+               limiter='balsara'), &
         form_t('total_lagrangian, zeta 0.02, alpha 0.3', 'total_lagrangian', alpha=0.3_dp, &
                zeta=0.02_dp)]
     character(20) :: what, which
@@ -82,8 +84,6 @@ contains
         call outline('finite elements, Zerilli-Armstrong', shape)
         call particle_bar(copper, forms(5), 6, shape, seen)
         call outline(forms(5)%label, shape)
-        call particle_bar(copper, forms(3), 6, shape, seen)
-        call outline(forms(3)%label, shape)
     end subroutine profiles
 
     subroutine outline(method, shape)
