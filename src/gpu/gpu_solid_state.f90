@@ -83,7 +83,12 @@ contains
     subroutine cannot_run_solid(solid, why)
         type(solid_t), intent(in) :: solid
         character(:), allocatable, intent(out) :: why
+        integer :: b
 
+        do b = 1, size(solid%bodies)
+            if (model_name(int(solid%materials(solid%bodies(b)%material)%model)) == '') &
+                why = "the material of body '"//trim(solid%bodies(b)%id)//"'"
+        end do
         if (any(solid%bodies%variable)) why = 'variable_h'
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
@@ -326,7 +331,7 @@ contains
         case (johnson_cook); name = 'johnson_cook'
         case (ideal_gas); name = 'ideal_gas'
         case (detonation_products); name = 'detonation_products'
-        case default; name = 'a model without a kernel'
+        case default; name = ''
         end select
     end function model_name
 

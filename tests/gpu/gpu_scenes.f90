@@ -19,7 +19,7 @@ module gpu_scenes
 
 contains
 
-    !> The solids of a deck at their start. Groups end with '/'; &run may be left out.
+    !> The solids of a deck at their start. Groups end with ' /'; &run may be left out.
     subroutine make_solid(text, solid, speed, asleep)
         character(*), intent(in) :: text
         type(solid_t), intent(out) :: solid
@@ -36,7 +36,7 @@ contains
         if (index(text, '&run') == 0) write (unit, '(a)') '&run t_end=1 /'
         at = 1
         do while (at <= len_trim(text))
-            next = at + index(text(at:), '/') - 1
+            next = at + index(text(at:), ' /')
             write (unit, '(a)') text(at:next)
             at = next + 1
         end do
