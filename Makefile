@@ -57,10 +57,10 @@ $(BIN): $(B)/obj/src/main.o $(LIB)
 $(LIB): $(OBJ)
 	$(call say,optimise $@)
 	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG)$(QUICK),,-fPIE -flinker-output=nolto-rel) -o $@ $(OBJ)
-gpu: $(PTX) ## build the GPU code (FMA=off: no contraction, for comparisons with the CPU)
+gpu: $(PTX) ## build the GPU code (FMA=off: no contraction; CUF=nvfortran: by that compiler, untested)
 $(PTX): $(SRC) $(KERNELS) $(wildcard cuda/*.ll) scripts/cuda_fortran.py scripts/gpu_build.py
 	@mkdir -p $(@D)
-	$(Q)$(PY) scripts/gpu_build.py --work build/gpu/ptx$(KIND) --out $@ --stamp $(STAMP) \
+	$(Q)$(PY) scripts/$(if $(filter nvfortran,$(CUF)),gpu_nvfortran,gpu_build).py --work build/gpu/ptx$(KIND) --out $@ --stamp $(STAMP) \
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(if $(filter off,$(FMA)),--no-fma) $(SRC) $(KERNELS)
 EMULATOR := build/gpu/emulator$(KIND)/libcuda.so.1
 emulator: $(EMULATOR) ## a CUDA driver that runs the kernels on the CPU: LD_LIBRARY_PATH=build/gpu/emulator

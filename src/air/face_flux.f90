@@ -10,7 +10,7 @@ module brz_face_flux
     use brz_products, only: face_fraction
     use brz_muscl, only: limited_slope
     use brz_reconstruction, only: face_value, thinness
-    use brz_scheme, only: first_order, hllc, scheme_t
+    use brz_scheme, only: first_order, hllc, scheme_t, weno3_cells
     use brz_steger_warming, only: split_flux
     use brz_wall_riemann, only: wall_flux
     implicit none
@@ -104,6 +104,7 @@ contains
             low(c) = face_value(scheme, c, down)
             high(c) = face_value(scheme, c, up)
         end do
+        if (scheme%reconstruction < weno3_cells) return ! between the values of cells
         if (thinness(w(1, 0), low(1), high(1)) <= 0 .and. &
             thinness(w(5, 0), low(5), high(5)) <= 0) return
         do c = 1, 5
