@@ -192,7 +192,8 @@ contains
         call fail(material%par, dt, h, e1, s0, s1, damage)
         mu = point%mu
         call volume_step(material%density, l, dt, mu, dv, v_mid)
-        if (mu < torn .and. material%fails == 1) call tear(material%par, s1, damage)
+        if (debris(material, point%mu)) call clear(s0)
+        if (debris(material, mu)) call tear(material%par, s1, damage)
         work = 0
         loss = 0
         do i = 1, 6
@@ -201,6 +202,7 @@ contains
         end do
         point%damage = total_damage(damage)
         if (.not. point%damage > 0) loss = 0
+        if (debris(material, mu)) call forget(mu, e1)
         call add_excess(material, mu, dv, work*v_mid, damage, s1, point, status)
         if (status > 0) return
         call rotate_voigt(last, s1)
@@ -212,22 +214,53 @@ contains
         call store_history(axes, e1, damage, point%hist)
     end subroutine update_orthotropic_ply
 
-    !> A ply that takes up half as much volume again is debris: every mode has failed, and no stress
-    !> is left. What it had stored is booked as damage.
+    !> A ply that can fail and takes up half as much volume again is debris: no stress is left, and
+    !> what it had stored is booked as damage.
     !@cuf attributes(host,device) &
-    pure subroutine tear(par, s, damage)
-        real(rk), intent(in) :: par(n_par)
-        real(rk), intent(inout) :: s(6) !! [Pa]
-        real(rk), intent(inout) :: damage(n_modes)
+    pure function debris(material, mu) result(yes)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: mu !! compression
+        logical :: yes
+
+        yes = mu < torn .and. material%fails == 1
+    end function debris
+
+    !@cuf attributes(host,device) &
+    pure subroutine clear(s)
+        real(rk), intent(out) :: s(6)
         integer :: i
 
         do i = 1, 6
             s(i) = 0
         end do
+    end subroutine clear
+
+    !@cuf attributes(host,device) &
+    pure subroutine tear(par, s, damage)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(out) :: s(6)
+        real(rk), intent(inout) :: damage(n_modes)
+        integer :: i
+
+        call clear(s)
         do i = 1, n_modes
             damage(i) = par(p_limit)
         end do
     end subroutine tear
+
+    !> Of the strain of debris the change of volume alone is kept, as an opening of the ply: only
+    !> what is closed again resists.
+    !@cuf attributes(host,device) &
+    pure subroutine forget(mu, strain)
+        real(rk), intent(in) :: mu
+        real(rk), intent(out) :: strain(6)
+        integer :: i
+
+        do i = 1, 6
+            strain(i) = 0
+        end do
+        strain(3) = -log(1 + mu)
+    end subroutine forget
 
     !> New compression, energy and wave speeds; the excess of a shock pressure over the linear law.
     !>
