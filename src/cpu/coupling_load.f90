@@ -5,10 +5,11 @@ module brz_coupling_load
     use brz_coupling_columns, only: area, face_above, weight_of
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: solid_t, worth_threads
+    use brz_solid_sleep, only: wake_met
+    use brz_solid_state, only: body_t, solid_t, worth_threads
     implicit none
     private
-    public :: spread_load, load_is_negligible
+    public :: spread_load, wake_loaded
 
 contains
 
@@ -94,20 +95,55 @@ contains
         coupling%impulse_reference = coupling%impulse_reference + taken
     end subroutine account
 
-    !> True when no wall face feels more than rounding above or below the reference pressure.
-    pure logical function load_is_negligible(air, coupling, dt)
+    !> Wake the bodies with a load beyond rounding on one of their particles, and what they meet.
+    subroutine wake_loaded(air, solid, coupling, dt)
         type(air_t), intent(in) :: air
+        type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(in) :: coupling
         real(dp), intent(in) :: dt !! step over which the impulses were added up [s]
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            if (solid%bodies(b)%asleep) &
+                solid%bodies(b)%asleep = .not. is_loaded(air, coupling, dt, solid%bodies(b))
+        end do
+        call wake_met(solid)
+    end subroutine wake_loaded
+
+    !> True where a particle of the body lies in the column of a wall face that feels more than
+    !> rounding above or below the reference pressure.
+    pure logical function is_loaded(air, coupling, dt, body)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        real(dp), intent(in) :: dt !! [s]
+        type(body_t), intent(in) :: body
+        integer :: d, f, p, s
+
+        is_loaded = .true.
+        do p = body%first, body%last
+            if (coupling%place_of(p) == 0) cycle
+            do d = 1, 3
+                if (air%n(d) == 1) cycle
+                do s = -1, 1, 2
+                    f = face_above(air, coupling, d, s, coupling%place_of(p))
+                    if (f == 0) cycle
+                    if (feels(air, coupling, dt, f)) return
+                end do
+            end do
+        end do
+        is_loaded = .false.
+    end function is_loaded
+
+    !> True for a wall face with more than rounding above or below the reference pressure.
+    pure logical function feels(air, coupling, dt, f)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        real(dp), intent(in) :: dt !! [s]
+        integer, intent(in) :: f !! wall face
         real(dp), parameter :: negligible = 1e-9_dp !! of the reference pressure
         real(dp) :: reference
-        integer :: f
 
-        load_is_negligible = .false.
-        do f = 1, coupling%wall%n_faces
-            reference = coupling%reference_pressure*area(air, coupling%wall%face(4, f))*dt
-            if (abs(coupling%wall%impulse(f) - reference) > negligible*reference) return
-        end do
-        load_is_negligible = .true.
-    end function load_is_negligible
+        reference = coupling%reference_pressure*area(air, coupling%wall%face(4, f))*dt
+        feels = abs(coupling%wall%impulse(f) - reference) > negligible*reference
+    end function feels
 end module brz_coupling_load

@@ -35,6 +35,7 @@ contains
         if (.not. solid%links%present) return
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
         do k = 1, size(solid%block, 2)
+            if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
                 if (solid%links%first(i + 1) > solid%links%first(i)) call press(solid, i)
             end do
@@ -44,6 +45,7 @@ contains
         !$omp reduction(min: limit)
         do k = 1, size(solid%block, 2)
             solid%search%sums(1:3, k) = 0
+            if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
                 if (solid%links%first(i + 1) > solid%links%first(i)) then
                     call add_up(solid, dt, i, solid%search%sums(:, k), limit)

@@ -65,7 +65,7 @@ contains
         integer :: i
 
         solid%search%sums(:, k) = 0
-        if (body%formulation == form_rigid) return
+        if (body%formulation == form_rigid .or. body%asleep .and. dt > 0) return
         p%scale = kernel_scale(body%h, solid%dimension)
         p%half_over_h = 1/(2*body%h)
         p%h = body%h

@@ -27,20 +27,32 @@ module brz_solid_gradients
 
 contains
 
-    !> One pass over all particles; with dt = 0 nothing is updated and only `pair` is written.
+    !> One pass over all particles that are awake; with dt = 0 over all, nothing is updated and only
+    !> `pair` is written.
     subroutine gradient_pass(solid, dt)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
-        real(dp) :: limit
         integer :: k
 
         call fill_near(solid)
-        limit = huge(limit)
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) reduction(min: limit)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static)
         do k = 1, size(solid%block, 2)
-            call gradient_block(solid, solid%bodies(solid%block(1, k)), dt, k, limit)
+            associate (body => solid%bodies(solid%block(1, k)))
+                solid%search%limit(k) = body%dt_limit
+                solid%search%sums(:, k) = 0
+                solid%search%bad(k) = 0
+                if (body%asleep .and. dt > 0) cycle
+                solid%search%limit(k) = huge(dt)
+                call gradient_block(solid, body, dt, k, solid%search%limit(k))
+            end associate
         end do
-        solid%dt_limit = limit
+        solid%bodies%dt_limit = huge(dt)
+        do k = 1, size(solid%block, 2)
+            associate (body => solid%bodies(solid%block(1, k)))
+                body%dt_limit = min(body%dt_limit, solid%search%limit(k))
+            end associate
+        end do
+        solid%dt_limit = minval(solid%bodies%dt_limit)
         if (dt > 0) call book_work(solid)
     end subroutine gradient_pass
 
@@ -85,8 +97,6 @@ contains
         real(rk) :: sums(n_terms)
         integer :: i
 
-        solid%search%sums(:, k) = 0
-        solid%search%bad(k) = 0
         if (body%formulation == form_rigid) then
             limit = min(limit, real(body%cfl*body%h, dp)/solid%materials(body%material)%c_wave)
             return

@@ -84,8 +84,10 @@ contains
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, d) &
         !$omp reduction(max: far)
         do k = 1, size(solid%block, 2)
-            if (solid%bodies(solid%block(1, k))%formulation == form_total .and. &
-                .not. solid%links%present) cycle
+            associate (body => solid%bodies(solid%block(1, k)))
+                if (body%asleep) cycle
+                if (body%formulation == form_total .and. .not. solid%links%present) cycle
+            end associate
             do i = solid%block(2, k), solid%block(3, k)
                 d = solid%x(:, i) - solid%x_built(:, i)
                 far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))

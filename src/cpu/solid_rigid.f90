@@ -25,6 +25,7 @@ contains
 
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
+                if (body%asleep) cycle
                 if (body%motion%n > 0) then
                     v = mean_velocity(body%motion, solid%time, dt)
                     call book_drive(body, solid%time, dt, v)
@@ -103,6 +104,7 @@ contains
 
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
+                if (body%asleep .and. dt > 0) cycle
                 if (body%formulation == form_rigid) call balance_body(solid, body, dt)
                 if (body%motion%n > 0) call balance_drive(solid, body, b, dt)
             end associate

@@ -15,6 +15,7 @@ module brz_solid_step
     use brz_solid_links, only: first_bonds
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
     use brz_solid_rigid, only: balance_rigid, move_rigid
+    use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: form_bending, form_rigid, intact_share, solid_t, worth_threads
     implicit none
     private
@@ -91,6 +92,7 @@ contains
         if (needs_rebuild(solid)) then
             call build_neighbours(solid, sort=.true.)
             solid%rebuilds = solid%rebuilds + 1
+            call wake_met(solid)
             call end_support(solid)
         end if
         call gradient_pass(solid, dt)
@@ -114,7 +116,9 @@ contains
         do k = 1, size(solid%block, 2)
             work = 0
             solid%search%sums(1, k) = 0
-            if (solid%bodies(solid%block(1, k))%formulation == form_rigid) cycle
+            associate (body => solid%bodies(solid%block(1, k)))
+                if (body%formulation == form_rigid .or. body%asleep) cycle
+            end associate
             do i = solid%block(2, k), solid%block(3, k)
                 if (solid%fixed(i) == 1) cycle
                 v = solid%v(:, i)

@@ -12,7 +12,7 @@ module brz_checkpoint_state
     use brz_errors, only: error_t, failed
     use brz_hdf5_array, only: h5_shape
     use brz_hdf5_file, only: h5_t
-    use brz_kinds, only: dp, int64
+    use brz_kinds, only: dp, int8, int64
     use brz_solid_state, only: ledger_t, solid_t
     implicit none
     private
@@ -53,7 +53,6 @@ contains
         call carry(file, 'solid/time', solid%time, err)
         call carry(file, 'solid/dt_last', solid%dt_last, err)
         call carry(file, 'solid/dt_limit', solid%dt_limit, err)
-        call carry(file, 'solid/asleep', solid%asleep, err)
         call carry(file, 'solid/steps', solid%steps, err)
         call carry(file, 'solid/rebuilds', solid%rebuilds, err)
         call carry(file, 'solid/x', solid%x, err)
@@ -86,18 +85,25 @@ contains
         type(error_t), intent(inout) :: err
         type(ledger_t), parameter :: empty = ledger_t()
         integer, parameter :: n = size(transfer(empty, [0.0_dp])) ! all components are real(dp)
-        real(dp) :: sums(3 + n, size(solid%bodies))
+        real(dp) :: sums(3 + n, size(solid%bodies)), limit(size(solid%bodies))
+        integer(int8) :: asleep(size(solid%bodies))
         integer :: b
 
         do b = 1, size(solid%bodies)
             sums(1:3, b) = solid%bodies(b)%reaction
             sums(4:, b) = transfer(solid%bodies(b)%ledger, sums(4:, b))
         end do
+        limit = solid%bodies%dt_limit
+        asleep = merge(1_int8, 0_int8, solid%bodies%asleep)
         call carry(file, 'solid/body_sums', sums, err)
+        call carry(file, 'solid/body_limit', limit, err)
+        call carry(file, 'solid/body_asleep', asleep, err)
         do b = 1, size(solid%bodies)
             solid%bodies(b)%reaction = sums(1:3, b)
             solid%bodies(b)%ledger = transfer(sums(4:, b), empty)
         end do
+        solid%bodies%dt_limit = limit
+        solid%bodies%asleep = asleep == 1
         call carry_rigid(file, solid, err)
     end subroutine carry_bodies
 

@@ -49,7 +49,6 @@ contains
             call move_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
             call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
         end do
-        solid%asleep = .not. any(abs(solid%v) > 0)
         do b = 1, size(solid%bodies)
             call set_up_rigid(case%bodies(b), points(b)%shape%on_plane, solid, solid%bodies(b), err)
         end do

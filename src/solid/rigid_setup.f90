@@ -30,7 +30,6 @@ contains
         end if
         if (body%formulation == form_rigid) call make_rigid(input, on_plane, solid, body, err)
         if (body%motion%n == 0) return
-        solid%asleep = .false.
         do i = body%first, body%last
             if (body%formulation /= form_rigid .and. solid%fixed(i) == 0) cycle
             body%motion%mass = body%motion%mass + solid%mass(i)

@@ -100,7 +100,8 @@ contains
         integer :: b, i, n
 
         n = sum((solid%bodies%last - solid%bodies%first + block_size)/block_size)
-        allocate (solid%block(3, n), solid%search%sums(n_sum, n), solid%search%bad(n))
+        allocate (solid%block(3, n), solid%search%sums(n_sum, n), solid%search%limit(n), &
+                  solid%search%bad(n))
         n = 0
         do b = 1, size(solid%bodies)
             do i = solid%bodies(b)%first, solid%bodies(b)%last, block_size

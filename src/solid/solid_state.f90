@@ -80,6 +80,8 @@ module brz_solid_state
         real(rk) :: artificial_strength = 0, artificial_power = 0
         real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)
         real(rk) :: cfl = 0.4_rk
+        logical :: asleep = .false. !! unloaded and at rest: left out of the steps
+        real(dp) :: dt_limit = 0 !! largest stable time step times the CFL number [s]
         real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
         type(ledger_t) :: ledger
         type(rigid_t) :: rigid !! of a rigid body
@@ -96,6 +98,7 @@ module brz_solid_state
         integer, allocatable :: order(:) !! (n) particles cell by cell
         integer(int8), allocatable :: b(:) !! (n) buffer for sorting
         real(dp), allocatable :: sums(:, :) !! (sums, blocks) partial sums of a pass
+        real(dp), allocatable :: limit(:) !! (blocks) largest stable time step [s]
         integer, allocatable :: bad(:) !! (blocks) first particle with an impossible state, 0: none
     end type search_t
 
@@ -125,13 +128,12 @@ module brz_solid_state
         real(dp) :: depth = 1 !! extent of directions that are not modelled, multiplied [m or m2]
         real(dp) :: time = 0 !! since the start, of the steps taken [s]
         real(dp) :: dt_last = 0 !! last time step [s]
-        real(dp) :: dt_limit = 0 !! largest stable time step times the CFL numbers, part of a
+        real(dp) :: dt_limit = 0 !! the smallest of the bodies' and that of contact, part of a
                                  !! checkpoint [s]
         real(dp) :: skin = 0 !! of the neighbour list [m]
         !> Corners of the region whose leaving is reported [m].
         real(dp) :: region(3, 2) = reshape([-huge(1.0_dp), -huge(1.0_dp), -huge(1.0_dp), &
                                             huge(1.0_dp), huge(1.0_dp), huge(1.0_dp)], [3, 2])
-        logical :: asleep = .true. !! unloaded and at rest: no steps are taken
         integer(int64) :: steps = 0, rebuilds = 0
         type(body_t), allocatable :: bodies(:)
         type(material_t), allocatable :: materials(:)

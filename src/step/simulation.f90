@@ -12,6 +12,7 @@ module brz_simulation
     use brz_errors, only: error_t, failed
     use brz_ledger, only: ledger_start_t
     use brz_progress, only: progress_t
+    use brz_solid_sleep, only: put_to_sleep
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: start_solid
     use brz_start_1d, only: early_t, start_from_1d
@@ -51,6 +52,6 @@ contains
         call start_solid(sim%solid, err)
         if (failed(err)) return
         call set_up_coupling(sim%case, sim%air, sim%solid, sim%coupling, err)
-        if (.not. sim%coupling%present .or. sim%coupling%paper) sim%solid%asleep = .false.
+        if (sim%coupling%present .and. .not. sim%coupling%paper) call put_to_sleep(sim%solid)
     end subroutine set_up_simulation
 end module brz_simulation

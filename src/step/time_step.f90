@@ -5,12 +5,13 @@ module brz_time_step
     use brz_air_state, only: air_ok
     use brz_backend, only: advance_air, advance_solid, hand_back, limit_of_air
     use brz_coupling_events, only: reclassify
-    use brz_coupling_load, only: load_is_negligible, spread_load
+    use brz_coupling_load, only: spread_load, wake_loaded
     use brz_coupling_paper, only: move_paper_walls, paper_step
     use brz_coupling_velocity, only: set_wall_velocity
     use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_kinds, only: dp, int64
     use brz_simulation, only: simulation_t
+    use brz_solid_sleep, only: particles_awake
     use brz_solid_step, only: solid_time_step
     use brz_text, only: to_text
     use brz_timer, only: lap, wall_seconds
@@ -80,7 +81,7 @@ contains
             sim%limiter = merge('air   ', 'solid ', sim%air%present)
         end if
         call check_floor(sim, dt, trim(sim%limiter), err)
-        if (sim%solid%present .and. .not. sim%solid%asleep) &
+        if (particles_awake(sim%solid) > 0) &
             call check_floor(sim, solid_time_step(sim%solid), 'solid', err)
         if (failed(err)) return
         left = sim%case%run%t_end - sim%clock%time
@@ -89,7 +90,7 @@ contains
             sim%limiter = 'end'
         end if
         sim%substeps = 0
-        if (sim%solid%present .and. .not. sim%solid%asleep) sim%substeps = substeps(sim, dt)
+        if (particles_awake(sim%solid) > 0) sim%substeps = substeps(sim, dt)
     end subroutine choose_time_step
 
     !> A time step that has collapsed ends the run; the state before it is intact.
@@ -150,19 +151,18 @@ contains
                    state//'; try a smaller cfl or finer cells, or a larger ramp_steps')
     end subroutine report_lost_cell
 
-    !> Hand the impulse of this step to the particles, and wake the solid when there is one.
+    !> Hand the impulse of this step to the particles, and wake the bodies that feel it.
     subroutine load_solid(sim, dt)
         type(simulation_t), intent(inout) :: sim
         real(dp), intent(in) :: dt !! [s]
 
         call spread_load(sim%air, sim%solid, sim%coupling, dt)
-        if (.not. sim%solid%asleep) return
-        if (load_is_negligible(sim%air, sim%coupling, dt)) return
-        sim%solid%asleep = .false.
-        sim%substeps = substeps(sim, dt)
+        if (.not. any(sim%solid%bodies%asleep)) return
+        call wake_loaded(sim%air, sim%solid, sim%coupling, dt)
+        if (particles_awake(sim%solid) > 0) sim%substeps = substeps(sim, dt)
     end subroutine load_solid
 
-    !> Sub-steps of the solid under the constant load of this step; none while it is asleep.
+    !> Sub-steps of the solid under the constant load of this step; none while all of it is asleep.
     subroutine step_solid(sim, dt, err)
         type(simulation_t), intent(inout) :: sim
         real(dp), intent(in) :: dt !! [s]
@@ -174,6 +174,6 @@ contains
             if (failed(err)) return
         end do
         sim%progress%particle_steps = sim%progress%particle_steps + &
-                                      int(sim%substeps, int64)*sim%solid%n
+                                      sim%substeps*particles_awake(sim%solid)
     end subroutine step_solid
 end module brz_time_step

@@ -1,0 +1,70 @@
+! SPDX-License-Identifier: MIT
+!> Bodies that sleep: unloaded and at rest they are left out of the steps, and nothing else changes by
+!> a bit. A body wakes for good when a load reaches it or a body that is awake comes within reach.
+module brz_solid_sleep
+    use brz_kinds, only: int64
+    use brz_solid_state, only: body_t, solid_t
+    implicit none
+    private
+    public :: put_to_sleep, wake_met, particles_awake
+
+contains
+
+    !> Put the bodies to sleep that are at rest, are not driven and meet none that moves.
+    subroutine put_to_sleep(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b))
+                body%asleep = body%motion%n == 0 .and. &
+                              .not. any(abs(solid%v(:, body%first:body%last)) > 0)
+            end associate
+        end do
+        call wake_met(solid)
+    end subroutine put_to_sleep
+
+    !> Wake the bodies that have links with one that is awake, and those that these have links with.
+    subroutine wake_met(solid)
+        type(solid_t), intent(inout) :: solid
+        logical :: again
+        integer :: b
+
+        if (.not. solid%links%present) return
+        again = any(solid%bodies%asleep)
+        do while (again)
+            again = .false.
+            do b = 1, size(solid%bodies)
+                if (.not. solid%bodies(b)%asleep) cycle
+                solid%bodies(b)%asleep = .not. meets_awake(solid, solid%bodies(b))
+                again = again .or. .not. solid%bodies(b)%asleep
+            end do
+        end do
+    end subroutine wake_met
+
+    !> True where a particle of the body has a link with a particle of a body that is awake.
+    pure logical function meets_awake(solid, body)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        integer(int64) :: k
+
+        meets_awake = .true.
+        do k = solid%links%first(body%first), solid%links%first(body%last + 1) - 1
+            if (.not. solid%bodies(solid%links%body(solid%links%list(k)))%asleep) return
+        end do
+        meets_awake = .false.
+    end function meets_awake
+
+    !> Particles that take steps.
+    pure integer(int64) function particles_awake(solid) result(n)
+        type(solid_t), intent(in) :: solid
+        integer :: b
+
+        n = 0
+        if (.not. solid%present) return
+        do b = 1, size(solid%bodies)
+            if (.not. solid%bodies(b)%asleep) &
+                n = n + solid%bodies(b)%last - solid%bodies(b)%first + 1
+        end do
+    end function particles_awake
+end module brz_solid_sleep
