@@ -109,7 +109,7 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
 .PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden vectors
-.PHONY: charts charts-air charts-coupling stability stability-air validate point-blast
+.PHONY: charts charts-air charts-solid charts-coupling stability stability-air validate point-blast
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
 	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
@@ -149,13 +149,17 @@ vectors: $(if $(DEBUG)$(QUICK),,$(LIB)) ## are the pair loops of the solid still
 	@$(if $(DEBUG)$(QUICK),echo 'skipped: not in this build',$(PY) scripts/vectors.py $(LIB))
 golden: all ## write the golden curves of tests/golden anew from inputs/material
 	@$(PY) tests/python/golden.py
-charts: charts-air ## error against seconds of every scheme, recorded and drawn
+charts: charts-air charts-solid ## error against seconds of every scheme, recorded and drawn
 charts-coupling: all ## the studies of docs/coupling.md (an hour of one core)
 	$(PY) scripts/coupling_charts.py paper steps panel plate
 charts-air: $(B)/tests/study/study_air
 	@mkdir -p docs/data
 	$< charts > $(B)/charts.csv && mv $(B)/charts.csv docs/data/air_accuracy.csv
 	$(PY) scripts/air_charts.py accuracy docs/data/air_accuracy.csv docs/figures/speed_accuracy_air.png
+charts-solid: $(B)/tests/study/study_solid
+	@mkdir -p docs/data
+	(export OMP_NUM_THREADS=1; $< charts && $< plates) > $(B)/charts.csv && mv $(B)/charts.csv docs/data/solid_accuracy.csv
+	$(PY) scripts/solid_charts.py docs/data/solid_accuracy.csv docs/figures/speed_accuracy_solid.png
 taylor: $(B)/tests/study/study_taylor ## bars that strike a wall: particles, finite elements, experiment (15 minutes)
 	$< shapes > $(B)/taylor.csv && mv $(B)/taylor.csv docs/data/taylor_bars.csv
 	$< profiles > $(B)/taylor.csv && mv $(B)/taylor.csv docs/data/taylor_profiles.csv
