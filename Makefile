@@ -149,7 +149,7 @@ vectors: $(if $(DEBUG)$(QUICK),,$(LIB)) ## are the pair loops of the solid still
 	@$(if $(DEBUG)$(QUICK),echo 'skipped: not in this build',$(PY) scripts/vectors.py $(LIB))
 golden: all ## write the golden curves of tests/golden anew from inputs/material
 	@$(PY) tests/python/golden.py
-charts: charts-air charts-solid ## error against seconds of every scheme, recorded and drawn (a quarter of an hour)
+charts: charts-air charts-solid ## error against seconds of every scheme, recorded and drawn (the solids: nine minutes)
 charts-coupling: all ## the studies of docs/coupling.md (an hour of one core)
 	$(PY) scripts/coupling_charts.py paper steps panel plate
 charts-air: $(B)/tests/study/study_air
