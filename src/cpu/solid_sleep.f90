@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Bodies that sleep: unloaded and at rest they are left out of the steps, and nothing else changes
-!> by a bit. A body wakes for good when a load reaches it or a body that is awake comes within reach.
+!> by a bit. A body wakes for good when a load reaches it or a body that is awake comes within
+!> reach.
 module brz_solid_sleep
     use brz_kinds, only: int64
     use brz_solid_state, only: body_t, solid_t

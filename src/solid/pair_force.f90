@@ -132,7 +132,7 @@ contains
             do i = 1, 3
                 n(i) = f(i, 1)*e(1, a) + f(i, 2)*e(2, a) + f(i, 3)*e(3, a)
             end do
-            c = z(a)/max(n(1)*n(1) + n(2)*n(2) + n(3)*n(3), tiny(c))
+            c = z(a)/max(n(1)*n(1) + n(2)*n(2) + n(3)*n(3), sqrt(tiny(c))) ! finite without n
             k(1) = k(1) + c*n(1)*n(1)
             k(2) = k(2) + c*n(2)*n(2)
             k(3) = k(3) + c*n(3)*n(3)
