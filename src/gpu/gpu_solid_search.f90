@@ -133,7 +133,7 @@ contains
         type(error_t), intent(inout) :: err
         type(grid_gpu_t) :: grid
         type(arguments_t) :: arguments
-        real(dp) :: part(sum_threads, 9), box(3, 2)
+        real(dp) :: part(sum_threads, 6), box(3, 2)
         integer :: n
 
         associate (body => gpu%bodies(b))
@@ -154,7 +154,7 @@ contains
         box(:, 1) = minval(part(:, 1:3), 1)
         box(:, 2) = maxval(part(:, 4:6), 1)
         call copy_in(box, gpu%box, 48_int64, err)
-        call choose_cells(solid%search, box(:, 1), box(:, 2), sum(part(:, 7:9), 1)/n, n, reach)
+        call choose_cells(solid%search, box(:, 1), box(:, 2), n, reach)
         grid%cells = solid%search%cells
         grid%stride = size(solid%search%code, 1)
         grid%mirror = merge(1, 0, solid%mirror)

@@ -1,16 +1,19 @@
 ! SPDX-License-Identifier: MIT
 !> Cells over the particles of one body, along a Morton curve: near in space is near in memory.
 !>
-!> The grid covers the body, or its middle part when fragments fly far; what lies outside counts
-!> as being in the outermost cells, which keeps neighbours in neighbouring cells.
+!> The grid repeats itself in space. It covers the body and one empty cell more along each axis;
+!> where fragments fly so far that this takes too many cells, parts of space share cells, evenly.
+!> Neighbours are in neighbouring cells either way.
 module brz_cell_grid
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64
     use brz_solid_state, only: body_t, form_total, search_t, solid_t
     implicit none
     private
-    public :: lay_grid, choose_cells, fill_cells, cell_span, cell_along, reach_of_lists
+    public :: lay_grid, choose_cells, fill_cells, cell_span, cell_along, cells_beyond, &
+        reach_of_lists
 
     integer, parameter :: cells_per_particle = 2 !! most cells, empty ones included
+    real(dp), parameter :: farthest = 1e15_dp !! [sides of a cell]: whole numbers of real64 end here
 
 contains
 
@@ -32,33 +35,31 @@ contains
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: size !! side of a cell [m]
-        real(dp) :: lo(3), hi(3), centre(3)
+        real(dp) :: lo(3), hi(3)
         integer :: a
 
         do a = 1, 3
             lo(a) = minval(x(a, body%first:body%last))
             hi(a) = maxval(x(a, body%first:body%last))
-            centre(a) = sum(x(a, body%first:body%last))/(body%last - body%first + 1)
         end do
-        call choose_cells(s, lo, hi, centre, body%last - body%first + 1, size)
+        call choose_cells(s, lo, hi, body%last - body%first + 1, size)
     end subroutine lay_grid
 
-    !> The same from the extent of the body. Too many cells are cut down to those about its centre.
-    subroutine choose_cells(s, lo, hi, centre, n, size)
+    !> The same from the extent of the body.
+    subroutine choose_cells(s, lo, hi, n, size)
         type(search_t), intent(inout) :: s
-        real(dp), intent(in) :: lo(3), hi(3), centre(3) !! corners, mean position [m]
+        real(dp), intent(in) :: lo(3), hi(3) !! corners [m]
         integer, intent(in) :: n !! particles
         real(dp), intent(in) :: size !! side of a cell [m]
         integer :: a, most
 
         s%lo = lo
         s%size = size
-        s%cells = int(min((hi - lo)/size, 1e6_dp)) + 1
+        s%cells = int(min((hi - lo)/size, 1e6_dp)) + 2
         most = max(512, cells_per_particle*n)
         do while (product(real(padded(s%cells), dp)) > most)
             a = maxloc(s%cells, 1)
             s%cells(a) = max(1, s%cells(a)/2)
-            s%lo(a) = centre(a) - s%cells(a)*size/2
         end do
         call number_cells(s)
     end subroutine choose_cells
@@ -74,14 +75,15 @@ contains
     end function padded
 
     !> Share of each axis in the number of a cell: its bits interleaved with those of the others.
+    !> The tables go on for a second period, so that a span of cells may run across the end.
     subroutine number_cells(s)
         type(search_t), intent(inout) :: s
         integer :: a, c, level, place(0:31, 3), p, bits(3)
 
         if (allocated(s%code)) then
-            if (size(s%code, 1) < maxval(s%cells)) deallocate (s%code)
+            if (size(s%code, 1) < 2*maxval(s%cells)) deallocate (s%code)
         end if
-        if (.not. allocated(s%code)) allocate (s%code(0:2*maxval(s%cells) - 1, 3))
+        if (.not. allocated(s%code)) allocate (s%code(0:4*maxval(s%cells) - 1, 3))
         bits = trailz(padded(s%cells))
         p = 0
         do level = 0, maxval(bits) - 1
@@ -97,6 +99,7 @@ contains
                 do level = 0, bits(a) - 1
                     if (btest(c, level)) s%code(c, a) = ibset(s%code(c, a), place(level, a))
                 end do
+                s%code(c + s%cells(a), a) = s%code(c, a)
             end do
         end do
         if (allocated(s%start)) then
@@ -148,27 +151,45 @@ contains
         end do
     end function place
 
-    !> Cell of a coordinate along one axis, from 0, held inside the grid; what is no number is in
-    !> the first.
+    !> Cell of a coordinate along one axis, from 0; what is no number is in the first.
     !@cuf attributes(host,device) &
     pure function cell_along(x, lo, size, cells) result(c)
         real(dp), intent(in) :: x, lo, size !! coordinate, low corner, side of a cell [m]
-        integer, intent(in) :: cells
+        integer, intent(in) :: cells !! in a period
         integer :: c
         real(dp) :: t
 
         c = 0
         t = (x - lo)/size
-        if (t > 0) c = int(min(t, real(cells - 1, dp)))
+        if (abs(t) < farthest) c = min(int(t - cells*real(floor(t/cells, int64), dp)), cells - 1)
     end function cell_along
+
+    !> Cells along one axis after that of x - reach that hold what is within the reach of x, each
+    !> cell once.
+    !@cuf attributes(host,device) &
+    pure function cells_beyond(x, reach, lo, size, cells) result(n)
+        real(dp), intent(in) :: x, reach, lo, size !! low corner, side of a cell [m]
+        integer, intent(in) :: cells !! in a period
+        integer :: n
+        real(dp) :: low, high
+
+        n = 0
+        low = (x - reach - lo)/size
+        high = (x + reach - lo)/size
+        if (abs(low) < farthest .and. abs(high) < farthest) &
+            n = int(min(floor(high, int64) - floor(low, int64), int(cells - 1, int64)))
+    end function cells_beyond
 
     !> Cells lo..hi along each axis that hold everything within a reach of a point.
     pure subroutine cell_span(s, x, reach, lo, hi)
         type(search_t), intent(in) :: s
         real(dp), intent(in) :: x(3), reach !! [m]
         integer, intent(out) :: lo(3), hi(3)
+        integer :: a
 
         lo = place(s, x - reach)
-        hi = place(s, x + reach)
+        do a = 1, 3
+            hi(a) = lo(a) + cells_beyond(x(a), reach, s%lo(a), s%size, s%cells(a))
+        end do
     end subroutine cell_span
 end module brz_cell_grid
