@@ -36,14 +36,17 @@ contains
         end associate
     end subroutine build_links
 
-    !> Count or store, for every particle, its links with one body after the other.
+    !> Count or store, for every particle, its links with one body after the other; note which
+    !> bodies have some.
     subroutine visit_bodies(solid, keep)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: keep
         real(dp) :: lo(3), hi(3), reach
         integer(int64) :: last
         integer :: a, b, c, i, m
+        logical :: met
 
+        solid%links%met = .false.
         do b = 1, size(solid%bodies)
             if (all(solid%links%table(:, b)%law == law_none)) cycle
             reach = 2*real(maxval(solid%links%table(:, b)%h), dp) + solid%skin
@@ -56,16 +59,19 @@ contains
             do a = 1, size(solid%bodies)
                 if (solid%links%table(a, b)%law == law_none) cycle
                 reach = 2*real(solid%links%table(a, b)%h, dp) + solid%skin
+                met = .false.
                 !$omp parallel do if(solid%n >= worth_threads) schedule(static) &
-                !$omp private(last, m)
+                !$omp private(last, m) reduction(.or.: met)
                 do i = solid%bodies(a)%first, solid%bodies(a)%last
                     last = solid%links%first(i + 1)
                     do m = 0, 7
                         if (near(solid, i, m, lo - reach, hi + reach)) &
                             call search(solid, i, m, reach, keep, last)
                     end do
+                    met = met .or. last > solid%links%first(i + 1)
                     solid%links%first(i + 1) = last
                 end do
+                solid%links%met(a, b) = met
             end do
         end do
     end subroutine visit_bodies

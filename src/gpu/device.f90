@@ -49,8 +49,8 @@ module brz_device
         integer(c_int64_t) :: value(most_words) = 0
     contains
         procedure :: add_structure
-        procedure, private :: add_integer, add_long, add_single, add_double, add_buffer
-        generic :: add => add_integer, add_long, add_single, add_double, add_buffer
+        procedure, private :: add_integer, add_long, add_single, add_double, add_buffer, add_buffers
+        generic :: add => add_integer, add_long, add_single, add_double, add_buffer, add_buffers
     end type arguments_t
 
 contains
@@ -107,6 +107,16 @@ contains
 
         call self%add_long(int(x%address, c_int64_t))
     end subroutine add_buffer
+
+    subroutine add_buffers(self, x)
+        class(arguments_t), intent(inout) :: self
+        type(buffer_t), intent(in) :: x(:)
+        integer :: i
+
+        do i = 1, size(x)
+            call self%add_buffer(x(i))
+        end do
+    end subroutine add_buffers
 
     !> Record what the driver refused.
     subroutine check(code, what, err)

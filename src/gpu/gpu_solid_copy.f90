@@ -4,6 +4,7 @@ module brz_gpu_solid_copy
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
         free_buffer, launch
     use brz_errors, only: error_t, failed
+    use brz_gpu_solid_bodies, only: open_gpu_bodies
     use brz_gpu_solid_layout, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, &
         at_mu, at_stress, at_wave, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_ply, &
         tag_support
@@ -15,20 +16,23 @@ module brz_gpu_solid_copy
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: open_gpu_solid, fetch_solid, fetch_particles, faults_of
+    public :: open_gpu_solid, fetch_solid, fetch_particles, fetch_motion, put_load, faults_of
 
 contains
 
     !> Reserve memory on the GPU, copy the solids there and build their lists.
-    subroutine open_gpu_solid(device, solid, gpu, err)
+    subroutine open_gpu_solid(device, solid, in_air, gpu, err)
         type(device_t), intent(in) :: device
         type(solid_t), intent(inout) :: solid !! its search tables are overwritten
+        logical, intent(in) :: in_air !! the air loads the bodies
         type(gpu_solid_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
         integer :: b
 
-        call open_gpu_solid_memory(device, solid, gpu, err)
+        call open_gpu_solid_memory(device, solid, in_air, gpu, err)
         if (failed(err)) return
+        call open_gpu_bodies(device, solid, gpu, err)
+        gpu%ordered = solid%rebuilds
         do b = 1, size(solid%bodies)
             gpu%ledger(b) = solid%bodies(b)%ledger
             gpu%reaction(:, b) = solid%bodies(b)%reaction
@@ -99,8 +103,9 @@ contains
         call put_tag(tag_support, solid%support)
         call put_tag(tag_fixed, int(solid%fixed, int32))
         call put_tag(tag_cut, int(solid%cut, int32))
+        if (gpu%load > 0) call put_load(gpu, solid, err)
         if (.not. gpu%linked) return
-        call put(gpu%n_state, solid%links%touch)
+        call put(gpu%touch, solid%links%touch)
         call put_tag(tag_bond, int(solid%links%bond, int32))
 
     contains
@@ -121,6 +126,16 @@ contains
                          4_int64*solid%n, err)
         end subroutine put_tag
     end subroutine put_columns
+
+    !> Copy the load of the particles.
+    subroutine put_load(gpu, solid, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+
+        call copy_in(transpose(solid%load), part_of(gpu%state, gpu%load*bytes_of_real*solid%n), &
+                     3*bytes_of_real*solid%n, err)
+    end subroutine put_load
 
     !> A number of each material, for every particle.
     pure function of_bodies(solid, values) result(x)
@@ -145,34 +160,59 @@ contains
         call fetch_rows(gpu, solid, err)
         call fetch_columns(gpu, solid, err)
         gpu%fetched = .not. failed(err)
+        gpu%ordered = solid%rebuilds
     end subroutine fetch_solid
+
+    !> Refresh what a coupling on the host needs: positions and velocities, and what else tells the
+    !> particles apart where their order has changed.
+    subroutine fetch_motion(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (gpu%fetched .or. failed(err)) return
+        if (gpu%ordered /= solid%rebuilds) then
+            call fetch_solid(gpu, solid, err)
+            return
+        end if
+        call fetch_places(gpu, gpu%place, solid%x, err)
+        call fetch_velocities(gpu, solid, err)
+    end subroutine fetch_motion
 
     subroutine fetch_rows(gpu, solid, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
+
+        call fetch_places(gpu, gpu%place, solid%x, err)
+        call fetch_places(gpu, gpu%reference, solid%x_ref, err)
+        call fetch_places(gpu, gpu%built, solid%x_built, err)
+        call fetch_velocities(gpu, solid, err)
+    end subroutine fetch_rows
+
+    subroutine fetch_places(gpu, buffer, x, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(buffer_t), intent(in) :: buffer
+        real(dp), intent(inout) :: x(:, :)
+        type(error_t), intent(inout) :: err
+        real(dp), allocatable :: place(:, :)
+
+        allocate (place(4, gpu%n))
+        call copy_out(buffer, place, 32_int64*gpu%n, err)
+        x = place(1:3, :)
+    end subroutine fetch_places
+
+    subroutine fetch_velocities(gpu, solid, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
         real(rk), allocatable :: motion(:, :)
 
-        call fetch_places(gpu%place, solid%x)
-        call fetch_places(gpu%reference, solid%x_ref)
-        call fetch_places(gpu%built, solid%x_built)
-        allocate (motion(4, solid%n))
+        allocate (motion(4, gpu%n))
         call copy_out(gpu%motion, motion, size(motion, kind=int64)*bytes_of_real, err)
         solid%v = motion(1:3, :)
         solid%volume = motion(4, :)
-
-    contains
-
-        subroutine fetch_places(buffer, x)
-            type(buffer_t), intent(in) :: buffer
-            real(dp), intent(inout) :: x(:, :)
-            real(dp), allocatable :: place(:, :)
-
-            allocate (place(4, solid%n))
-            call copy_out(buffer, place, 32_int64*solid%n, err)
-            x = place(1:3, :)
-        end subroutine fetch_places
-    end subroutine fetch_rows
+    end subroutine fetch_velocities
 
     subroutine fetch_columns(gpu, solid, err)
         type(gpu_solid_t), intent(in) :: gpu
@@ -199,6 +239,10 @@ contains
             call fetch(at_hist + c, x)
             solid%hist(c, :) = x
         end do
+        do c = 1, merge(3, 0, gpu%load > 0)
+            call fetch(gpu%load + c, x)
+            solid%load(c, :) = x
+        end do
         call fetch_tag(gpu, tag_id, solid%id, err)
         call fetch_tag(gpu, tag_ply, solid%ply, err)
         call fetch_tag(gpu, tag_support, solid%support, err)
@@ -207,7 +251,7 @@ contains
         call fetch_tag(gpu, tag_cut, marks, err)
         solid%cut = int(marks, int8)
         if (.not. gpu%linked) return
-        call fetch(gpu%n_state, solid%links%touch)
+        call fetch(gpu%touch, solid%links%touch)
         call fetch_tag(gpu, tag_bond, marks, err)
         solid%links%bond = int(marks, int8)
 

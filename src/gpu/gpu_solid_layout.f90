@@ -17,7 +17,7 @@ module brz_gpu_solid_layout
     public :: tag_id, tag_ply, tag_support, tag_fixed, tag_cut, tag_fault, &
               tag_bond, n_tag
     public :: book_viscous, book_friction, book_hold, book_ahead, book_plastic, book_damage, &
-              book_force, book_contact, book_contact_heat, book_rub, n_book, n_total
+              book_force, book_contact, book_contact_heat, book_rub, book_load, n_book, n_total
     public :: pose_centre, pose_x, pose_velocity, pose_spin, pose_turn, pose_half, n_pose
     public :: at_heat, at_friction, at_drag, at_hold, n_terms
     public :: flag_far, flag_bad, n_flag, slice_width, mask_unit, scan_chunk
@@ -27,7 +27,7 @@ module brz_gpu_solid_layout
     integer, parameter :: at_stress = 2 !! + 1..6
     integer, parameter :: at_damage = 9, at_wave = 10, at_bulk = 11, at_mass = 12
     integer, parameter :: at_accel = 12 !! + 1..3
-    integer, parameter :: at_hist = 15 !! + 1..n_hist
+    integer, parameter :: at_hist = 15 !! + 1..n_hist; then what gpu_solid_t says
 
     ! columns of `tag`
     integer, parameter :: tag_id = 1, tag_ply = 2, tag_support = 3, tag_fixed = 4, tag_cut = 5
@@ -44,7 +44,8 @@ module brz_gpu_solid_layout
     integer, parameter :: book_force = 6 !! + 1..3: impulse on held particles
     integer, parameter :: book_contact = 10 !! energy that contact holds now
     integer, parameter :: book_contact_heat = 11, book_rub = 12 !! heat of contact, of friction
-    integer, parameter :: n_book = 12
+    integer, parameter :: book_load = 13 !! work of the load
+    integer, parameter :: n_book = 13
     integer, parameter :: n_total = 14 !! sums of the state of a body, see brz_solid_totals
 
     ! sums of pass 2: 1..3 force of the stress [N]

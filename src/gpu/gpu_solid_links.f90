@@ -33,12 +33,13 @@ contains
             call put(bytes, solid%links%table, links%table)
             call put(size(solid%links%cell)*bytes_of_real, solid%links%cell, links%cell)
             params%bodies = size(solid%bodies)
-            params%touch = gpu%n_state
+            params%touch = gpu%touch
             params%depth = real(solid%depth, rk)
             call allocate_buffer(links%params, int(storage_size(params)/8, int64), err)
             call copy_in(params, links%params, int(storage_size(params)/8, int64), err)
             call allocate_buffer(links%press, 8*bytes_of_real*n, err)
             call allocate_buffer(links%count, 4*n, err)
+            call allocate_buffer(links%met, 4_int64*size(solid%bodies)**2, err)
             call allocate_buffer(links%slice, 4*((n - 1)/slice_width + 2), err)
             call free_buffer(gpu%extra)
             call allocate_buffer(gpu%extra, n_terms*bytes_of_real*n, err)
@@ -70,10 +71,11 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer(int64) :: entries
-        integer :: keep, slices, longest(1)
+        integer :: keep, slices, longest(1), met(size(solid%bodies), size(solid%bodies))
 
         if (.not. gpu%linked) return
         slices = (gpu%n - 1)/slice_width + 1
+        call clear_buffer(gpu%links%met, err)
         do keep = 0, 1
             call clear_buffer(gpu%links%count, err)
             call visit_bodies(gpu, solid, keep, err)
@@ -82,8 +84,7 @@ contains
             call arguments%add(slices)
             call arguments%add(1)
             call arguments%add(gpu%n)
-            call arguments%add(gpu%links%count)
-            call arguments%add(gpu%links%slice)
+            call arguments%add([gpu%links%count, gpu%links%slice])
             call launch(gpu%widths, [slices, 1, 1], arguments, err)
             call running_sums(gpu, gpu%links%slice, slices + 1, err)
             longest = 0
@@ -95,9 +96,13 @@ contains
                 call allocate_buffer(gpu%links%list, 4*gpu%links%room, err)
             end if
         end do
+        met = 0
+        call copy_out(gpu%links%met, met, 4_int64*size(met), err)
+        solid%links%met = met == 1
     end subroutine build_gpu_links
 
-    !> Count or list, for every particle, its links with one body after the other.
+    !> Count or list, for every particle, its links with one body after the other; note which bodies
+    !> have some.
     subroutine visit_bodies(gpu, solid, keep, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -117,15 +122,10 @@ contains
                 call arguments%add(gpu%bodies(a)%first)
                 call arguments%add(gpu%bodies(a)%last)
                 call arguments%add(2*real(solid%links%table(a, b)%h, dp) + solid%skin)
-                call arguments%add(gpu%grid)
-                call arguments%add(gpu%box)
-                call arguments%add(gpu%code)
-                call arguments%add(gpu%start)
-                call arguments%add(gpu%order)
-                call arguments%add(gpu%built)
-                call arguments%add(gpu%links%slice)
-                call arguments%add(gpu%links%count)
-                call arguments%add(gpu%links%list)
+                call arguments%add([gpu%grid, gpu%box, gpu%code, gpu%start, gpu%order, gpu%built, &
+                                    gpu%links%slice, gpu%links%count, gpu%links%list])
+                call arguments%add(part_of(gpu%links%met, &
+                                           4_int64*(a - 1 + size(gpu%bodies)*(b - 1))))
                 call launch(gpu%links%search, &
                             [gpu%bodies(a)%last - gpu%bodies(a)%first + 1, 1, 1], arguments, err)
             end do
@@ -139,37 +139,14 @@ contains
         type(arguments_t) :: arguments
 
         if (.not. gpu%bonded) return
-        call begin(gpu, arguments)
-        call arguments%add(gpu%place)
-        call arguments%add(gpu%reference)
-        call arguments%add(gpu%motion)
-        call arguments%add(gpu%tag)
-        call add_list(gpu, arguments)
-        call arguments%add(gpu%row)
-        call arguments%add(gpu%grad)
-        call launch(gpu%links%moments, [gpu%n, 1, 1], arguments, err)
-    end subroutine add_bond_moments
-
-    !> The first arguments of most kernels here.
-    subroutine begin(gpu, arguments)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(arguments_t), intent(inout) :: arguments
-
-        arguments%n = 0
         call arguments%add(gpu%n)
-        call arguments%add(gpu%links%params)
-        call arguments%add(gpu%links%owner)
-        call arguments%add(gpu%links%table)
-    end subroutine begin
-
-    subroutine add_list(gpu, arguments)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(arguments_t), intent(inout) :: arguments
-
-        call arguments%add(gpu%links%slice)
-        call arguments%add(gpu%links%count)
-        call arguments%add(gpu%links%list)
-    end subroutine add_list
+        associate (links => gpu%links)
+            call arguments%add([links%params, links%owner, links%table, gpu%place, gpu%reference, &
+                                gpu%motion, gpu%tag, links%slice, links%count, links%list, &
+                                gpu%row, gpu%grad])
+            call launch_awake(gpu, links%moments, arguments, err)
+        end associate
+    end subroutine add_bond_moments
 
     !> Between the passes: bonds break, then all forces between bodies go into `extra`.
     subroutine contact_pass(gpu, dt, err)
@@ -189,30 +166,44 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        call begin(gpu, arguments)
-        call arguments%add(gpu%place)
-        call arguments%add(gpu%reference)
-        call arguments%add(gpu%motion)
-        call arguments%add(gpu%row)
-        call arguments%add(gpu%state)
-        call add_list(gpu, arguments)
-        call arguments%add(gpu%tag)
-        call launch(gpu%links%break, [gpu%n, 1, 1], arguments, err)
+        call begin_bonds(gpu, arguments)
+        call arguments%add([gpu%state, gpu%links%slice, gpu%links%count, gpu%links%list, gpu%tag])
+        call launch_awake(gpu, gpu%links%break, arguments, err)
     end subroutine break_bonds
+
+    subroutine add_bond_forces(gpu, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call begin_bonds(gpu, arguments)
+        call arguments%add([gpu%hold, gpu%tag, gpu%links%slice, gpu%links%count, gpu%links%list, &
+                            gpu%extra])
+        call launch_awake(gpu, gpu%links%forces, arguments, err)
+    end subroutine add_bond_forces
+
+    !> The first arguments of the kernels of bonds that read what pass 1 has found.
+    subroutine begin_bonds(gpu, arguments)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(arguments_t), intent(inout) :: arguments
+
+        call arguments%add(gpu%n)
+        call arguments%add([gpu%links%params, gpu%links%owner, gpu%links%table, gpu%place, &
+                            gpu%reference, gpu%motion, gpu%row])
+    end subroutine begin_bonds
 
     subroutine find_pressures(gpu, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        call begin(gpu, arguments)
-        call arguments%add(gpu%links%cell)
-        call arguments%add(gpu%place)
-        call arguments%add(gpu%state)
-        call arguments%add(gpu%tag)
-        call add_list(gpu, arguments)
-        call arguments%add(gpu%links%press)
-        call launch(gpu%links%find_press, [gpu%n, 1, 1], arguments, err)
+        call arguments%add(gpu%n)
+        associate (links => gpu%links)
+            call arguments%add([links%params, links%owner, links%table, links%cell, gpu%place, &
+                                gpu%state, gpu%tag, links%slice, links%count, links%list, &
+                                links%press])
+            call launch_awake(gpu, links%find_press, arguments, err)
+        end associate
     end subroutine find_pressures
 
     subroutine push_bodies(gpu, dt, err)
@@ -223,37 +214,37 @@ contains
 
         call arguments%add(gpu%n)
         call arguments%add(dt)
-        call arguments%add(gpu%links%params)
-        call arguments%add(gpu%links%owner)
-        call arguments%add(gpu%links%table)
-        call arguments%add(gpu%links%cell)
-        call arguments%add(gpu%place)
-        call arguments%add(gpu%motion)
-        call arguments%add(gpu%row)
-        call arguments%add(gpu%links%press)
-        call add_list(gpu, arguments)
-        call arguments%add(gpu%state)
-        call arguments%add(gpu%tag)
-        call arguments%add(gpu%book)
-        call arguments%add(gpu%rate)
-        call arguments%add(gpu%extra)
-        call launch(gpu%links%push, [gpu%n, 1, 1], arguments, err)
+        associate (links => gpu%links)
+            call arguments%add([links%params, links%owner, links%table, links%cell, gpu%place, &
+                                gpu%motion, gpu%row, links%press, links%slice, links%count, &
+                                links%list, gpu%state, gpu%tag, gpu%book, gpu%rate, gpu%extra])
+            call launch_awake(gpu, links%push, arguments, err)
+        end associate
     end subroutine push_bodies
 
-    subroutine add_bond_forces(gpu, err)
+    !> Launch a kernel over the particles of the bodies that are awake; bodies side by side go
+    !> together. Its last two arguments are the first and the last particle.
+    subroutine launch_awake(gpu, kernel, arguments, err)
         type(gpu_solid_t), intent(in) :: gpu
+        type(kernel_t), intent(in) :: kernel
+        type(arguments_t), intent(inout) :: arguments !! all but the last two
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
+        integer :: b, given, first, last
 
-        call begin(gpu, arguments)
-        call arguments%add(gpu%place)
-        call arguments%add(gpu%reference)
-        call arguments%add(gpu%motion)
-        call arguments%add(gpu%row)
-        call arguments%add(gpu%hold)
-        call arguments%add(gpu%tag)
-        call add_list(gpu, arguments)
-        call arguments%add(gpu%extra)
-        call launch(gpu%links%forces, [gpu%n, 1, 1], arguments, err)
-    end subroutine add_bond_forces
+        given = arguments%n
+        first = 0
+        do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%asleep) cycle
+            if (first == 0) first = gpu%bodies(b)%first
+            last = gpu%bodies(b)%last
+            if (b < size(gpu%bodies)) then
+                if (.not. gpu%bodies(b + 1)%asleep) cycle
+            end if
+            arguments%n = given
+            call arguments%add(first)
+            call arguments%add(last)
+            call launch(kernel, [last - first + 1, 1, 1], arguments, err)
+            first = 0
+        end do
+    end subroutine launch_awake
 end module brz_gpu_solid_links

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> Rigid bodies on the GPU: the host moves the body, the GPU its particles.
 module brz_gpu_solid_rigid
-    use brz_device, only: arguments_t, copy_in, copy_out, launch
+    use brz_device, only: arguments_t, copy_in, launch
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: n_pose, pose_centre, pose_half, pose_spin, pose_turn, &
         pose_velocity, pose_x
-    use brz_gpu_solid_state, only: gpu_solid_t, sum_threads
+    use brz_gpu_solid_state, only: gpu_solid_t, sum_threads, threads_of
+    use brz_gpu_solid_sums, only: fold_sums
     use brz_kinds, only: dp, int64
     use brz_motion, only: mean_velocity
     use brz_rigid, only: attitude
@@ -14,7 +15,7 @@ module brz_gpu_solid_rigid
     use brz_solid_state, only: body_t, solid_t
     implicit none
     private
-    public :: move_rigid, fill_rigid, balance_rigid
+    public :: move_rigid, fill_rigid, balance_rigid, sum_load
 
 contains
 
@@ -26,7 +27,7 @@ contains
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        real(dp) :: v(3), omega(3), q_mid(4)
+        real(dp) :: v(3), omega(3), q_mid(4), load(6)
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             if (body%motion%n > 0) then
@@ -34,21 +35,43 @@ contains
                 call book_drive(body, solid%time, dt, v)
                 body%rigid%p = body%rigid%mass*v
             end if
-            call advance_rigid(body, (solid%dt_last + dt)/2, dt, [real(dp) :: 0, 0, 0, 0, 0, 0], &
-                               v, omega, q_mid)
+            call sum_load(gpu, solid, b, load, err)
+            call advance_rigid(body, (solid%dt_last + dt)/2, dt, load, v, omega, q_mid)
             call copy_in(pose_of(body, v, omega, q_mid), there%drive, 8_int64*n_pose, err)
             call arguments%add(gpu%n)
             call arguments%add(there%params)
             call arguments%add(solid%skin/2)
-            call arguments%add(there%drive)
-            call arguments%add(gpu%reference)
-            call arguments%add(gpu%built)
-            call arguments%add(gpu%place)
-            call arguments%add(gpu%motion)
-            call arguments%add(gpu%flags)
-            call launch(gpu%rigid_place, [there%last - there%first + 1, 1, 1], arguments, err)
+            call arguments%add([there%drive, gpu%reference, gpu%built, gpu%place, gpu%motion, &
+                                gpu%flags])
+            call launch(gpu%rigid_place, threads_of(there), arguments, err)
         end associate
     end subroutine move_rigid
+
+    !> Force and torque of the air on rigid body b, or its force on the held particles of another.
+    subroutine sum_load(gpu, solid, b, load, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(out) :: load(6) !! [N, N m]
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp) :: pose(n_pose)
+
+        load = 0
+        if (gpu%load == 0) return
+        if (gpu%bodies(b)%rigid) then
+            pose = 0
+            pose(pose_x + 1:pose_x + 3) = solid%bodies(b)%rigid%x
+            call copy_in(pose, gpu%bodies(b)%drive, 8_int64*n_pose, err)
+        end if
+        call arguments%add(gpu%n)
+        call arguments%add(sum_threads)
+        call arguments%add(gpu%load)
+        call arguments%add([gpu%bodies(b)%params, gpu%bodies(b)%drive, gpu%place, gpu%state, &
+                            gpu%tag, gpu%part])
+        call launch(gpu%sum_load, [sum_threads, 1, 1], arguments, err)
+        call fold_sums(gpu, sum_threads, load, err)
+    end subroutine sum_load
 
     !> Where a body is and how it moves, for the kernels.
     pure function pose_of(body, v, omega, q_mid) result(pose)
@@ -73,12 +96,8 @@ contains
 
         associate (there => gpu%bodies(b))
             call arguments%add(gpu%n)
-            call arguments%add(there%params)
-            call arguments%add(there%material)
-            call arguments%add(gpu%motion)
-            call arguments%add(gpu%row)
-            call arguments%add(gpu%rate)
-            call launch(gpu%rigid_row, [there%last - there%first + 1, 1, 1], arguments, err)
+            call arguments%add([there%params, there%material, gpu%motion, gpu%row, gpu%rate])
+            call launch(gpu%rigid_row, threads_of(there), arguments, err)
         end associate
     end subroutine fill_rigid
 
@@ -90,24 +109,20 @@ contains
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        real(dp) :: part(sum_threads, 6), v(3)
+        real(dp) :: push(6), v(3)
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
-            part = 0
+            push = 0
             if (gpu%linked) then
                 call arguments%add(gpu%n)
                 call arguments%add(sum_threads)
-                call arguments%add(there%params)
-                call arguments%add(there%drive)
-                call arguments%add(gpu%place)
-                call arguments%add(gpu%extra)
-                call arguments%add(gpu%part)
+                call arguments%add([there%params, there%drive, gpu%place, gpu%extra, gpu%part])
                 call launch(gpu%rigid_push, [sum_threads, 1, 1], arguments, err)
-                call copy_out(gpu%part, part, 8_int64*size(part), err)
+                call fold_sums(gpu, sum_threads, push, err)
             end if
             if (failed(err)) return
-            body%rigid%force = sum(part(:, 1:3), 1)
-            body%rigid%torque = sum(part(:, 4:6), 1)
+            body%rigid%force = push(1:3)
+            body%rigid%torque = push(4:6)
             call settle_rigid(body, solid%time, dt, v)
             call copy_in(pose_of(body, v, body%rigid%omega, body%rigid%q), there%drive, &
                          8_int64*n_pose, err)
@@ -115,11 +130,8 @@ contains
             call arguments%add(gpu%n)
             call arguments%add(there%params)
             call arguments%add(dt)
-            call arguments%add(there%drive)
-            call arguments%add(gpu%place)
-            call arguments%add(gpu%motion)
-            call arguments%add(gpu%state)
-            call launch(gpu%rigid_accelerate, [there%last - there%first + 1, 1, 1], arguments, err)
+            call arguments%add([there%drive, gpu%place, gpu%motion, gpu%state])
+            call launch(gpu%rigid_accelerate, threads_of(there), arguments, err)
         end associate
     end subroutine balance_rigid
 end module brz_gpu_solid_rigid

@@ -7,13 +7,14 @@ module brz_gpu_solid_step
     use brz_gpu_solid_copy, only: faults_of
     use brz_gpu_solid_layout, only: book_force, flag_bad, flag_far, n_book, n_flag, n_total
     use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass
-    use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid
+    use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid, sum_load
     use brz_gpu_solid_search, only: build_gpu_lists
-    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t
+    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, threads_of
     use brz_gpu_solid_sums, only: fetch_limit, sums_of_body
     use brz_kinds, only: dp, int64, rk
     use brz_motion, only: mean_velocity, velocity_of
     use brz_solid_faults, only: report_bad
+    use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: form_bending, intact_share, solid_t
     implicit none
     private
@@ -31,11 +32,12 @@ contains
         real(dp) :: impulse(3)
         integer :: flags(n_flag), b
 
+        if (.not. gpu%stepped) call gradient_pass(gpu, 0.0_dp, err) ! of bodies that sleep, too
+        gpu%bodies%asleep = solid%bodies%asleep
         gpu%fetched = .false.
         gpu%stepped = .true.
         gpu%summed = .false.
         if (solid%steps == 0) then
-            call gradient_pass(gpu, 0.0_dp, err)
             call contact_pass(gpu, 0.0_dp, err)
             call force_pass(gpu, dt/2, err)
             do b = 1, size(gpu%bodies)
@@ -54,6 +56,8 @@ contains
             call build_gpu_lists(gpu, solid, .true., err)
             call build_gpu_links(gpu, solid, err)
             solid%rebuilds = solid%rebuilds + 1
+            call wake_met(solid)
+            gpu%bodies%asleep = solid%bodies%asleep
             call end_support(gpu, solid, err)
         end if
         call gradient_pass(gpu, dt, err)
@@ -79,6 +83,7 @@ contains
         integer :: b
 
         do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%asleep) cycle
             if (gpu%bodies(b)%rigid) then
                 call move_rigid(gpu, solid, b, dt, err)
                 cycle
@@ -89,32 +94,29 @@ contains
                     call book_drive(body, solid%time, dt, v)
                     call copy_in(v, there%drive, 24_int64, err)
                 end if
-                arguments%n = 0
-                call arguments%add(gpu%n)
-                call arguments%add(there%params)
+                call begin(gpu, there, arguments)
                 call arguments%add(real((solid%dt_last + dt)/2, rk))
                 call arguments%add(dt)
                 call arguments%add(merge(sqrt(huge(dt))/2, solid%skin/2, &
                                          there%total .and. .not. gpu%linked))
-                call arguments%add(there%drive)
-                call arguments%add(gpu%place)
-                call arguments%add(gpu%motion)
-                call arguments%add(gpu%state)
-                call arguments%add(gpu%tag)
-                call arguments%add(gpu%built)
-                call arguments%add(gpu%flags)
-                call launch(gpu%drift, threads(there), arguments, err)
+                call arguments%add(gpu%load)
+                call arguments%add([there%drive, gpu%place, gpu%motion, gpu%state, gpu%tag, &
+                                    gpu%built, gpu%book, gpu%flags])
+                call launch(gpu%drift, threads_of(there), arguments, err)
             end associate
         end do
     end subroutine drift
 
-    !> One thread for each particle of a body.
-    pure function threads(body) result(n)
+    !> The arguments that kernels over one body begin with.
+    subroutine begin(gpu, body, arguments)
+        type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
-        integer :: n(3)
+        type(arguments_t), intent(inout) :: arguments
 
-        n = [body%last - body%first + 1, 1, 1]
-    end function threads
+        arguments%n = 0
+        call arguments%add(gpu%n)
+        call arguments%add(body%params)
+    end subroutine begin
 
     !> Pass 1, and the material over the step just made; with dt = 0 no material.
     subroutine gradient_pass(gpu, dt, err)
@@ -124,10 +126,12 @@ contains
         integer :: b
 
         do b = 1, size(gpu%bodies)
-            if (.not. gpu%bodies(b)%rigid) call sum_moments(gpu, gpu%bodies(b), err)
+            if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%asleep) cycle
+            call sum_moments(gpu, gpu%bodies(b), err)
         end do
         call add_bond_moments(gpu, err)
         do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%asleep) cycle
             if (gpu%bodies(b)%rigid) then
                 call fill_rigid(gpu, b, err)
                 cycle
@@ -144,18 +148,12 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        call arguments%add(gpu%n)
-        call arguments%add(body%params)
+        call begin(gpu, body, arguments)
         if (body%total) call arguments%add(gpu%reference)
         call arguments%add(gpu%place)
         if (body%held .and. .not. body%total) call arguments%add(gpu%reference)
-        call arguments%add(gpu%motion)
-        call arguments%add(body%slice)
-        call arguments%add(gpu%count)
-        call arguments%add(body%list)
-        call arguments%add(gpu%row)
-        call arguments%add(gpu%grad)
-        call launch(body%moments, threads(body), arguments, err)
+        call arguments%add([gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad])
+        call launch(body%moments, threads_of(body), arguments, err)
     end subroutine sum_moments
 
     subroutine find_gradients(gpu, body, err)
@@ -164,12 +162,9 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        call arguments%add(gpu%n)
-        call arguments%add(body%params)
-        call arguments%add(gpu%row)
-        call arguments%add(gpu%grad)
-        call arguments%add(gpu%tag)
-        call launch(gpu%gradients, threads(body), arguments, err)
+        call begin(gpu, body, arguments)
+        call arguments%add([gpu%row, gpu%grad, gpu%tag])
+        call launch(gpu%gradients, threads_of(body), arguments, err)
     end subroutine find_gradients
 
     subroutine update_material(gpu, body, dt, err)
@@ -181,14 +176,9 @@ contains
 
         call arguments%add(gpu%n)
         call arguments%add(dt)
-        call arguments%add(body%params)
-        call arguments%add(body%material)
-        call arguments%add(gpu%grad)
-        call arguments%add(gpu%state)
-        call arguments%add(gpu%tag)
-        call arguments%add(gpu%book)
-        call arguments%add(gpu%flags)
-        call launch(body%update, threads(body), arguments, err)
+        call arguments%add([body%params, body%material, gpu%grad, gpu%state, gpu%tag, gpu%book, &
+                            gpu%flags])
+        call launch(body%update, threads_of(body), arguments, err)
     end subroutine update_material
 
     subroutine fill_rows(gpu, body, err)
@@ -197,18 +187,10 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        call arguments%add(gpu%n)
-        call arguments%add(body%params)
-        call arguments%add(body%material)
-        call arguments%add(gpu%grad)
-        call arguments%add(gpu%state)
-        call arguments%add(gpu%tag)
-        call arguments%add(gpu%motion)
-        call arguments%add(gpu%row)
-        call arguments%add(gpu%rate)
-        call arguments%add(gpu%axes)
-        call arguments%add(gpu%hold)
-        call launch(gpu%rows, threads(body), arguments, err)
+        call begin(gpu, body, arguments)
+        call arguments%add([body%material, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, &
+                            gpu%rate, gpu%axes, gpu%hold])
+        call launch(gpu%rows, threads_of(body), arguments, err)
     end subroutine fill_rows
 
     !> Pass 2: accelerations; heat and ledgers over dt, the step just made.
@@ -220,27 +202,17 @@ contains
         integer :: b
 
         do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%rigid) cycle
+            if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%asleep) cycle
             associate (body => gpu%bodies(b))
                 arguments%n = 0
                 call arguments%add(gpu%n)
                 call arguments%add(real(dt, rk))
                 call arguments%add(merge(1, 0, gpu%linked))
-                call arguments%add(body%params)
-                call arguments%add(gpu%place)
-                call arguments%add(gpu%motion)
-                call arguments%add(gpu%row)
-                call arguments%add(gpu%reference)
-                call arguments%add(gpu%hold)
-                call arguments%add(body%slice)
-                call arguments%add(gpu%count)
-                call arguments%add(body%list)
-                call arguments%add(gpu%extra)
-                call arguments%add(gpu%state)
-                call arguments%add(gpu%tag)
-                call arguments%add(gpu%book)
-                call arguments%add(gpu%flags)
-                call launch(body%forces, threads(body), arguments, err)
+                call arguments%add(gpu%load)
+                call arguments%add([body%params, gpu%place, gpu%motion, gpu%row, gpu%reference, &
+                                    gpu%hold, body%slice, gpu%count, body%list, gpu%extra, &
+                                    gpu%state, gpu%tag, gpu%book, gpu%flags])
+                call launch(body%forces, threads_of(body), arguments, err)
             end associate
         end do
     end subroutine force_pass
@@ -256,16 +228,10 @@ contains
         do b = 1, size(gpu%bodies)
             if (solid%bodies(b)%formulation /= form_bending) cycle
             associate (body => gpu%bodies(b))
-                arguments%n = 0
-                call arguments%add(gpu%n)
-                call arguments%add(body%params)
+                call begin(gpu, body, arguments)
                 call arguments%add(intact_share)
-                call arguments%add(body%slice)
-                call arguments%add(gpu%count)
-                call arguments%add(body%list)
-                call arguments%add(gpu%state)
-                call arguments%add(gpu%tag)
-                call launch(gpu%end_support, threads(body), arguments, err)
+                call arguments%add([body%slice, gpu%count, body%list, gpu%state, gpu%tag])
+                call launch(gpu%end_support, threads_of(body), arguments, err)
             end associate
         end do
     end subroutine end_support
@@ -284,40 +250,46 @@ contains
         solid%bodies(b)%reaction = solid%bodies(b)%reaction + impulse
     end subroutine book_reaction
 
-    !> Force of a body on what is driven, the work of the half step up to now, and its velocity.
+    !> Forces of contact on rigid bodies, and of bodies on what is driven, at the step.
     subroutine balance_drives(gpu, solid, dt, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        real(dp) :: impulse(3), v(3)
         integer :: b
 
         do b = 1, size(gpu%bodies)
-            associate (body => solid%bodies(b))
-                if (gpu%bodies(b)%rigid) call balance_rigid(gpu, solid, b, dt, err)
-                if (body%motion%n == 0) cycle
-                body%motion%force = body%rigid%force
-                if (.not. gpu%bodies(b)%rigid) then
-                    call book_reaction(gpu, solid, b, impulse, err)
-                    body%motion%force = impulse/dt
-                end if
-                body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
-                    body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
-                if (gpu%bodies(b)%rigid) cycle
-                v = velocity_of(body%motion, solid%time)
-                call copy_in(v, gpu%bodies(b)%drive, 24_int64, err)
-                arguments%n = 0
-                call arguments%add(gpu%n)
-                call arguments%add(gpu%bodies(b)%params)
-                call arguments%add(dt)
-                call arguments%add(gpu%bodies(b)%drive)
-                call arguments%add(gpu%motion)
-                call arguments%add(gpu%tag)
-                call arguments%add(gpu%state)
-                call launch(gpu%hold_drive, threads(gpu%bodies(b)), arguments, err)
-            end associate
+            if (gpu%bodies(b)%asleep) cycle
+            if (gpu%bodies(b)%rigid) call balance_rigid(gpu, solid, b, dt, err)
+            if (solid%bodies(b)%motion%n > 0) call balance_drive(gpu, solid, b, dt, err)
         end do
     end subroutine balance_drives
+
+    !> Force of body b on what is driven, the work of the half step up to now, and its velocity.
+    subroutine balance_drive(gpu, solid, b, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: dt
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp) :: impulse(3), load(6)
+
+        associate (body => solid%bodies(b), there => gpu%bodies(b))
+            body%motion%force = body%rigid%force
+            if (.not. there%rigid) then
+                call book_reaction(gpu, solid, b, impulse, err)
+                call sum_load(gpu, solid, b, load, err)
+                body%motion%force = impulse/dt - load(1:3)
+            end if
+            body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
+                body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
+            if (there%rigid) return
+            call copy_in(velocity_of(body%motion, solid%time), there%drive, 24_int64, err)
+            call begin(gpu, there, arguments)
+            call arguments%add(dt)
+            call arguments%add([there%drive, gpu%motion, gpu%tag, gpu%state])
+            call launch(gpu%hold_drive, threads_of(there), arguments, err)
+        end associate
+    end subroutine balance_drive
 end module brz_gpu_solid_step

@@ -5,14 +5,15 @@ module brz_gpu_solid_sums
     use brz_device, only: arguments_t, copy_out, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: book_ahead, book_contact, book_contact_heat, book_damage, &
-        book_force, book_friction, book_hold, book_plastic, book_rub, book_viscous, n_book, n_total
+        book_force, book_friction, book_hold, book_load, book_plastic, book_rub, book_viscous, &
+        n_book, n_total
     use brz_gpu_solid_state, only: fold_threads, gpu_solid_t, sum_threads, total_threads
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: solid_totals_t, totals_of_sums
     implicit none
     private
-    public :: gpu_solid_totals, fetch_ledgers, fetch_limit, sums_of_body
+    public :: gpu_solid_totals, fetch_ledgers, fetch_limit, fold_sums, sums_of_body
 
 contains
 
@@ -41,29 +42,36 @@ contains
         real(dp), intent(out) :: sums(n_total + n_book)
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        real(dp), allocatable :: part(:, :)
 
-        allocate (part(fold_threads, n_total + n_book), source=0.0_dp)
         call arguments%add(gpu%n)
         call arguments%add(total_threads)
         call arguments%add(gpu%bodies(b)%params)
         call arguments%add(real(dt_last/2, rk))
-        call arguments%add(gpu%region)
-        call arguments%add(gpu%place)
-        call arguments%add(gpu%motion)
-        call arguments%add(gpu%state)
-        call arguments%add(gpu%book)
-        call arguments%add(gpu%part)
+        call arguments%add([gpu%region, gpu%place, gpu%motion, gpu%state, gpu%book, gpu%part])
         call launch(gpu%totals, [total_threads, 1, 1], arguments, err)
-        arguments%n = 0
-        call arguments%add(total_threads)
-        call arguments%add(fold_threads)
-        call arguments%add(gpu%part)
-        call arguments%add(gpu%folded)
-        call launch(gpu%fold, [fold_threads, n_total + n_book, 1], arguments, err)
-        call copy_out(gpu%folded, part, 8_int64*size(part), err)
-        sums = sum(part, dim=1)
+        call fold_sums(gpu, total_threads, sums, err)
     end subroutine sums_of_body
+
+    !> Sums over the m rows of `part`, in a fixed order: a few are left for the host.
+    subroutine fold_sums(gpu, m, sums, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: m
+        real(dp), intent(out) :: sums(:) !! one for each column
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp) :: folded(fold_threads, size(sums))
+        integer :: k
+
+        call arguments%add(m)
+        call arguments%add(fold_threads)
+        call arguments%add([gpu%part, gpu%folded])
+        call launch(gpu%fold, [fold_threads, size(sums), 1], arguments, err)
+        folded = 0
+        call copy_out(gpu%folded, folded, 8_int64*size(folded), err)
+        do k = 1, size(sums)
+            sums(k) = sum(folded(:, k))
+        end do
+    end subroutine fold_sums
 
     !> Bring the sums, the ledgers and the reactions of all bodies up to date.
     subroutine fetch_ledgers(gpu, solid, err)
@@ -95,6 +103,7 @@ contains
             ledger%hourglass_heat = before%hourglass_heat + book(book_friction)
             ledger%plastic = before%plastic + book(book_plastic)
             ledger%damage = before%damage + book(book_damage)
+            if (.not. gpu%bodies(b)%rigid) ledger%load = before%load + book(book_load)
             ledger%ahead = book(book_ahead)
             if (gpu%linked) ledger%contact = book(book_contact)
             ledger%contact_heat = before%contact_heat + book(book_contact_heat)
@@ -118,18 +127,16 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         real(dp) :: folded(fold_threads)
-        integer, parameter :: first_fold = 32*sum_threads
+        integer, parameter :: first_fold = 8*sum_threads
 
         call arguments%add(int(gpu%n, int64))
         call arguments%add(first_fold)
-        call arguments%add(gpu%rate)
-        call arguments%add(gpu%part)
+        call arguments%add([gpu%rate, gpu%part])
         call launch(gpu%most, [first_fold, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(int(first_fold, int64))
         call arguments%add(fold_threads)
-        call arguments%add(gpu%part)
-        call arguments%add(gpu%folded)
+        call arguments%add([gpu%part, gpu%folded])
         call launch(gpu%most, [fold_threads, 1, 1], arguments, err)
         folded = 0
         call copy_out(gpu%folded, folded, 8_int64*fold_threads, err)

@@ -59,6 +59,7 @@ contains
         associate (n => solid%n, links => solid%links)
             allocate (links%body(n), links%first(n + 1), links%touch(n), links%bond(n))
             allocate (links%press(5, n), links%push(6, n))
+            allocate (links%met(size(solid%bodies), size(solid%bodies)), source=.false.)
             do b = 1, size(solid%bodies)
                 links%body(solid%bodies(b)%first:solid%bodies(b)%last) = b
             end do

@@ -107,6 +107,7 @@ module brz_solid_state
         logical :: present = .false.
         logical :: bonds = .false. !! some bodies are bonded
         type(meeting_t), allocatable :: table(:, :) !! (bodies, bodies) law of i's and j's body
+        logical, allocatable :: met(:, :) !! (bodies, bodies) some particles of both have links
         integer(int32), allocatable :: body(:) !! (n) body of a particle
         integer(int64), allocatable :: first(:) !! (n+1) first link of a particle
         integer(int32), allocatable :: list(:) !! particle of another body

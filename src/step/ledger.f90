@@ -4,7 +4,8 @@
 !> All values are of what is modelled (a half or a quarter where symmetry planes cut the scene).
 module brz_ledger
     use brz_air_state, only: air_t
-    use brz_backend, only: backend_t, stock_of_air, stock_of_solid
+    use brz_backend, only: backend_t
+    use brz_backend_fetch, only: stock_of_air, stock_of_solid
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
     use brz_kinds, only: dp, rk

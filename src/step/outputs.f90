@@ -2,7 +2,7 @@
 !> What a run writes and when: histories, dumps, checkpoints, progress lines.
 module brz_outputs
     use, intrinsic :: iso_fortran_env, only: error_unit
-    use brz_backend, only: fetch_around, fetch_followed, fetch_state
+    use brz_backend_fetch, only: fetch_around, fetch_followed, fetch_state
     use brz_checkpoint, only: drop_later_checkpoints, find_checkpoint, read_checkpoint, &
                               write_checkpoint
     use brz_clock, only: resume_clock, tick

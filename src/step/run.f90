@@ -2,7 +2,8 @@
 !> A run from the deck to the last result.
 module brz_run
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-    use brz_backend, only: choose_backend, settle_backend, start_backend
+    use brz_backend, only: choose_backend, settle_backend
+    use brz_backend_step, only: start_backend
     use brz_build_case, only: build_case
     use brz_check, only: print_check
     use brz_check_start, only: is_radial

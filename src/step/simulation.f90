@@ -25,7 +25,7 @@ module brz_simulation
         type(air_t) :: air
         type(solid_t) :: solid
         type(coupling_t) :: coupling
-        type(backend_t) :: backend !! where the air is computed
+        type(backend_t) :: backend !! where air and bodies are computed
         type(clock_t) :: clock
         type(early_t) :: early !! a blast in one dimension before the first step
         type(ledger_start_t) :: start !! totals at t = 0, to measure errors against

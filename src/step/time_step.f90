@@ -3,11 +3,9 @@
 module brz_time_step
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok
-    use brz_backend, only: advance_air, advance_solid, hand_back, limit_of_air
-    use brz_coupling_events, only: reclassify
-    use brz_coupling_load, only: spread_load, wake_loaded
+    use brz_backend_coupling, only: exchange_gas, load_bodies, set_walls
+    use brz_backend_step, only: advance_air, advance_solid, limit_of_air
     use brz_coupling_paper, only: move_paper_walls, paper_step
-    use brz_coupling_velocity, only: set_wall_velocity
     use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_kinds, only: dp, int64
     use brz_simulation, only: simulation_t
@@ -33,14 +31,14 @@ contains
         if (failed(err)) return
         mark = wall_seconds()
         if (sim%coupling%present .and. .not. sim%coupling%paper) then
-            call set_wall_velocity(sim%air, sim%solid, sim%coupling, dt)
+            call set_walls(sim%backend, sim%air, sim%solid, sim%coupling, dt, err)
             call lap(mark, sim%progress%coupling_seconds)
         end if
         if (sim%air%present) call step_air(sim, dt, err)
         call lap(mark, sim%progress%air_seconds)
         if (failed(err)) return
         if (sim%coupling%present .and. .not. sim%coupling%paper) then
-            call load_solid(sim, dt)
+            call load_solid(sim, dt, err)
             call lap(mark, sim%progress%coupling_seconds)
         end if
         if (sim%solid%present) call step_solid(sim, dt, err)
@@ -50,8 +48,7 @@ contains
             if (sim%coupling%paper) then
                 call move_paper_walls(sim%air, sim%solid, sim%coupling)
             else
-                call reclassify(sim%air, sim%solid, sim%coupling)
-                call hand_back(sim%backend, sim%air, sim%coupling, err)
+                call exchange_gas(sim%backend, sim%air, sim%solid, sim%coupling, err)
             end if
             call lap(mark, sim%progress%coupling_seconds)
         end if
@@ -152,13 +149,12 @@ contains
     end subroutine report_lost_cell
 
     !> Hand the impulse of this step to the particles, and wake the bodies that feel it.
-    subroutine load_solid(sim, dt)
+    subroutine load_solid(sim, dt, err)
         type(simulation_t), intent(inout) :: sim
         real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
 
-        call spread_load(sim%air, sim%solid, sim%coupling, dt)
-        if (.not. any(sim%solid%bodies%asleep)) return
-        call wake_loaded(sim%air, sim%solid, sim%coupling, dt)
+        call load_bodies(sim%backend, sim%air, sim%solid, sim%coupling, dt, err)
         if (particles_awake(sim%solid) > 0) sim%substeps = substeps(sim, dt)
     end subroutine load_solid
 

@@ -68,7 +68,7 @@ contains
             "material='m', spin=10,20,30, box=0,", side, ',0,', side, ',0,', side, ', smoothing=', &
             argument(2, 1.2_dp), trim(what(index(what, '/') + 1:)), ' /'
         call make_solid(trim(text), solid, asleep=.true.)
-        call open_gpu_solid(device, solid, gpu, err)
+        call open_gpu_solid(device, solid, .false., gpu, err)
         call check()
         write (output_unit, '(3a, i0, a, i0, 2a)') trim(what(index(what, '/') + 3:)), ', ', &
             what(:index(what, '/') - 2)//', real', storage_size(1.0_rk), ', ', solid%n, &

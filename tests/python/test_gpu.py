@@ -251,3 +251,36 @@ def test_bodies_in_air_move_as_on_the_cpu(deck):
     second = ("--restart", "latest", "--out", "parts")
     assert run(deck, "f.nml", "--backend", "gpu", *second).returncode == 0
     same("parts", "gpu", deck)
+
+
+WOKEN = """&run title='t', t_end=5e-5 /
+&air box=0,0.2, 0,0.05, 0,0.05, cells=40,10,10, bc='wall' /
+&gas id='hot', box=0,0.06, 0,0.05, 0,0.05, density=60, pressure=4e7 /
+&material id='cu', preset='ofhc_copper' /
+&material id='ply', preset='cfrp_woven' /
+&body id='plate', shape='box', box=0.075,0.08, 0,0.05, 0.01,0.04, spacing=0.0025, material='ply',
+      plies='2*(0/90)', fix='y-', formulation='bending' /
+&body id='block', shape='box', box=0.085,0.095, 0.015,0.035, 0.015,0.035, spacing=0.0025,
+      material='cu' /
+&body id='ball', shape='sphere', centre=0.1055,0.025,0.025, radius=0.005, spacing=0.0025,
+      material='cu', formulation='rigid' /
+&interaction law='contact' /
+&gauge id='g', body='block', at=0.09,0.025,0.025, quantity='velocity_x' /
+&output dump_every=3e-5, checkpoint_every=1e-5, history_every=2e-6 /
+"""
+
+
+def test_bodies_wake_in_air_as_on_the_cpu(deck):
+    (deck / "w.nml").write_text(WOKEN, encoding="utf-8")
+    for backend in ("gpu", "cpu"):
+        done = run(deck, "w.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+    same("gpu", "cpu", deck)
+    steps = 0
+    for backend in ("cpu", "gpu", "cpu", "gpu"):
+        steps += 10
+        restart = ("--restart", "latest") if steps > 10 else ()
+        more = ("--set", f"run.max_steps={steps}") if steps < 40 else ()
+        done = run(deck, "w.nml", "--backend", backend, "--out", "parts", *more, *restart)
+        assert done.returncode == 0, done.stderr
+    same("parts", "cpu", deck)

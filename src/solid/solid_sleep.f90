@@ -4,7 +4,7 @@
 !> reach.
 module brz_solid_sleep
     use brz_kinds, only: int64
-    use brz_solid_state, only: body_t, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: put_to_sleep, wake_met, particles_awake
@@ -37,24 +37,12 @@ contains
             again = .false.
             do b = 1, size(solid%bodies)
                 if (.not. solid%bodies(b)%asleep) cycle
-                solid%bodies(b)%asleep = .not. meets_awake(solid, solid%bodies(b))
+                solid%bodies(b)%asleep = .not. any(solid%links%met(b, :) &
+                                                   .and. .not. solid%bodies%asleep)
                 again = again .or. .not. solid%bodies(b)%asleep
             end do
         end do
     end subroutine wake_met
-
-    !> True where a particle of the body has a link with a particle of a body that is awake.
-    pure logical function meets_awake(solid, body)
-        type(solid_t), intent(in) :: solid
-        type(body_t), intent(in) :: body
-        integer(int64) :: k
-
-        meets_awake = .true.
-        do k = solid%links%first(body%first), solid%links%first(body%last + 1) - 1
-            if (.not. solid%bodies(solid%links%body(solid%links%list(k)))%asleep) return
-        end do
-        meets_awake = .false.
-    end function meets_awake
 
     !> Particles that take steps.
     pure integer(int64) function particles_awake(solid) result(n)

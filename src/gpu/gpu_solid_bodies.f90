@@ -1,0 +1,186 @@
+! SPDX-License-Identifier: MIT
+!> Each body on the GPU: its parameters, its material, and the kernels that suit them.
+module brz_gpu_solid_bodies
+    use brz_artificial_stress, only: artificial_none
+    use brz_bilinear_j2, only: bilinear_j2
+    use brz_detonation_products, only: detonation_products
+    use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel
+    use brz_errors, only: error_t
+    use brz_gpu_solid_layout, only: body_gpu_t, n_pose, slice_width
+    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_body_t, gpu_solid_t
+    use brz_gruneisen, only: gruneisen
+    use brz_hjc, only: hjc
+    use brz_ideal_gas, only: ideal_gas
+    use brz_johnson_cook, only: johnson_cook
+    use brz_kernel, only: kernel_scale
+    use brz_kinds, only: int64, rk
+    use brz_linear_elastic, only: linear_elastic
+    use brz_material, only: material_t
+    use brz_orthotropic_ply, only: orthotropic_ply
+    use brz_polynomial_eos, only: polynomial_eos
+    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
+        form_total, solid_t
+    implicit none
+    private
+    public :: open_gpu_bodies, cannot_run_solid
+
+contains
+
+    !> What of a scene the GPU cannot compute yet; unallocated if it can.
+    subroutine cannot_run_solid(solid, why)
+        type(solid_t), intent(in) :: solid
+        character(:), allocatable, intent(out) :: why
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            if (model_name(int(solid%materials(solid%bodies(b)%material)%model)) == '') &
+                why = "the material of body '"//trim(solid%bodies(b)%id)//"'"
+        end do
+        if (any(solid%bodies%variable)) why = 'variable_h'
+        if (solid%n >= 2**28) why = 'more than 268 million particles'
+    end subroutine cannot_run_solid
+
+    !> Memory and kernels of all bodies.
+    subroutine open_gpu_bodies(device, solid, gpu, err)
+        type(device_t), intent(in) :: device
+        type(solid_t), intent(in) :: solid
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        integer :: b
+
+        call put_axes(solid, gpu, err)
+        do b = 1, size(solid%bodies)
+            call open_body(device, solid, b, gpu%bodies(b), err)
+        end do
+    end subroutine open_gpu_bodies
+
+    !> Axes of the plies of all bodies, one after the other.
+    subroutine put_axes(solid, gpu, err)
+        type(solid_t), intent(in) :: solid
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        real(rk), allocatable :: axes(:, :, :)
+        integer :: b, n
+
+        n = axes_before(solid, size(solid%bodies) + 1)
+        allocate (axes(3, 3, max(n, 1)))
+        do b = 1, size(solid%bodies)
+            if (.not. solid%bodies(b)%directional) cycle
+            n = axes_before(solid, b)
+            axes(:, :, n + 1:n + size(solid%bodies(b)%axes, 3)) = solid%bodies(b)%axes
+        end do
+        call allocate_buffer(gpu%axes, size(axes)*bytes_of_real, err)
+        call copy_in(axes, gpu%axes, size(axes)*bytes_of_real, err)
+    end subroutine put_axes
+
+    !> Axes of the bodies before body b.
+    pure integer function axes_before(solid, b) result(n)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        integer :: k
+
+        n = 0
+        do k = 1, b - 1
+            if (solid%bodies(k)%directional) n = n + size(solid%bodies(k)%axes, 3)
+        end do
+    end function axes_before
+
+    !> What one body needs.
+    subroutine open_body(device, solid, b, gpu, err)
+        type(device_t), intent(in) :: device
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        type(gpu_solid_body_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        type(body_gpu_t) :: params
+        type(material_t) :: material
+        integer(int64) :: bytes
+
+        material = solid%materials(solid%bodies(b)%material)
+        params = params_of(solid%bodies(b), solid%dimension, axes_before(solid, b))
+        params%fails = material%fails
+        gpu%first = params%first
+        gpu%last = params%last
+        gpu%slices = (gpu%last - gpu%first)/slice_width + 1
+        gpu%total = params%formulation == form_total
+        gpu%rigid = params%formulation == form_rigid
+        gpu%held = gpu%total .or. params%formulation == form_bending
+        bytes = storage_size(params)/8
+        call allocate_buffer(gpu%params, bytes, err)
+        call copy_in(params, gpu%params, bytes, err)
+        bytes = storage_size(material)/8
+        call allocate_buffer(gpu%material, bytes, err)
+        call copy_in(material, gpu%material, bytes, err)
+        call allocate_buffer(gpu%drive, 8_int64*n_pose, err)
+        call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
+        call find_kernel(device, 'solid_moments'//trim(merge('_held', '     ', gpu%held)), &
+                         gpu%moments, err)
+        call find_kernel(device, 'update_by_'//model_name(int(material%model)), gpu%update, err)
+        call find_kernel(device, 'solid_forces_'//force_name(params), gpu%forces, err)
+    end subroutine open_body
+
+    !> A body as the kernels see it.
+    pure function params_of(body, dimension, axes) result(p)
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: dimension, axes
+        type(body_gpu_t) :: p
+
+        p%first = body%first
+        p%last = body%last
+        p%dimension = dimension
+        p%formulation = body%formulation
+        p%artificial = body%artificial
+        p%balsara = merge(1, 0, body%balsara)
+        p%directional = merge(1, 0, body%directional)
+        p%axes = axes
+        p%fails = 0
+        p%keep_force = merge(0, 1, body%motion%n > 0)
+        p%h = body%h
+        p%scale = kernel_scale(body%h, dimension)
+        p%half_over_h = 1/(2*body%h)
+        p%alpha = body%alpha
+        p%beta = body%beta
+        p%zeta = body%zeta
+        p%zeta_viscous = body%zeta_viscous
+        p%cfl = body%cfl
+        p%artificial_strength = body%artificial_strength
+        p%artificial_power = body%artificial_power
+        p%shape_at_spacing = body%shape_at_spacing
+    end function params_of
+
+    !> Which forces a body has, as the kernels are named.
+    pure function force_name(p) result(name)
+        type(body_gpu_t), intent(in) :: p
+        character(:), allocatable :: name
+
+        select case (p%formulation)
+        case (form_bending, form_total)
+            name = 'stiff'
+            if (p%directional == 1) name = 'axial'
+        case (form_corrected_hourglass)
+            name = 'viscous'
+        case default
+            name = 'plain'
+            if (p%artificial /= artificial_none) name = 'artificial'
+        end select
+    end function force_name
+
+    !> Name of a material model among the kernels.
+    pure function model_name(model) result(name)
+        integer, intent(in) :: model
+        character(:), allocatable :: name
+
+        select case (model)
+        case (linear_elastic); name = 'linear_elastic'
+        case (gruneisen); name = 'gruneisen'
+        case (orthotropic_ply); name = 'orthotropic_ply'
+        case (hjc); name = 'hjc'
+        case (polynomial_eos); name = 'polynomial_eos'
+        case (bilinear_j2); name = 'bilinear_j2'
+        case (johnson_cook); name = 'johnson_cook'
+        case (ideal_gas); name = 'ideal_gas'
+        case (detonation_products); name = 'detonation_products'
+        case default; name = ''
+        end select
+    end function model_name
+end module brz_gpu_solid_bodies

@@ -1,0 +1,114 @@
+! SPDX-License-Identifier: MIT
+!> The coupling of air and bodies where they are computed. The CPU does it; what lies on a GPU
+!> comes and goes.
+module brz_backend_coupling
+    use brz_air_state, only: air_t
+    use brz_backend, only: backend_t
+    use brz_cell_shells, only: cell_at, reach
+    use brz_coupling_events, only: reclassify
+    use brz_coupling_load, only: spread_load, wake_loaded
+    use brz_coupling_state, only: coupling_t
+    use brz_coupling_velocity, only: set_wall_velocity
+    use brz_errors, only: error_t, failed
+    use brz_gpu_air_state, only: fetch_cells
+    use brz_gpu_air_walls, only: fetch_walls, put_wall_velocity, put_walls, return_cells
+    use brz_gpu_solid_copy, only: fetch_motion, put_load
+    use brz_kinds, only: dp, int64
+    use brz_solid_sleep, only: particles_awake
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: start_walls, set_walls, load_bodies, exchange_gas
+
+contains
+
+    !> Put the walls up on the GPU.
+    subroutine start_walls(backend, air, coupling, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        type(error_t), intent(inout) :: err
+
+        call renew_walls(backend, air, coupling, err)
+        call list_owed(backend, air, coupling)
+    end subroutine start_walls
+
+    !> Before a step of the air: give the walls the velocities of the bodies.
+    subroutine set_walls(backend, air, solid, coupling, dt, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        real(dp), intent(in) :: dt !! of the coming step [s]
+        type(error_t), intent(inout) :: err
+
+        call set_wall_velocity(air, solid, coupling, dt)
+        if (backend%on_gpu) call put_wall_velocity(backend%air, coupling%wall, err)
+    end subroutine set_walls
+
+    !> After it: hand the impulse of the step to the particles, and wake the bodies that feel it.
+    subroutine load_bodies(backend, air, solid, coupling, dt, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(inout) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+
+        if (backend%on_gpu) then
+            call fetch_walls(backend%air, air, coupling%wall, err)
+            call fetch_cells(backend%air, backend%owed, air, err)
+        end if
+        call spread_load(air, solid, coupling, dt)
+        if (any(solid%bodies%asleep)) call wake_loaded(air, solid, coupling, dt)
+        if (backend%bodies_on_gpu .and. particles_awake(solid) > 0) &
+            call put_load(backend%solid, solid, err)
+    end subroutine load_bodies
+
+    !> After the steps of the bodies: cells change hands, and gas with them.
+    subroutine exchange_gas(backend, air, solid, coupling, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(inout) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        type(error_t), intent(inout) :: err
+
+        if (backend%bodies_on_gpu) call fetch_motion(backend%solid, solid, err)
+        if (failed(err)) return
+        call reclassify(air, solid, coupling)
+        if (.not. backend%on_gpu) return
+        call return_cells(backend%air, air, backend%owed, err)
+        call renew_walls(backend, air, coupling, err)
+        call list_owed(backend, air, coupling)
+    end subroutine exchange_gas
+
+    !> Copy the walls to the GPU if cells have changed between gas and solid.
+    subroutine renew_walls(backend, air, coupling, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        type(error_t), intent(inout) :: err
+        integer(int64) :: changes
+
+        changes = coupling%covered_total + coupling%uncovered_total
+        if (.not. coupling%present .or. failed(err) .or. changes == backend%wall_changes) return
+        call put_walls(backend%air, air, coupling%wall, coupling%face_of, reach, err)
+        backend%wall_changes = changes
+    end subroutine renew_walls
+
+    !> List the gas cells with debts: they may lie far from the walls by now.
+    subroutine list_owed(backend, air, coupling)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        integer :: e
+
+        if (allocated(backend%owed)) then
+            if (size(backend%owed, 2) /= coupling%n_debts) deallocate (backend%owed)
+        end if
+        if (.not. allocated(backend%owed)) allocate (backend%owed(3, coupling%n_debts))
+        do e = 1, coupling%n_debts
+            backend%owed(:, e) = cell_at(air%n, coupling%debt_cell(e))
+        end do
+    end subroutine list_owed
+end module brz_backend_coupling

@@ -1,0 +1,109 @@
+! SPDX-License-Identifier: MIT
+!> What results need of the state, wherever it is: totals, cells and particles of gauges, all of it.
+module brz_backend_fetch
+    use brz_air_energy, only: air_kinetic
+    use brz_air_probe, only: cells_around
+    use brz_air_state, only: air_t
+    use brz_backend, only: backend_t
+    use brz_coupling_state, only: coupling_t
+    use brz_coupling_totals, only: coupling_products, coupling_totals, ledger_totals
+    use brz_errors, only: error_t, failed
+    use brz_gpu_air_state, only: fetch_air, fetch_cells
+    use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
+    use brz_gpu_solid_copy, only: fetch_particles, fetch_solid
+    use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
+    use brz_kinds, only: dp
+    use brz_solid_state, only: solid_t
+    use brz_solid_totals, only: solid_totals, solid_totals_t
+    implicit none
+    private
+    public :: stock_of_air, stock_of_solid, fetch_state, fetch_followed, fetch_around
+
+contains
+
+    !> Totals of the air; what left through its boundaries is brought up to date in `air`.
+    subroutine stock_of_air(backend, air, coupling, gas, kept, kinetic, products, err)
+        type(backend_t), intent(in) :: backend
+        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        type(coupling_t), intent(in) :: coupling
+        real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
+        real(dp), intent(out) :: kept(5) !! the same in ledgers and debts
+        real(dp), intent(out) :: kinetic !! energy of the gas [J]
+        real(dp), intent(out) :: products !! mass of products of explosives [kg]
+        type(error_t), intent(inout) :: err
+        real(dp) :: debt(5), totals(0:6), more
+
+        if (backend%on_gpu) then
+            call gpu_air_totals(backend%air, air, totals, err)
+            call gpu_outflow(backend%air, air, err)
+            gas = totals(1:5)
+            call ledger_totals(air, coupling, kept, more)
+            kinetic = totals(0)
+            products = totals(6) + more
+        else
+            call coupling_totals(air, coupling, gas, kept, debt)
+            kept = kept + debt
+            kinetic = air_kinetic(air, coupling%wall)
+            products = coupling_products(air, coupling)
+        end if
+    end subroutine stock_of_air
+
+    !> Totals of body b, or of all with b = 0; the ledgers of the bodies are brought up to date.
+    subroutine stock_of_solid(backend, solid, b, totals, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        type(solid_totals_t), intent(out) :: totals
+        type(error_t), intent(inout) :: err
+
+        if (backend%bodies_on_gpu) then
+            call gpu_solid_totals(backend%solid, solid, b, totals, err)
+        else
+            call solid_totals(solid, b, totals)
+        end if
+    end subroutine stock_of_solid
+
+    !> Bring the whole state to the host, for a dump or a checkpoint.
+    subroutine fetch_state(backend, air, solid, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        if (backend%on_gpu) then
+            call fetch_air(backend%air, air, err)
+            call gpu_outflow(backend%air, air, err)
+        end if
+        if (backend%bodies_on_gpu) then
+            call fetch_solid(backend%solid, solid, err)
+            call fetch_ledgers(backend%solid, solid, err)
+        end if
+    end subroutine fetch_state
+
+    !> Bring the motion of some particles to the host, for gauges.
+    subroutine fetch_followed(backend, id, solid, err)
+        type(backend_t), intent(in) :: backend
+        integer, intent(in) :: id(:) !! numbers of the particles
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (backend%bodies_on_gpu .and. .not. failed(err)) &
+            call fetch_particles(backend%solid, id, solid, err)
+    end subroutine fetch_followed
+
+    !> Bring the cells around some points to the host, for gauges.
+    subroutine fetch_around(backend, points, air, err)
+        type(backend_t), intent(in) :: backend
+        real(dp), intent(in) :: points(:, :) !! (3, n) [m]
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+        integer :: cells(3, 8*size(points, 2)), g
+
+        if (.not. backend%on_gpu .or. failed(err)) return
+        do g = 1, size(points, 2)
+            call cells_around(air, points(:, g), cells(:, 8*g - 7:8*g))
+        end do
+        call fetch_cells(backend%air, cells, air, err)
+    end subroutine fetch_around
+end module brz_backend_fetch

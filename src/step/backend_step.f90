@@ -1,0 +1,99 @@
+! SPDX-License-Identifier: MIT
+!> The operations of a step that differ between CPU and GPU, but for the coupling.
+module brz_backend_step
+    use brz_air_state, only: air_t, wall_t
+    use brz_air_step, only: air_step
+    use brz_air_sums, only: air_time_step
+    use brz_backend, only: backend_t
+    use brz_backend_coupling, only: start_walls
+    use brz_coupling_state, only: coupling_t
+    use brz_errors, only: error_t, failed
+    use brz_gpu_air_state, only: open_gpu_air
+    use brz_gpu_air_step, only: gpu_air_step
+    use brz_gpu_air_sums, only: gpu_air_time_step
+    use brz_gpu_solid_copy, only: open_gpu_solid
+    use brz_gpu_solid_step, only: gpu_solid_step
+    use brz_kinds, only: dp, rk
+    use brz_solid_state, only: solid_t
+    use brz_solid_step, only: solid_step
+    implicit none
+    private
+    public :: start_backend, advance_air, limit_of_air, advance_solid
+
+contains
+
+    !> Hand the state to the GPU, once it is set up or read from a checkpoint.
+    subroutine start_backend(backend, air, coupling, solid, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        type(coupling_t), intent(in) :: coupling
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (backend%on_gpu .and. .not. failed(err)) then
+            call open_gpu_air(backend%device, air, coupling%present, backend%air, err)
+            call start_walls(backend, air, coupling, err)
+        end if
+        if (backend%bodies_on_gpu .and. .not. failed(err)) &
+            call open_gpu_solid(backend%device, solid, coupling%present, backend%solid, err)
+    end subroutine start_backend
+
+    !> One step of the air. `status` as air_step has it.
+    subroutine advance_air(backend, air, wall, dt, status, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        real(dp), intent(in) :: dt !! [s]
+        integer, intent(out) :: status
+        type(error_t), intent(inout) :: err
+
+        if (backend%on_gpu) then
+            call gpu_air_step(backend%air, air, dt, status, err)
+        else
+            call air_step(air, wall, dt, status)
+        end if
+    end subroutine advance_air
+
+    !> Largest stable time step of the air [s].
+    real(dp) function limit_of_air(backend, air, wall, cfl, err) result(dt)
+        type(backend_t), intent(in) :: backend
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        real(dp), intent(in) :: cfl !! Courant number [-]
+        type(error_t), intent(inout) :: err
+
+        if (backend%on_gpu) then
+            dt = gpu_air_time_step(backend%air, air, cfl, err)
+            if (wall%present) dt = min(dt, cfl/max(fastest_wall(air, wall), tiny(dt)))
+        else
+            dt = air_time_step(air, wall, cfl)
+        end if
+    end function limit_of_air
+
+    !> Largest sum_d |v_d|/dx_d of the walls [1/s].
+    pure real(dp) function fastest_wall(air, wall) result(fastest)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        integer :: c
+
+        fastest = 0
+        do c = 1, wall%n_cells
+            fastest = max(fastest, real(sum(abs(wall%v(:, c)) &
+                *merge(real(1/air%dx, rk), 0.0_rk, air%n > 1)), dp))
+        end do
+    end function fastest_wall
+
+    !> One step of the bodies.
+    subroutine advance_solid(backend, solid, dt, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+
+        if (backend%bodies_on_gpu) then
+            call gpu_solid_step(backend%solid, solid, dt, err)
+        else
+            call solid_step(solid, dt, err)
+        end if
+    end subroutine advance_solid
+end module brz_backend_step
