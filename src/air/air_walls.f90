@@ -3,7 +3,8 @@
 !> cuts out of the plain scheme. All lists grow only, and their order is that of the grid.
 module brz_air_walls
     use brz_kinds, only: int8, rk
-    use brz_air_state, only: air_t, bc_outflow, bc_periodic, cut_t, n_ghost, wall_t
+    use brz_air_images, only: image_at
+    use brz_air_state, only: air_t, bc_periodic, cut_t, n_ghost, wall_t
     use brz_grid_lines, only: block_of, n_blocks
     use brz_scheme, only: reach_of
     implicit none
@@ -59,19 +60,8 @@ contains
         type(air_t), intent(in) :: air
         integer, intent(in) :: d !! direction
         integer, intent(in) :: p !! index of a cell along it, ghosts included
-        integer :: n
 
-        n = air%n(d)
-        image_of = p
-        if (p < 1) then
-            image_of = min(1 - p, n)
-            if (air%bc(1, d) == bc_outflow) image_of = 1
-            if (air%bc(1, d) == bc_periodic) image_of = p + n
-        else if (p > n) then
-            image_of = max(2*n + 1 - p, 1)
-            if (air%bc(2, d) == bc_outflow) image_of = n
-            if (air%bc(2, d) == bc_periodic) image_of = p - n
-        end if
+        image_of = image_at(air%n(d), air%bc(1, d), air%bc(2, d), p)
     end function image_of
 
     !> Wipe what the last lists have left in the maps.

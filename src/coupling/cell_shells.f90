@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Neighbours of a cell in order of distance, and steps from cell to cell.
+!> Neighbours of a cell in order of distance, and steps from cell to cell. The steps are point
+!> physics: compiled for the CPU and for the GPU.
 module brz_cell_shells
     use brz_kinds, only: int32
     implicit none
@@ -44,6 +45,7 @@ contains
     end subroutine make_shells
 
     !> Cell reached from `from` by `offset`; `inside` is false beyond the box.
+    !@cuf attributes(host,device) &
     pure subroutine neighbour(n, wraps, from, offset, to, inside)
         integer, intent(in) :: n(3) !! cells of the grid
         logical, intent(in) :: wraps(3) !! periodic directions
@@ -65,6 +67,7 @@ contains
     end subroutine neighbour
 
     !> Indices of a cell from its number.
+    !@cuf attributes(host,device) &
     pure function cell_at(n, number) result(ijk)
         integer, intent(in) :: n(3)
         integer(int32), intent(in) :: number
@@ -78,9 +81,11 @@ contains
     end function cell_at
 
     !> Number of a cell from its indices, counted from 1 in memory order.
-    pure integer(int32) function number_of(n, ijk)
+    !@cuf attributes(host,device) &
+    pure function number_of(n, ijk) result(number)
         integer, intent(in) :: n(3), ijk(3)
+        integer(int32) :: number
 
-        number_of = ijk(1) + n(1)*((ijk(2) - 1) + n(2)*(ijk(3) - 1))
+        number = ijk(1) + n(1)*((ijk(2) - 1) + n(2)*(ijk(3) - 1))
     end function number_of
 end module brz_cell_shells

@@ -7,6 +7,7 @@
 module brz_coupling_state
     use brz_air_state, only: wall_t
     use brz_cell_shells, only: shells_t
+    use brz_column_rules, only: side_of
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
@@ -65,14 +66,4 @@ module brz_coupling_state
         real(dp) :: impulse(3) = 0 !! given to the solid, reference pressure taken off [N s]
         real(dp) :: impulse_reference(3) = 0 !! what was taken off [N s]
     end type coupling_t
-
-contains
-
-    !> Row of face_of: 1, 2: gas below, above in x; 3, 4 in y; 5, 6 in z.
-    pure integer function side_of(direction, side)
-        integer, intent(in) :: direction !! 1..3
-        integer, intent(in) :: side !! +1: solid above the gas, -1: solid below
-
-        side_of = 2*direction - (1 + side)/2
-    end function side_of
 end module brz_coupling_state

@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> How gas and particles push each other. Point physics: compiled for the CPU and for the GPU.
 module brz_load_rules
-    use brz_kinds, only: rk
+    use brz_gas, only: to_primitive
+    use brz_kinds, only: dp, rk
+    use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: load_weight, pushed_velocity
+    public :: load_weight, gas_push, coasted_velocity, pushed_velocity
 
     real(rk), parameter :: middling = 0.3_rk !! yield of a wall that is neither light nor heavy
 
@@ -22,6 +24,38 @@ contains
 
         w = max(1 - depth/range, 0.0_rk)
     end function load_weight
+
+    !> Force of the gas on a face if the wall keeps its velocity, and its fall if the wall yields.
+    !@cuf attributes(host,device) &
+    pure subroutine gas_push(d, s, gamma, u, v, area, reference, force, impedance)
+        integer, intent(in) :: d, s !! direction and side of the face, as in wall_t
+        real(rk), intent(in) :: gamma !! ratio of specific heats [-]
+        real(rk), intent(in) :: u(5) !! the gas, conserved variables
+        real(rk), intent(in) :: v !! velocity of the wall along d [m/s]
+        real(dp), intent(in) :: area !! of the face [m2]
+        real(rk), intent(in) :: reference !! pressure taken off [Pa]
+        real(rk), intent(out) :: force !! on the solid, along the axis [N]
+        real(rk), intent(out) :: impedance !! loss of force per velocity [N s/m]
+        real(rk) :: p, rho, w(5)
+
+        call to_primitive(gamma, u, w)
+        call wall_star(gamma, w(1), w(5), s*(w(1 + d) - v), p, rho)
+        force = real(s*(p - reference)*area, rk)
+        impedance = real(sqrt(gamma*p*rho)*area, rk)
+    end subroutine gas_push
+
+    !> Velocity at the step of a mass that has had the load up to it, but the force of its body
+    !> half a solid step less.
+    !@cuf attributes(host,device) &
+    pure function coasted_velocity(v, force, load, mass, dt) result(w)
+        real(rk), intent(in) :: v !! one component, as the particles have it [m/s]
+        real(rk), intent(in) :: force, load !! over the last step: of all kinds, of the gas [N]
+        real(rk), intent(in) :: mass !! [kg]
+        real(rk), intent(in) :: dt !! last step of the solid [s]
+        real(rk) :: w
+
+        w = v + dt/2*(force - load)/mass
+    end function coasted_velocity
 
     !> Velocity of a wall in the middle of a step, from that at its start.
     !>

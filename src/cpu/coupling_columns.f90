@@ -7,6 +7,7 @@
 module brz_coupling_columns
     use brz_air_state, only: air_t
     use brz_cell_shells, only: neighbour
+    use brz_column_rules, only: height_of
     use brz_coupling_state, only: coupling_t, side_of
     use brz_kinds, only: dp, rk
     use brz_load_rules, only: load_weight
@@ -116,16 +117,10 @@ contains
         integer, intent(in) :: f
         real(dp), intent(in) :: x !! along the direction of the face
         integer :: d
-        real(dp) :: length
 
         d = coupling%wall%face(4, f)
-        height = coupling%wall%face(5, f) &
-            *(x - air%lo(d) - (coupling%wall%face(d, f) - 0.5_dp)*air%dx(d))
-        if (coupling%wraps(d)) then
-            ! in front of the face there is only gas: what seems to lie there lies a box farther
-            length = air%n(d)*air%dx(d)
-            height = height - length*floor(height/length)
-        end if
+        height = height_of(x, air%lo(d), air%dx(d), air%n(d), coupling%wraps(d), &
+                           coupling%wall%face(d, f), coupling%wall%face(5, f))
     end function height
 
     !> Area of a face normal to direction d [m2].

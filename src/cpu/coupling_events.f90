@@ -13,17 +13,14 @@ module brz_coupling_events
     use brz_coupling_donors, only: choose_receivers, collect, list_buried, size_donors
     use brz_coupling_level, only: level_ledgers
     use brz_coupling_state, only: coupling_t, from_uncovered, mark_solid
-    use brz_gas, only: to_primitive
+    use brz_fresh_rules, only: add_gas, mean_gas, no_gas, surrounding_t
     use brz_kinds, only: rk
     use brz_ledger_rules, only: fresh_gas
     use brz_scheme, only: max_var, mixture_gamma
     use brz_solid_state, only: solid_t, worth_threads
-    use brz_wall_riemann, only: wall_star
     implicit none
     private
     public :: reclassify, size_walls
-
-    integer, parameter :: touching = 3 !! shells whose cells share a side, an edge or a corner
 
 contains
 
@@ -152,33 +149,24 @@ contains
         integer, intent(in) :: c(3)
         real(rk), intent(out) :: w(max_var) !! density, velocity, pressure, fraction of products
         real(rk), intent(out) :: follows
-        real(rk) :: gamma, thin, v(3), u(5), q(5)
-        logical :: normal(3)
-        integer :: m, n, s, to(3)
+        type(surrounding_t) :: around
+        real(rk) :: v(3), u(max_var)
+        integer :: m, s, to(3)
 
         v = coupling%wall%v(:, coupling%wall%index(c(1), c(2), c(3)))
         do s = 1, coupling%shells%n
-            w = 0
-            follows = 0
-            normal = s > 1
-            n = 0
+            call no_gas(s, around)
             do m = coupling%shells%first(s), coupling%shells%first(s + 1) - 1
                 if (.not. stays_gas(air, coupling, c, coupling%shells%offset(:, m), to)) cycle
-                u = air%u(to(1), to(2), to(3), 1:5)
-                gamma = cell_gamma(air, to(1), to(2), to(3))
-                call to_primitive(gamma, u, q)
-                w(1:5) = w(1:5) + q
-                if (air%n_var == 6) w(6) = w(6) + air%u(to(1), to(2), to(3), 6)/q(1)
-                n = n + 1
-                thin = merge(1.0_rk, 0.0_rk, s <= touching)
-                if (s == 1) thin = left_behind(gamma, q, v, coupling%shells%offset(:, m))
-                follows = follows + thin
-                if (s == 1) normal = normal .or. coupling%shells%offset(:, m) /= 0
+                u(6) = 0
+                u(:air%n_var) = air%u(to(1), to(2), to(3), :)
+                call add_gas(s, coupling%shells%offset(:, m), &
+                             cell_gamma(air, to(1), to(2), to(3)), u, v, around)
             end do
-            if (n == 0) cycle
-            w = w/n
-            follows = follows/n
-            w(2:4) = merge(v, w(2:4), normal)
+            if (around%n == 0) cycle
+            call mean_gas(v, around)
+            w = around%w
+            follows = around%follows
             return
         end do
         w(1) = air%rho_rest
@@ -200,18 +188,6 @@ contains
         stays_gas = coupling%wall%solid(to(1), to(2), to(3)) == 0 &
                     .and. coupling%mark(to(1), to(2), to(3)) /= mark_solid
     end function stays_gas
-
-    !> Density at a wall that leaves a gas, over that of the gas; one if it does not leave.
-    pure real(rk) function left_behind(gamma, w, v, offset)
-        real(rk), intent(in) :: gamma, w(5) !! the gas: density, velocity, pressure
-        real(rk), intent(in) :: v(3) !! velocity of the wall
-        integer, intent(in) :: offset(3) !! from the wall to the gas, along one axis
-        real(rk) :: du, p, rho
-
-        du = dot_product(v - w(2:4), real(offset, rk))
-        call wall_star(gamma, w(1), w(5), min(du, 0.0_rk), p, rho)
-        left_behind = rho/w(1)
-    end function left_behind
 
     !> Room for what is kept per solid cell and per wall face.
     subroutine size_walls(coupling)

@@ -5,11 +5,9 @@ module brz_coupling_velocity
     use brz_coupling_bins, only: move_walls
     use brz_coupling_columns, only: area, face_above, weigh_columns, weight_of
     use brz_coupling_state, only: coupling_t, side_of
-    use brz_gas, only: to_primitive
     use brz_kinds, only: dp, rk
-    use brz_load_rules, only: pushed_velocity
+    use brz_load_rules, only: coasted_velocity, gas_push, pushed_velocity
     use brz_solid_state, only: solid_t, worth_threads
-    use brz_wall_riemann, only: wall_star
     implicit none
     private
     public :: set_wall_velocity
@@ -54,19 +52,15 @@ contains
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
         integer, intent(in) :: f !! wall face
-        real(rk) :: gamma, p, rho, u(5), w(5)
-        integer :: d, g(3), s
+        real(rk) :: u(5)
+        integer :: d, g(3)
 
         g = coupling%wall%face(1:3, f)
         d = coupling%wall%face(4, f)
-        s = coupling%wall%face(5, f)
         u = air%u(g(1), g(2), g(3), 1:5)
-        gamma = cell_gamma(air, g(1), g(2), g(3))
-        call to_primitive(gamma, u, w)
-        call wall_star(gamma, w(1), w(5), &
-                       s*(w(1 + d) - coupling%wall%v(d, coupling%wall%face_cell(f))), p, rho)
-        coupling%force(f) = real(s*(p - coupling%reference_pressure)*area(air, d), rk)
-        coupling%impedance(f) = real(sqrt(gamma*p*rho)*area(air, d), rk)
+        call gas_push(d, coupling%wall%face(5, f), cell_gamma(air, g(1), g(2), g(3)), u, &
+                      coupling%wall%v(d, coupling%wall%face_cell(f)), area(air, d), &
+                      coupling%reference_pressure, coupling%force(f), coupling%impedance(f))
     end subroutine feel_gas
 
     !> Carry one wall to the middle of the step, in the directions in which it meets gas.
@@ -82,9 +76,9 @@ contains
 
         call forces_before(solid, coupling, c, force, load, mass, held)
         if (held) return
-        ! the velocity has had the load up to the step, but the body's force half a solid step less
-        v = coupling%wall%v(:, c) + real(solid%dt_last/2, rk)*(force - load)/mass
         do d = 1, 3
+            v(d) = coasted_velocity(coupling%wall%v(d, c), force(d), load(d), mass, &
+                                    real(solid%dt_last, rk))
             if (air%n(d) == 1) cycle
             if (all(coupling%face_of(2*d - 1:2*d, c) == 0)) cycle
             impedance = 0
