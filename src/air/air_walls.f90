@@ -3,7 +3,7 @@
 !> cuts out of the plain scheme. All lists grow only, and their order is that of the grid.
 module brz_air_walls
     use brz_kinds, only: int8, rk
-    use brz_air_images, only: image_at
+    use brz_air_boundary, only: image_at
     use brz_air_state, only: air_t, bc_periodic, cut_t, n_ghost, wall_t
     use brz_grid_lines, only: block_of, n_blocks
     use brz_scheme, only: reach_of

@@ -5,9 +5,11 @@ module brz_cell_shells
     use brz_kinds, only: int32
     implicit none
     private
-    public :: shells_t, make_shells, neighbour, cell_at, number_of, reach
+    public :: shells_t, make_shells, neighbour, cell_at, number_of, index_along, next_along
+    public :: reach, touching
 
     integer, parameter :: reach = 3 !! farthest neighbour, in cells
+    integer, parameter :: touching = 3 !! shells whose cells share a side, an edge or a corner
     integer, parameter :: max_shells = 8, max_offsets = 122
 
     !> Shell s holds offsets first(s)..first(s+1)-1, all of the same distance. It is symmetric: with
@@ -88,4 +90,38 @@ contains
 
         number = ijk(1) + n(1)*((ijk(2) - 1) + n(2)*(ijk(3) - 1))
     end function number_of
+
+    !> Index of a cell along direction d.
+    !@cuf attributes(host,device) &
+    pure function index_along(n, number, d) result(i)
+        integer, intent(in) :: n(3)
+        integer(int32), intent(in) :: number
+        integer, intent(in) :: d
+        integer :: i
+
+        i = number - 1
+        if (d > 1) i = i/n(1)
+        if (d > 2) i = i/n(2)
+        if (d < 3) i = mod(i, n(d))
+        i = i + 1
+    end function index_along
+
+    !> Number of the next cell along an axis; 0 beyond the box.
+    !@cuf attributes(host,device) &
+    pure function next_along(n, wraps, number, d, s) result(next)
+        integer, intent(in) :: n(3)
+        logical, intent(in) :: wraps(3) !! periodic directions
+        integer(int32), intent(in) :: number
+        integer, intent(in) :: d, s !! direction, and +1 or -1
+        integer(int32) :: next
+        integer :: i, stride
+
+        stride = 1
+        if (d > 1) stride = n(1)
+        if (d > 2) stride = stride*n(2)
+        i = index_along(n, number, d)
+        next = number + s*stride
+        if (i + s >= 1 .and. i + s <= n(d)) return
+        next = merge(number + s*(1 - n(d))*stride, 0, wraps(d))
+    end function next_along
 end module brz_cell_shells

@@ -2,14 +2,13 @@
 !> The surroundings of a cell that the solid has left. Point physics: compiled for the CPU and for
 !> the GPU.
 module brz_fresh_rules
+    use brz_cell_shells, only: touching
     use brz_gas, only: to_primitive
     use brz_kinds, only: rk
     use brz_wall_riemann, only: wall_star
     implicit none
     private
     public :: surrounding_t, no_gas, add_gas, mean_gas
-
-    integer, parameter :: touching = 3 !! shells whose cells share a side, an edge or a corner
 
     !> Sums over the gas cells of a shell, then their means.
     type :: surrounding_t

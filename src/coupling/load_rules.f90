@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> How gas and particles push each other. Point physics: compiled for the CPU and for the GPU.
 module brz_load_rules
+    use brz_column_rules, only: direction_of, sign_of
     use brz_gas, only: to_primitive
     use brz_kinds, only: dp, rk
     use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: load_weight, gas_push, coasted_velocity, pushed_velocity
+    public :: load_weight, gauge_force, is_felt, gas_push, coasted_velocity, pushed_velocity
 
     real(rk), parameter :: middling = 0.3_rk !! yield of a wall that is neither light nor heavy
 
@@ -25,21 +26,57 @@ contains
         w = max(1 - depth/range, 0.0_rk)
     end function load_weight
 
+    !> Force on the solid behind a face over a step, along the axis, reference pressure off [N].
+    !@cuf attributes(host,device) &
+    pure function gauge_force(s, impulse, pressure, area, dt) result(force)
+        integer, intent(in) :: s !! +1: solid above the gas, -1: solid below
+        real(rk), intent(in) :: impulse !! of the gas, along the side [N s]
+        real(rk), intent(in) :: pressure !! that is taken off [Pa]
+        real(dp), intent(in) :: area !! of the face [m2]
+        real(dp), intent(in) :: dt !! [s]
+        real(rk) :: force
+        real(dp) :: reference
+
+        reference = pressure*area
+        force = real(s*(impulse/dt - reference), rk)
+    end function gauge_force
+
+    !> True for a wall face with more than rounding above or below the reference pressure.
+    !@cuf attributes(host,device) &
+    pure function is_felt(impulse, pressure, area, dt) result(felt)
+        real(rk), intent(in) :: impulse !! of the gas on the face [N s]
+        real(rk), intent(in) :: pressure !! that is taken off [Pa]
+        real(dp), intent(in) :: area !! of the face [m2]
+        real(dp), intent(in) :: dt !! [s]
+        logical :: felt
+        real(dp), parameter :: negligible = 1e-9_dp !! of the reference pressure
+        real(dp) :: reference
+
+        reference = pressure*area*dt
+        felt = abs(impulse - reference) > negligible*reference
+    end function is_felt
+
     !> Force of the gas on a face if the wall keeps its velocity, and its fall if the wall yields.
     !@cuf attributes(host,device) &
-    pure subroutine gas_push(d, s, gamma, u, v, area, reference, force, impedance)
-        integer, intent(in) :: d, s !! direction and side of the face, as in wall_t
+    pure subroutine gas_push(row, gamma, u, v, area, reference, force, impedance)
+        integer, intent(in) :: row !! side of the face, see side_of
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
         real(rk), intent(in) :: u(5) !! the gas, conserved variables
-        real(rk), intent(in) :: v !! velocity of the wall along d [m/s]
+        real(rk), intent(in) :: v !! velocity of the wall along the axis [m/s]
         real(dp), intent(in) :: area !! of the face [m2]
         real(rk), intent(in) :: reference !! pressure taken off [Pa]
         real(rk), intent(out) :: force !! on the solid, along the axis [N]
         real(rk), intent(out) :: impedance !! loss of force per velocity [N s/m]
-        real(rk) :: p, rho, w(5)
+        real(rk) :: p, rho, speed, w(5)
+        integer :: k, s
 
+        s = sign_of(row)
         call to_primitive(gamma, u, w)
-        call wall_star(gamma, w(1), w(5), s*(w(1 + d) - v), p, rho)
+        speed = 0
+        do k = 1, 3
+            if (k == direction_of(row)) speed = w(1 + k)
+        end do
+        call wall_star(gamma, w(1), w(5), s*(speed - v), p, rho)
         force = real(s*(p - reference)*area, rk)
         impedance = real(sqrt(gamma*p*rho)*area, rk)
     end subroutine gas_push

@@ -6,15 +6,13 @@
 !> not in each. What a single ledger cannot hold would have to go back into the gas, as noise.
 module brz_coupling_level
     use brz_air_state, only: air_t
-    use brz_cell_shells, only: neighbour
+    use brz_cell_shells, only: neighbour, touching
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: rk
     use brz_solid_state, only: worth_threads
     implicit none
     private
     public :: level_ledgers
-
-    integer, parameter :: nearest = 3 !! shells: cells that share a side, an edge or a corner
 
 contains
 
@@ -55,7 +53,7 @@ contains
         logical :: inside
 
         gain = 0
-        do m = 1, coupling%shells%first(nearest + 1) - 1
+        do m = 1, coupling%shells%first(touching + 1) - 1
             if (any(abs(coupling%shells%offset(:, m)) > 1)) cycle
             call neighbour(air%n, coupling%wraps, coupling%wall%cell(:, c), &
                            coupling%shells%offset(:, m), to, inside)

@@ -4,7 +4,8 @@ module brz_coupling_load
     use brz_air_state, only: air_t
     use brz_coupling_columns, only: area, face_above, weight_of
     use brz_coupling_state, only: coupling_t
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp
+    use brz_load_rules, only: gauge_force, is_felt
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: body_t, solid_t, worth_threads
     implicit none
@@ -22,15 +23,13 @@ contains
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
-        real(dp) :: reference
         integer :: c, f, p
 
         !$omp parallel if(solid%n >= worth_threads)
-        !$omp do schedule(static) private(reference)
+        !$omp do schedule(static)
         do f = 1, coupling%wall%n_faces
-            reference = coupling%reference_pressure*area(air, coupling%wall%face(4, f))
-            coupling%force(f) = real(coupling%wall%face(5, f) &
-                                     *(coupling%wall%impulse(f)/dt - reference), rk)
+            coupling%force(f) = gauge_force(coupling%wall%face(5, f), coupling%wall%impulse(f), &
+                coupling%reference_pressure, area(air, coupling%wall%face(4, f)), dt)
         end do
         !$omp do schedule(static)
         do p = 1, solid%n
@@ -127,23 +126,11 @@ contains
                 do s = -1, 1, 2
                     f = face_above(air, coupling, d, s, coupling%place_of(p))
                     if (f == 0) cycle
-                    if (feels(air, coupling, dt, f)) return
+                    if (is_felt(coupling%wall%impulse(f), coupling%reference_pressure, &
+                                area(air, d), dt)) return
                 end do
             end do
         end do
         is_loaded = .false.
     end function is_loaded
-
-    !> True for a wall face with more than rounding above or below the reference pressure.
-    pure logical function feels(air, coupling, dt, f)
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(in) :: coupling
-        real(dp), intent(in) :: dt !! [s]
-        integer, intent(in) :: f !! wall face
-        real(dp), parameter :: negligible = 1e-9_dp !! of the reference pressure
-        real(dp) :: reference
-
-        reference = coupling%reference_pressure*area(air, coupling%wall%face(4, f))*dt
-        feels = abs(coupling%wall%impulse(f) - reference) > negligible*reference
-    end function feels
 end module brz_coupling_load

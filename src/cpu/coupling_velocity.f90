@@ -58,7 +58,7 @@ contains
         g = coupling%wall%face(1:3, f)
         d = coupling%wall%face(4, f)
         u = air%u(g(1), g(2), g(3), 1:5)
-        call gas_push(d, coupling%wall%face(5, f), cell_gamma(air, g(1), g(2), g(3)), u, &
+        call gas_push(side_of(d, coupling%wall%face(5, f)), cell_gamma(air, g(1), g(2), g(3)), u, &
                       coupling%wall%v(d, coupling%wall%face_cell(f)), area(air, d), &
                       coupling%reference_pressure, coupling%force(f), coupling%impedance(f))
     end subroutine feel_gas

@@ -17,7 +17,7 @@ module brz_device
     implicit none
     private
     public :: device_t, buffer_t, kernel_t, arguments_t
-    public :: open_device, load_kernels, find_kernel, allocate_buffer, free_buffer
+    public :: open_device, load_kernels, find_kernel, allocate_buffer, reserve_buffer, free_buffer
     public :: copy_in, copy_out, clear_buffer, launch, wait_for_device
     public :: start_timer, stop_timer
 
@@ -268,6 +268,17 @@ contains
                    ' bytes', err)
         call clear_buffer(buffer, err)
     end subroutine allocate_buffer
+
+    !> Make room in a buffer that may hold some; what was there is lost where it grows.
+    subroutine reserve_buffer(buffer, bytes, err)
+        type(buffer_t), intent(inout) :: buffer
+        integer(int64), intent(in) :: bytes
+        type(error_t), intent(inout) :: err
+
+        if (buffer%address /= 0 .and. buffer%bytes >= bytes) return
+        call free_buffer(buffer)
+        call allocate_buffer(buffer, bytes + bytes/4, err)
+    end subroutine reserve_buffer
 
     !> Give memory back. Nothing happens to a buffer that holds none.
     subroutine free_buffer(buffer)

@@ -5,7 +5,7 @@
 module brz_gpu_air_walls
     use brz_air_state, only: air_t, bc_periodic, wall_t
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, free_buffer, &
-        launch
+        launch, reserve_buffer
     use brz_air_grid, only: place_of
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gather, gpu_air_t, gpu_walls_t
@@ -48,22 +48,11 @@ contains
 
         walls%n_cells = wall%n_cells
         walls%n_faces = wall%n_faces
-        call reserve(walls%v, 3*bytes_of_real*wall%n_cells, err)
-        call reserve(walls%face_of, 24_int64*wall%n_cells, err)
-        call reserve(walls%push, bytes_of_real*wall%n_faces, err)
-        call reserve(walls%impulse, bytes_of_real*wall%n_faces, err)
+        call reserve_buffer(walls%v, 3*bytes_of_real*wall%n_cells, err)
+        call reserve_buffer(walls%face_of, 24_int64*wall%n_cells, err)
+        call reserve_buffer(walls%push, bytes_of_real*wall%n_faces, err)
+        call reserve_buffer(walls%impulse, bytes_of_real*wall%n_faces, err)
     end subroutine size_lists
-
-    !> Make room in a buffer; what was there is lost.
-    subroutine reserve(buffer, bytes, err)
-        type(buffer_t), intent(inout) :: buffer
-        integer(int64), intent(in) :: bytes
-        type(error_t), intent(inout) :: err
-
-        if (buffer%address /= 0 .and. buffer%bytes >= bytes) return
-        call free_buffer(buffer)
-        call allocate_buffer(buffer, bytes + bytes/4, err)
-    end subroutine reserve
 
     !> List the cells around the surfaces.
     subroutine list_shared(walls, air, wall, face_of, reach)
@@ -121,8 +110,8 @@ contains
             place(c) = place_of(gpu%grid, gpu%walls%shared(1, c), gpu%walls%shared(2, c), &
                 gpu%walls%shared(3, c))
         end do
-        call reserve(gpu%walls%place_at, 8_int64*n, err)
-        call reserve(gpu%walls%values_at, bytes_of_real*n_var*n, err)
+        call reserve_buffer(gpu%walls%place_at, 8_int64*n, err)
+        call reserve_buffer(gpu%walls%values_at, bytes_of_real*n_var*n, err)
         call copy_in(place, gpu%walls%place_at, 8_int64*n, err)
         if (allocated(gpu%walls%values)) deallocate (gpu%walls%values)
         allocate (gpu%walls%values(n, n_var))

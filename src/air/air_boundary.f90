@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> Which cell a ghost cell shows. Point physics: compiled for the CPU and for the GPU.
-module brz_air_images
-    use brz_air_state, only: bc_outflow, bc_periodic
+!> Conditions at the ends of the lines of cells. Point physics: compiled for the CPU and for the
+!> GPU.
+module brz_air_boundary
     implicit none
     private
-    public :: image_at
+    public :: image_at, bc_outflow, bc_wall, bc_symmetry, bc_periodic
+
+    integer, parameter :: bc_outflow = 1, bc_wall = 2, bc_symmetry = 3, bc_periodic = 4
 
 contains
 
@@ -27,4 +29,4 @@ contains
             if (high == bc_periodic) at = p - n
         end if
     end function image_at
-end module brz_air_images
+end module brz_air_boundary

@@ -1,0 +1,182 @@
+! SPDX-License-Identifier: MIT
+!> The coupling on its way to the GPU and back, and numbers about all of it.
+module brz_gpu_coupling_copy
+    use brz_air_state, only: air_t
+    use brz_air_walls, only: build_walls
+    use brz_cell_shells, only: cell_at
+    use brz_coupling_state, only: coupling_t
+    use brz_device, only: arguments_t, clear_buffer, copy_in, copy_out, device_t, launch
+    use brz_errors, only: error_t, failed
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_coupling_debts, only: make_room
+    use brz_gpu_coupling_layout, only: book_given, book_high, book_low, book_taken, &
+        book_taken_work, book_threads, book_work, is_covered, is_solid, n_book, n_count
+    use brz_gpu_coupling_state, only: add_all, add_grid, gpu_coupling_t, open_memory, particles_t
+    use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
+        look_at_particles, move_gpu_walls
+    use brz_kinds, only: dp, int64, rk
+    use brz_scheme, only: max_var
+    implicit none
+    private
+    public :: open_gpu_coupling, fetch_coupling, fetch_books, gpu_ledger_totals, gpu_fastest_wall
+
+contains
+
+    !> Reserve memory on the GPU and put the walls up where the particles are there. Debts and books
+    !> are those of the host; the ledgers are in the air.
+    subroutine open_gpu_coupling(device, air, coupling, particles, there, gpu, err)
+        type(device_t), intent(in) :: device
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        type(particles_t), intent(in) :: particles
+        type(gpu_air_t), intent(inout) :: there !! opened with walls
+        type(gpu_coupling_t), intent(out) :: gpu
+        type(error_t), intent(inout) :: err
+        integer :: counts(n_count), n
+
+        call open_memory(device, air, coupling, particles%n, gpu, err)
+        if (failed(err)) return
+        call clear_buffer(there%walls%solid, err)
+        call look_at_particles(gpu, there, particles, counts, err)
+        call list_cells_of_kind(gpu, [int(is_solid), int(is_covered)], err, total=n)
+        call build_gpu_walls(gpu, there, air, n, err)
+        call fill_gpu_bins(gpu, there, particles, err)
+        call move_gpu_walls(gpu, there, particles, err)
+        call put_debts(gpu, coupling, err)
+        call put_books(gpu, coupling, err)
+    end subroutine open_gpu_coupling
+
+    subroutine put_debts(gpu, coupling, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(coupling_t), intent(in) :: coupling
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call make_room(gpu, max(coupling%n_debts, 1), err)
+        gpu%n_debts = coupling%n_debts
+        if (gpu%n_debts == 0) return
+        call copy_in(coupling%debt_cell, gpu%debt_cell(1), 4_int64*gpu%n_debts, err)
+        call copy_in(coupling%debt, gpu%debt(1), gpu%box%n_var*bytes_of_real*gpu%n_debts, err)
+        call arguments%add(gpu%n_debts)
+        call add_all(arguments, [gpu%debt_cell(1), gpu%slot])
+        call launch(gpu%slots, [gpu%n_debts, 1, 1], arguments, err)
+    end subroutine put_debts
+
+    subroutine put_books(gpu, coupling, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(coupling_t), intent(in) :: coupling
+        type(error_t), intent(inout) :: err
+        real(dp) :: book(book_threads, n_book)
+
+        book = 0
+        book(1, book_work) = coupling%work
+        book(1, book_taken_work) = coupling%work_reference
+        book(1, book_given + 1:book_given + 3) = coupling%impulse
+        book(1, book_taken + 1:book_taken + 3) = coupling%impulse_reference
+        book(:, book_low) = coupling%ledger_low
+        book(:, book_high) = coupling%ledger_high
+        call copy_in(book, gpu%book, 8_int64*size(book), err)
+    end subroutine put_books
+
+    !> Bring work, impulse and the range of the ledgers to the host.
+    subroutine fetch_books(gpu, coupling, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(coupling_t), intent(inout) :: coupling
+        type(error_t), intent(inout) :: err
+        real(dp) :: book(book_threads, n_book), sums(n_book)
+
+        book = 0
+        call copy_out(gpu%book, book, 8_int64*size(book), err)
+        if (failed(err)) return
+        sums = sum(book, 1)
+        coupling%work = sums(book_work)
+        coupling%work_reference = sums(book_taken_work)
+        coupling%impulse = sums(book_given + 1:book_given + 3)
+        coupling%impulse_reference = sums(book_taken + 1:book_taken + 3)
+        coupling%ledger_low = real(minval(book(:, book_low)), rk)
+        coupling%ledger_high = real(maxval(book(:, book_high)), rk)
+    end subroutine fetch_books
+
+    !> Bring walls, debts and books to the host, for a dump or a checkpoint. What else the host has
+    !> of the coupling (face_of, bins, columns) is not touched: the CPU alone uses it.
+    subroutine fetch_coupling(gpu, there, air, coupling, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: coupling
+        type(error_t), intent(inout) :: err
+        integer(int64) :: changes
+
+        changes = coupling%covered_total + coupling%uncovered_total
+        if (changes /= gpu%fetched_changes) then
+            call copy_out(there%walls%solid, coupling%wall%solid, &
+                          size(coupling%wall%solid, kind=int64), err)
+            if (failed(err)) return
+            call build_walls(air, coupling%wall)
+            gpu%fetched_changes = changes
+        end if
+        call copy_out(there%walls%v, coupling%wall%v, 3*bytes_of_real*gpu%n_cells, err)
+        call fetch_debts(gpu, air, coupling, err)
+        call fetch_books(gpu, coupling, err)
+    end subroutine fetch_coupling
+
+    subroutine fetch_debts(gpu, air, coupling, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: coupling
+        type(error_t), intent(inout) :: err
+        integer :: c(3), e
+
+        coupling%n_debts = gpu%n_debts
+        if (allocated(coupling%debt_cell)) deallocate (coupling%debt_cell, coupling%debt)
+        allocate (coupling%debt_cell(gpu%n_debts), coupling%debt(gpu%box%n_var, gpu%n_debts))
+        call copy_out(gpu%debt_cell(1), coupling%debt_cell, 4_int64*gpu%n_debts, err)
+        call copy_out(gpu%debt(1), coupling%debt, gpu%box%n_var*bytes_of_real*gpu%n_debts, err)
+        if (failed(err)) return
+        coupling%slot = 0
+        do e = 1, gpu%n_debts
+            c = cell_at(air%n, coupling%debt_cell(e))
+            coupling%slot(c(1), c(2), c(3)) = e
+        end do
+    end subroutine fetch_debts
+
+    !> Totals of ledgers and debts, as ledger_totals has them.
+    subroutine gpu_ledger_totals(gpu, there, air, kept, products, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(air_t), intent(in) :: air
+        real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
+        real(dp), intent(out) :: products !! mass of products of explosives [kg]
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp) :: part(book_threads, max_var)
+
+        call clear_buffer(gpu%part, err)
+        call arguments%add(gpu%n_cells)
+        call arguments%add(gpu%n_debts)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%cell, there%u, gpu%debt(1), gpu%part])
+        call launch(gpu%total, [book_threads, air%n_var, 1], arguments, err)
+        part = 0
+        call copy_out(gpu%part, part, 8_int64*size(part), err)
+        kept = sum(part(:, 1:5), 1)*product(air%dx)
+        products = sum(part(:, 6))*product(air%dx)
+    end subroutine gpu_ledger_totals
+
+    !> Largest sum_d |v_d|/dx_d of the walls [1/s].
+    real(dp) function gpu_fastest_wall(gpu, there, err) result(fastest)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        real(dp) :: part(book_threads)
+
+        call arguments%add(gpu%n_cells)
+        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
+        call add_all(arguments, [there%walls%v, gpu%part])
+        call launch(gpu%fastest, [book_threads, 1, 1], arguments, err)
+        part = 0
+        call copy_out(gpu%part, part, 8_int64*size(part), err)
+        fastest = maxval(part)
+    end function gpu_fastest_wall
+end module brz_gpu_coupling_copy

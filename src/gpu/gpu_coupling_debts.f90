@@ -1,0 +1,182 @@
+! SPDX-License-Identifier: MIT
+!> Ledgers and debts on the GPU: the operations of every step.
+module brz_gpu_coupling_debts
+    use brz_air_state, only: air_t
+    use brz_coupling_state, only: coupling_t
+    use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_out, free_buffer, kernel_t, &
+        launch, reserve_buffer
+    use brz_errors, only: error_t, failed
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_coupling_layout, only: book_threads, count_over, n_count
+    use brz_gpu_coupling_state, only: add_all, add_grid, gpu_coupling_t
+    use brz_gpu_scan, only: running_sum
+    use brz_kinds, only: int64, rk
+    implicit none
+    private
+    public :: level_gpu_ledgers, limit_gpu_ledgers, release_gpu_debts, settle_gpu_debts, make_room
+
+contains
+
+    !> Exchange parts of the ledgers of neighbours, as level_ledgers does.
+    subroutine level_gpu_ledgers(gpu, there, air, coupling, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        if (coupling%shells%n < 3 .or. count(air%n > 1) == 1) return
+        call arguments%add(gpu%n_cells)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%cell, there%u, gpu%ledger])
+        call launch(gpu%copy, [gpu%n_cells, 1, 1], arguments, err)
+        arguments%n = 0
+        call arguments%add(gpu%n_cells)
+        call add_grid(gpu, there, arguments)
+        call arguments%add(gpu%shells)
+        call arguments%add(1/3.0_rk**count(air%n > 1))
+        call add_all(arguments, [gpu%cell, there%walls%solid, there%walls%cell_of, &
+                                 there%walls%face_of, gpu%ledger, there%u])
+        call launch(gpu%level, [gpu%n_cells, 1, 1], arguments, err)
+    end subroutine level_gpu_ledgers
+
+    !> Keep each ledger in its band; the excess becomes debt of the gas beside.
+    subroutine limit_gpu_ledgers(gpu, there, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: counts(n_count), opened
+
+        call arguments%add(gpu%n_cells)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%cell, gpu%gas, there%walls%face_of, there%u, gpu%excess, &
+                                 gpu%counts, gpu%book])
+        call launch(gpu%judge, [book_threads, 1, 1], arguments, err)
+        counts = 0
+        call copy_out(gpu%counts, counts, 4_int64*n_count, err)
+        if (counts(count_over) == 0 .or. failed(err)) return
+        arguments%n = 0
+        call arguments%add(gpu%n_faces)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%gas, gpu%owner, there%walls%solid, there%walls%cell_of, &
+                                 there%walls%face_of, gpu%excess, gpu%slot, gpu%start])
+        call launch(gpu%first, [gpu%n_faces, 1, 1], arguments, err)
+        call running_sum(gpu%scan, gpu%start, gpu%n_faces, err, opened)
+        call make_room(gpu, gpu%n_debts + opened, err)
+        arguments%n = 0
+        call arguments%add(gpu%n_faces)
+        call arguments%add(gpu%box%n_var)
+        call arguments%add(gpu%n_debts)
+        call add_all(arguments, [gpu%start, gpu%gas, gpu%slot, gpu%debt_cell(1), gpu%debt(1)])
+        call launch(gpu%open, [gpu%n_faces, 1, 1], arguments, err)
+        gpu%n_debts = gpu%n_debts + opened
+        arguments%n = 0
+        call arguments%add(gpu%n_faces)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%gas, gpu%owner, gpu%cell, there%walls%solid, &
+                                 there%walls%cell_of, there%walls%face_of, gpu%excess, there%u, &
+                                 gpu%slot, gpu%debt(1)])
+        call launch(gpu%give, [gpu%n_faces, 1, 1], arguments, err)
+        arguments%n = 0
+        call arguments%add(gpu%n_cells)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%cell, gpu%excess, there%u])
+        call launch(gpu%take, [gpu%n_cells, 1, 1], arguments, err)
+    end subroutine limit_gpu_ledgers
+
+    !> Pay a part of each debt.
+    subroutine release_gpu_debts(gpu, there, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        if (gpu%n_debts == 0) return
+        call reserve_buffer(gpu%start, 4_int64*(gpu%n_debts + 1), err)
+        call arguments%add(gpu%n_debts)
+        call arguments%add(gpu%box%n_var)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%debt_cell(1), there%u, gpu%debt(1), gpu%start])
+        call launch(gpu%release, [gpu%n_debts, 1, 1], arguments, err)
+        call drop_paid(gpu, err)
+    end subroutine release_gpu_debts
+
+    !> Cells that were covered take their debts into their ledgers.
+    subroutine settle_gpu_debts(gpu, there, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        if (gpu%n_debts == 0) return
+        call reserve_buffer(gpu%start, 4_int64*(gpu%n_debts + 1), err)
+        call arguments%add(gpu%n_debts)
+        call arguments%add(gpu%box%n_var)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%debt_cell(1), there%walls%solid, there%u, gpu%debt(1), &
+                                 gpu%start])
+        call launch(gpu%settle, [gpu%n_debts, 1, 1], arguments, err)
+        call drop_paid(gpu, err)
+    end subroutine settle_gpu_debts
+
+    !> Close the gaps in the list that paid debts leave; `start` holds 1 for each that stays.
+    subroutine drop_paid(gpu, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: left
+
+        call running_sum(gpu%scan, gpu%start, gpu%n_debts, err, left)
+        if (left == gpu%n_debts) return
+        call arguments%add(gpu%n_debts)
+        call arguments%add(gpu%box%n_var)
+        call add_all(arguments, [gpu%start, gpu%debt_cell(1), gpu%debt(1), gpu%slot, &
+                                 gpu%debt_cell(2), gpu%debt(2)])
+        call launch(gpu%move, [gpu%n_debts, 1, 1], arguments, err)
+        gpu%debt_cell = gpu%debt_cell([2, 1])
+        gpu%debt = gpu%debt([2, 1])
+        gpu%n_debts = left
+    end subroutine drop_paid
+
+    !> Room for n debts; those already listed are kept.
+    subroutine make_room(gpu, n, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        integer, intent(in) :: n
+        type(error_t), intent(inout) :: err
+        type(buffer_t) :: cell, debt
+        integer(int64) :: bytes
+        integer :: m
+
+        if (n <= gpu%room_debts) return
+        gpu%room_debts = 2*n + 64
+        bytes = gpu%box%n_var*bytes_of_real
+        call allocate_buffer(cell, 4_int64*gpu%room_debts, err)
+        call allocate_buffer(debt, bytes*gpu%room_debts, err)
+        call copy_words(gpu%words, int(gpu%n_debts, int64), gpu%debt_cell(1), cell, err)
+        call copy_words(gpu%words, bytes/4*gpu%n_debts, gpu%debt(1), debt, err)
+        do m = 1, 2
+            call free_buffer(gpu%debt_cell(m))
+            call free_buffer(gpu%debt(m))
+        end do
+        gpu%debt_cell(1) = cell
+        gpu%debt(1) = debt
+        call allocate_buffer(gpu%debt_cell(2), 4_int64*gpu%room_debts, err)
+        call allocate_buffer(gpu%debt(2), bytes*gpu%room_debts, err)
+    end subroutine make_room
+
+    !> Copy n words of 4 B on the GPU.
+    subroutine copy_words(kernel, n, from, to, err)
+        type(kernel_t), intent(in) :: kernel
+        integer(int64), intent(in) :: n
+        type(buffer_t), intent(in) :: from, to
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        if (n == 0) return
+        call arguments%add(n)
+        call add_all(arguments, [from, to])
+        call launch(kernel, [int(n), 1, 1], arguments, err)
+    end subroutine copy_words
+end module brz_gpu_coupling_debts

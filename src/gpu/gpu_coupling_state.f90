@@ -1,0 +1,225 @@
+! SPDX-License-Identifier: MIT
+!> The coupling on the GPU: what it keeps there. Walls, bins, ledgers and debts are built and held
+!> on the GPU; the host learns how many there are.
+!>
+!> Cells of the air go by their number in memory order, ghosts left out; solid cells and wall faces
+!> by their places in lists, in the order of the CPU.
+module brz_gpu_coupling_state
+    use brz_air_state, only: air_t
+    use brz_coupling_state, only: coupling_t
+    use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, device_t, find_kernel, &
+        free_buffer, kernel_t, reserve_buffer
+    use brz_errors, only: error_t
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_coupling_layout, only: book_threads, box_gpu_t, n_book, n_count
+    use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
+    use brz_gpu_solid_layout, only: scan_chunk
+    use brz_kinds, only: dp, int64, rk
+    use brz_scheme, only: max_var
+    implicit none
+    private
+    public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
+    public :: size_cells, size_faces, add_grid, add_all
+
+    !> The particles as brz_gpu_solid_layout has them, for the time of a call.
+    type :: particles_t
+        integer :: n = 0
+        type(buffer_t) :: place, motion, state, tag
+        integer :: load = 0 !! columns of `state` before those of the load of the air
+        integer :: before = 0 !! before those of the velocity a step of the air ago
+    end type particles_t
+
+    type :: gpu_coupling_t
+        type(box_gpu_t) :: box
+        type(gpu_scan_t) :: scan
+        integer :: n_cells = 0, n_faces = 0, n_debts = 0
+        integer(int64) :: fetched_changes = -1 !! cells that had changed hands at the last fetch
+        type(buffer_t) :: shells !! shells_t
+        type(buffer_t) :: mark !! (cells) one byte: what the particles make of a cell
+        type(buffer_t) :: top !! (cells/scan_chunk) cells of a kind before each chunk
+        type(buffer_t) :: slot !! (cells) place among the debts, or 0
+        type(buffer_t) :: counts, book, part !! see brz_gpu_coupling_layout
+        type(buffer_t) :: cell_of, home, binned !! (particles) cell, place of it in the list, bins
+        type(buffer_t) :: ends !! (n_cells + 1) of the bins
+        type(buffer_t) :: cell !! (n_cells) number of each solid cell
+        type(buffer_t) :: above !! (6, n_cells) face that loads the column of a cell, or 0
+        type(buffer_t) :: ledger, excess !! (n_cells, n_var), (n_cells)
+        type(buffer_t) :: gas, rows, owner !! (n_faces) gas cell, side, place of the solid cell
+        type(buffer_t) :: surface, weight, force, impedance !! (n_faces) as in coupling_t
+        type(buffer_t) :: start !! counts that become places in lists
+        type(buffer_t) :: left !! cells that the solid has left
+        type(buffer_t) :: donor, shell, donation !! as in coupling_t
+        type(buffer_t) :: debt_cell(2), debt(2) !! the list, and room for the next one
+        integer :: room_debts = 0
+        type(kernel_t) :: find, compare, count_kind, list_kind
+        type(kernel_t) :: index, images, count, list, reach_down
+        type(kernel_t) :: bin_count, bin_fill, bin_sort, bin_velocity, keep
+        type(kernel_t) :: weigh, feel, push, force_of, load, loaded, fastest
+        type(kernel_t) :: copy, level, judge, first, open, give, take, total
+        type(kernel_t) :: release, settle, move, slots, words
+        type(kernel_t) :: fresh, buried, list_buried, shells_of, owe, collect
+    end type gpu_coupling_t
+
+contains
+
+    !> Reserve what does not grow, and find the kernels.
+    subroutine open_memory(device, air, coupling, particles, gpu, err)
+        type(device_t), intent(in) :: device
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        integer, intent(in) :: particles
+        type(gpu_coupling_t), intent(out) :: gpu
+        type(error_t), intent(inout) :: err
+        integer(int64) :: bytes
+
+        gpu%box%n = air%n
+        gpu%box%cells = product(air%n)
+        gpu%box%n_var = air%n_var
+        gpu%box%layers = ceiling(coupling%spread)
+        gpu%box%bc = air%bc
+        gpu%box%wraps = coupling%wraps
+        gpu%box%spread = coupling%spread
+        gpu%box%reference = coupling%reference_pressure
+        gpu%box%lo = air%lo
+        gpu%box%dx = air%dx
+        gpu%box%area = product(air%dx)/air%dx
+        call find_kernels(device, gpu, err)
+        call open_gpu_scan(device, gpu%scan, err)
+        bytes = storage_size(coupling%shells)/8
+        call allocate_buffer(gpu%shells, bytes, err)
+        call copy_in(coupling%shells, gpu%shells, bytes, err)
+        call allocate_buffer(gpu%mark, int(gpu%box%cells, int64), err)
+        call allocate_buffer(gpu%top, 4_int64*(gpu%box%cells/scan_chunk + 2), err)
+        call allocate_buffer(gpu%slot, 4_int64*gpu%box%cells, err)
+        call allocate_buffer(gpu%counts, 4_int64*n_count, err)
+        call allocate_buffer(gpu%book, 8_int64*book_threads*n_book, err)
+        call allocate_buffer(gpu%part, 8_int64*book_threads*max_var, err)
+        call allocate_buffer(gpu%cell_of, 4_int64*particles, err)
+        call allocate_buffer(gpu%home, 4_int64*particles, err)
+        call allocate_buffer(gpu%binned, 4_int64*particles, err)
+    end subroutine open_memory
+
+    subroutine find_kernels(device, gpu, err)
+        type(device_t), intent(in) :: device
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+
+        call find_kernel(device, 'coupling_find', gpu%find, err)
+        call find_kernel(device, 'coupling_compare', gpu%compare, err)
+        call find_kernel(device, 'count_kind', gpu%count_kind, err)
+        call find_kernel(device, 'list_kind', gpu%list_kind, err)
+        call find_kernel(device, 'wall_index', gpu%index, err)
+        call find_kernel(device, 'wall_images', gpu%images, err)
+        call find_kernel(device, 'wall_count', gpu%count, err)
+        call find_kernel(device, 'wall_list', gpu%list, err)
+        call find_kernel(device, 'wall_above', gpu%reach_down, err)
+        call find_kernel(device, 'bin_count', gpu%bin_count, err)
+        call find_kernel(device, 'bin_fill', gpu%bin_fill, err)
+        call find_kernel(device, 'sort_cells', gpu%bin_sort, err)
+        call find_kernel(device, 'bin_velocity', gpu%bin_velocity, err)
+        call find_kernel(device, 'keep_velocity', gpu%keep, err)
+        call find_kernel(device, 'column_weights', gpu%weigh, err)
+        call find_kernel(device, 'wall_feel', gpu%feel, err)
+        call find_kernel(device, 'wall_push', gpu%push, err)
+        call find_kernel(device, 'wall_force', gpu%force_of, err)
+        call find_kernel(device, 'load_particles', gpu%load, err)
+        call find_kernel(device, 'loaded_bodies', gpu%loaded, err)
+        call find_kernel(device, 'fastest_walls', gpu%fastest, err)
+        call find_kernel(device, 'ledger_copy', gpu%copy, err)
+        call find_kernel(device, 'ledger_level', gpu%level, err)
+        call find_kernel(device, 'ledger_judge', gpu%judge, err)
+        call find_kernel(device, 'ledger_total', gpu%total, err)
+        call find_kernel(device, 'excess_first', gpu%first, err)
+        call find_kernel(device, 'excess_open', gpu%open, err)
+        call find_kernel(device, 'excess_give', gpu%give, err)
+        call find_kernel(device, 'excess_take', gpu%take, err)
+        call find_kernel(device, 'debt_release', gpu%release, err)
+        call find_kernel(device, 'debt_settle', gpu%settle, err)
+        call find_kernel(device, 'debt_move', gpu%move, err)
+        call find_kernel(device, 'debt_slots', gpu%slots, err)
+        call find_kernel(device, 'copy_words', gpu%words, err)
+        call find_kernel(device, 'fresh_cells', gpu%fresh, err)
+        call find_kernel(device, 'buried_flag', gpu%buried, err)
+        call find_kernel(device, 'buried_list', gpu%list_buried, err)
+        call find_kernel(device, 'donor_shells', gpu%shells_of, err)
+        call find_kernel(device, 'donor_debts', gpu%owe, err)
+        call find_kernel(device, 'donor_collect', gpu%collect, err)
+    end subroutine find_kernels
+
+    !> Room for n solid cells.
+    subroutine size_cells(gpu, there, n, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(inout) :: there
+        integer, intent(in) :: n
+        type(error_t), intent(inout) :: err
+
+        gpu%n_cells = n
+        there%walls%n_cells = n
+        call reserve_buffer(gpu%cell, 4_int64*n, err)
+        call reserve_buffer(gpu%ends, 4_int64*(n + 2), err)
+        call reserve_buffer(gpu%above, 24_int64*n, err)
+        call reserve_buffer(gpu%ledger, gpu%box%n_var*bytes_of_real*n, err)
+        call reserve_buffer(gpu%excess, bytes_of_real*n, err)
+        call reserve_buffer(there%walls%v, 3*bytes_of_real*n, err)
+        call reserve_buffer(there%walls%face_of, 24_int64*n, err)
+        call reserve_buffer(gpu%start, 4_int64*(6_int64*n + 1), err)
+    end subroutine size_cells
+
+    !> Room for n wall faces.
+    subroutine size_faces(gpu, there, n, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(inout) :: there
+        integer, intent(in) :: n
+        type(error_t), intent(inout) :: err
+
+        gpu%n_faces = n
+        there%walls%n_faces = n
+        call reserve_buffer(gpu%gas, 4_int64*n, err)
+        call reserve_buffer(gpu%rows, 4_int64*n, err)
+        call reserve_buffer(gpu%owner, 4_int64*n, err)
+        call reserve_buffer(gpu%surface, 8_int64*n, err)
+        call reserve_buffer(gpu%weight, bytes_of_real*n, err)
+        call reserve_buffer(gpu%force, bytes_of_real*n, err)
+        call reserve_buffer(gpu%impedance, bytes_of_real*n, err)
+        call reserve_buffer(there%walls%push, bytes_of_real*n, err)
+        call reserve_buffer(there%walls%impulse, bytes_of_real*n, err)
+    end subroutine size_faces
+
+    !> Add the box and the grid of the air to the arguments of a kernel.
+    subroutine add_grid(gpu, there, arguments)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(arguments_t), intent(inout) :: arguments
+
+        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
+        call arguments%add_structure(there%grid, storage_size(there%grid)/8)
+    end subroutine add_grid
+
+    !> Add buffers to the arguments of a kernel.
+    subroutine add_all(arguments, buffers)
+        type(arguments_t), intent(inout) :: arguments
+        type(buffer_t), intent(in) :: buffers(:)
+        integer :: b
+
+        do b = 1, size(buffers)
+            call arguments%add(buffers(b))
+        end do
+    end subroutine add_all
+
+    !> Give the memory back.
+    subroutine close_gpu_coupling(gpu)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(buffer_t) :: all(31)
+        integer :: b
+
+        all = [gpu%scan%levels, gpu%shells, gpu%mark, gpu%top, gpu%slot, gpu%counts, gpu%book, &
+               gpu%part, gpu%cell_of, gpu%home, gpu%binned, gpu%ends, gpu%cell, gpu%above, &
+               gpu%ledger, gpu%excess, gpu%gas, gpu%rows, gpu%owner, gpu%surface, gpu%weight, &
+               gpu%force, gpu%impedance, gpu%start, gpu%left, gpu%donor, gpu%shell, gpu%donation, &
+               gpu%debt_cell(1), gpu%debt_cell(2), gpu%debt(1)]
+        do b = 1, size(all)
+            call free_buffer(all(b))
+        end do
+        call free_buffer(gpu%debt(2))
+    end subroutine close_gpu_coupling
+end module brz_gpu_coupling_state

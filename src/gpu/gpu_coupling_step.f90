@@ -1,0 +1,161 @@
+! SPDX-License-Identifier: MIT
+!> The coupling in a step, on the GPU: the same list of operations as on the CPU, as launches.
+!>
+!> Nothing but counts comes to the host. `air` and `coupling` of the host say what does not change,
+!> and have their counters and dt_before brought up to date.
+module brz_gpu_coupling_step
+    use brz_air_state, only: air_t
+    use brz_coupling_state, only: coupling_t
+    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
+    use brz_errors, only: error_t, failed
+    use brz_gpu_air_state, only: gpu_air_t
+    use brz_gpu_coupling_debts, only: level_gpu_ledgers, limit_gpu_ledgers, release_gpu_debts
+    use brz_gpu_coupling_events, only: change_gpu_hands
+    use brz_gpu_coupling_layout, only: book_threads, count_covered, count_moved, count_outside, &
+        count_uncovered, n_count
+    use brz_gpu_coupling_state, only: add_all, add_grid, gpu_coupling_t, particles_t
+    use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles, move_gpu_walls
+    use brz_kinds, only: dp, int64, rk
+    implicit none
+    private
+    public :: gpu_set_wall_velocity, gpu_spread_load, gpu_is_loaded, gpu_reclassify
+
+contains
+
+    !> Velocities of the walls in the middle of the coming step, as set_wall_velocity has them.
+    subroutine gpu_set_wall_velocity(gpu, there, particles, air, coupling, dt, dt_solid, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(particles_t), intent(in) :: particles
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: coupling !! dt_before is set
+        real(dp), intent(in) :: dt !! of the coming step of the air [s]
+        real(dp), intent(in) :: dt_solid !! last step of the solid [s]
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call move_gpu_walls(gpu, there, particles, err)
+        call weigh_columns(gpu, there, particles, err)
+        call arguments%add(gpu%n_faces)
+        call add_grid(gpu, there, arguments)
+        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
+        call add_all(arguments, [gpu%gas, gpu%rows, gpu%owner, there%u, there%walls%v, gpu%force, &
+                                 gpu%impedance])
+        call launch(gpu%feel, [gpu%n_faces, 1, 1], arguments, err)
+        arguments%n = 0
+        call arguments%add(particles%n)
+        call arguments%add(gpu%n_cells)
+        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
+        call arguments%add(real(dt, rk))
+        call arguments%add(real(coupling%dt_before, rk))
+        call arguments%add(real(dt_solid, rk))
+        call arguments%add(particles%load)
+        call arguments%add(particles%before)
+        call add_all(arguments, [gpu%gas, gpu%owner, there%walls%face_of, gpu%above, gpu%ends, &
+                                 gpu%binned, particles%place, particles%motion, particles%state, &
+                                 particles%tag, gpu%surface, gpu%weight, gpu%force, &
+                                 gpu%impedance, there%walls%v])
+        call launch(gpu%push, [gpu%n_cells, 1, 1], arguments, err)
+        arguments%n = 0
+        call arguments%add(particles%n)
+        call arguments%add(particles%before)
+        call add_all(arguments, [particles%motion, particles%state])
+        call launch(gpu%keep, [particles%n, 1, 1], arguments, err)
+        coupling%dt_before = dt
+    end subroutine gpu_set_wall_velocity
+
+    !> Surface of the column behind each face, and the sum of the weights in it.
+    subroutine weigh_columns(gpu, there, particles, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(particles_t), intent(in) :: particles
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call arguments%add(particles%n)
+        call arguments%add(gpu%n_faces)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%gas, gpu%rows, gpu%owner, gpu%cell, there%walls%solid, &
+                                 there%walls%cell_of, gpu%ends, gpu%binned, particles%place, &
+                                 particles%state, gpu%surface, gpu%weight])
+        call launch(gpu%weigh, [gpu%n_faces, 1, 1], arguments, err)
+    end subroutine weigh_columns
+
+    !> Loads on the particles from the impulses of the step, and the books of work and impulse, as
+    !> spread_load has them.
+    subroutine gpu_spread_load(gpu, there, particles, dt, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(particles_t), intent(in) :: particles
+        real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call arguments%add(gpu%n_faces)
+        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
+        call arguments%add(dt)
+        call add_all(arguments, [gpu%rows, gpu%owner, there%walls%impulse, there%walls%v, &
+                                 gpu%force, gpu%book])
+        call launch(gpu%force_of, [book_threads, 1, 1], arguments, err)
+        arguments%n = 0
+        call arguments%add(particles%n)
+        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
+        call arguments%add(particles%load)
+        call add_all(arguments, [gpu%home, gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
+                                 particles%place, particles%state])
+        call launch(gpu%load, [particles%n, 1, 1], arguments, err)
+    end subroutine gpu_spread_load
+
+    !> Which bodies feel more than rounding, as wake_loaded asks. After gpu_spread_load.
+    subroutine gpu_is_loaded(gpu, there, dt, first, last, loaded, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        real(dp), intent(in) :: dt !! step over which the impulses were added up [s]
+        integer, intent(in) :: first(:), last(:) !! particles of each body
+        logical, intent(out) :: loaded(:)
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: b, marks(size(first))
+
+        call clear_buffer(gpu%part, err)
+        do b = 1, size(first)
+            arguments%n = 0
+            call arguments%add(first(b))
+            call arguments%add(last(b))
+            call arguments%add(b)
+            call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
+            call arguments%add(dt)
+            call add_all(arguments, [gpu%home, gpu%above, there%walls%impulse, gpu%part])
+            call launch(gpu%loaded, [last(b) - first(b) + 1, 1, 1], arguments, err)
+        end do
+        marks = 0
+        call copy_out(gpu%part, marks, 4_int64*size(marks), err)
+        loaded = marks /= 0
+    end subroutine gpu_is_loaded
+
+    !> Bring walls, ledgers and gas up to date with the particles, as reclassify does.
+    subroutine gpu_reclassify(gpu, there, particles, air, coupling, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(inout) :: there
+        type(particles_t), intent(in) :: particles
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: coupling !! its counters are brought up to date
+        type(error_t), intent(inout) :: err
+        integer :: counts(n_count)
+
+        call look_at_particles(gpu, there, particles, counts, err)
+        if (failed(err)) return
+        coupling%outside = counts(count_outside)
+        if (counts(count_moved) == 1) then
+            if (counts(count_covered) + counts(count_uncovered) > 0) &
+                call change_gpu_hands(gpu, there, air, coupling, counts, err)
+            call fill_gpu_bins(gpu, there, particles, err)
+        end if
+        call level_gpu_ledgers(gpu, there, air, coupling, err)
+        call limit_gpu_ledgers(gpu, there, err)
+        call release_gpu_debts(gpu, there, err)
+        call move_gpu_walls(gpu, there, particles, err)
+        there%fetched = .false.
+        coupling%n_debts = gpu%n_debts
+    end subroutine gpu_reclassify
+end module brz_gpu_coupling_step

@@ -1,0 +1,157 @@
+! SPDX-License-Identifier: MIT
+!> Walls and bins on the GPU: which cells hold particles, the lists of cells and faces, the
+!> particles of each cell.
+module brz_gpu_coupling_walls
+    use brz_air_state, only: air_t
+    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
+    use brz_errors, only: error_t
+    use brz_gpu_air_state, only: gpu_air_t
+    use brz_gpu_coupling_layout, only: is_covered, is_solid, n_count
+    use brz_gpu_coupling_state, only: add_all, add_grid, gpu_coupling_t, particles_t, size_cells, &
+        size_faces
+    use brz_gpu_scan, only: running_sum
+    use brz_gpu_solid_layout, only: scan_chunk
+    use brz_kinds, only: int64
+    use brz_scheme, only: reach_of
+    implicit none
+    private
+    public :: look_at_particles, list_cells_of_kind, build_gpu_walls, fill_gpu_bins, move_gpu_walls
+
+contains
+
+    !> Find the cell of each particle, and compare the map of these cells with the walls.
+    subroutine look_at_particles(gpu, there, particles, counts, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(particles_t), intent(in) :: particles
+        integer, intent(out) :: counts(n_count) !! see brz_gpu_coupling_layout
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call clear_buffer(gpu%counts, err)
+        call clear_buffer(gpu%mark, err)
+        call arguments%add(particles%n)
+        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
+        call add_all(arguments, [particles%place, gpu%cell_of, gpu%mark, gpu%counts])
+        call launch(gpu%find, [particles%n, 1, 1], arguments, err)
+        arguments%n = 0
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [there%walls%solid, gpu%mark, gpu%counts])
+        call launch(gpu%compare, gpu%box%n, arguments, err)
+        counts = 0
+        call copy_out(gpu%counts, counts, 4_int64*n_count, err)
+    end subroutine look_at_particles
+
+    !> List the cells of two kinds, of which there are as many as `list` has room for; or just count.
+    subroutine list_cells_of_kind(gpu, kinds, err, list, total)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        integer, intent(in) :: kinds(2) !! in `mark`
+        type(error_t), intent(inout) :: err
+        type(buffer_t), intent(in), optional :: list
+        integer, intent(out), optional :: total
+        type(arguments_t) :: arguments
+        integer :: chunks
+
+        chunks = (gpu%box%cells - 1)/scan_chunk + 1
+        call arguments%add(gpu%box%cells)
+        call arguments%add(kinds(1))
+        call arguments%add(kinds(2))
+        call add_all(arguments, [gpu%mark, gpu%top])
+        call launch(gpu%count_kind, [chunks, 1, 1], arguments, err)
+        if (present(total)) then
+            call running_sum(gpu%scan, gpu%top, chunks, err, total)
+        else
+            call running_sum(gpu%scan, gpu%top, chunks, err)
+        end if
+        if (.not. present(list)) return
+        call arguments%add(list)
+        call launch(gpu%list_kind, [chunks, 1, 1], arguments, err)
+    end subroutine list_cells_of_kind
+
+    !> Put the walls up where `mark` says; there are n solid cells. Velocities are not set.
+    subroutine build_gpu_walls(gpu, there, air, n, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(inout) :: there
+        type(air_t), intent(in) :: air
+        integer, intent(in) :: n
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        integer :: faces
+
+        call size_cells(gpu, there, n, err)
+        call list_cells_of_kind(gpu, [int(is_solid), int(is_covered)], err, list=gpu%cell)
+        call clear_buffer(there%walls%solid, err)
+        call clear_buffer(there%walls%cell_of, err)
+        call arguments%add(n)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%cell, there%walls%solid, there%walls%cell_of])
+        call launch(gpu%index, [n, 1, 1], arguments, err)
+        arguments%n = 0
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [there%walls%solid, there%walls%cell_of])
+        call launch(gpu%images, air%n + 2*air%g, arguments, err)
+        arguments%n = 0
+        call arguments%add_structure(there%grid, storage_size(there%grid)/8)
+        call arguments%add(reach_of(air%scheme))
+        call add_all(arguments, [there%walls%solid, there%walls%near])
+        call launch(there%walls%mark_near, air%n, arguments, err)
+        arguments%n = 0
+        call arguments%add(n)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%cell, there%walls%solid, gpu%start])
+        call launch(gpu%count, [n, 1, 1], arguments, err)
+        call running_sum(gpu%scan, gpu%start, n, err, faces)
+        call size_faces(gpu, there, faces, err)
+        call add_all(arguments, [there%walls%face_of, gpu%gas, gpu%rows, gpu%owner])
+        call launch(gpu%list, [n, 1, 1], arguments, err)
+        arguments%n = 0
+        call arguments%add(n)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%cell, there%walls%solid, there%walls%cell_of, &
+                                 there%walls%face_of, gpu%above])
+        call launch(gpu%reach_down, [n, 6, 1], arguments, err)
+    end subroutine build_gpu_walls
+
+    !> Sort the particles by solid cell.
+    subroutine fill_gpu_bins(gpu, there, particles, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(particles_t), intent(in) :: particles
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+        type(buffer_t) :: ends
+
+        call clear_buffer(gpu%ends, err)
+        call arguments%add(particles%n)
+        call add_grid(gpu, there, arguments)
+        call add_all(arguments, [gpu%cell_of, there%walls%cell_of, gpu%home, gpu%ends])
+        call launch(gpu%bin_count, [particles%n, 1, 1], arguments, err)
+        ends = gpu%ends
+        ends%address = ends%address + 4
+        call running_sum(gpu%scan, ends, gpu%n_cells, err)
+        arguments%n = 0
+        call arguments%add(particles%n)
+        call add_all(arguments, [gpu%home, gpu%ends, gpu%binned])
+        call launch(gpu%bin_fill, [particles%n, 1, 1], arguments, err)
+        arguments%n = 0
+        call arguments%add(gpu%n_cells)
+        call arguments%add(1)
+        call add_all(arguments, [ends, gpu%binned])
+        call launch(gpu%bin_sort, [gpu%n_cells, 1, 1], arguments, err)
+    end subroutine fill_gpu_bins
+
+    !> Give each solid cell the mean velocity by mass of its particles.
+    subroutine move_gpu_walls(gpu, there, particles, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(particles_t), intent(in) :: particles
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call arguments%add(particles%n)
+        call arguments%add(gpu%n_cells)
+        call add_all(arguments, [gpu%ends, gpu%binned, particles%motion, particles%state, &
+                                 there%walls%v])
+        call launch(gpu%bin_velocity, [gpu%n_cells, 1, 1], arguments, err)
+    end subroutine move_gpu_walls
+end module brz_gpu_coupling_walls

@@ -1,0 +1,234 @@
+! SPDX-License-Identifier: MIT
+!> Random gas and particles on the CPU and on the GPU, for the tests of the coupling.
+module gpu_coupled_scene
+    use brz_air_setup, only: make_grid
+    use brz_air_state, only: air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall, cell_gamma
+    use brz_coupling_setup, only: couple
+    use brz_coupling_state, only: coupling_t
+    use brz_device, only: allocate_buffer, copy_in, device_t, free_buffer
+    use brz_errors, only: error_t, failed
+    use brz_gas, only: to_conserved
+    use brz_gpu_air_state, only: bytes_of_real, close_gpu_air, gpu_air_t, open_gpu_air
+    use brz_gpu_air_sums, only: gpu_air_totals
+    use brz_gpu_coupling_copy, only: gpu_ledger_totals, open_gpu_coupling
+    use brz_gpu_coupling_state, only: close_gpu_coupling, gpu_coupling_t, particles_t
+    use brz_gpu_solid_layout, only: at_mass, n_tag, tag_fixed, tag_id
+    use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_solid_state, only: solid_t
+    use gpu_tools, only: get_device
+    implicit none
+    private
+    public :: both_t, start, finish, noise, stir_gas, put_particles, change_motion, shake, stock, &
+              gas_scale, load, n_state
+
+    integer, parameter :: load = at_mass, before = load + 3, n_state = before + 3
+
+    !> A scene on both machines.
+    type :: both_t
+        type(air_t) :: air, other
+        type(solid_t) :: solid
+        type(coupling_t) :: coupling, far
+        type(device_t) :: device
+        type(gpu_air_t) :: there
+        type(gpu_coupling_t) :: gpu
+        type(particles_t) :: particles
+        type(error_t) :: err
+    end type both_t
+
+contains
+
+    !> Random gas and particles on both machines.
+    subroutine start(n, count, periodic, s, products)
+        integer, intent(in) :: n(3), count !! cells, particles
+        logical, intent(in) :: periodic
+        type(both_t), intent(out) :: s
+        logical, intent(in), optional :: products !! a second gas
+
+        call make_air(n, periodic, present(products), s%air)
+        call make_particles(s%air, count, s%solid)
+        s%other = s%air
+        call couple(s%air, s%solid, 1.5_rk, 1e5_rk, s%coupling)
+        call get_device(s%device, s%err)
+        s%far = s%coupling
+        s%other%u = s%air%u
+        call open_gpu_air(s%device, s%other, .true., s%there, s%err)
+        s%particles%n = count
+        s%particles%load = load
+        s%particles%before = before
+        call allocate_buffer(s%particles%place, 32_int64*count, s%err)
+        call allocate_buffer(s%particles%motion, 4*bytes_of_real*count, s%err)
+        call allocate_buffer(s%particles%state, n_state*bytes_of_real*count, s%err)
+        call allocate_buffer(s%particles%tag, 4_int64*n_tag*count, s%err)
+        call put_particles(s)
+        call open_gpu_coupling(s%device, s%other, s%far, s%particles, s%there, s%gpu, s%err)
+        if (failed(s%err)) print *, s%err%text
+    end subroutine start
+
+    subroutine finish(s)
+        type(both_t), intent(inout) :: s
+
+        call close_gpu_coupling(s%gpu)
+        call close_gpu_air(s%there)
+        call free_buffer(s%particles%place)
+        call free_buffer(s%particles%motion)
+        call free_buffer(s%particles%state)
+        call free_buffer(s%particles%tag)
+    end subroutine finish
+
+    !> Numbers between 0 and 1 that depend on the seed alone.
+    pure real(dp) function noise(i, j)
+        integer, intent(in) :: i, j
+
+        noise = modulo(sin(12.9898_dp*i + 78.233_dp*j)*43758.5453_dp, 1.0_dp)
+    end function noise
+
+    subroutine make_air(n, periodic, products, air)
+        integer, intent(in) :: n(3)
+        logical, intent(in) :: periodic, products
+        type(air_t), intent(out) :: air
+        real(dp), parameter :: lo(3) = [-0.3_dp, 0.2_dp, 0.1_dp]
+
+        air%present = .true.
+        air%bc(:, 1) = [bc_wall, bc_outflow]
+        air%bc(:, 2) = bc_periodic
+        air%bc(:, 3) = [bc_symmetry, bc_outflow]
+        if (periodic) air%bc = bc_periodic
+        if (products) air%n_var = 6
+        air%scheme%mixture = products
+        air%scheme%gamma_products = 1.25_rk
+        call make_grid(lo, lo + [0.01_dp, 0.012_dp, 0.015_dp]*n, n, air)
+        call stir_gas(air, 0)
+    end subroutine make_air
+
+    !> New gas everywhere; in solid cells ledgers in and out of their band.
+    subroutine stir_gas(air, seed, solid)
+        type(air_t), intent(inout) :: air
+        integer, intent(in) :: seed
+        integer(int8), intent(in), optional :: solid(:, :, :)
+        real(rk) :: w(5), q(5), r
+        integer :: i, j, k, m
+
+        do k = 1, air%n(3)
+            do j = 1, air%n(2)
+                do i = 1, air%n(1)
+                    m = i + 31*j + 57*k
+                    r = real(noise(m, seed), rk)
+                    w(1:4) = [0.5_rk + r, 20*r - 10, 30*r**2 - 10, 5*r]
+                    w(5) = 1e5_rk*(0.5_rk + real(noise(m, seed + 100), rk))
+                    air%u(i, j, k, 1) = w(1)
+                    if (air%n_var == 6) air%u(i, j, k, 6) = w(1)*real(noise(m, seed + 50), rk)
+                    call to_conserved(cell_gamma(air, i, j, k), w, q)
+                    air%u(i, j, k, 1:5) = q
+                    if (.not. present(solid)) cycle
+                    if (solid(i, j, k) == 1) air%u(i, j, k, :) = (8*r - 3)*air%u(i, j, k, :)
+                end do
+            end do
+        end do
+    end subroutine stir_gas
+
+    !> A half of the particles in a block, the others all over the box and beyond; some are fixed.
+    subroutine make_particles(air, n, solid)
+        type(air_t), intent(in) :: air
+        integer, intent(in) :: n
+        type(solid_t), intent(out) :: solid
+        integer :: p, d
+
+        solid%present = .true.
+        solid%n = n
+        allocate (solid%x(3, n), solid%v(3, n), solid%load(3, n), solid%mass(n), solid%volume(n))
+        allocate (solid%fixed(n), source=0_int8)
+        solid%id = [(n + 1 - p, p=1, n)]
+        solid%dt_last = 0.003_dp
+        do p = 1, n
+            do d = 1, 3
+                solid%x(d, p) = noise(p, d)
+                if (p <= n/2) solid%x(d, p) = 0.3_dp + 0.35_dp*solid%x(d, p)
+                if (p > n - 20) solid%x(d, p) = 3*solid%x(d, p) - 1
+                solid%x(d, p) = air%lo(d) + air%n(d)*air%dx(d)*solid%x(d, p)
+                solid%v(d, p) = real(60*noise(p, d + 3) - 30, rk)
+                solid%load(d, p) = real(50*noise(p, d + 6) - 25, rk)
+            end do
+            solid%mass(p) = real(product(air%dx)*2*(1 + noise(p, 11)), rk)
+            solid%volume(p) = real(product(air%dx)/30, rk)
+            if (p > n/4 .and. p < n/3) solid%fixed(p) = 1
+        end do
+    end subroutine make_particles
+
+    !> Copy the particles to the GPU.
+    subroutine put_particles(s)
+        type(both_t), intent(inout) :: s
+        real(dp), allocatable :: place(:, :)
+        real(rk), allocatable :: motion(:, :), state(:, :)
+        integer(int32), allocatable :: tag(:, :)
+        integer :: n, p, d
+
+        n = s%solid%n
+        allocate (place(4, n), motion(4, n), state(n, n_state), source=0.0_rk)
+        allocate (tag(n, n_tag), source=0)
+        place(1:3, :) = s%solid%x
+        motion(1:3, :) = s%solid%v
+        state(:, at_mass) = s%solid%mass
+        do p = 1, n
+            do d = 1, 3
+                state(p, load + d) = s%solid%load(d, p)
+                state(p, before + d) = s%coupling%v_before(d, s%solid%id(p))
+            end do
+        end do
+        tag(:, tag_id) = s%solid%id
+        tag(:, tag_fixed) = s%solid%fixed
+        call copy_in(place, s%particles%place, size(place)*8_int64, s%err)
+        call copy_in(motion, s%particles%motion, size(motion)*bytes_of_real, s%err)
+        call copy_in(state, s%particles%state, size(state)*bytes_of_real, s%err)
+        call copy_in(tag, s%particles%tag, size(tag)*4_int64, s%err)
+    end subroutine put_particles
+
+    !> Other velocities of the particles on both machines; loads and old velocities stay.
+    subroutine change_motion(s, seed)
+        type(both_t), intent(inout) :: s
+        integer, intent(in) :: seed
+        integer :: p
+
+        do p = 1, s%solid%n
+            s%solid%v(:, p) = s%solid%v(:, p) + real(noise(p, seed + 20), rk)
+        end do
+        call put_particles(s)
+    end subroutine change_motion
+
+    subroutine shake(s, step, by)
+        type(both_t), intent(inout) :: s
+        integer, intent(in) :: step
+        real(dp), intent(in) :: by !! cells
+        integer :: d, p
+
+        do p = 1, s%solid%n
+            do d = 1, 3
+                s%solid%x(d, p) = s%solid%x(d, p) &
+                    + s%air%dx(d)*by*(noise(p + 7*step, d + 3) - 0.5_dp)
+            end do
+        end do
+    end subroutine shake
+
+    !> Gas, ledgers and debts on the GPU.
+    subroutine stock(s, all, kept, products)
+        type(both_t), intent(inout) :: s
+        real(dp), intent(out) :: all(5), kept(5), products
+        real(dp) :: totals(0:6)
+
+        call gpu_air_totals(s%there, s%other, totals, s%err)
+        call gpu_ledger_totals(s%gpu, s%there, s%other, kept, products, s%err)
+        all = totals(1:5) + kept
+    end subroutine stock
+
+    !> What mass, momentum and energy are to be compared with.
+    function gas_scale(air) result(scale)
+        type(air_t), intent(in) :: air
+        real(dp) :: scale(5)
+        integer :: c
+
+        do c = 1, 5
+            scale(c) = product(air%dx) &
+                *sum(abs(real(air%u(1:air%n(1), 1:air%n(2), 1:air%n(3), c), dp)))
+        end do
+        scale(2:4) = sqrt(scale(1)*scale(5))
+    end function gas_scale
+end module gpu_coupled_scene
