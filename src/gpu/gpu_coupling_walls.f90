@@ -42,7 +42,8 @@ contains
         call copy_out(gpu%counts, counts, 4_int64*n_count, err)
     end subroutine look_at_particles
 
-    !> List the cells of two kinds, of which there are as many as `list` has room for; or just count.
+    !> List the cells of two kinds, of which there are as many as `list` has room for; or count them
+    !> only.
     subroutine list_cells_of_kind(gpu, kinds, err, list, total)
         type(gpu_coupling_t), intent(inout) :: gpu
         integer, intent(in) :: kinds(2) !! in `mark`
