@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Command line: `python -m post report OUTDIR`, `frame OUTDIR`, `material FILE.csv`."""
+"""Command line: `python -m post report OUTDIR`, `frame OUTDIR`, `hole OUTDIR`, `material FILE`."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from post.errors import USAGE, PostError
-from post.reader import Run
+from post.reader import Frame, Run
 
 VIEWS = ("blast", "bodies", "cut")
 
@@ -43,6 +43,11 @@ def _parser() -> argparse.ArgumentParser:
         "--time", type=float, metavar="T", help="time [s]; the nearest dump is drawn"
     )
     frame.add_argument("--view", choices=VIEWS, default="blast", help="what is drawn")
+    hole = commands.add_parser("hole", help="the hole in a plate that was hit")
+    hole.set_defaults(command=_hole)
+    hole.add_argument("folder", metavar="OUTDIR", help="folder that a run has written")
+    hole.add_argument("--time", type=float, metavar="T", help="time [s] (default: the last dump)")
+    hole.add_argument("--body", metavar="ID", help="a body that is a box (default: the widest)")
     material = commands.add_parser("material", help="curves of a table of `brisance mat`")
     material.set_defaults(command=_material)
     material.add_argument("files", metavar="FILE.csv", nargs="+", help="tables, to be compared")
@@ -73,17 +78,41 @@ def _frame(options: argparse.Namespace) -> int:
     from post.section import draw_sheet  # noqa: PLC0415
 
     run = Run(options.folder)
-    frame = None
-    if options.time is not None:
-        if not 0 <= options.time <= run.end * (1 + 1e-6):
-            raise PostError(f"--time {options.time:g}: the run covers 0 to {run.end:g} s", USAGE)
-        frame = run.frame_at(options.time)
+    frame = _frame_of(run, options.time)
     draw = {"blast": draw_blast, "bodies": draw_bodies, "cut": draw_sheet}[options.view]
     folder = Path(options.folder) / "report"
     folder.mkdir(exist_ok=True)
     picture = draw(run, folder, frame)
     print(f"{picture.path}: {picture.caption}")
     return 0
+
+
+def _hole(options: argparse.Namespace) -> int:
+    from post.hole_picture import draw_perforation, hole_table  # noqa: PLC0415
+    from post.perforation import load_plate, measure_perforation  # noqa: PLC0415
+    from post.report import as_text  # noqa: PLC0415
+
+    run = Run(options.folder)
+    frames = [frame for frame in run.frames if frame.solid_path]
+    if not frames:
+        raise PostError(f"{options.folder}: there are no dumps of the solid")
+    frame = _frame_of(run, options.time) or frames[-1]
+    found = measure_perforation(load_plate(run, frame, options.body))
+    print(as_text(hole_table(found)))
+    folder = Path(options.folder) / "report"
+    folder.mkdir(exist_ok=True)
+    picture = draw_perforation(found, folder)
+    print(f"{picture.path}: {picture.caption}")
+    return 0
+
+
+def _frame_of(run: Run, time: float | None) -> Frame | None:
+    """The frame nearest to the time that was asked for; None if none was."""
+    if time is None:
+        return None
+    if not 0 <= time <= run.end * (1 + 1e-6):
+        raise PostError(f"--time {time:g}: the run covers 0 to {run.end:g} s", USAGE)
+    return run.frame_at(time)
 
 
 if __name__ == "__main__":

@@ -6,31 +6,24 @@ from __future__ import annotations
 import base64
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
 import numpy as np
 
 from post.compare import Comparison, compare, find_references, read_references
+from post.deflection import displacement_table
 from post.errors import PostError
 from post.figures import Picture, draw_energy, draw_gauges, draw_motion
 from post.gauges import measure, pressure_gauges
+from post.hole_picture import draw_perforation, hole_table
 from post.page import PAGE
+from post.perforation import load_plate, measure_perforation
 from post.reader import History, Run
+from post.tables import Row, Table, as_text
 from post.units import show
 
-Row = tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class Table:
-    """Heads and rows of texts; numbers are formatted already."""
-
-    title: str
-    heads: Row
-    rows: list[Row]
-    note: str = ""
+LEAST_HOLE = 3  # spacings: a few particles that came loose are no hole
 
 
 def make_report(run: Run, given_references: str | Path | None = None) -> tuple[Path, str]:
@@ -44,10 +37,14 @@ def make_report(run: Run, given_references: str | Path | None = None) -> tuple[P
     folder = run.folder / "report"
     folder.mkdir(exist_ok=True)
     pictures, failures = _draw_all(run, references, folder)
+    holes, views = _holes(run, folder)
+    pictures += views
     tables = [
         comparison_table(compare(run, references), path),
         balance_table(run),
+        *holes,
         gauge_table(run),
+        displacement_table(run),
         body_table(run),
     ]
     tables = [table for table in tables if table.rows]
@@ -84,6 +81,24 @@ def _draw_all(run: Run, references: list, folder: Path) -> tuple[list[Picture], 
         if drawn is not None:
             pictures += drawn if isinstance(drawn, list) else [drawn]
     return pictures, failures
+
+
+def _holes(run: Run, folder: Path) -> tuple[list[Table], list[Picture]]:
+    """Table and picture of each plate in which there is a hole at the end."""
+    frame = next((f for f in reversed(run.frames) if f.solid_path), None)
+    tables, pictures = [], []
+    for body in run.deck.bodies() if frame else []:
+        try:
+            plate = load_plate(run, frame, body.id)
+        except PostError:
+            continue  # no box, or not on a lattice
+        if plate.stays.all():
+            continue
+        found = measure_perforation(plate)
+        if found.through.seen.diameter > LEAST_HOLE * body.spacing:
+            tables.append(hole_table(found))
+            pictures.append(draw_perforation(found, folder))
+    return tables, pictures
 
 
 def comparison_table(rows: list[Comparison], path: Path | None) -> Table:
@@ -196,15 +211,6 @@ def body_table(run: Run) -> Table:
     part = f"1/{run.deck.images} of" if run.deck.images > 1 else "all of"
     note = f"At t = {show(history.time[-1], 's')}; of what is modelled, {part} the scene."
     return Table("Bodies at the end", ("body", *(wanted[n] for n in there)), rows, note)
-
-
-def as_text(table: Table) -> str:
-    """A table for the terminal, columns aligned, the note left out."""
-    rows = [table.heads, *table.rows]
-    widths = [max(len(row[i]) for row in rows) for i in range(len(table.heads))]
-    lines = ["  ".join(cell.ljust(w) for cell, w in zip(row, widths, strict=True)) for row in rows]
-    rule = "  ".join("-" * width for width in widths)
-    return "\n".join([table.title, lines[0].rstrip(), rule, *(x.rstrip() for x in lines[1:]), ""])
 
 
 def _html(run: Run, pictures: list[Picture], tables: list[Table], problems: list[str]) -> str:

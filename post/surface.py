@@ -27,7 +27,9 @@ class Skin:
 
 
 @dataclass(frozen=True)
-class _Lattice:
+class Lattice:
+    """Places of the unloaded particles of a body, and who stands where."""
+
     grid: np.ndarray  # [nx + 2, ny + 2, nz + 2] number of the particle, or -1; an empty rim
     place: np.ndarray  # (n, 3) place in the grid
     step: np.ndarray  # (3) [m]
@@ -49,13 +51,13 @@ def skin_of(
     if len(points) == 0:
         return None
     rest = points - displacement
-    lattice = _find_lattice(rest, spacing)
+    lattice = find_lattice(rest, spacing)
     if lattice is None:
         return None
-    edges, held = _edges(points, lattice)
+    edges, held = edges_of(points, lattice)
     if magnification != 1.0:
         points = rest + magnification * displacement
-        edges, _ = _edges(points, lattice, held)
+        edges, _ = edges_of(points, lattice, held)
     on_plane = [
         cut and abs(lattice.low[d] - lattice.step[d] / 2) < 0.25 * lattice.step[d]
         for d, cut in enumerate(mirrors)
@@ -72,7 +74,7 @@ def skin_of(
     return _close(Skin(np.concatenate(corners), np.concatenate(owner)), lattice, on_plane)
 
 
-def _find_lattice(rest: np.ndarray, spacing: float) -> _Lattice | None:
+def find_lattice(rest: np.ndarray, spacing: float) -> Lattice | None:
     """Lattice of the unloaded particles; None if two of them share a place."""
     low, step = np.empty(3), np.empty(3)
     place = np.empty(rest.shape, int)
@@ -89,17 +91,17 @@ def _find_lattice(rest: np.ndarray, spacing: float) -> _Lattice | None:
     grid[tuple(place.T)] = np.arange(len(rest))
     if np.count_nonzero(grid >= 0) < len(rest):
         return None
-    return _Lattice(grid, place, step, low)
+    return Lattice(grid, place, step, low)
 
 
-def _neighbour(lattice: _Lattice, axis: int, side: int) -> np.ndarray:
+def neighbour(lattice: Lattice, axis: int, side: int) -> np.ndarray:
     """Neighbour of each particle in a direction, -1 where there is none."""
     place = lattice.place.copy()
     place[:, axis] += side
     return lattice.grid[tuple(place.T)]
 
 
-def _edges(points: np.ndarray, lattice: _Lattice, held: list | None = None):
+def edges_of(points: np.ndarray, lattice: Lattice, held: list | None = None):
     """Edges of the box of each particle, and which of its six neighbours hold on to it.
 
     Returns edges (n, 3 axes, 3) [m] and held[axis][0 low, 1 high] (n).
@@ -110,7 +112,7 @@ def _edges(points: np.ndarray, lattice: _Lattice, held: list | None = None):
         total, count = np.zeros((len(points), 3)), np.zeros(len(points))
         pair = []
         for number, side in enumerate((-1, 1)):
-            other = _neighbour(lattice, axis, side)
+            other = neighbour(lattice, axis, side)
             step = side * (points[other] - points)
             if held is None:
                 length = np.linalg.norm(step, axis=1) / lattice.step[axis]
@@ -128,7 +130,7 @@ def _edges(points: np.ndarray, lattice: _Lattice, held: list | None = None):
     return edges, found
 
 
-def _face_corners(points, edges, lattice: _Lattice, rows: np.ndarray, face: tuple) -> np.ndarray:
+def _face_corners(points, edges, lattice: Lattice, rows: np.ndarray, face: tuple) -> np.ndarray:
     """Corners (rows, 4, 3) of one face of the boxes of some particles."""
     axis, side = face
     others = [d for d in range(3) if d != axis]
@@ -140,7 +142,7 @@ def _face_corners(points, edges, lattice: _Lattice, rows: np.ndarray, face: tupl
     return corners
 
 
-def _corner(points, edges, lattice: _Lattice, rows: np.ndarray, sign: np.ndarray) -> np.ndarray:
+def _corner(points, edges, lattice: Lattice, rows: np.ndarray, sign: np.ndarray) -> np.ndarray:
     """One corner (rows, 3): the mean over the particles around it that agree on where it is."""
     own = points[rows] + 0.5 * np.einsum("a,nad->nd", sign, edges[rows])
     total, count = own.copy(), np.ones(len(rows))
@@ -156,7 +158,7 @@ def _corner(points, edges, lattice: _Lattice, rows: np.ndarray, sign: np.ndarray
     return total / count[:, None]
 
 
-def _close(skin: Skin, lattice: _Lattice, on_plane: list) -> Skin:
+def _close(skin: Skin, lattice: Lattice, on_plane: list) -> Skin:
     """Put corners that belong to a plane of symmetry exactly on it, so that images meet."""
     for d in range(3):
         if on_plane[d]:

@@ -1,0 +1,167 @@
+# SPDX-License-Identifier: MIT
+"""A perforated plate: seen from both sides, cut through the hole, and its holes ply by ply."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from post.deck import AXES
+from post.figures import Picture
+from post.perforation import Hole, Perforation, Plate
+from post.raster import Raster
+from post.style import BLUE, DAMAGE, DAMAGE_COLOURS, RED, linear_bar, plt, save
+from post.tables import Table
+from post.units import show
+
+REACH = 1.0  # half width of the window over the diameter of the largest hole
+HOLE = "#ffffff"
+
+
+def hole_table(found: Perforation) -> Table:
+    """The holes and the damage around them, for the terminal and the report."""
+    through, layers, side = found.through, found.layers, AXES[found.plate.normal]
+    holes = {
+        "through the plate": through,
+        f"in the face at {side} high": layers[-1],
+        f"in the face at {side} low": layers[0],
+        "in the widest ply": max(layers, key=lambda h: h.seen.area),
+        "in the narrowest ply": min(layers, key=lambda h: h.seen.area),
+    }
+    rows = [(name, *_both(hole)) for name, hole in holes.items()]
+    for name, region in found.damaged.items():
+        area = f"{1e6 * region.area:.3g} mm2"
+        rows.append((f"{name} in some ply around it", show(region.diameter, "m"), area))
+    rows.append(("came loose", f"{100 * found.loose:.3g} % of the particles", ""))
+    note = (
+        "Diameters of circles of equal area. Loose: what no longer hangs together with the largest "
+        "piece of the body. The regions are projections, hole included; there the last column is "
+        "their area."
+    )
+    title = f"Hole in {found.plate.body.id} at {show(found.plate.time, 's')}"
+    return Table(title, ("hole", "loose parts away", "broken fibres away too"), rows, note)
+
+
+def _both(hole: Hole) -> tuple[str, str]:
+    return show(hole.seen.diameter, "m"), show(hole.pushed.diameter, "m")
+
+
+def draw_perforation(found: Perforation, folder: Path) -> Picture:
+    """Write `hole_<body>.png` into a folder."""
+    plate, hole = found.plate, found.through.seen
+    figure, axes = plt.subplots(
+        2, 2, figsize=(7.5, 6.6), gridspec_kw={"height_ratios": [1.55, 1], "width_ratios": [1, 1]}
+    )
+    middle = np.where(np.isfinite(hole.middle), hole.middle, 0.0)
+    widest = max([found.through.pushed, *(h.seen for h in found.layers)], key=lambda o: o.area)
+    window = REACH * max(widest.diameter, 6 * plate.body.spacing)
+    for axis, side in zip(axes[0], (1, -1), strict=True):
+        _draw_face(axis, found, side, (middle, window))
+    _draw_cut(axes[1, 0], found, (middle, window))
+    _draw_layers(axes[1, 1], found)
+    linear_bar(figure, DAMAGE_COLOURS, axes[0], "damage [-]", fraction=0.04, pad=0.01)
+    pushed = found.through.pushed
+    caption = (
+        f"Body {plate.body.id} at {show(plate.time, 's')}, loose particles taken away. Hole "
+        f"through the plate {show(hole.diameter, 'm')} (red: circle of equal area), with broken "
+        f"fibres taken away too {show(pushed.diameter, 'm')} (dashed)."
+    )
+    path = folder / f"hole_{plate.body.id}.png"
+    return Picture(save(figure, path), f"Hole in {plate.body.id}", caption)
+
+
+def _draw_face(axis, found: Perforation, side: int, view: tuple) -> None:
+    """One face of the plate as one sees it: the damage of the particle on top, white where open."""
+    plate, (middle, window) = found.plate, view
+    image, extent = _face_image(found.raster, plate, side, view)
+    colours = DAMAGE.with_extremes(bad=HOLE)
+    axis.imshow(image.T, extent=extent, origin="lower", cmap=colours, vmin=0, vmax=1)
+    angle = np.linspace(0, 2 * np.pi, 200)
+    for opening, line in ((found.through.seen, "-"), (found.through.pushed, "--")):
+        if opening.area > 0:
+            x, y = (
+                1e3 * (opening.middle[d] + opening.diameter / 2 * f(angle))
+                for d, f in enumerate((np.cos, np.sin))
+            )
+            axis.plot(x, y, line, color=RED, lw=1.2)
+    axis.set_xlim(1e3 * (middle[0] - window), 1e3 * (middle[0] + window))
+    axis.set_ylim(1e3 * (middle[1] - window), 1e3 * (middle[1] + window))
+    i, j = plate.plane
+    axis.set_xlabel(f"{AXES[i]} [mm]")
+    axis.set_ylabel(f"{AXES[j]} [mm]")
+    axis.set_title(f"face at {AXES[plate.normal]} {'high' if side > 0 else 'low'}")
+    axis.grid(False)
+
+
+def _face_image(raster: Raster, plate: Plate, side: int, view: tuple):
+    """Damage in a window of the raster, nan where one sees through; its extent [mm]."""
+    middle, window = view
+    low = np.floor((middle - window - raster.low) / raster.pixel).astype(int)
+    size = int(np.ceil(2 * window / raster.pixel))
+    image = np.full((size, size), np.nan)
+    rows = np.flatnonzero(plate.stays)
+    rows = rows[np.argsort(side * plate.points[rows, plate.normal], kind="stable")]
+    half = 0.5 * np.abs(plate.edges[rows]).sum(axis=1)[:, plate.plane].mean()
+    reach = int(np.ceil(half / raster.pixel))
+    points, damage = plate.points[rows][:, plate.plane], plate.field["damage"][rows]
+    for sx in (1, -1) if plate.mirrors[0] else (1,):
+        for sy in (1, -1) if plate.mirrors[1] else (1,):
+            place = np.floor((points * (sx, sy) - raster.low) / raster.pixel).astype(int) - low
+            for dx in range(-reach, reach):
+                for dy in range(-reach, reach):
+                    x, y = place[:, 0] + dx, place[:, 1] + dy
+                    there = (x >= 0) & (x < size) & (y >= 0) & (y < size)
+                    image[x[there], y[there]] = damage[there]
+    start = raster.low + low * raster.pixel
+    ends = [v for d in range(2) for v in (start[d], start[d] + size * raster.pixel)]
+    return image, [1e3 * v for v in ends]
+
+
+def _draw_cut(axis, found: Perforation, view: tuple) -> None:
+    """The layer of particles through the middle of the hole, what came loose as dots."""
+    plate, (middle, window) = found.plate, view
+    i, j = plate.plane
+    place, lattice = plate.lattice.place, plate.lattice
+    wanted = np.clip(
+        round((middle[1] - lattice.low[j]) / lattice.step[j]) + 1, 1, place[:, j].max()
+    )
+    rows = np.flatnonzero(place[:, j] == wanted)
+    size = (72 * 3.0 * plate.body.spacing / (2 * window)) ** 2
+    for keep, alpha in ((~plate.stays, 0.35), (plate.stays, 1.0)):
+        chosen = rows[keep[rows]]
+        for sign in (1, -1) if plate.mirrors[0] else (1,):
+            x, z = 1e3 * sign * plate.points[chosen, i], 1e3 * plate.points[chosen, plate.normal]
+            colour = plate.field["damage"][chosen]
+            axis.scatter(
+                x, z, s=max(size, 0.3), c=colour, cmap=DAMAGE, vmin=0, vmax=1, alpha=alpha,
+                marker="s", lw=0, rasterized=True,
+            )  # fmt: skip
+    axis.set_xlim(1e3 * (middle[0] - window), 1e3 * (middle[0] + window))
+    around = plate.body.low[plate.normal], plate.body.high[plate.normal]
+    thick = around[1] - around[0]
+    axis.set_ylim(1e3 * (around[0] - 0.9 * thick), 1e3 * (around[1] + 0.9 * thick))
+    axis.set_aspect("equal")
+    axis.set_xlabel(f"{AXES[i]} [mm]")
+    axis.set_ylabel(f"{AXES[plate.normal]} [mm]")
+    axis.set_title("cut through the hole; pale: loose")
+    axis.grid(False)
+
+
+def _draw_layers(axis, found: Perforation) -> None:
+    """Diameter of the hole in each ply, or layer of particles."""
+    plate = found.plate
+    number = np.arange(1, len(found.layers) + 1)
+    for name, colour, values in (
+        ("loose parts away", BLUE, [h.seen.diameter for h in found.layers]),
+        ("broken fibres away", RED, [h.pushed.diameter for h in found.layers]),
+    ):
+        axis.plot(1e3 * np.array(values), number, "o-", ms=3, color=colour, label=name)
+    axis.axvline(1e3 * found.through.seen.diameter, color=BLUE, lw=0.9, ls=":")
+    axis.axvline(1e3 * found.through.pushed.diameter, color=RED, lw=0.9, ls=":")
+    axis.set_xlim(left=0)
+    axis.set_xlabel("diameter of the hole [mm]")
+    what = "ply" if plate.field.get("ply", np.zeros(1)).max() > 1 else "layer"
+    axis.set_ylabel(f"{what}, from {AXES[plate.normal]} low")
+    axis.set_title("hole by " + what)
+    axis.legend(loc="best")

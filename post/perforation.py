@@ -1,0 +1,194 @@
+# SPDX-License-Identifier: MIT
+"""The hole in a plate that was hit: how wide it is through all plies, in each of them, and how far
+around it the plate is damaged.
+
+The hole is what one can see through along the normal of the plate once everything that came loose
+has been taken away: particles that no longer hang together with the largest piece of the body over
+neighbours on its lattice (`surface.TORN` says when two neighbours still hold). Each particle that
+stays covers the box that its neighbours leave it, at its displaced place. Its diameter is that of
+the circle of equal area. For a round hole in an undeformed plate it is right to half a spacing
+(tests/python/test_perforation.py).
+
+A ply of which the fibres are broken has no strength but may stay where it is. So the hole is also
+given with all particles taken away whose fibres are broken, as if one had pushed a rod through.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from post.deck import Body
+from post.errors import USAGE, PostError
+from post.fragments import largest_piece
+from post.raster import FINE, Opening, Raster, region_of, regions, widest_opening
+from post.reader import Frame, Run
+from post.surface import Lattice, edges_of, find_lattice
+
+BROKEN = 0.5  # damage from which a particle counts as broken
+FIBRES = ("damage_fibre_tension", "damage_fibre_compression")
+MODES = {
+    "fibres broken": FIBRES,
+    "delaminated": ("damage_delamination",),
+    "matrix broken": ("damage_matrix_cracking", "damage_matrix_crushing"),
+    "damaged at all": ("damage",),
+}
+
+
+@dataclass(frozen=True)
+class Plate:
+    """One body at one time, as the measurements need it; rows are its particles."""
+
+    body: Body
+    time: float  # [s]
+    normal: int  # axis across the plate
+    points: np.ndarray  # (n, 3) [m]
+    lattice: Lattice
+    edges: np.ndarray  # (n, 3, 3) edges of the box of each particle [m]
+    stays: np.ndarray  # (n) part of the largest piece
+    sound: np.ndarray  # (n) part of the largest piece that unbroken fibres hold together
+    layer: np.ndarray  # (n) number of the ply, or of the layer of particles, from 1 at the low side
+    field: dict[str, np.ndarray]
+    mirrors: tuple[bool, bool]  # of the two axes in the plane
+
+    @property
+    def plane(self) -> tuple[int, int]:
+        """The two axes in the plane of the plate."""
+        return tuple(d for d in range(3) if d != self.normal)
+
+
+@dataclass(frozen=True)
+class Hole:
+    """Openings with loose particles taken away, and with all that have broken fibres."""
+
+    seen: Opening
+    pushed: Opening
+
+
+@dataclass(frozen=True)
+class Perforation:
+    """A hole and what is around it."""
+
+    plate: Plate
+    raster: Raster
+    through: Hole
+    layers: list[Hole]  # from the low side up
+    damaged: dict[str, Opening]  # projected region around the hole by kind of damage
+    loose: float  # share of the particles that came loose
+
+
+def load_plate(run: Run, frame: Frame, name: str | None = None) -> Plate:
+    """The plate `name`, or the widest box of the deck. PostError if it is not on a lattice."""
+    body = _choose(run, name)
+    solid = frame.solid()
+    own = np.flatnonzero(solid.field["body"] == body.number)
+    if not len(own):
+        raise PostError(f"body '{body.id}' has no particles in this dump")
+    points = solid.points[own]
+    field = {key: values[own] for key, values in solid.field.items()}
+    lattice = find_lattice(points - field["displacement"], body.spacing)
+    if lattice is None:
+        raise PostError(f"body '{body.id}': its particles do not lie on a lattice")
+    edges, held = edges_of(points, lattice)
+    normal = int(np.argmin(body.high - body.low))
+    broken = np.max([field[k] for k in FIBRES if k in field] or [field["damage"]], axis=0) > BROKEN
+    stays = largest_piece(lattice, held, np.ones(len(own), bool))
+    sound = largest_piece(lattice, held, ~broken)
+    layer = _layers(field, lattice, normal)
+    mirrors = tuple(cut for d, cut in enumerate(run.deck.mirrors) if d != normal)
+    return Plate(
+        body, solid.time, normal, points, lattice, edges, stays, sound, layer, field, mirrors
+    )
+
+
+def _choose(run: Run, name: str | None) -> Body:
+    bodies = [b for b in run.deck.bodies() if b.shape == "box"]
+    if name is not None:
+        bodies = [b for b in bodies if b.id == name]
+    if not bodies:
+        wanted = "no box among the bodies" if name is None else f"no body '{name}' that is a box"
+        raise PostError(f"{run.job}: {wanted}", USAGE)
+    return max(bodies, key=lambda b: float(np.sort(b.high - b.low)[1:].prod()))
+
+
+def _layers(field: dict, lattice: Lattice, normal: int) -> np.ndarray:
+    """Ply of each particle if there are several, else its layer."""
+    ply = field.get("ply")
+    return ply if ply is not None and len(ply) and ply.max() > 1 else lattice.place[:, normal]
+
+
+def measure_perforation(plate: Plate) -> Perforation:
+    """All measurements of a plate. A plate without a hole has openings of area 0."""
+    raster = _raster_of(plate)
+    half = 0.5 * np.abs(plate.edges).sum(axis=1)[:, plate.plane]
+    half = np.minimum(half, plate.lattice.step[list(plate.plane)] * 0.75)
+
+    def opening(rows: np.ndarray) -> Opening:
+        dark = raster.shadow(plate.points[rows][:, plate.plane], half[rows])
+        whole, picture = _mirrored(raster, dark, plate.mirrors)
+        return widest_opening(whole, picture)
+
+    def hole(some: np.ndarray) -> Hole:
+        return Hole(opening(some & plate.stays), opening(some & plate.sound))
+
+    through = hole(np.ones(len(plate.points), bool))
+    layers = [hole(plate.layer == k) for k in np.unique(plate.layer)]
+    whole, _ = _mirrored(raster, np.zeros(raster.shape, bool), plate.mirrors)
+    around = _damage_around(plate, through.seen)
+    return Perforation(plate, whole, through, layers, around, 1 - float(plate.stays.mean()))
+
+
+def _raster_of(plate: Plate) -> Raster:
+    """Pixels over what stays and a little more, from the planes of symmetry on if there are any."""
+    pixel = plate.body.spacing / FINE
+    low, shape = np.zeros(2), []
+    for d, axis in enumerate(plate.plane):
+        values = plate.points[plate.stays, axis]
+        end = values.max() + 2 * plate.body.spacing
+        low[d] = 0.0 if plate.mirrors[d] else values.min() - 2 * plate.body.spacing
+        shape.append(int(np.ceil((end - low[d]) / pixel)))
+    return Raster(low, pixel, tuple(shape))
+
+
+def _mirrored(raster: Raster, dark: np.ndarray, mirrors: tuple[bool, bool]):
+    """The whole raster and its picture, from the part beside the planes of symmetry."""
+    low = raster.low.copy()
+    for d, cut in enumerate(mirrors):
+        if cut:
+            dark = np.concatenate([np.flip(dark, d), dark], d)
+            low[d] = -raster.shape[d] * raster.pixel
+    return Raster(low, raster.pixel, dark.shape), dark
+
+
+def _damage_around(plate: Plate, hole: Opening) -> dict[str, Opening]:
+    """Projection of the damage that is connected with the hole, in the unloaded plate."""
+    i, j = plate.plane
+    place = plate.lattice.place
+    shape = place[:, i].max(), place[:, j].max()
+    step = plate.lattice.step
+    raster = Raster(plate.lattice.low[[i, j]] - step[[i, j]] / 2, float(step[i]), shape)
+    found = {}
+    for name, fields in MODES.items():
+        there = [plate.field[key] for key in fields if key in plate.field]
+        if not there:
+            continue
+        broken = (np.max(there, axis=0) > BROKEN) | ~plate.stays
+        mask = np.zeros(shape, bool)
+        mask[place[broken, i] - 1, place[broken, j] - 1] = True
+        whole, mask = _mirrored(raster, mask, plate.mirrors)
+        found[name] = region_of(whole, _region_at(whole, mask, hole.middle))
+    return found
+
+
+def _region_at(raster: Raster, mask: np.ndarray, middle: np.ndarray) -> np.ndarray:
+    """The region that holds a point, or else the largest one."""
+    name = regions(mask)
+    if not mask.any():
+        return mask
+    best = int(np.argmax(np.bincount(name[mask])))
+    if np.isfinite(middle).all():
+        at = np.floor((middle - raster.low) / raster.pixel).astype(int)
+        if mask[tuple(at)]:
+            best = name[tuple(at)]
+    return name == best
