@@ -13,7 +13,7 @@ module brz_gpu_air_walls
     use brz_scheme, only: reach_of
     implicit none
     private
-    public :: put_walls, put_wall_velocity, fetch_walls, return_cells
+    public :: put_walls, put_wall_velocity, fetch_walls, fetch_map, return_cells
 
 contains
 
@@ -144,6 +144,27 @@ contains
             end do
         end associate
     end subroutine fetch_walls
+
+    !> Refresh the host's map of solid cells in a box.
+    subroutine fetch_map(gpu, low, high, wall, err)
+        type(gpu_air_t), intent(in) :: gpu
+        integer, intent(in) :: low(3), high(3) !! corners
+        type(wall_t), intent(inout) :: wall
+        type(error_t), intent(inout) :: err
+        type(buffer_t) :: row
+        integer(int8) :: marks(high(1) - low(1) + 1)
+        integer :: j, k
+
+        do k = low(3), high(3)
+            do j = low(2), high(2)
+                row = gpu%walls%solid
+                row%address = row%address + place_of(gpu%grid, low(1), j, k) - 1
+                marks = 0
+                call copy_out(row, marks, size(marks, kind=int64), err)
+                wall%solid(low(1):high(1), j, k) = marks
+            end do
+        end do
+    end subroutine fetch_map
 
     !> Copy the cells near the walls to the GPU, and some more that the host has changed.
     subroutine return_cells(gpu, air, more, err)

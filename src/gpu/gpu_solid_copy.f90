@@ -16,7 +16,7 @@ module brz_gpu_solid_copy
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: open_gpu_solid, fetch_solid, fetch_particles, fetch_motion, put_load, faults_of
+    public :: open_gpu_solid, fetch_solid, fetch_particles, put_before, fetch_before, faults_of
 
 contains
 
@@ -32,7 +32,6 @@ contains
         call open_gpu_solid_memory(device, solid, in_air, gpu, err)
         if (failed(err)) return
         call open_gpu_bodies(device, solid, gpu, err)
-        gpu%ordered = solid%rebuilds
         do b = 1, size(solid%bodies)
             gpu%ledger(b) = solid%bodies(b)%ledger
             gpu%reaction(:, b) = solid%bodies(b)%reaction
@@ -103,7 +102,9 @@ contains
         call put_tag(tag_support, solid%support)
         call put_tag(tag_fixed, int(solid%fixed, int32))
         call put_tag(tag_cut, int(solid%cut, int32))
-        if (gpu%load > 0) call put_load(gpu, solid, err)
+        do c = 1, merge(3, 0, gpu%load > 0)
+            call put(gpu%load + c, solid%load(c, :))
+        end do
         if (.not. gpu%linked) return
         call put(gpu%touch, solid%links%touch)
         call put_tag(tag_bond, int(solid%links%bond, int32))
@@ -114,8 +115,7 @@ contains
             integer, intent(in) :: column
             real(rk), intent(in) :: values(:)
 
-            call copy_in(values, part_of(gpu%state, (column - 1)*bytes_of_real*solid%n), &
-                         bytes_of_real*solid%n, err)
+            call copy_in(values, column_of(gpu, column), bytes_of_real*solid%n, err)
         end subroutine put
 
         subroutine put_tag(column, values)
@@ -127,15 +127,42 @@ contains
         end subroutine put_tag
     end subroutine put_columns
 
-    !> Copy the load of the particles.
-    subroutine put_load(gpu, solid, err)
+    !> Copy velocities that are kept by the number of the particle.
+    subroutine put_before(gpu, solid, v, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
+        real(rk), intent(in) :: v(:, :) !! (3, n) [m/s]
         type(error_t), intent(inout) :: err
+        integer :: c
 
-        call copy_in(transpose(solid%load), part_of(gpu%state, gpu%load*bytes_of_real*solid%n), &
-                     3*bytes_of_real*solid%n, err)
-    end subroutine put_load
+        do c = 1, 3
+            call copy_in(v(c, solid%id), column_of(gpu, gpu%before + c), bytes_of_real*gpu%n, err)
+        end do
+    end subroutine put_before
+
+    !> Bring them to the host. After fetch_solid: the order of the particles must be that of the GPU.
+    subroutine fetch_before(gpu, solid, v, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        real(rk), intent(inout) :: v(:, :) !! (3, n) [m/s]
+        type(error_t), intent(inout) :: err
+        real(rk), allocatable :: x(:)
+        integer :: c
+
+        allocate (x(gpu%n))
+        do c = 1, 3
+            call copy_out(column_of(gpu, gpu%before + c), x, bytes_of_real*gpu%n, err)
+            v(c, solid%id) = x
+        end do
+    end subroutine fetch_before
+
+    pure function column_of(gpu, column) result(rest)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: column !! of `state`
+        type(buffer_t) :: rest
+
+        rest = part_of(gpu%state, (column - 1)*bytes_of_real*gpu%n)
+    end function column_of
 
     !> A number of each material, for every particle.
     pure function of_bodies(solid, values) result(x)
@@ -160,24 +187,7 @@ contains
         call fetch_rows(gpu, solid, err)
         call fetch_columns(gpu, solid, err)
         gpu%fetched = .not. failed(err)
-        gpu%ordered = solid%rebuilds
     end subroutine fetch_solid
-
-    !> Refresh what a coupling on the host needs: positions and velocities, and what else tells the
-    !> particles apart where their order has changed.
-    subroutine fetch_motion(gpu, solid, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
-        type(error_t), intent(inout) :: err
-
-        if (gpu%fetched .or. failed(err)) return
-        if (gpu%ordered /= solid%rebuilds) then
-            call fetch_solid(gpu, solid, err)
-            return
-        end if
-        call fetch_places(gpu, gpu%place, solid%x, err)
-        call fetch_velocities(gpu, solid, err)
-    end subroutine fetch_motion
 
     subroutine fetch_rows(gpu, solid, err)
         type(gpu_solid_t), intent(in) :: gpu
@@ -261,8 +271,7 @@ contains
             integer, intent(in) :: column
             real(rk), intent(inout) :: values(:)
 
-            call copy_out(part_of(gpu%state, (column - 1)*bytes_of_real*solid%n), values, &
-                          bytes_of_real*solid%n, err)
+            call copy_out(column_of(gpu, column), values, bytes_of_real*solid%n, err)
         end subroutine fetch
     end subroutine fetch_columns
 

@@ -44,7 +44,6 @@ module brz_gpu_solid_state
     type :: gpu_solid_t
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         logical :: stepped = .false. !! the GPU has made a step
-        integer(int64) :: ordered = 0 !! lists built when the host last took over the order
         logical :: summed = .false. !! `sums` and the ledgers are those of the present state
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
         type(gpu_links_t) :: links

@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> Where a scene is computed: air and bodies each on the CPU or on a GPU.
+!> Where a scene is computed: air and bodies each on the CPU or on a GPU, the coupling where both are.
 module brz_backend
     use brz_coupling_state, only: coupling_t
     use brz_device, only: device_t, load_kernels, open_device
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_files, only: program_path
     use brz_gpu_air_state, only: gpu_air_t
+    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
     use brz_gpu_solid_bodies, only: cannot_run_solid
     use brz_gpu_solid_state, only: gpu_solid_t
     use brz_kinds, only: int64
@@ -13,14 +14,16 @@ module brz_backend
     use brz_version, only: device_code
     implicit none
     private
-    public :: backend_t, choose_backend, settle_backend
+    public :: backend_t, choose_backend, settle_backend, particles_of
 
     type :: backend_t
         logical :: on_gpu = .false. !! the air
         logical :: bodies_on_gpu = .false.
+        logical :: coupling_on_gpu = .false. !! both, and they meet
         type(device_t) :: device
         type(gpu_air_t) :: air
         type(gpu_solid_t) :: solid
+        type(gpu_coupling_t) :: coupling
         integer, allocatable :: owed(:, :) !! (3, n) gas cells with debts, also shared
         integer(int64) :: wall_changes = -1
         !! cells that had changed hands when the walls were last copied
@@ -68,12 +71,12 @@ contains
         if (.not. backend%bodies_on_gpu) return
         call cannot_run_solid(solid, why)
         backend%bodies_on_gpu = .not. allocated(why)
+        backend%coupling_on_gpu = backend%bodies_on_gpu .and. backend%on_gpu .and. .not. coupling%paper
         if (coupling%paper) why = "the coupling scheme='paper'"
         if (backend%on_gpu .and. .not. coupling%paper) then
-            note = 'the air runs on '//backend%device%name//', bodies and coupling on the CPU'
-            if (allocated(why)) note = note//': this version does not have '//why//' on the GPU'
-            if (backend%bodies_on_gpu) note = 'air and bodies run on '//backend%device%name// &
-                ', the coupling on the CPU'
+            note = 'air and bodies run on '//backend%device%name
+            if (allocated(why)) note = 'the air runs on '//backend%device%name// &
+                ', bodies and coupling on the CPU: this version does not have '//why//' on the GPU'
         else if (.not. allocated(why)) then
             note = 'the bodies run on '//backend%device%name
         else
@@ -94,4 +97,15 @@ contains
         path = trim(named)
         if (path == '') path = program_path()//'.ptx'
     end function kernel_file
+
+    !> The particles on the GPU as the coupling there sees them.
+    pure function particles_of(backend) result(particles)
+        type(backend_t), intent(in) :: backend
+        type(particles_t) :: particles
+
+        associate (solid => backend%solid)
+            particles = particles_t(solid%n, solid%place, solid%motion, solid%state, solid%tag, &
+                                    solid%load, solid%before)
+        end associate
+    end function particles_of
 end module brz_backend

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> The coupling of air and bodies where they are computed. The CPU does it; what lies on a GPU
-!> comes and goes.
+!> The coupling of air and bodies where they are computed. On the CPU with the air on a GPU, the
+!> cells around the walls come and go.
 module brz_backend_coupling
     use brz_air_state, only: air_t
-    use brz_backend, only: backend_t
+    use brz_backend, only: backend_t, particles_of
     use brz_cell_shells, only: cell_at, reach
     use brz_coupling_events, only: reclassify
     use brz_coupling_load, only: spread_load, wake_loaded
@@ -12,26 +12,33 @@ module brz_backend_coupling
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_cells
     use brz_gpu_air_walls, only: fetch_walls, put_wall_velocity, put_walls, return_cells
-    use brz_gpu_solid_copy, only: fetch_motion, put_load
+    use brz_gpu_coupling_copy, only: open_gpu_coupling
+    use brz_gpu_coupling_step, only: gpu_is_loaded, gpu_reclassify, gpu_set_wall_velocity, &
+        gpu_spread_load
     use brz_kinds, only: dp, int64
-    use brz_solid_sleep, only: particles_awake
+    use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: start_walls, set_walls, load_bodies, exchange_gas
+    public :: start_coupling, set_walls, load_bodies, exchange_gas
 
 contains
 
     !> Put the walls up on the GPU.
-    subroutine start_walls(backend, air, coupling, err)
+    subroutine start_coupling(backend, air, coupling, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
         type(error_t), intent(inout) :: err
 
-        call renew_walls(backend, air, coupling, err)
-        call list_owed(backend, air, coupling)
-    end subroutine start_walls
+        if (backend%coupling_on_gpu) then
+            call open_gpu_coupling(backend%device, air, coupling, particles_of(backend), &
+                                   backend%air, backend%coupling, err)
+        else if (backend%on_gpu) then
+            call renew_walls(backend, air, coupling, err)
+            call list_owed(backend, air, coupling)
+        end if
+    end subroutine start_coupling
 
     !> Before a step of the air: give the walls the velocities of the bodies.
     subroutine set_walls(backend, air, solid, coupling, dt, err)
@@ -42,8 +49,13 @@ contains
         real(dp), intent(in) :: dt !! of the coming step [s]
         type(error_t), intent(inout) :: err
 
-        call set_wall_velocity(air, solid, coupling, dt)
-        if (backend%on_gpu) call put_wall_velocity(backend%air, coupling%wall, err)
+        if (backend%coupling_on_gpu) then
+            call gpu_set_wall_velocity(backend%coupling, backend%air, particles_of(backend), air, &
+                                       coupling, dt, solid%dt_last, err)
+        else
+            call set_wall_velocity(air, solid, coupling, dt)
+            if (backend%on_gpu) call put_wall_velocity(backend%air, coupling%wall, err)
+        end if
     end subroutine set_walls
 
     !> After it: hand the impulse of the step to the particles, and wake the bodies that feel it.
@@ -55,26 +67,47 @@ contains
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
 
-        if (backend%on_gpu) then
-            call fetch_walls(backend%air, air, coupling%wall, err)
-            call fetch_cells(backend%air, backend%owed, air, err)
+        if (backend%coupling_on_gpu) then
+            call gpu_spread_load(backend%coupling, backend%air, particles_of(backend), dt, err)
+            backend%solid%fetched = .false.
+            if (any(solid%bodies%asleep)) call wake_on_gpu(backend, solid, dt, err)
+        else
+            if (backend%on_gpu) call fetch_walls(backend%air, air, coupling%wall, err)
+            if (backend%on_gpu) call fetch_cells(backend%air, backend%owed, air, err)
+            call spread_load(air, solid, coupling, dt)
+            if (any(solid%bodies%asleep)) call wake_loaded(air, solid, coupling, dt)
         end if
-        call spread_load(air, solid, coupling, dt)
-        if (any(solid%bodies%asleep)) call wake_loaded(air, solid, coupling, dt)
-        if (backend%bodies_on_gpu .and. particles_awake(solid) > 0) &
-            call put_load(backend%solid, solid, err)
     end subroutine load_bodies
+
+    !> Wake the bodies that feel a load on the GPU, and what they meet.
+    subroutine wake_on_gpu(backend, solid, dt, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! step of the air [s]
+        type(error_t), intent(inout) :: err
+        logical :: loaded(size(solid%bodies))
+
+        call gpu_is_loaded(backend%coupling, backend%air, dt, solid%bodies%first, &
+                           solid%bodies%last, loaded, err)
+        if (failed(err)) return
+        solid%bodies%asleep = solid%bodies%asleep .and. .not. loaded
+        call wake_met(solid)
+    end subroutine wake_on_gpu
 
     !> After the steps of the bodies: cells change hands, and gas with them.
     subroutine exchange_gas(backend, air, solid, coupling, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(inout) :: solid
+        type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 
-        if (backend%bodies_on_gpu) call fetch_motion(backend%solid, solid, err)
         if (failed(err)) return
+        if (backend%coupling_on_gpu) then
+            call gpu_reclassify(backend%coupling, backend%air, particles_of(backend), air, &
+                                coupling, err)
+            return
+        end if
         call reclassify(air, solid, coupling)
         if (.not. backend%on_gpu) return
         call return_cells(backend%air, air, backend%owed, err)

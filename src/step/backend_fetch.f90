@@ -3,14 +3,17 @@
 module brz_backend_fetch
     use brz_air_energy, only: air_kinetic
     use brz_air_probe, only: cells_around
-    use brz_air_state, only: air_t
+    use brz_air_state, only: air_t, wall_t
     use brz_backend, only: backend_t
+    use brz_cell_shells, only: reach
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_products, coupling_totals, ledger_totals
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_air, fetch_cells
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
-    use brz_gpu_solid_copy, only: fetch_particles, fetch_solid
+    use brz_gpu_air_walls, only: fetch_map
+    use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, gpu_ledger_totals
+    use brz_gpu_solid_copy, only: fetch_before, fetch_particles, fetch_solid
     use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
@@ -25,7 +28,7 @@ contains
     subroutine stock_of_air(backend, air, coupling, gas, kept, kinetic, products, err)
         type(backend_t), intent(in) :: backend
         type(air_t), intent(inout) :: air !! its row sums are overwritten
-        type(coupling_t), intent(in) :: coupling
+        type(coupling_t), intent(inout) :: coupling !! its work and impulse are brought up to date
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
         real(dp), intent(out) :: kept(5) !! the same in ledgers and debts
         real(dp), intent(out) :: kinetic !! energy of the gas [J]
@@ -37,7 +40,12 @@ contains
             call gpu_air_totals(backend%air, air, totals, err)
             call gpu_outflow(backend%air, air, err)
             gas = totals(1:5)
-            call ledger_totals(air, coupling, kept, more)
+            if (backend%coupling_on_gpu) then
+                call gpu_ledger_totals(backend%coupling, backend%air, air, kept, more, err)
+                call fetch_books(backend%coupling, coupling, err)
+            else
+                call ledger_totals(air, coupling, kept, more)
+            end if
             kinetic = totals(0)
             products = totals(6) + more
         else
@@ -64,10 +72,11 @@ contains
     end subroutine stock_of_solid
 
     !> Bring the whole state to the host, for a dump or a checkpoint.
-    subroutine fetch_state(backend, air, solid, err)
+    subroutine fetch_state(backend, air, solid, coupling, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air
         type(solid_t), intent(inout) :: solid
+        type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 
         if (failed(err)) return
@@ -78,6 +87,10 @@ contains
         if (backend%bodies_on_gpu) then
             call fetch_solid(backend%solid, solid, err)
             call fetch_ledgers(backend%solid, solid, err)
+        end if
+        if (backend%coupling_on_gpu) then
+            call fetch_before(backend%solid, solid, coupling%v_before, err)
+            call fetch_coupling(backend%coupling, backend%air, air, coupling, err)
         end if
     end subroutine fetch_state
 
@@ -92,18 +105,40 @@ contains
             call fetch_particles(backend%solid, id, solid, err)
     end subroutine fetch_followed
 
-    !> Bring the cells around some points to the host, for gauges.
-    subroutine fetch_around(backend, points, air, err)
+    !> Bring the cells around some points to the host, for gauges, and where the walls are there.
+    subroutine fetch_around(backend, points, air, wall, err)
         type(backend_t), intent(in) :: backend
         real(dp), intent(in) :: points(:, :) !! (3, n) [m]
         type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
         integer :: cells(3, 8*size(points, 2)), g
 
         if (.not. backend%on_gpu .or. failed(err)) return
         do g = 1, size(points, 2)
             call cells_around(air, points(:, g), cells(:, 8*g - 7:8*g))
+            if (backend%coupling_on_gpu) &
+                call fetch_wall_around(backend, cells(:, 8*g - 7), cells(:, 8*g), air, wall, err)
         end do
         call fetch_cells(backend%air, cells, air, err)
     end subroutine fetch_around
+
+    !> Which of the cells low..high hold solid; where all of them do, the gas in reach as well.
+    subroutine fetch_wall_around(backend, low, high, air, wall, err)
+        type(backend_t), intent(in) :: backend
+        integer, intent(in) :: low(3), high(3)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        type(error_t), intent(inout) :: err
+        integer :: lo(3), hi(3), i, j, k
+
+        call fetch_map(backend%air, low, high, wall, err)
+        if (any(wall%solid(low(1):high(1), low(2):high(2), low(3):high(3)) == 0)) return
+        lo = max(low - reach, 1)
+        hi = min(high + reach, air%n)
+        call fetch_map(backend%air, lo, hi, wall, err)
+        call fetch_cells(backend%air, reshape([(((([i, j, k]), i=lo(1), hi(1)), j=lo(2), hi(2)), &
+                                                k=lo(3), hi(3))], [3, product(hi - lo + 1)]), air, &
+                         err)
+    end subroutine fetch_wall_around
 end module brz_backend_fetch

@@ -5,13 +5,14 @@ module brz_backend_step
     use brz_air_step, only: air_step
     use brz_air_sums, only: air_time_step
     use brz_backend, only: backend_t
-    use brz_backend_coupling, only: start_walls
+    use brz_backend_coupling, only: start_coupling
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: open_gpu_air
     use brz_gpu_air_step, only: gpu_air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
-    use brz_gpu_solid_copy, only: open_gpu_solid
+    use brz_gpu_coupling_copy, only: gpu_fastest_wall
+    use brz_gpu_solid_copy, only: open_gpu_solid, put_before
     use brz_gpu_solid_step, only: gpu_solid_step
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
@@ -30,12 +31,13 @@ contains
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
-        if (backend%on_gpu .and. .not. failed(err)) then
+        if (failed(err)) return
+        if (backend%on_gpu) &
             call open_gpu_air(backend%device, air, coupling%present, backend%air, err)
-            call start_walls(backend, air, coupling, err)
-        end if
-        if (backend%bodies_on_gpu .and. .not. failed(err)) &
+        if (backend%bodies_on_gpu) &
             call open_gpu_solid(backend%device, solid, coupling%present, backend%solid, err)
+        if (backend%coupling_on_gpu) call put_before(backend%solid, solid, coupling%v_before, err)
+        if (coupling%present) call start_coupling(backend, air, coupling, err)
     end subroutine start_backend
 
     !> One step of the air. `status` as air_step has it.
@@ -61,10 +63,17 @@ contains
         type(wall_t), intent(in) :: wall
         real(dp), intent(in) :: cfl !! Courant number [-]
         type(error_t), intent(inout) :: err
+        real(dp) :: fastest
 
         if (backend%on_gpu) then
             dt = gpu_air_time_step(backend%air, air, cfl, err)
-            if (wall%present) dt = min(dt, cfl/max(fastest_wall(air, wall), tiny(dt)))
+            fastest = 0
+            if (backend%coupling_on_gpu) then
+                fastest = gpu_fastest_wall(backend%coupling, backend%air, err)
+            else if (wall%present) then
+                fastest = fastest_wall(air, wall)
+            end if
+            dt = min(dt, cfl/max(fastest, tiny(dt)))
         else
             dt = air_time_step(air, wall, cfl)
         end if

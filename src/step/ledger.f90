@@ -78,7 +78,7 @@ contains
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air !! its row sums are overwritten
         type(solid_t), intent(inout) :: solid !! its ledgers are brought up to date
-        type(coupling_t), intent(in) :: coupling
+        type(coupling_t), intent(inout) :: coupling !! its sums are brought up to date
         type(ledger_start_t), intent(inout) :: start
         type(ledger_t), intent(out) :: ledger
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails

@@ -153,7 +153,7 @@ contains
             call write_histories(sim, outputs, err)
         if (failed(err)) return
         if (tick(sim%clock%dump, sim%clock%time) .or. last) then
-            call fetch_state(sim%backend, sim%air, sim%solid, err)
+            call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
             if (failed(err)) return
             call write_dumps(outputs%dumps, sim%case, sim%clock, sim%air, sim%coupling%wall, &
                              sim%solid, err)
@@ -179,7 +179,8 @@ contains
             call append_row(outputs%bodies, outputs%body_values, err)
         end if
         if (outputs%gauges%n > 0) then
-            call fetch_around(sim%backend, gauge_points(outputs%gauges), sim%air, err)
+            call fetch_around(sim%backend, gauge_points(outputs%gauges), sim%air, &
+                              sim%coupling%wall, err)
             call fetch_followed(sim%backend, gauge_particles(outputs%gauges), sim%solid, err)
             call gauge_row(outputs%gauges, sim%clock%time, sim%air, sim%coupling%wall, sim%solid, &
                            outputs%gauge_values)
@@ -238,7 +239,7 @@ contains
         if (outputs%saved_cycle == sim%clock%cycle) return
         begin = wall_seconds()
         call flush_all(outputs, err)
-        call fetch_state(sim%backend, sim%air, sim%solid, err)
+        call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         if (failed(err)) return
         sums = [sim%start%total, sim%start%mass, sim%start%momentum]
         call write_checkpoint(outputs%folder, sim%case, sim%clock, sim%air, sim%coupling, &
