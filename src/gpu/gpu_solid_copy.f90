@@ -140,7 +140,7 @@ contains
         end do
     end subroutine put_before
 
-    !> Bring them to the host. After fetch_solid: the order of the particles must be that of the GPU.
+    !> Bring them to the host, whose particles must have the order of the GPU: after fetch_solid.
     subroutine fetch_before(gpu, solid, v, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid

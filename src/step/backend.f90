@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Where a scene is computed: air and bodies each on the CPU or on a GPU, the coupling where both are.
+!> Where a scene is computed: air and bodies each on the CPU or on a GPU, and the coupling there if
+!> both are.
 module brz_backend
     use brz_coupling_state, only: coupling_t
     use brz_device, only: device_t, load_kernels, open_device
@@ -71,7 +72,6 @@ contains
         if (.not. backend%bodies_on_gpu) return
         call cannot_run_solid(solid, why)
         backend%bodies_on_gpu = .not. allocated(why)
-        backend%coupling_on_gpu = backend%bodies_on_gpu .and. backend%on_gpu .and. .not. coupling%paper
         if (coupling%paper) why = "the coupling scheme='paper'"
         if (backend%on_gpu .and. .not. coupling%paper) then
             note = 'air and bodies run on '//backend%device%name
@@ -86,6 +86,7 @@ contains
             if (wanted == 'gpu') call raise(err, exit_device, 'this version does not have '// &
                                             why//' on the GPU: run with --backend cpu')
         end if
+        backend%coupling_on_gpu = backend%on_gpu .and. backend%bodies_on_gpu
     end subroutine settle_backend
 
     !> The GPU code: beside the program, or where the environment variable BRISANCE_PTX says.

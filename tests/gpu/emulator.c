@@ -5,6 +5,8 @@
 //
 // BRISANCE_EMULATOR_FAIL=NAME[:N] makes the N-th call (default: the first) of a function fail.
 // BRISANCE_EMULATOR_MEMORY=BYTES is the memory of the device (default: 8 GiB).
+// BRISANCE_EMULATOR_COUNT=1 has it say at the end what has crossed the bus.
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,6 +24,12 @@ extern void set_thread(int, int, int);
 enum { success = 0, invalid = 1, out_of_memory = 2, no_device = 100, not_found = 500, failed = 719 };
 
 static size_t in_use = 0;
+static size_t to_device = 0, to_host = 0, launches = 0;
+
+static void say_counts(void) {
+    fprintf(stderr, "bus: %zu bytes to the device, %zu to the host, %zu launches\n", to_device,
+            to_host, launches);
+}
 
 static int fails(const char *name) {
     static int calls = 0;
@@ -36,7 +44,11 @@ static size_t memory(void) {
     return given ? strtoull(given, 0, 10) : (size_t)8 << 30;
 }
 
-int cuInit(unsigned flags) { return fails("cuInit") ? no_device : success + 0 * (int)flags; }
+int cuInit(unsigned flags) {
+    if (getenv("BRISANCE_EMULATOR_COUNT")) atexit(say_counts);
+    return fails("cuInit") ? no_device : success + 0 * (int)flags;
+}
+
 int cuDriverGetVersion(int *v) { *v = 13000; return success; }
 int cuDeviceGetCount(int *n) { *n = fails("cuDeviceGetCount") ? 0 : 1; return success; }
 int cuDeviceGet(int *d, int i) { *d = i; return success; }
@@ -88,12 +100,14 @@ int cuMemFree_v2(size_t p) {
 
 int cuMemcpyHtoD_v2(size_t d, const void *h, size_t n) {
     memcpy((void *)d, h, n);
+    to_device += n;
     return fails("cuMemcpyHtoD_v2") ? failed : success;
 }
 
 int cuMemcpyDtoH_v2(void *h, size_t d, size_t n) {
     if (fails("cuMemcpyDtoH_v2")) return failed;
     memcpy(h, (void *)d, n);
+    to_host += n;
     return success;
 }
 
@@ -121,6 +135,7 @@ int cuLaunchKernel(void *f, unsigned gx, unsigned gy, unsigned gz, unsigned bx, 
     const int block[3] = {bx, by, bz};
     const int n = gx * gy * gz;
     void *p[40] = {0};
+    launches++;
     if (fails("cuLaunchKernel")) return failed;
     if (bx * by * bz > 1024 || gx < 1 || gy < 1 || gz < 1 || gy > 65535 || gz > 65535) return invalid;
     if (shared || stream || extra) return invalid;

@@ -236,12 +236,19 @@ COUPLED = """&run title='t', t_end=1.2e-4 /
 """
 
 
-def test_bodies_in_air_move_as_on_the_cpu(deck):
-    (deck / "f.nml").write_text(COUPLED, encoding="utf-8")
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("", "air and bodies run on Emulated"),
+        ("variable_h=.true.,", "bodies and coupling on the CPU: this version does not"),
+    ],
+)
+def test_bodies_in_air_move_as_on_the_cpu(deck, more, words):
+    (deck / "f.nml").write_text(COUPLED.replace("velocity", more + " velocity"), encoding="utf-8")
     for backend in ("gpu", "cpu"):
         done = run(deck, "f.nml", "--backend", backend, "--out", backend)
         assert done.returncode == 0, done.stderr
-        assert ("coupling on the CPU" in done.stderr) == (backend == "gpu")
+        assert (words in done.stderr) == (backend == "gpu")
     same("gpu", "cpu", deck)
     with h5py.File(sorted((deck / "gpu").glob("chk_*.h5"))[-1]) as file:
         assert file["coupling/uncovered_total"][()] > 20  # cells that the body has left,
@@ -266,6 +273,7 @@ WOKEN = """&run title='t', t_end=5e-5 /
       material='cu', formulation='rigid' /
 &interaction law='contact' /
 &gauge id='g', body='block', at=0.09,0.025,0.025, quantity='velocity_x' /
+&gauge id='inside', at=0.09,0.025,0.025, quantity='pressure' /
 &output dump_every=3e-5, checkpoint_every=1e-5, history_every=2e-6 /
 """
 
