@@ -278,8 +278,8 @@ contains
         associate (material => solid%materials(body%material))
             z = body%zeta*material%shear
             if (body%directional) then
-                call axial_stiffness(body%zeta/2*material%axial, body%axes(:, :, solid%ply(i)), f, &
-                                     along)
+                call axial_stiffness(body%axes(:, 4, solid%ply(i)), &
+                                     body%axes(:, :3, solid%ply(i)), f, along)
                 solid%hold(:, i) = real(along, real32)
                 call to_matrix(real(solid%hold(:, i), rk), k) ! as the pairs see it: no torque
                 call multiply3(k, f, g)

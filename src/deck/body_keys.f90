@@ -125,10 +125,10 @@ contains
                       meaning='Its strength; 0.2 for monaghan, 0.3 for gray if absent.'), &
                 key_t(group=g, key='zeta', lower=zero, upper=4*one, &
                       meaning='bending, total_lagrangian: stiffness of the hourglass force; if '// &
-                      'absent 2 (of the shear modulus), along axes 2.5 (of each modulus).'), &
+                      'absent 2 (of the shear modulus), along axes 2.5 (of the moduli).'), &
                 key_t(group=g, key='hourglass_axes', kind=kind_logical, default='T', &
                       meaning='bending of plies: hourglass stiffness along the axes of the '// &
-                      'material; F: that of an isotropic plate.'), &
+                      'laminate; F: that of an isotropic plate.'), &
                 key_t(group=g, key='zeta_viscous', default='0.05', lower=zero, upper=one, &
                       meaning='corrected_hourglass: strength of the viscous hourglass force.'), &
                 key_t(group=g, key='smoothing', default='1.2', lower=one, upper=2*one, &

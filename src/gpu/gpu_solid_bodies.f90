@@ -63,7 +63,7 @@ contains
         integer :: b, n
 
         n = axes_before(solid, size(solid%bodies) + 1)
-        allocate (axes(3, 3, max(n, 1)))
+        allocate (axes(3, 4, max(n, 1)))
         do b = 1, size(solid%bodies)
             if (.not. solid%bodies(b)%directional) cycle
             n = axes_before(solid, b)

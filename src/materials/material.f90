@@ -32,6 +32,7 @@ module brz_material
         real(rk) :: density !! unloaded [kg/m3]
         real(rk) :: shear !! shear modulus for the hourglass force [Pa]
         real(rk) :: axial(3) !! Young's modulus along each axis of a ply; 0: no axes [Pa]
+        real(rk) :: across !! the lesser shear modulus between plies; 0: no axes [Pa]
         real(rk) :: bulk !! bulk modulus for contact [Pa]
         real(rk) :: c_wave !! fastest wave of the unloaded material, for the first time step [m/s]
         real(rk) :: par(n_par) !! slots named by the model

@@ -188,6 +188,7 @@ contains
         material%fails = 0
         material%shear = 0
         material%axial = 0
+        material%across = 0
         material%bulk = 0
         material%c_wave = 0
         material%par = 0

@@ -19,7 +19,8 @@ module brz_orthotropic_ply
     use brz_ply_failure, only: ply_stress, fail, total_damage, n_modes, fibre_tension, &
                                fibre_compression, matrix_cracking, matrix_crushing, &
                                delamination, p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, &
-                               p_nu23, p_g12, p_xt, p_xc, p_yt, p_yc, p_zt, p_woven, p_axes, &
+                               p_nu23, p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, p_yc, p_zt, &
+                               p_woven, p_axes, &
                                p_limit, p_pressure, p_slope, p_gamma, p_energy, p_c11, p_c22, &
                                p_c33, p_c12, p_c23, p_c13, p_bulk, p_rubble, p_inverse, p_eos
     use brz_ply_keys, only: ply_keys
@@ -77,6 +78,7 @@ contains
         material%fails = fails_by_degrees
         material%shear = max(material%par(p_e1), material%par(p_e2))/2.6_rk
         material%axial = [material%par(p_e1), material%par(p_e2), material%par(p_e3)]
+        material%across = min(material%par(p_g13), material%par(p_g23))
         material%c_wave = sqrt(maxval(material%par(p_c11:p_c33))/material%density)
         material%par(p_eos:p_eos + 7) = 0
         material%par(p_eos + eos_density - 1) = material%density

@@ -4,6 +4,7 @@ module brz_formulation
     use brz_artificial_stress, only: artificial_gray, artificial_monaghan, artificial_none
     use brz_case, only: body_case_t
     use brz_errors, only: error_t, exit_deck, raise
+    use brz_hourglass_axes, only: lay_axes
     use brz_kernel, only: kernel_shape
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t
@@ -64,38 +65,17 @@ contains
         type(body_case_t), intent(in) :: input
         type(material_t), intent(in) :: material
         type(body_t), intent(inout) :: body
-        integer :: p
 
         body%directional = body%formulation == form_bending .and. material%axial(1) > 0 .and. &
                            input%hourglass_axes
         body%zeta = merge(2.5_rk, 2.0_rk, body%directional)
         if (input%zeta >= 0) body%zeta = real(input%zeta, rk)
         if (.not. body%directional) return
-        allocate (body%axes(3, 3, 0:max(input%n_plies, 0)))
-        body%axes(:, :, 0) = ply_axes(input%ply_axis, 0.0_rk)
-        do p = 1, input%n_plies
-            body%axes(:, :, p) = ply_axes(input%ply_axis, &
-                                          real(input%ply_angle(p)*acos(-1.0_dp)/180, rk))
-        end do
+        allocate (body%axes(3, 4, 0:max(input%n_plies, 0)))
+        call lay_axes(body%zeta, material, input%ply_axis, &
+                      real(input%ply_angle(:max(input%n_plies, 0))*acos(-1.0_dp)/180, rk), &
+                      body%axes)
     end subroutine settle_stiffness
-
-    !> Axes of an unloaded ply, column by column: fibre, across, stacking axis.
-    pure function ply_axes(axis, angle) result(e)
-        character(1), intent(in) :: axis !! 'x', 'y', 'z'
-        real(rk), intent(in) :: angle !! right-handed, from the axis that follows in cyclic order
-        real(rk) :: e(3, 3)
-        integer :: s, a, b
-
-        s = max(1, index('xyz', axis))
-        a = 1 + mod(s, 3)
-        b = 1 + mod(s + 1, 3)
-        e = 0
-        e(s, 3) = 1
-        e(a, 1) = cos(angle)
-        e(b, 1) = sin(angle)
-        e(a, 2) = -sin(angle)
-        e(b, 2) = cos(angle)
-    end function ply_axes
 
     !> Formulation and viscosity where the deck gives none, by what a material does: it bends until
     !> it breaks, it flows (metals), or it crumbles. Metals at moderate speed take little linear

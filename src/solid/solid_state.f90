@@ -76,7 +76,8 @@ module brz_solid_state
         logical :: balsara = .false. !! less viscosity in shear
         integer :: artificial = artificial_none !! artificial stress, see brz_artificial_stress
         logical :: directional = .false. !! hourglass stiffness along the axes of the material
-        real(rk), allocatable :: axes(:, :, :) !! (3, 3, 0:plies) unloaded axes, column by column
+        real(rk), allocatable :: axes(:, :, :) !! (3, 4, 0:plies) unloaded axes of it, column by
+                                               !! column, and the stiffness along them [Pa]
         real(rk) :: artificial_strength = 0, artificial_power = 0
         real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)
         real(rk) :: cfl = 0.4_rk

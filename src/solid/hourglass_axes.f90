@@ -1,0 +1,90 @@
+! SPDX-License-Identifier: MIT
+!> Axes and stiffness of the stiff hourglass force in a laminate.
+!>
+!> The hourglass energy of a bent plate, u = -k x z, w = k x^2/2, is (K_x + 3/4 K_z) m k^2/2 per
+!> volume, with m = 4/15 h^2 the fourth moment of the weights. It makes good what the sums over
+!> layers miss of the bending energy:
+!>   1. the second moment of each layer about its own middle, E_ply dz^2/12 k^2/2;
+!>   2. the outermost layers see the strain of a place deeper in the plate, since their neighbours
+!>      lie on one side: a loss that goes with the modulus of the outer plies.
+!> So 1/(12 m) = 0.217 (h = 1.2 dz) of zeta/2 = 1.25 goes with the modulus of the ply itself, the
+!> rest with the mean of the two outer plies, in both directions of the plane. K_z is zeta G as in
+!> a body without axes.
+!>
+!> Source: docs/solid.md section 4
+module brz_hourglass_axes
+    use brz_kinds, only: rk
+    use brz_material, only: material_t
+    implicit none
+    private
+    public :: lay_axes
+
+    real(rk), parameter :: usual = 2.5_rk !! zeta at which the bending energy is made good
+    real(rk), parameter :: own_share = 0.217_rk/(usual/2) !! that goes with the ply itself
+    real(rk), parameter :: across = 2/usual !! K_z over zeta G
+
+contains
+
+    !> Axes (columns 1 to 3) and the stiffness along each (column 4) of plies 0.., 0 being a body
+    !> without plies.
+    pure subroutine lay_axes(zeta, material, axis, angles, axes)
+        real(rk), intent(in) :: zeta
+        type(material_t), intent(in) :: material
+        character(1), intent(in) :: axis !! stacking axis 'x', 'y', 'z'
+        real(rk), intent(in) :: angles(:) !! of the fibres of each ply, right-handed about it [rad]
+        real(rk), intent(out) :: axes(3, 4, 0:size(angles)) !! column 4 [Pa]
+        real(rk) :: outer(3), mean(3)
+        integer :: p
+
+        call lay_ply(zeta, material, axis, in_plane(material, 0.0_rk), axes(:, :, 0))
+        if (size(angles) == 0) return
+        outer = (in_plane(material, angles(1)) + in_plane(material, angles(size(angles))))/2
+        do p = 1, size(angles)
+            mean = own_share*in_plane(material, angles(p)) + (1 - own_share)*outer
+            call lay_ply(zeta, material, axis, mean, axes(:, :, p))
+        end do
+    end subroutine lay_axes
+
+    !> Moduli of a ply as a tensor in its plane: 11, 22, 12 of E1 n1 (x) n1 + E2 n2 (x) n2.
+    pure function in_plane(material, angle) result(e)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: angle !! [rad]
+        real(rk) :: e(3) !! [Pa]
+        real(rk) :: c, s
+
+        c = cos(angle)
+        s = sin(angle)
+        e(1) = material%axial(1)*c*c + material%axial(2)*s*s
+        e(2) = material%axial(1)*s*s + material%axial(2)*c*c
+        e(3) = (material%axial(1) - material%axial(2))*c*s
+    end function in_plane
+
+    !> Principal axes of the moduli e, and the stiffness along them and along the normal.
+    pure subroutine lay_ply(zeta, material, axis, e, axes)
+        real(rk), intent(in) :: zeta
+        type(material_t), intent(in) :: material
+        character(1), intent(in) :: axis
+        real(rk), intent(in) :: e(3) !! see in_plane [Pa]
+        real(rk), intent(out) :: axes(3, 4)
+        real(rk) :: normal, turn, mean, half
+        integer :: s, a, b
+
+        s = max(1, index('xyz', axis))
+        a = 1 + mod(s, 3)
+        b = 1 + mod(s + 1, 3)
+        mean = (e(1) + e(2))/2
+        half = sqrt(((e(1) - e(2))/2)**2 + e(3)**2)
+        turn = 0
+        if (half > 0) turn = atan2(2*e(3), e(1) - e(2))/2
+        axes = 0
+        axes(a, 1) = cos(turn)
+        axes(b, 1) = sin(turn)
+        axes(a, 2) = -sin(turn)
+        axes(b, 2) = cos(turn)
+        axes(s, 3) = 1
+        normal = across*zeta*material%across
+        axes(1, 4) = max(zeta/2*(mean + half) - 0.75_rk*normal, normal)
+        axes(2, 4) = max(zeta/2*(mean - half) - 0.75_rk*normal, normal)
+        axes(3, 4) = normal
+    end subroutine lay_ply
+end module brz_hourglass_axes
