@@ -3,15 +3,18 @@
 !> kernels. Point physics.
 module brz_air_grid
     use brz_kinds, only: dp, int64, rk
+    use brz_scheme, only: max_var
     implicit none
     private
     public :: grid_t, stage_t, grid_of, place_of, variable_in_slot, line_start, lines_along
     public :: rate_none, rate_in_flux, rate_in_new
     public :: faces_of_a_thread
+    public :: brick, rest_t, brick_of, brick_start, layers_around
 
     integer, parameter :: rate_none = 0, rate_in_flux = 1, rate_in_new = 2
     !! where the rates of the directions before one are: nowhere, the x fluxes, the next state
-    integer, parameter :: shortest = 8, longest = 64 !! cells along a line for one thread
+    integer, parameter :: brick = 8 !! cells per side of a brick, which is awake or not as a whole
+    integer, parameter :: longest = 8 !! bricks along a line for one thread
     integer, parameter :: faces_of_a_thread = 2 !! of direction x, side by side
     integer, parameter :: threads_wanted = 200000 !! to fill a GPU a few times
 
@@ -28,11 +31,19 @@ module brz_air_grid
         integer :: around(3) !! cells around a periodic direction, else 0
         integer :: before(3) !! lines of the directions before
         integer :: lines !! of all directions
-        integer :: segment(3) !! cells along a line that one thread takes
+        integer :: segment(3) !! cells along a line that one thread takes, whole bricks
+        integer :: bricks(3) !! of cells, see air_activity
+        integer :: brick_step(3) !! distance of neighbouring bricks in the map of all
         integer :: prior(3) !! rates of the directions before: rate_none, ...
         integer :: last !! the last direction that is modelled
         integer :: walls !! 1: some cells hold solid
     end type grid_t
+
+    !> Gas that nothing has reached.
+    type :: rest_t
+        real(rk) :: u(max_var) !! its conserved variables
+        real(rk) :: momentum !! what counts as rounding [kg/(m2 s)]
+    end type rest_t
 
     !> What the kernels must know of a stage of the time integration.
     type :: stage_t
@@ -61,6 +72,8 @@ contains
         grid%n_var = n_var
         grid%step = [1, n(1) + 2*g(1), (n(1) + 2*g(1))*(n(2) + 2*g(2))]
         grid%apart = int(grid%step(3), int64)*(n(3) + 2*g(3))
+        grid%bricks = (n - 1)/brick + 1
+        grid%brick_step = [1, grid%bricks(1), grid%bricks(1)*grid%bricks(2)]
         grid%inverse_dx = merge(1/dx, 0.0_rk, n > 1)
         grid%bc = bc
         grid%around = merge(n, 0, bc(1, :) == periodic)
@@ -70,8 +83,8 @@ contains
         grid%last = 1
         do d = 1, 3
             grid%before(d) = grid%lines
-            grid%segment(d) = min(longest, max(shortest, &
-                int(product(int(n, int64))/threads_wanted)))
+            grid%segment(d) = brick*min(longest, max(1, &
+                int(product(int(n, int64))/(brick*threads_wanted))))
             if (n(d) == 1) cycle
             grid%lines = grid%lines + lines_along(grid, d)
             if (d > 1) grid%prior(d) = merge(rate_in_flux, rate_none, n(1) > 1)
@@ -108,19 +121,64 @@ contains
         integer, intent(in) :: d !! direction
         integer, intent(in) :: line !! from 1
         integer(int64) :: place
+        integer :: at(3)
+
+        call first_cell(grid, d, line, at)
+        place = place_of(grid, at(1), at(2), at(3))
+    end function line_start
+
+    !> First cell of a line.
+    !@cuf attributes(host,device) &
+    pure subroutine first_cell(grid, d, line, at)
+        type(grid_t), intent(in) :: grid
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: line !! from 1
+        integer, intent(out) :: at(3)
         integer :: a, b, n
 
         n = grid%n(merge(2, 1, d == 1))
         b = (line - 1)/n + 1
         a = line - (b - 1)*n
-        if (d == 1) then
-            place = place_of(grid, 1, a, b)
-        else if (d == 2) then
-            place = place_of(grid, a, 1, b)
-        else
-            place = place_of(grid, a, b, 1)
-        end if
-    end function line_start
+        at(1) = merge(1, a, d == 1)
+        at(2) = merge(a, merge(1, b, d == 2), d == 1)
+        at(3) = merge(1, b, d == 3)
+    end subroutine first_cell
+
+    !> Place of the brick of a cell in the map of all.
+    !@cuf attributes(host,device) &
+    pure function brick_of(grid, i, j, k) result(place)
+        type(grid_t), intent(in) :: grid
+        integer, intent(in) :: i, j, k !! cell
+        integer :: place
+
+        place = (i - 1)/brick + 1 + (j - 1)/brick*grid%brick_step(2) &
+            + (k - 1)/brick*grid%brick_step(3)
+    end function brick_of
+
+    !> Place of the first brick of a line of cells.
+    !@cuf attributes(host,device) &
+    pure function brick_start(grid, d, line) result(place)
+        type(grid_t), intent(in) :: grid
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: line !! from 1
+        integer :: place, at(3)
+
+        call first_cell(grid, d, line, at)
+        place = brick_of(grid, at(1), at(2), at(3))
+    end function brick_start
+
+    !> Bricks on each side of one that a step can carry something into.
+    !>
+    !> Round a periodic direction the last brick may hold fewer cells than the others.
+    pure function layers_around(n, periodic, reach) result(layers)
+        integer, intent(in) :: n(3) !! cells
+        logical, intent(in) :: periodic(3) !! directions that go on from the other end
+        integer, intent(in) :: reach !! cells that a step reaches
+        integer :: layers(3)
+
+        layers = merge((reach - 1)/brick + 1, 0, n > 1)
+        where (n > 1 .and. periodic .and. mod(n, brick) > 0) layers = layers + 1
+    end function layers_around
 
     !> Variable in a slot of a state turned into direction d, as the table `turned` has it.
     !@cuf attributes(host,device) &

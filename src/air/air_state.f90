@@ -2,6 +2,7 @@
 !> The state of the air: conserved variables on a Cartesian grid, and the walls inside it.
 module brz_air_state
     use brz_air_boundary, only: bc_outflow, bc_periodic, bc_symmetry, bc_wall
+    use brz_air_grid, only: brick
     use brz_kinds, only: dp, int8, int64, rk
     use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t
     implicit none
@@ -15,7 +16,6 @@ module brz_air_state
     integer, parameter :: n_ghost = 3 !! ghost layers in a direction that is modelled
     integer, parameter :: lines_per_block = 16
     !! lines of cells that are swept together, the vector dimension
-    integer, parameter :: brick = 8 !! cells per side of a brick, which is awake or not as a whole
     integer, parameter :: air_ok = 0 !! status of a step: done
     integer, parameter :: air_unphysical = 1
     !! a density that is not positive, or NaN, in spite of the fallback

@@ -8,6 +8,7 @@
 !> one into them are awake too. The rates of all other cells are zero to the bit, so leaving them
 !> out changes nothing.
 module brz_air_activity
+    use brz_air_grid, only: layers_around
     use brz_air_state, only: air_t, brick, bc_periodic, lines_per_block, wall_t
     use brz_grid_lines, only: first_cell_of, n_lines
     use brz_kinds, only: int8, rk
@@ -79,7 +80,8 @@ contains
         integer :: layers(3), i, j, k
 
         air%awake = 0
-        layers = merge((air%n_stages*reach_of(air%scheme) + brick - 1)/brick, 0, air%n > 1)
+        layers = layers_around(air%n, air%bc(1, :) == bc_periodic, &
+            air%n_stages*reach_of(air%scheme))
         do k = 1, size(air%reached, 3)
             do j = 1, size(air%reached, 2)
                 do i = 1, size(air%reached, 1)
