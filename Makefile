@@ -38,9 +38,10 @@ MAIN := $(wildcard src/main.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)))) $(B)/obj/version.o $(B)/obj/presets.o
 LIB  := $(B)/brisance.o
 KERNELS := $(sort $(wildcard cuda/*.CUF))
+PARTS_OF_KERNELS := $(wildcard cuda/*.inc cuda/*.ll)
 PTX  := $(BIN).ptx
 # what the GPU code is made from; the executable refuses a PTX file of other sources
-DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(KERNELS) $(wildcard cuda/*.ll)
+DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(KERNELS) $(PARTS_OF_KERNELS)
 STAMP := $(shell cat $(DEVICE) scripts/cuda_fortran.py | sha1sum | cut -c 1-16)
 SAVE := scripts/write_if_changed.sh
 
@@ -58,7 +59,7 @@ $(LIB): $(OBJ)
 	$(call say,optimise $@)
 	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG)$(QUICK),,-fPIE -flinker-output=nolto-rel) -o $@ $(OBJ)
 gpu: $(PTX) ## build the GPU code (FMA=off: no contraction; CUF=nvfortran: by that compiler, untested)
-$(PTX): $(SRC) $(KERNELS) $(wildcard cuda/*.ll) scripts/cuda_fortran.py scripts/gpu_build.py
+$(PTX): $(SRC) $(KERNELS) $(PARTS_OF_KERNELS) scripts/cuda_fortran.py scripts/gpu_build.py
 	@mkdir -p $(@D)
 	$(Q)$(PY) scripts/$(if $(filter nvfortran,$(CUF)),gpu_nvfortran,gpu_build).py --work build/gpu/ptx$(KIND) --out $@ --stamp $(STAMP) \
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(if $(filter off,$(FMA)),--no-fma) $(SRC) $(KERNELS)

@@ -10,13 +10,13 @@ module brz_gpu_air_state
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
         find_kernel, free_buffer, kernel_t, launch
     use brz_errors, only: error_t, exit_device, failed, raise
-    use brz_kinds, only: dp, int64, rk
+    use brz_kinds, only: dp, int64, int8, rk
     use brz_scheme, only: first_order, hllc, muscl_cells, scheme_t, weno3_cells
     use brz_text, only: to_text
     implicit none
     private
-    public :: gpu_air_t, gpu_walls_t, open_gpu_air, close_gpu_air, fetch_air, fetch_cells, gather
-    public :: fold_threads, bytes_of_real
+    public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air, close_gpu_air, fetch_air, fetch_cells, gather
+    public :: add_grid, fold_threads, bytes_of_real
 
     integer, parameter :: fold_threads = 1024 !! partial results that the host folds
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
@@ -35,6 +35,13 @@ module brz_gpu_air_state
         type(buffer_t) :: place_at, values_at !! the same on the GPU
     end type gpu_walls_t
 
+    !> Which bricks of the air something has reached, and which are computed, as air_t has them.
+    type :: gpu_bricks_t
+        logical :: swept = .false. !! every brick has been computed once
+        type(buffer_t) :: reached, awake !! one byte for each brick
+        type(kernel_t) :: look, settle, wake
+    end type gpu_bricks_t
+
     type :: gpu_air_t
         type(grid_t) :: grid
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
@@ -51,6 +58,7 @@ module brz_gpu_air_state
         type(kernel_t) :: faces, march, last, redo !! of the scheme
         type(kernel_t) :: ghosts, update_line, speed, total, leave, lowered, gather, most, sum
         type(gpu_walls_t) :: walls
+        type(gpu_bricks_t) :: bricks
         real(dp) :: outflow_before(6) = 0 !! what had left when the GPU took over
     end type gpu_air_t
 
@@ -85,6 +93,7 @@ contains
         call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, walls), err)
         call allocate_buffer(gpu%walls%near, merge(cells, 1_int64, walls), err)
         call allocate_buffer(gpu%walls%cell_of, merge(4*cells, 1_int64, walls), err)
+        call open_bricks(air, gpu, err)
         gpu%outflow_before = [air%outflow, air%outflow_products]
         call keep_outside(air)
         call set_scale(air)
@@ -95,6 +104,20 @@ contains
             call copy_in(air%u, gpu%spare(m), field, err)
         end do
     end subroutine open_gpu_air
+
+    !> All bricks are awake at first.
+    subroutine open_bricks(air, gpu, err)
+        type(air_t), intent(in) :: air
+        type(gpu_air_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        integer(int8) :: awake(size(air%reached))
+
+        awake = 1
+        call allocate_buffer(gpu%bricks%reached, size(awake, kind=int64), err)
+        call allocate_buffer(gpu%bricks%awake, size(awake, kind=int64), err)
+        call copy_in(air%reached, gpu%bricks%reached, size(awake, kind=int64), err)
+        call copy_in(awake, gpu%bricks%awake, size(awake, kind=int64), err)
+    end subroutine open_bricks
 
     !> Refuse a scene that does not fit, before anything is reserved.
     subroutine require(device, bytes, err)
@@ -128,6 +151,9 @@ contains
         call find_kernel(device, 'air_near', gpu%walls%mark_near, err)
         call find_kernel(device, 'wall_impulse', gpu%walls%add_impulse, err)
         call find_kernel(device, 'scatter_cells', gpu%walls%scatter, err)
+        call find_kernel(device, 'air_look', gpu%bricks%look, err)
+        call find_kernel(device, 'air_settle', gpu%bricks%settle, err)
+        call find_kernel(device, 'air_wake', gpu%bricks%wake, err)
         call find_kernel(device, 'max_strided', gpu%most, err)
         call find_kernel(device, 'sum_strided', gpu%sum, err)
     end subroutine find_kernels
@@ -170,6 +196,14 @@ contains
         call copy_in(outside, gpu%outside, size(outside, kind=int64)*bytes_of_real, err)
     end subroutine put_outside
 
+    !> Add the grid to the arguments of a kernel.
+    subroutine add_grid(gpu, arguments)
+        type(gpu_air_t), intent(in) :: gpu
+        type(arguments_t), intent(inout) :: arguments
+
+        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+    end subroutine add_grid
+
     !> Give the memory back.
     subroutine close_gpu_air(gpu)
         type(gpu_air_t), intent(inout) :: gpu
@@ -185,6 +219,8 @@ contains
         call free_buffer(gpu%outflow)
         call free_buffer(gpu%part)
         call free_buffer(gpu%folded)
+        call free_buffer(gpu%bricks%reached)
+        call free_buffer(gpu%bricks%awake)
         call free_buffer(gpu%walls%solid)
         call free_buffer(gpu%walls%near)
         call free_buffer(gpu%walls%cell_of)
@@ -196,7 +232,7 @@ contains
         call free_buffer(gpu%walls%values_at)
     end subroutine close_gpu_air
 
-    !> Refresh the host's conserved variables, if the GPU has moved on.
+    !> Refresh the host's conserved variables and what it knows of bricks, if the GPU has moved on.
     subroutine fetch_air(gpu, air, err)
         type(gpu_air_t), intent(inout) :: gpu
         type(air_t), intent(inout) :: air
@@ -204,6 +240,7 @@ contains
 
         if (gpu%fetched) return
         call copy_out(gpu%u, air%u, size(air%u, kind=int64)*bytes_of_real, err)
+        call copy_out(gpu%bricks%reached, air%reached, size(air%reached, kind=int64), err)
         gpu%fetched = .not. failed(err)
     end subroutine fetch_air
 
@@ -247,7 +284,7 @@ contains
 
         n = size(values, 1)
         call arguments%add(n)
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call add_grid(gpu, arguments)
         call arguments%add(place_at)
         call arguments%add(gpu%u)
         call arguments%add(values_at)

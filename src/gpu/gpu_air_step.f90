@@ -5,7 +5,8 @@ module brz_gpu_air_step
     use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic
     use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_air_activity, only: find_awake_bricks
+    use brz_gpu_air_state, only: add_grid, bytes_of_real, gpu_air_t
     use brz_gpu_air_sums, only: sum_of
     use brz_kinds, only: dp, int64, rk
     use brz_positivity, only: lost_mark
@@ -39,6 +40,7 @@ contains
         status = air_ok
         gpu%fetched = .false.
         if (gpu%grid%walls == 1) call clear_buffer(gpu%walls%impulse, err)
+        call find_awake_bricks(gpu, air, err)
         states = states_t(gpu%u, gpu%u, gpu%spare(1))
         do m = 1, air%n_stages
             stage = stage_of(air, dt, m)
@@ -73,6 +75,22 @@ contains
         where (air%bc(1, :) == bc_periodic) stage%leaves = 0
     end function stage_of
 
+    !> What a kernel that completes a state begins with: grid, scheme, stage, the three states.
+    subroutine add_stage(gpu, air, stage, states, arguments)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        type(stage_t), intent(in) :: stage
+        type(states_t), intent(in) :: states
+        type(arguments_t), intent(inout) :: arguments
+
+        call add_grid(gpu, arguments)
+        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
+        call arguments%add_structure(stage, storage_size(stage)/8)
+        call arguments%add(states%u)
+        call arguments%add(states%start)
+        call arguments%add(states%new)
+    end subroutine add_stage
+
     !> Has a kernel found a bad cell since the last call?
     logical function found_bad(gpu, err)
         type(gpu_air_t), intent(in) :: gpu
@@ -94,7 +112,7 @@ contains
         integer :: d, lines
 
         lines = maxval([(lines_along(gpu%grid, d), d=1, 3)], mask=air%n > 1)
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call add_grid(gpu, arguments)
         call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
         call arguments%add(gpu%outside)
         call arguments%add(gpu%walls%solid)
@@ -113,9 +131,10 @@ contains
         integer :: d
 
         if (air%n(1) > 1) then
-            call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+            call add_grid(gpu, arguments)
             call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
             call arguments%add(states%u)
+            call arguments%add(gpu%bricks%awake)
             call arguments%add(gpu%flux)
             call arguments%add(gpu%edge)
             call launch(gpu%faces, [(air%n(1)/faces_of_a_thread + 1)*air%n(2), air%n(3), 1], &
@@ -136,11 +155,7 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
-        call arguments%add_structure(stage, storage_size(stage)/8)
-        call arguments%add(states%u)
-        call arguments%add(states%start)
-        call arguments%add(states%new)
+        call add_stage(gpu, air, stage, states, arguments)
         call arguments%add(gpu%flux)
         call arguments%add(gpu%walls%near)
         call arguments%add(gpu%bad)
@@ -160,14 +175,10 @@ contains
         integer :: threads(3)
 
         call arguments%add(d)
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
-        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-        call arguments%add_structure(stage, storage_size(stage)/8)
-        call arguments%add(states%u)
-        call arguments%add(states%start)
-        call arguments%add(states%new)
+        call add_stage(gpu, air, stage, states, arguments)
         call arguments%add(gpu%flux)
         call arguments%add(gpu%walls%near)
+        call arguments%add(gpu%bricks%awake)
         call arguments%add(gpu%bad)
         call arguments%add(gpu%found)
         call arguments%add(gpu%edge)
@@ -219,12 +230,7 @@ contains
 
         call arguments%add(pass)
         call arguments%add(judge)
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
-        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-        call arguments%add_structure(stage, storage_size(stage)/8)
-        call arguments%add(states%u)
-        call arguments%add(states%start)
-        call arguments%add(states%new)
+        call add_stage(gpu, air, stage, states, arguments)
         call arguments%add(gpu%bad)
         call arguments%add(gpu%found)
         call arguments%add(gpu%edge)
@@ -247,7 +253,7 @@ contains
         real(dp) :: n
 
         call arguments%add(pass)
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call add_grid(gpu, arguments)
         call arguments%add(gpu%bad)
         call arguments%add(gpu%part)
         call launch(gpu%lowered, [air%n(1:2), 1], arguments, err)
@@ -292,7 +298,7 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call add_grid(gpu, arguments)
         call arguments%add_structure(stage, storage_size(stage)/8)
         call arguments%add(gpu%edge)
         call arguments%add(gpu%outflow)

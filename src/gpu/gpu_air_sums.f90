@@ -4,7 +4,7 @@ module brz_gpu_air_sums
     use brz_air_state, only: air_t
     use brz_device, only: arguments_t, buffer_t, copy_out, kernel_t, launch
     use brz_errors, only: error_t
-    use brz_gpu_air_state, only: fold_threads, gpu_air_t
+    use brz_gpu_air_state, only: add_grid, fold_threads, gpu_air_t
     use brz_kinds, only: dp, int64
     implicit none
     private
@@ -21,10 +21,11 @@ contains
         type(arguments_t) :: arguments
         real(dp), target :: folded(fold_threads)
 
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call add_grid(gpu, arguments)
         call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
         call arguments%add(gpu%u)
         call arguments%add(gpu%walls%solid)
+        call arguments%add(gpu%bricks%awake)
         call arguments%add(gpu%part)
         call launch(gpu%speed, [air%n(1:2), 1], arguments, err)
         call fold(gpu, gpu%most, gpu%part, air%n(1)*air%n(2), folded, err)
@@ -43,7 +44,7 @@ contains
         totals = 0
         do c = 0, air%n_var
             arguments%n = 0
-            call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+            call add_grid(gpu, arguments)
             call arguments%add(c)
             call arguments%add(gpu%u)
             call arguments%add(gpu%walls%solid)

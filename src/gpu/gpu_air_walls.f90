@@ -8,7 +8,7 @@ module brz_gpu_air_walls
         launch, reserve_buffer
     use brz_air_grid, only: place_of
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: bytes_of_real, gather, gpu_air_t, gpu_walls_t
+    use brz_gpu_air_state, only: add_grid, bytes_of_real, gather, gpu_air_t, gpu_walls_t
     use brz_kinds, only: int64, int8, rk
     use brz_scheme, only: reach_of
     implicit none
@@ -31,10 +31,11 @@ contains
         call copy_in(wall%index, gpu%walls%cell_of, 4*size(wall%index, kind=int64), err)
         call size_lists(gpu%walls, wall, err)
         call copy_in(face_of, gpu%walls%face_of, 24_int64*wall%n_cells, err)
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call add_grid(gpu, arguments)
         call arguments%add(reach_of(air%scheme))
         call arguments%add(gpu%walls%solid)
         call arguments%add(gpu%walls%near)
+        call arguments%add(gpu%bricks%reached)
         call launch(gpu%walls%mark_near, air%n, arguments, err)
         call list_shared(gpu%walls, air, wall, face_of, reach)
         call put_places(gpu, air%n_var, err)
@@ -209,10 +210,11 @@ contains
         if (n == 0) return
         call copy_in(values, values_at, size(values, kind=int64)*bytes_of_real, err)
         call arguments%add(n)
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
+        call add_grid(gpu, arguments)
         call arguments%add(place_at)
         call arguments%add(values_at)
         call arguments%add(gpu%u)
+        call arguments%add(gpu%bricks%awake)
         call launch(gpu%walls%scatter, [n, 1, 1], arguments, err)
     end subroutine scatter
 end module brz_gpu_air_walls
