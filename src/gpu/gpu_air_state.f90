@@ -15,8 +15,8 @@ module brz_gpu_air_state
     use brz_text, only: to_text
     implicit none
     private
-    public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air, close_gpu_air, fetch_air, fetch_cells, gather
-    public :: add_grid, fold_threads, bytes_of_real
+    public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air, close_gpu_air
+    public :: fetch_air, fetch_cells, gather, add_grid, fold_threads, bytes_of_real
 
     integer, parameter :: fold_threads = 1024 !! partial results that the host folds
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
