@@ -94,7 +94,7 @@ contains
         arguments%n = 0
         call arguments%add_structure(there%grid, storage_size(there%grid)/8)
         call arguments%add(reach_of(air%scheme))
-        call add_all(arguments, [there%walls%solid, there%walls%near])
+        call add_all(arguments, [there%walls%solid, there%walls%near, there%bricks%reached])
         call launch(there%walls%mark_near, air%n, arguments, err)
         arguments%n = 0
         call arguments%add(n)
