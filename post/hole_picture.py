@@ -50,17 +50,18 @@ def _both(hole: Hole) -> tuple[str, str]:
 def draw_perforation(found: Perforation, folder: Path) -> Picture:
     """Write `hole_<body>.png` into a folder."""
     plate, hole = found.plate, found.through.seen
-    figure, axes = plt.subplots(
-        2, 2, figsize=(7.5, 6.6), gridspec_kw={"height_ratios": [1.55, 1], "width_ratios": [1, 1]}
-    )
+    figure = plt.figure(figsize=(7.5, 6.2))
+    rows = figure.add_gridspec(2, 1, height_ratios=[1.8, 1])
+    faces = rows[0].subgridspec(1, 2).subplots()
+    cut, plies = rows[1].subgridspec(1, 2, width_ratios=[1.7, 1]).subplots()
     middle = np.where(np.isfinite(hole.middle), hole.middle, 0.0)
     widest = max([found.through.pushed, *(h.seen for h in found.layers)], key=lambda o: o.area)
     window = REACH * max(widest.diameter, 6 * plate.body.spacing)
-    for axis, side in zip(axes[0], (1, -1), strict=True):
+    for axis, side in zip(faces, (1, -1), strict=True):
         _draw_face(axis, found, side, (middle, window))
-    _draw_cut(axes[1, 0], found, (middle, window))
-    _draw_layers(axes[1, 1], found)
-    linear_bar(figure, DAMAGE_COLOURS, axes[0], "damage [-]", fraction=0.04, pad=0.01)
+    _draw_cut(cut, found, (middle, window))
+    _draw_layers(plies, found)
+    linear_bar(figure, DAMAGE_COLOURS, list(faces), "damage [-]", fraction=0.04, pad=0.01)
     pushed = found.through.pushed
     caption = (
         f"Body {plate.body.id} at {show(plate.time, 's')}, loose particles taken away. Hole "
@@ -127,7 +128,7 @@ def _draw_cut(axis, found: Perforation, view: tuple) -> None:
         round((middle[1] - lattice.low[j]) / lattice.step[j]) + 1, 1, place[:, j].max()
     )
     rows = np.flatnonzero(place[:, j] == wanted)
-    size = (72 * 3.0 * plate.body.spacing / (2 * window)) ** 2
+    size = (72 * 4.0 * plate.body.spacing / (2 * window)) ** 2
     for keep, alpha in ((~plate.stays, 0.35), (plate.stays, 1.0)):
         chosen = rows[keep[rows]]
         for sign in (1, -1) if plate.mirrors[0] else (1,):
@@ -164,4 +165,4 @@ def _draw_layers(axis, found: Perforation) -> None:
     what = "ply" if plate.field.get("ply", np.zeros(1)).max() > 1 else "layer"
     axis.set_ylabel(f"{what}, from {AXES[plate.normal]} low")
     axis.set_title("hole by " + what)
-    axis.legend(loc="best")
+    axis.legend(loc="best", fontsize=7.5, handlelength=1.2)
