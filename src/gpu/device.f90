@@ -17,7 +17,7 @@ module brz_device
     implicit none
     private
     public :: device_t, buffer_t, kernel_t, arguments_t
-    public :: open_device, load_kernels, find_kernel, allocate_buffer, reserve_buffer, free_buffer
+    public :: open_device, measure_memory, load_kernels, find_kernel, allocate_buffer, reserve_buffer, free_buffer
     public :: copy_in, copy_out, clear_buffer, launch, wait_for_device
     public :: start_timer, stop_timer
 
@@ -28,7 +28,7 @@ module brz_device
     type :: device_t
         logical :: open = .false.
         character(:), allocatable :: name !! with memory and driver, for messages
-        integer(c_size_t) :: free_bytes = 0 !! when it was opened
+        integer(c_size_t) :: free_bytes = 0 !! when it was opened or measured last
         type(c_ptr) :: module = c_null_ptr, started = c_null_ptr, ended = c_null_ptr
     end type device_t
 
@@ -187,6 +187,16 @@ contains
                       ' GiB, CUDA '//to_text(int(driver)/1000)//'.'// &
                       to_text(mod(int(driver), 1000)/10)//')'
     end subroutine describe
+
+    !> Look how much memory is left.
+    subroutine measure_memory(device, err)
+        type(device_t), intent(inout) :: device
+        type(error_t), intent(inout) :: err
+        integer(c_size_t) :: total
+
+        if (failed(err)) return
+        call check(cu_memory_info(device%free_bytes, total), 'asking for memory', err)
+    end subroutine measure_memory
 
     !> Load the kernels from a PTX file that was built from the same sources as this program.
     subroutine load_kernels(device, file, stamp, err)

@@ -5,8 +5,9 @@ module brz_gpu_solid_links
     use brz_device, only: allocate_buffer, arguments_t, clear_buffer, copy_in, copy_out, device_t, &
         find_kernel, free_buffer, kernel_t, launch
     use brz_errors, only: error_t
+    use brz_gpu_scan, only: running_sum
     use brz_gpu_solid_layout, only: link_gpu_t, n_terms, slice_width
-    use brz_gpu_solid_search, only: order_body, running_sums
+    use brz_gpu_solid_search, only: order_body
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, part_of
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
@@ -71,7 +72,7 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer(int64) :: entries
-        integer :: keep, slices, longest(1), met(size(solid%bodies), size(solid%bodies))
+        integer :: keep, slices, longest, met(size(solid%bodies), size(solid%bodies))
 
         if (.not. gpu%linked) return
         slices = (gpu%n - 1)/slice_width + 1
@@ -86,10 +87,8 @@ contains
             call arguments%add(gpu%n)
             call arguments%add([gpu%links%count, gpu%links%slice])
             call launch(gpu%widths, [slices, 1, 1], arguments, err)
-            call running_sums(gpu, gpu%links%slice, slices + 1, err)
-            longest = 0
-            call copy_out(part_of(gpu%links%slice, 4_int64*slices), longest, 4_int64, err)
-            entries = int(longest(1), int64)*slice_width
+            call running_sum(gpu%scan, gpu%links%slice, slices, err, longest)
+            entries = int(longest, int64)*slice_width
             if (entries > gpu%links%room .or. gpu%links%room == 0) then
                 call free_buffer(gpu%links%list)
                 gpu%links%room = entries + entries/4 + slice_width

@@ -5,13 +5,14 @@ module brz_gpu_solid_search
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, clear_buffer, copy_in, copy_out, &
         free_buffer, kernel_t, launch
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: at_hist, grid_gpu_t, n_tag, scan_chunk, slice_width
+    use brz_gpu_scan, only: running_sum
+    use brz_gpu_solid_layout, only: at_hist, grid_gpu_t, n_tag, slice_width
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, part_of, sum_threads
     use brz_kinds, only: dp, int64
     use brz_solid_state, only: n_pair, solid_t
     implicit none
     private
-    public :: build_gpu_lists, order_body, running_sums
+    public :: build_gpu_lists, order_body
 
 contains
 
@@ -98,7 +99,7 @@ contains
         call arguments%add(gpu%cell)
         call arguments%add(gpu%start)
         call launch(gpu%count_cells, [n, 1, 1], arguments, err)
-        call running_sums(gpu, gpu%start, cells + 1, err)
+        call running_sum(gpu%scan, gpu%start, cells, err)
         arguments%n = 0
         call arguments%add(gpu%grid)
         call arguments%add(gpu%cell)
@@ -169,45 +170,6 @@ contains
         call copy_in(solid%search%code, gpu%code, 4_int64*3*grid%stride, err)
     end subroutine lay_cells
 
-    !> Every one of n integers becomes the sum of those before it.
-    subroutine running_sums(gpu, x, n, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(buffer_t), intent(in) :: x
-        integer, intent(in) :: n
-        type(error_t), intent(inout) :: err
-        type(buffer_t) :: level(0:4), top
-        integer :: length(0:4), l, last
-
-        level(0) = x
-        length(0) = n
-        top = gpu%scan
-        last = 0
-        do while (length(last) > 1)
-            length(last + 1) = (length(last) - 1)/scan_chunk + 1
-            level(last + 1) = top
-            top = part_of(top, (4_int64*length(last + 1)/256 + 1)*256)
-            call scan(gpu%scan_up, length(last), level(last), level(last + 1), err)
-            last = last + 1
-        end do
-        call clear_buffer(part_to(level(last), 4_int64), err)
-        do l = last - 1, 0, -1
-            call scan(gpu%scan_down, length(l), level(l + 1), level(l), err)
-        end do
-    end subroutine running_sums
-
-    subroutine scan(kernel, n, from, to, err)
-        type(kernel_t), intent(in) :: kernel
-        integer, intent(in) :: n
-        type(buffer_t), intent(in) :: from, to
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-
-        call arguments%add(n)
-        call arguments%add(from)
-        call arguments%add(to)
-        call launch(kernel, [(n - 1)/scan_chunk + 1, 1, 1], arguments, err)
-    end subroutine scan
-
     !> Bring all arrays of the particles into the order of `order`. Two arrays of positions change
     !> places with the buffer; the others go through `row` and come back.
     subroutine reorder(gpu, err)
@@ -264,7 +226,7 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer(int64) :: entries
-        integer :: longest(1)
+        integer :: longest
 
         associate (body => gpu%bodies(b))
             call search(gpu, b, place, 0, err)
@@ -274,10 +236,8 @@ contains
             call arguments%add(gpu%count)
             call arguments%add(body%slice)
             call launch(gpu%widths, [body%slices, 1, 1], arguments, err)
-            call running_sums(gpu, body%slice, body%slices + 1, err)
-            longest = 0
-            call copy_out(part_of(body%slice, 4_int64*body%slices), longest, 4_int64, err)
-            entries = int(longest(1), int64)*slice_width
+            call running_sum(gpu%scan, body%slice, body%slices, err, longest)
+            entries = int(longest, int64)*slice_width
             if (entries > body%room .or. body%room == 0) then
                 call free_buffer(body%list)
                 body%room = entries + entries/8 + slice_width

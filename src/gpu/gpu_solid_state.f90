@@ -7,7 +7,8 @@ module brz_gpu_solid_state
     use brz_device, only: allocate_buffer, buffer_t, copy_in, device_t, find_kernel, free_buffer, &
         kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
-    use brz_gpu_solid_layout, only: at_hist, grid_gpu_t, n_book, n_flag, n_tag, n_total, scan_chunk
+    use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
+    use brz_gpu_solid_layout, only: at_hist, grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: ledger_t, n_pair, solid_t
     use brz_text, only: to_text
@@ -58,12 +59,13 @@ module brz_gpu_solid_state
         real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
         type(buffer_t) :: place, reference, built, motion, state, tag, book, row, grad, hold
         type(buffer_t) :: rate, flags, axes, region, extra
-        type(buffer_t) :: count, cell, order, start, code, grid, box, scan, part
+        type(buffer_t) :: count, cell, order, start, code, grid, box, part
+        type(gpu_scan_t) :: scan
         type(buffer_t) :: folded
         integer :: code_room = 0 !! cells that `code` has room for
         type(kernel_t) :: fold, gradients, rows, drift, hold_drive, end_support, totals
         type(kernel_t) :: extent, count_cells, fill_cells, sort_cells, search, widths
-        type(kernel_t) :: scan_up, scan_down, most
+        type(kernel_t) :: most
         type(kernel_t) :: find_particles, rigid_place, rigid_row, rigid_push, rigid_accelerate
         type(kernel_t) :: sum_load
         type(kernel_t) :: gather_places, gather_motion, gather_columns, gather_tags, copy
@@ -108,7 +110,6 @@ contains
         call allocate_buffer(gpu%start, 4*(max(512_int64, 2*n) + 2), err)
         call allocate_buffer(gpu%grid, int(storage_size(grid_gpu_t(1, 1, 1, 1, 1, 1.0_dp, 1.0_dp, &
                                                                    1.0_dp))/8, int64), err)
-        call allocate_buffer(gpu%scan, scan_bytes(n), err)
         call allocate_buffer(gpu%part, 8_int64*total_threads*(n_total + n_book), err)
         call allocate_buffer(gpu%folded, 8_int64*fold_threads*(n_total + n_book), err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
@@ -132,20 +133,6 @@ contains
         gpu%before = gpu%load + 3
         gpu%n_state = gpu%before + 3
     end subroutine number_columns
-
-    !> Memory of the sums of the levels of a scan over the cells of n particles [B].
-    pure integer(int64) function scan_bytes(n)
-        integer(int64), intent(in) :: n
-        integer(int64) :: m
-
-        scan_bytes = 0
-        m = max(512_int64, 2*n) + 2
-        do
-            m = (m - 1)/scan_chunk + 1
-            scan_bytes = scan_bytes + (4*m/256 + 1)*256
-            if (m == 1) return
-        end do
-    end function scan_bytes
 
     !> Refuse a scene that does not fit, before anything is reserved.
     subroutine require(device, solid, n_state, err)
@@ -187,8 +174,7 @@ contains
         call find_kernel(device, 'sort_cells', gpu%sort_cells, err)
         call find_kernel(device, 'solid_search', gpu%search, err)
         call find_kernel(device, 'slice_widths', gpu%widths, err)
-        call find_kernel(device, 'scan_up', gpu%scan_up, err)
-        call find_kernel(device, 'scan_down', gpu%scan_down, err)
+        call open_gpu_scan(device, gpu%scan, err)
         call find_kernel(device, 'max_strided', gpu%most, err)
         call find_kernel(device, 'find_particles', gpu%find_particles, err)
         call find_kernel(device, 'gather_places', gpu%gather_places, err)
@@ -224,8 +210,8 @@ contains
 
         all = [gpu%place, gpu%reference, gpu%built, gpu%motion, gpu%state, gpu%tag, gpu%book, &
                gpu%row, gpu%grad, gpu%hold, gpu%rate, gpu%flags, gpu%axes, gpu%region, gpu%extra, &
-               gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, gpu%scan, gpu%part, &
-               gpu%folded, gpu%box, gpu%links%params, gpu%links%owner, gpu%links%table, &
+               gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, gpu%scan%levels, &
+               gpu%part, gpu%folded, gpu%box, gpu%links%params, gpu%links%owner, gpu%links%table, &
                gpu%links%cell, gpu%links%press, gpu%links%slice, gpu%links%count, gpu%links%list, &
                gpu%links%met]
         do b = 1, size(all)

@@ -15,6 +15,8 @@ module brz_gpu_solid_sums
     private
     public :: gpu_solid_totals, fetch_ledgers, fetch_limit, fold_sums, sums_of_body
 
+    integer, parameter :: rows_of_a_fold = 256 !! that a thread adds up
+
 contains
 
     !> Totals of body b, or of all bodies with b = 0, as solid_totals has them.
@@ -59,13 +61,13 @@ contains
         real(dp), intent(out) :: sums(:) !! one for each column
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        real(dp) :: folded(fold_threads, size(sums))
+        real(dp) :: folded(max(m/rows_of_a_fold, 1), size(sums))
         integer :: k
 
         call arguments%add(m)
-        call arguments%add(fold_threads)
+        call arguments%add(size(folded, 1))
         call arguments%add([gpu%part, gpu%folded])
-        call launch(gpu%fold, [fold_threads, size(sums), 1], arguments, err)
+        call launch(gpu%fold, [size(folded, 1), size(sums), 1], arguments, err)
         folded = 0
         call copy_out(gpu%folded, folded, 8_int64*size(folded), err)
         do k = 1, size(sums)

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The coupling of air and bodies where they are computed. On the CPU with the air on a GPU, the
-!> cells around the walls come and go.
+!> cells around the walls come and go. Each operation ends when the GPU has done it, so that the
+!> times that a run reports for its parts are their own.
 module brz_backend_coupling
     use brz_air_state, only: air_t
     use brz_backend, only: backend_t, particles_of
@@ -9,6 +10,7 @@ module brz_backend_coupling
     use brz_coupling_load, only: spread_load, wake_loaded
     use brz_coupling_state, only: coupling_t
     use brz_coupling_velocity, only: set_wall_velocity
+    use brz_device, only: wait_for_device
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_cells
     use brz_gpu_air_walls, only: fetch_walls, put_wall_velocity, put_walls, return_cells
@@ -52,6 +54,7 @@ contains
         if (backend%coupling_on_gpu) then
             call gpu_set_wall_velocity(backend%coupling, backend%air, particles_of(backend), air, &
                                        coupling, dt, solid%dt_last, err)
+            call wait_for_device(err)
         else
             call set_wall_velocity(air, solid, coupling, dt)
             if (backend%on_gpu) call put_wall_velocity(backend%air, coupling%wall, err)
@@ -69,6 +72,7 @@ contains
 
         if (backend%coupling_on_gpu) then
             call gpu_spread_load(backend%coupling, backend%air, particles_of(backend), dt, err)
+            call wait_for_device(err)
             backend%solid%fetched = .false.
             if (any(solid%bodies%asleep)) call wake_on_gpu(backend, solid, dt, err)
         else
@@ -106,6 +110,7 @@ contains
         if (backend%coupling_on_gpu) then
             call gpu_reclassify(backend%coupling, backend%air, particles_of(backend), air, &
                                 coupling, err)
+            call wait_for_device(err)
             return
         end if
         call reclassify(air, solid, coupling)

@@ -7,6 +7,7 @@ module brz_backend_step
     use brz_backend, only: backend_t
     use brz_backend_coupling, only: start_coupling
     use brz_coupling_state, only: coupling_t
+    use brz_device, only: measure_memory
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: open_gpu_air
     use brz_gpu_air_step, only: gpu_air_step
@@ -34,6 +35,7 @@ contains
         if (failed(err)) return
         if (backend%on_gpu) &
             call open_gpu_air(backend%device, air, coupling%present, backend%air, err)
+        if (backend%on_gpu .and. backend%bodies_on_gpu) call measure_memory(backend%device, err)
         if (backend%bodies_on_gpu) &
             call open_gpu_solid(backend%device, solid, coupling%present, backend%solid, err)
         if (backend%coupling_on_gpu) call put_before(backend%solid, solid, coupling%v_before, err)
