@@ -17,7 +17,8 @@ module brz_device
     implicit none
     private
     public :: device_t, buffer_t, kernel_t, arguments_t
-    public :: open_device, measure_memory, load_kernels, find_kernel, allocate_buffer, reserve_buffer, free_buffer
+    public :: open_device, measure_memory, load_kernels, find_kernel
+    public :: allocate_buffer, reserve_buffer, free_buffer
     public :: copy_in, copy_out, clear_buffer, launch, wait_for_device
     public :: start_timer, stop_timer
 
