@@ -30,6 +30,12 @@ contains
         do k = 1, size(solid%block, 2)
             call force_block(solid, solid%bodies(solid%block(1, k)), dt, k)
         end do
+        if (allocated(solid%h)) then ! not before all pairs have been seen
+            !$omp parallel do if(solid%n >= worth_threads) schedule(static)
+            do k = 1, size(solid%block, 2)
+                call update_lengths(solid, solid%bodies(solid%block(1, k)), k)
+            end do
+        end if
         do k = 1, size(solid%bodies)
             associate (ledger => solid%bodies(k)%ledger)
                 if (solid%bodies(k)%artificial == artificial_none) then
@@ -88,7 +94,7 @@ contains
             if (body%artificial /= artificial_none) call add_artificial(solid, body, p, f)
             call accelerate(solid, real(dt, rk), i, k, f)
         end do
-        call update_sizes(solid, body, k)
+        call update_volumes(solid, body, k)
     end subroutine force_block
 
     !> Sum over the direct neighbours, in the loop that has just the forces of this body.
@@ -120,8 +126,17 @@ contains
         end associate
     end subroutine sum_direct
 
-    !> Volumes and smoothing lengths of a block for the next step.
+    !> Volumes and smoothing lengths of a block as its compression says.
     subroutine update_sizes(solid, body, k)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: k !! block
+
+        call update_volumes(solid, body, k)
+        call update_lengths(solid, body, k)
+    end subroutine update_sizes
+
+    subroutine update_volumes(solid, body, k)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: k !! block
@@ -132,11 +147,19 @@ contains
             solid%volume(i) = solid%mass(i)/(solid%materials(body%material)%density &
                                              *(1 + solid%mu(i)))
         end do
+    end subroutine update_volumes
+
+    subroutine update_lengths(solid, body, k)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: k !! block
+        integer :: i
+
         if (.not. body%variable) return
         do i = solid%block(2, k), solid%block(3, k)
             solid%h(i) = smoothing_length(body%h, body%h_range, solid%dimension, solid%mu(i))
         end do
-    end subroutine update_sizes
+    end subroutine update_lengths
 
     !> Use the sums of particle i: acceleration, heat, ledger of its block.
     !>

@@ -36,7 +36,6 @@ contains
             if (model_name(int(solid%materials(solid%bodies(b)%material)%model)) == '') &
                 why = "the material of body '"//trim(solid%bodies(b)%id)//"'"
         end do
-        if (any(solid%bodies%variable)) why = 'variable_h'
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
 
@@ -132,6 +131,8 @@ contains
         p%artificial = body%artificial
         p%balsara = merge(1, 0, body%balsara)
         p%directional = merge(1, 0, body%directional)
+        p%variable = merge(1, 0, body%variable)
+        p%h_range = body%h_range
         p%axes = axes
         p%fails = 0
         p%keep_force = merge(0, 1, body%motion%n > 0)

@@ -64,9 +64,9 @@ contains
             type(buffer_t), intent(in) :: buffer
             real(dp), allocatable :: place(:, :)
 
-            allocate (place(4, solid%n))
+            allocate (place(4, solid%n), source=0.0_dp)
             place(1:3, :) = x
-            place(4, :) = 0
+            if (allocated(solid%h)) place(4, :) = solid%h
             call copy_in(place, buffer, 32_int64*solid%n, err)
         end subroutine put_places
     end subroutine put_rows

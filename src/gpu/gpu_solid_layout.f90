@@ -2,7 +2,7 @@
 !> How the particles lie in the memory of the GPU: names shared by its kernels and the host.
 !>
 !> What neighbours read is gathered row by row, in rows of 16 B and multiples of it:
-!>     place(4, n)      x, y, z, unused [m]; reference(4, n), built(4, n) alike
+!>     place(4, n)      x, y, z, smoothing length where it varies [m]; reference, built: likewise
 !>     motion(4, n)     velocity [m/s], volume [m3]
 !>     row(n_pair, n)   what pass 2 needs, slots of brz_solid_state
 !>     hold(6, n)       hourglass stiffness along axes [Pa]
@@ -76,7 +76,9 @@ module brz_gpu_solid_layout
         integer :: balsara, directional !! 1: yes
         integer :: fails !! how the material may fail
         integer :: axes !! place before the axes of ply 0 among those of all bodies
+        integer :: variable !! 1: the smoothing length follows the density
         integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step
+        real(rk) :: h_range(2) !! bounds of a smoothing length that varies, over h
         real(rk) :: h, scale, half_over_h, alpha, beta, zeta, zeta_viscous, cfl
         real(rk) :: artificial_strength, artificial_power, shape_at_spacing
     end type body_gpu_t

@@ -188,8 +188,8 @@ contains
         type(arguments_t) :: arguments
 
         call begin(gpu, body, arguments)
-        call arguments%add([body%material, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, &
-                            gpu%rate, gpu%axes, gpu%hold])
+        call arguments%add([body%material, gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, &
+                            gpu%row, gpu%rate, gpu%axes, gpu%hold])
         call launch(gpu%rows, threads_of(body), arguments, err)
     end subroutine fill_rows
 

@@ -28,6 +28,7 @@ contains
             call reorder_r(solid%n_hist, n, s%order, solid%hist, solid%pair)
             call reorder_r(1, n, s%order, solid%damage, solid%pair)
             call reorder_r(1, n, s%order, solid%volume, solid%pair)
+            if (allocated(solid%h)) call reorder_r(1, n, s%order, solid%h, solid%pair)
             call reorder_i(n, s%order, solid%id, s%cell)
             call reorder_i(n, s%order, solid%ply, s%cell)
             call reorder_i(n, s%order, solid%support, s%cell)

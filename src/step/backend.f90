@@ -1,6 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Where a scene is computed: air and bodies each on the CPU or on a GPU, and the coupling there if
-!> both are.
+!> Where a scene is computed: air, bodies and their coupling on the CPU or on a GPU.
 module brz_backend
     use brz_coupling_state, only: coupling_t
     use brz_device, only: device_t, load_kernels, open_device
@@ -10,7 +9,6 @@ module brz_backend
     use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
     use brz_gpu_solid_bodies, only: cannot_run_solid
     use brz_gpu_solid_state, only: gpu_solid_t
-    use brz_kinds, only: int64
     use brz_solid_state, only: solid_t
     use brz_version, only: device_code
     implicit none
@@ -20,14 +18,11 @@ module brz_backend
     type :: backend_t
         logical :: on_gpu = .false. !! the air
         logical :: bodies_on_gpu = .false.
-        logical :: coupling_on_gpu = .false. !! both, and they meet
+        logical :: coupling_on_gpu = .false. !! both are there
         type(device_t) :: device
         type(gpu_air_t) :: air
         type(gpu_solid_t) :: solid
         type(gpu_coupling_t) :: coupling
-        integer, allocatable :: owed(:, :) !! (3, n) gas cells with debts, also shared
-        integer(int64) :: wall_changes = -1
-        !! cells that had changed hands when the walls were last copied
     end type backend_t
 
 contains
@@ -71,22 +66,18 @@ contains
         note = ''
         if (.not. backend%bodies_on_gpu) return
         call cannot_run_solid(solid, why)
-        backend%bodies_on_gpu = .not. allocated(why)
         if (coupling%paper) why = "the coupling scheme='paper'"
-        if (backend%on_gpu .and. .not. coupling%paper) then
-            note = 'air and bodies run on '//backend%device%name
-            if (allocated(why)) note = 'the air runs on '//backend%device%name// &
-                ', bodies and coupling on the CPU: this version does not have '//why//' on the GPU'
-        else if (.not. allocated(why)) then
+        if (.not. allocated(why)) then
             note = 'the bodies run on '//backend%device%name
-        else
-            backend%on_gpu = .false.
-            backend%bodies_on_gpu = .false.
-            note = 'the scene runs on the CPU: this version does not have '//why//' on the GPU'
-            if (wanted == 'gpu') call raise(err, exit_device, 'this version does not have '// &
-                                            why//' on the GPU: run with --backend cpu')
+            if (backend%on_gpu) note = 'air and bodies run on '//backend%device%name
+            backend%coupling_on_gpu = backend%on_gpu
+            return
         end if
-        backend%coupling_on_gpu = backend%on_gpu .and. backend%bodies_on_gpu
+        backend%on_gpu = .false.
+        backend%bodies_on_gpu = .false.
+        note = 'the scene runs on the CPU: this version does not have '//why//' on the GPU'
+        if (wanted == 'gpu') call raise(err, exit_device, 'this version does not have '//why// &
+                                        ' on the GPU: run with --backend cpu')
     end subroutine settle_backend
 
     !> The GPU code: beside the program, or where the environment variable BRISANCE_PTX says.

@@ -1,46 +1,25 @@
 ! SPDX-License-Identifier: MIT
-!> The coupling of air and bodies where they are computed. On the CPU with the air on a GPU, the
-!> cells around the walls come and go. Each operation ends when the GPU has done it, so that the
-!> times that a run reports for its parts are their own.
+!> The coupling of air and bodies where they are computed. Each operation ends when the GPU has done
+!> it, so that the times that a run reports for its parts are their own.
 module brz_backend_coupling
     use brz_air_state, only: air_t
     use brz_backend, only: backend_t, particles_of
-    use brz_cell_shells, only: cell_at, reach
     use brz_coupling_events, only: reclassify
     use brz_coupling_load, only: spread_load, wake_loaded
     use brz_coupling_state, only: coupling_t
     use brz_coupling_velocity, only: set_wall_velocity
     use brz_device, only: wait_for_device
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: fetch_cells
-    use brz_gpu_air_walls, only: fetch_walls, put_wall_velocity, put_walls, return_cells
-    use brz_gpu_coupling_copy, only: open_gpu_coupling
     use brz_gpu_coupling_step, only: gpu_is_loaded, gpu_reclassify, gpu_set_wall_velocity, &
         gpu_spread_load
-    use brz_kinds, only: dp, int64
+    use brz_kinds, only: dp
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: start_coupling, set_walls, load_bodies, exchange_gas
+    public :: set_walls, load_bodies, exchange_gas
 
 contains
-
-    !> Put the walls up on the GPU.
-    subroutine start_coupling(backend, air, coupling, err)
-        type(backend_t), intent(inout) :: backend
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(in) :: coupling
-        type(error_t), intent(inout) :: err
-
-        if (backend%coupling_on_gpu) then
-            call open_gpu_coupling(backend%device, air, coupling, particles_of(backend), &
-                                   backend%air, backend%coupling, err)
-        else if (backend%on_gpu) then
-            call renew_walls(backend, air, coupling, err)
-            call list_owed(backend, air, coupling)
-        end if
-    end subroutine start_coupling
 
     !> Before a step of the air: give the walls the velocities of the bodies.
     subroutine set_walls(backend, air, solid, coupling, dt, err)
@@ -57,7 +36,6 @@ contains
             call wait_for_device(err)
         else
             call set_wall_velocity(air, solid, coupling, dt)
-            if (backend%on_gpu) call put_wall_velocity(backend%air, coupling%wall, err)
         end if
     end subroutine set_walls
 
@@ -76,8 +54,6 @@ contains
             backend%solid%fetched = .false.
             if (any(solid%bodies%asleep)) call wake_on_gpu(backend, solid, dt, err)
         else
-            if (backend%on_gpu) call fetch_walls(backend%air, air, coupling%wall, err)
-            if (backend%on_gpu) call fetch_cells(backend%air, backend%owed, air, err)
             call spread_load(air, solid, coupling, dt)
             if (any(solid%bodies%asleep)) call wake_loaded(air, solid, coupling, dt)
         end if
@@ -111,42 +87,8 @@ contains
             call gpu_reclassify(backend%coupling, backend%air, particles_of(backend), air, &
                                 coupling, err)
             call wait_for_device(err)
-            return
+        else
+            call reclassify(air, solid, coupling)
         end if
-        call reclassify(air, solid, coupling)
-        if (.not. backend%on_gpu) return
-        call return_cells(backend%air, air, backend%owed, err)
-        call renew_walls(backend, air, coupling, err)
-        call list_owed(backend, air, coupling)
     end subroutine exchange_gas
-
-    !> Copy the walls to the GPU if cells have changed between gas and solid.
-    subroutine renew_walls(backend, air, coupling, err)
-        type(backend_t), intent(inout) :: backend
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(in) :: coupling
-        type(error_t), intent(inout) :: err
-        integer(int64) :: changes
-
-        changes = coupling%covered_total + coupling%uncovered_total
-        if (.not. coupling%present .or. failed(err) .or. changes == backend%wall_changes) return
-        call put_walls(backend%air, air, coupling%wall, coupling%face_of, reach, err)
-        backend%wall_changes = changes
-    end subroutine renew_walls
-
-    !> List the gas cells with debts: they may lie far from the walls by now.
-    subroutine list_owed(backend, air, coupling)
-        type(backend_t), intent(inout) :: backend
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(in) :: coupling
-        integer :: e
-
-        if (allocated(backend%owed)) then
-            if (size(backend%owed, 2) /= coupling%n_debts) deallocate (backend%owed)
-        end if
-        if (.not. allocated(backend%owed)) allocate (backend%owed(3, coupling%n_debts))
-        do e = 1, coupling%n_debts
-            backend%owed(:, e) = cell_at(air%n, coupling%debt_cell(e))
-        end do
-    end subroutine list_owed
 end module brz_backend_coupling

@@ -7,7 +7,7 @@ module brz_backend_fetch
     use brz_backend, only: backend_t
     use brz_cell_shells, only: reach
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_totals, only: coupling_products, coupling_totals, ledger_totals
+    use brz_coupling_totals, only: coupling_products, coupling_totals
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_air, fetch_cells
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
@@ -40,11 +40,11 @@ contains
             call gpu_air_totals(backend%air, air, totals, err)
             call gpu_outflow(backend%air, air, err)
             gas = totals(1:5)
+            kept = 0
+            more = 0
             if (backend%coupling_on_gpu) then
                 call gpu_ledger_totals(backend%coupling, backend%air, air, kept, more, err)
                 call fetch_books(backend%coupling, coupling, err)
-            else
-                call ledger_totals(air, coupling, kept, more)
             end if
             kinetic = totals(0)
             products = totals(6) + more

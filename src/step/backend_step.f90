@@ -4,18 +4,17 @@ module brz_backend_step
     use brz_air_state, only: air_t, wall_t
     use brz_air_step, only: air_step
     use brz_air_sums, only: air_time_step
-    use brz_backend, only: backend_t
-    use brz_backend_coupling, only: start_coupling
+    use brz_backend, only: backend_t, particles_of
     use brz_coupling_state, only: coupling_t
     use brz_device, only: measure_memory
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: open_gpu_air
     use brz_gpu_air_step, only: gpu_air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
-    use brz_gpu_coupling_copy, only: gpu_fastest_wall
+    use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
     use brz_gpu_solid_copy, only: open_gpu_solid, put_before
     use brz_gpu_solid_step, only: gpu_solid_step
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: solid_step
     implicit none
@@ -38,8 +37,10 @@ contains
         if (backend%on_gpu .and. backend%bodies_on_gpu) call measure_memory(backend%device, err)
         if (backend%bodies_on_gpu) &
             call open_gpu_solid(backend%device, solid, coupling%present, backend%solid, err)
-        if (backend%coupling_on_gpu) call put_before(backend%solid, solid, coupling%v_before, err)
-        if (coupling%present) call start_coupling(backend, air, coupling, err)
+        if (.not. backend%coupling_on_gpu) return
+        call put_before(backend%solid, solid, coupling%v_before, err)
+        call open_gpu_coupling(backend%device, air, coupling, particles_of(backend), backend%air, &
+                               backend%coupling, err)
     end subroutine start_backend
 
     !> One step of the air. `status` as air_step has it.
@@ -70,29 +71,13 @@ contains
         if (backend%on_gpu) then
             dt = gpu_air_time_step(backend%air, air, cfl, err)
             fastest = 0
-            if (backend%coupling_on_gpu) then
+            if (backend%coupling_on_gpu) &
                 fastest = gpu_fastest_wall(backend%coupling, backend%air, err)
-            else if (wall%present) then
-                fastest = fastest_wall(air, wall)
-            end if
             dt = min(dt, cfl/max(fastest, tiny(dt)))
         else
             dt = air_time_step(air, wall, cfl)
         end if
     end function limit_of_air
-
-    !> Largest sum_d |v_d|/dx_d of the walls [1/s].
-    pure real(dp) function fastest_wall(air, wall) result(fastest)
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(in) :: wall
-        integer :: c
-
-        fastest = 0
-        do c = 1, wall%n_cells
-            fastest = max(fastest, real(sum(abs(wall%v(:, c)) &
-                *merge(real(1/air%dx, rk), 0.0_rk, air%n > 1)), dp))
-        end do
-    end function fastest_wall
 
     !> One step of the bodies.
     subroutine advance_solid(backend, solid, dt, err)
