@@ -73,8 +73,8 @@ def displacement_table(run: Run) -> Table:
     heads = ("what", "largest", "at", "at the end", "residual")
     note = (
         "Residual: middle of the last two turning points, a dash where the body has not swung back "
-        "and forth. Middle and farthest particle of a body: at the times of the dumps, loose "
-        "particles left out."
+        "and forth. Middle and farthest particle of a body: at the times of the dumps, those left "
+        "out that came loose by the end."
     )
     return Table("Displacements", heads, [row for row in rows if row], note)
 
@@ -92,20 +92,22 @@ def _row(name: str, time: np.ndarray, move: np.ndarray) -> tuple[str, ...] | Non
 def _rows_of_plate(run: Run, body) -> list:
     """Middle and farthest particle of a body along its normal, over the dumps."""
     frames = [frame for frame in run.frames if frame.solid_path]
-    time = np.array([frame.time for frame in frames])
+    try:
+        plate = load_plate(run, frames[-1], body.id)
+    except (PostError, IndexError):
+        return []
+    centre = (body.low + body.high) / 2
+    centre[list(run.deck.mirrors)] = 0.0
+    rest = plate.points - plate.field["displacement"]
+    nearest = int(np.argmin(((rest - centre) ** 2).sum(axis=1)))
     middle, farthest = [], []
     for frame in frames:
-        try:
-            plate = load_plate(run, frame, body.id)
-        except PostError:
-            return []
-        away = np.where(plate.stays, plate.field["displacement"][:, plate.normal], 0.0)
-        rest = plate.points - plate.field["displacement"]
-        centre = (body.low + body.high) / 2
-        centre[list(run.deck.mirrors)] = 0.0
-        nearest = np.argmin(((rest - centre) ** 2).sum(axis=1))
+        field = frame.solid("displacement", "body").field
+        away = field["displacement"][field["body"] == body.number, plate.normal]
         middle.append(away[nearest] if plate.stays[nearest] else math.nan)
-        farthest.append(away[np.argmax(np.abs(away))])
+        kept = away[plate.stays]
+        farthest.append(kept[np.argmax(np.abs(kept))])
+    time = np.array([frame.time for frame in frames])
     return [
         _row(f"{body.id}, middle", time, np.array(middle)),
         _row(f"{body.id}, farthest", time, np.array(farthest)),
