@@ -110,7 +110,7 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
 .PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden vectors
-.PHONY: charts charts-air charts-solid charts-coupling stability stability-air validate point-blast
+.PHONY: charts charts-air charts-solid charts-coupling charts-scenes stability stability-air validate point-blast
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
 	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
@@ -166,6 +166,8 @@ taylor: $(B)/tests/study/study_taylor ## bars that strike a wall: particles, fin
 	$< profiles > $(B)/taylor.csv && mv $(B)/taylor.csv docs/data/taylor_profiles.csv
 	$(PY) scripts/taylor_charts.py docs/data/taylor_bars.csv docs/data/taylor_profiles.csv \
 	    docs/data/taylor_experiment.csv docs/figures/taylor_copper.png
+charts-scenes: ## draw the impact on CFRP from what was recorded (scripts/scene_charts.py record OUTDIR...)
+	$(PY) scripts/scene_charts.py draw
 point-blast: $(B)/tests/study/study_air ## the point blast up to 128^3 cells, recorded (a quarter of an hour)
 	$< sedov > $(B)/sedov.csv && mv $(B)/sedov.csv docs/data/point_blast.csv
 validate: all ## blasts of TNT against the Kingery-Bulmash curves, recorded and drawn
@@ -208,7 +210,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test demo lint format gpu-check gpu emulator
+NO_BUILD := clean help setup test demo lint format gpu-check gpu emulator charts-scenes
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif
