@@ -117,12 +117,13 @@ unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (
 
 # The same tests on a GPU, or anywhere with the emulated driver. They need no compiler: carry $(B)/tests/gpu and bin.
 GPU_TEST = BRISANCE_PTX=$(PTX) $(B)/tests/gpu/run
-gpu-tests: $(B)/tests/gpu/run $(B)/tests/gpu/bench_gpu $(B)/tests/gpu/bench_gpu_solid $(PTX) ## build the tests and the benchmark of the GPU
+gpu-tests: $(B)/tests/gpu/run $(B)/tests/gpu/bench_gpu $(B)/tests/gpu/bench_gpu_solid $(B)/tests/gpu/bench_gpu_coupling $(PTX) ## build the tests and the benchmark of the GPU
 test-gpu: ## run the tests of the GPU (make gpu-tests builds them)
 	$(GPU_TEST) $(ARGS)
 bench-gpu: ## measure the speed on the GPU (ARGS: cells in each direction)
 	BRISANCE_PTX=$(PTX) $(B)/tests/gpu/bench_gpu $(or $(ARGS),128 256 400)
 	BRISANCE_PTX=$(PTX) $(B)/tests/gpu/bench_gpu_solid
+	BRISANCE_PTX=$(PTX) $(B)/tests/gpu/bench_gpu_coupling
 emulated: $(B)/tests/gpu/run $(EMULATOR) ## run the tests of the GPU with the emulated driver
 	@mkdir -p build/log
 	@echo '// $(STAMP)' > build/gpu/emulated.ptx

@@ -1,0 +1,157 @@
+! SPDX-License-Identifier: MIT
+!> Speed of the coupling on the GPU: time of each operation of a step.
+!>
+!> usage: BRISANCE_PTX=bin/brisance.ptx bench_gpu_coupling [cells along the plate [particles per side]]
+!>
+!> A plate of seven layers of cells in a box of air, 27 particles a cell: 220 cells along it give
+!> nine million particles and a hundred thousand wall faces in 18 million cells. First it stands
+!> still, then it dishes, so that some cells change hands in every step.
+program bench_gpu_coupling
+    use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_air_setup, only: make_grid
+    use brz_air_state, only: air_t, set_scale
+    use brz_cell_shells, only: make_shells
+    use brz_coupling_state, only: coupling_t
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, device_t, start_timer, stop_timer
+    use brz_errors, only: error_t, failed
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, open_gpu_air
+    use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
+    use brz_gpu_coupling_layout, only: n_count
+    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
+    use brz_gpu_coupling_step, only: gpu_reclassify, gpu_set_wall_velocity, gpu_spread_load
+    use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles
+    use brz_gpu_solid_layout, only: at_mass, n_tag
+    use brz_kinds, only: dp, int64, rk
+    use gpu_tools, only: get_device
+    implicit none
+
+    integer, parameter :: layers = 7
+    type(device_t) :: device
+    type(error_t) :: err
+    type(air_t) :: air
+    type(coupling_t) :: coupling
+    type(gpu_air_t) :: there
+    type(gpu_coupling_t) :: gpu
+    type(particles_t) :: particles
+    real(dp), allocatable :: place(:, :)
+    integer :: along, side
+
+    along = argument(1, 220)
+    side = argument(2, 3)
+    call get_device(device, err)
+    call set_up()
+    write (output_unit, '(4(i0, a))') particles%n, ' particles, ', gpu%n_cells, &
+        ' solid cells, ', gpu%n_faces, ' wall faces, ', product(air%n), ' cells of air'
+    call time_step('at rest', 0.0_dp)
+    call time_step('dishing, 0.02 cells a step', 0.02_dp)
+    call time_step('dishing, 0.1 cells a step', 0.1_dp)
+    if (failed(err)) then
+        print '(a)', err%text
+        error stop 5
+    end if
+
+contains
+
+    integer function argument(k, default)
+        integer, intent(in) :: k, default
+        character(20) :: text
+
+        argument = default
+        call get_command_argument(k, text)
+        if (len_trim(text) > 0) read (text, *) argument
+    end function argument
+
+    !> The plate lies across z in the middle of a box that is wider by a third.
+    subroutine set_up()
+        integer :: i, j, k, n(3), p
+
+        n = [4*along/3, 4*along/3, along]
+        air%present = .true.
+        call make_grid([0.0_dp, 0.0_dp, 0.0_dp], 1.0_dp*n, n, air)
+        air%u(:, :, :, 1) = 1.2_rk
+        air%u(:, :, :, 2:4) = 0
+        air%u(:, :, :, 5) = 2.5e5_rk
+        call set_scale(air)
+        coupling%n_var = air%n_var
+        coupling%reference_pressure = 1e5_rk
+        call make_shells(air%n, coupling%shells)
+        particles%n = along*along*layers*side**3
+        allocate (place(4, particles%n))
+        p = 0
+        do k = 1, layers*side
+            do j = 1, along*side
+                do i = 1, along*side
+                    p = p + 1
+                    place(:, p) = [along/6 + (i - 0.5_dp)/side, along/6 + (j - 0.5_dp)/side, &
+                                   along/2 + (k - 0.5_dp)/side, 0.0_dp]
+                end do
+            end do
+        end do
+        call open_gpu_air(device, air, .true., there, err)
+        particles%load = at_mass
+        particles%before = at_mass + 3
+        call allocate_buffer(particles%place, 32_int64*particles%n, err)
+        call allocate_buffer(particles%motion, 4*bytes_of_real*particles%n, err)
+        call allocate_buffer(particles%state, (at_mass + 6)*bytes_of_real*particles%n, err)
+        call allocate_buffer(particles%tag, 4_int64*n_tag*particles%n, err)
+        call copy_in(place, particles%place, 32_int64*particles%n, err)
+        call fill_mass()
+        call open_gpu_coupling(device, air, coupling, particles, there, gpu, err)
+    end subroutine set_up
+
+    subroutine fill_mass()
+        use brz_device, only: buffer_t
+        type(buffer_t) :: mass
+        real(rk), allocatable :: ones(:)
+
+        allocate (ones(particles%n), source=1.0_rk)
+        mass = particles%state
+        mass%address = mass%address + (at_mass - 1)*bytes_of_real*particles%n
+        call copy_in(ones, mass, bytes_of_real*particles%n, err)
+    end subroutine fill_mass
+
+    !> Ten steps, in which the middle of the plate goes down so much.
+    subroutine time_step(what, by)
+        character(*), intent(in) :: what
+        real(dp), intent(in) :: by !! cells
+        real(dp) :: ms(6), speed
+        integer :: counts(n_count), m, p
+        integer(int64) :: changed
+        integer, parameter :: steps = 10
+
+        ms = 0
+        changed = 0
+        do m = 1, steps
+            do p = 1, particles%n
+                place(3, p) = place(3, p) - by*max(0.0_dp, 1 - 4*((place(1, p) - 2*along/3.0_dp)**2 &
+                    + (place(2, p) - 2*along/3.0_dp)**2)/along**2)
+            end do
+            call copy_in(place, particles%place, 32_int64*particles%n, err)
+            call clear_buffer(there%walls%impulse, err)
+            call start_timer(device, err)
+            call gpu_set_wall_velocity(gpu, there, particles, air, coupling, 1e-6_dp, 1e-6_dp, err)
+            ms(1) = ms(1) + 1e3_dp*stop_timer(device, err)/steps
+            call start_timer(device, err)
+            call gpu_spread_load(gpu, there, particles, 1e-6_dp, err)
+            ms(2) = ms(2) + 1e3_dp*stop_timer(device, err)/steps
+            call start_timer(device, err)
+            call gpu_reclassify(gpu, there, particles, air, coupling, err)
+            ms(3) = ms(3) + 1e3_dp*stop_timer(device, err)/steps
+            call start_timer(device, err)
+            speed = gpu_fastest_wall(gpu, there, err)
+            ms(4) = ms(4) + 1e3_dp*stop_timer(device, err)/steps
+            call start_timer(device, err)
+            call look_at_particles(gpu, there, particles, counts, err)
+            ms(5) = ms(5) + 1e3_dp*stop_timer(device, err)/steps
+            call start_timer(device, err)
+            call fill_gpu_bins(gpu, there, particles, err)
+            ms(6) = ms(6) + 1e3_dp*stop_timer(device, err)/steps
+        end do
+        changed = coupling%covered_total + coupling%uncovered_total
+        write (output_unit, '(a, a, i0, a, i0, a)') what, ': ', changed, ' changes so far, ', &
+            gpu%n_debts, ' debts; ms each step'
+        write (output_unit, '(6(a, f8.3))') '  wall velocity', ms(1), ', load', ms(2), &
+            ', reclassify', ms(3), ', fastest wall', ms(4), '; of these: find cells', ms(5), &
+            ', bins', ms(6)
+    end subroutine time_step
+end program bench_gpu_coupling
