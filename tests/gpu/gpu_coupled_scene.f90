@@ -163,7 +163,8 @@ contains
         integer :: n, p, d
 
         n = s%solid%n
-        allocate (place(4, n), motion(4, n), state(n, n_state), source=0.0_rk)
+        allocate (place(4, n), source=0.0_dp)
+        allocate (motion(4, n), state(n, n_state), source=0.0_rk)
         allocate (tag(n, n_tag), source=0)
         place(1:3, :) = s%solid%x
         motion(1:3, :) = s%solid%v
