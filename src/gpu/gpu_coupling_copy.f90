@@ -10,8 +10,8 @@ module brz_gpu_coupling_copy
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_debts, only: make_room
     use brz_gpu_coupling_layout, only: book_given, book_high, book_low, book_taken, &
-        book_taken_work, book_threads, book_work, is_covered, is_solid, n_book, n_count
-    use brz_gpu_coupling_state, only: add_all, add_grid, gpu_coupling_t, open_memory, particles_t
+        book_taken_work, book_threads, book_work, is_solid, n_book, n_count
+    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, open_memory, particles_t
     use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
         look_at_particles, move_gpu_walls
     use brz_kinds, only: dp, int64, rk
@@ -38,7 +38,7 @@ contains
         if (failed(err)) return
         call clear_buffer(there%walls%solid, err)
         call look_at_particles(gpu, there, particles, counts, err)
-        call list_cells_of_kind(gpu, [int(is_solid), int(is_covered)], err, total=n)
+        call list_cells_of_kind(gpu, is_solid, err, total=n)
         call build_gpu_walls(gpu, there, air, n, err)
         call fill_gpu_bins(gpu, there, particles, err)
         call move_gpu_walls(gpu, there, particles, err)
@@ -58,7 +58,7 @@ contains
         call copy_in(coupling%debt_cell, gpu%debt_cell(1), 4_int64*gpu%n_debts, err)
         call copy_in(coupling%debt, gpu%debt(1), gpu%box%n_var*bytes_of_real*gpu%n_debts, err)
         call arguments%add(gpu%n_debts)
-        call add_all(arguments, [gpu%debt_cell(1), gpu%slot])
+        call arguments%add([gpu%debt_cell(1), gpu%slot])
         call launch(gpu%slots, [gpu%n_debts, 1, 1], arguments, err)
     end subroutine put_debts
 
@@ -155,7 +155,7 @@ contains
         call arguments%add(gpu%n_cells)
         call arguments%add(gpu%n_debts)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%cell, there%u, gpu%debt(1), gpu%part])
+        call arguments%add([gpu%cell, there%u, gpu%debt(1), gpu%part])
         call launch(gpu%total, [book_threads, air%n_var, 1], arguments, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)
@@ -173,7 +173,7 @@ contains
 
         call arguments%add(gpu%n_cells)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call add_all(arguments, [there%walls%v, gpu%part])
+        call arguments%add([there%walls%v, gpu%part])
         call launch(gpu%fastest, [book_threads, 1, 1], arguments, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)

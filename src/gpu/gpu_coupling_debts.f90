@@ -8,7 +8,7 @@ module brz_gpu_coupling_debts
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_layout, only: book_threads, count_over, n_count
-    use brz_gpu_coupling_state, only: add_all, add_grid, gpu_coupling_t
+    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t
     use brz_gpu_scan, only: running_sum
     use brz_kinds, only: int64, rk
     implicit none
@@ -29,14 +29,14 @@ contains
         if (coupling%shells%n < 3 .or. count(air%n > 1) == 1) return
         call arguments%add(gpu%n_cells)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%cell, there%u, gpu%ledger])
+        call arguments%add([gpu%cell, there%u, gpu%ledger])
         call launch(gpu%copy, [gpu%n_cells, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(gpu%n_cells)
         call add_grid(gpu, there, arguments)
         call arguments%add(gpu%shells)
         call arguments%add(1/3.0_rk**count(air%n > 1))
-        call add_all(arguments, [gpu%cell, there%walls%solid, there%walls%cell_of, &
+        call arguments%add([gpu%cell, there%walls%solid, there%walls%cell_of, &
                                  there%walls%face_of, gpu%ledger, there%u])
         call launch(gpu%level, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine level_gpu_ledgers
@@ -51,7 +51,7 @@ contains
 
         call arguments%add(gpu%n_cells)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%cell, gpu%gas, there%walls%face_of, there%u, gpu%excess, &
+        call arguments%add([gpu%cell, gpu%gas, there%walls%face_of, there%u, gpu%excess, &
                                  gpu%counts, gpu%book])
         call launch(gpu%judge, [book_threads, 1, 1], arguments, err)
         counts = 0
@@ -60,7 +60,7 @@ contains
         arguments%n = 0
         call arguments%add(gpu%n_faces)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%gas, gpu%owner, there%walls%solid, there%walls%cell_of, &
+        call arguments%add([gpu%gas, gpu%owner, there%walls%solid, there%walls%cell_of, &
                                  there%walls%face_of, gpu%excess, gpu%slot, gpu%start])
         call launch(gpu%first, [gpu%n_faces, 1, 1], arguments, err)
         call running_sum(gpu%scan, gpu%start, gpu%n_faces, err, opened)
@@ -69,20 +69,20 @@ contains
         call arguments%add(gpu%n_faces)
         call arguments%add(gpu%box%n_var)
         call arguments%add(gpu%n_debts)
-        call add_all(arguments, [gpu%start, gpu%gas, gpu%slot, gpu%debt_cell(1), gpu%debt(1)])
+        call arguments%add([gpu%start, gpu%gas, gpu%slot, gpu%debt_cell(1), gpu%debt(1)])
         call launch(gpu%open, [gpu%n_faces, 1, 1], arguments, err)
         gpu%n_debts = gpu%n_debts + opened
         arguments%n = 0
         call arguments%add(gpu%n_faces)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%gas, gpu%owner, gpu%cell, there%walls%solid, &
+        call arguments%add([gpu%gas, gpu%owner, gpu%cell, there%walls%solid, &
                                  there%walls%cell_of, there%walls%face_of, gpu%excess, there%u, &
                                  gpu%slot, gpu%debt(1)])
         call launch(gpu%give, [gpu%n_faces, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(gpu%n_cells)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%cell, gpu%excess, there%u])
+        call arguments%add([gpu%cell, gpu%excess, there%u])
         call launch(gpu%take, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine limit_gpu_ledgers
 
@@ -98,7 +98,7 @@ contains
         call arguments%add(gpu%n_debts)
         call arguments%add(gpu%box%n_var)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%debt_cell(1), there%u, gpu%debt(1), gpu%start])
+        call arguments%add([gpu%debt_cell(1), there%u, gpu%debt(1), gpu%start])
         call launch(gpu%release, [gpu%n_debts, 1, 1], arguments, err)
         call drop_paid(gpu, err)
     end subroutine release_gpu_debts
@@ -115,7 +115,7 @@ contains
         call arguments%add(gpu%n_debts)
         call arguments%add(gpu%box%n_var)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%debt_cell(1), there%walls%solid, there%u, gpu%debt(1), &
+        call arguments%add([gpu%debt_cell(1), there%walls%solid, there%u, gpu%debt(1), &
                                  gpu%start])
         call launch(gpu%settle, [gpu%n_debts, 1, 1], arguments, err)
         call drop_paid(gpu, err)
@@ -132,7 +132,7 @@ contains
         if (left == gpu%n_debts) return
         call arguments%add(gpu%n_debts)
         call arguments%add(gpu%box%n_var)
-        call add_all(arguments, [gpu%start, gpu%debt_cell(1), gpu%debt(1), gpu%slot, &
+        call arguments%add([gpu%start, gpu%debt_cell(1), gpu%debt(1), gpu%slot, &
                                  gpu%debt_cell(2), gpu%debt(2)])
         call launch(gpu%move, [gpu%n_debts, 1, 1], arguments, err)
         gpu%debt_cell = gpu%debt_cell([2, 1])
@@ -176,7 +176,7 @@ contains
 
         if (n == 0) return
         call arguments%add(n)
-        call add_all(arguments, [from, to])
+        call arguments%add([from, to])
         call launch(kernel, [int(n), 1, 1], arguments, err)
     end subroutine copy_words
 end module brz_gpu_coupling_debts

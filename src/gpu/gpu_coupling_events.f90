@@ -10,7 +10,7 @@ module brz_gpu_coupling_events
     use brz_gpu_coupling_debts, only: make_room, settle_gpu_debts
     use brz_gpu_coupling_layout, only: count_covered, count_kept, count_uncovered, is_uncovered, &
         n_count
-    use brz_gpu_coupling_state, only: add_all, add_grid, gpu_coupling_t
+    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t
     use brz_gpu_coupling_walls, only: build_gpu_walls, list_cells_of_kind
     use brz_gpu_scan, only: running_sum
     use brz_kinds, only: int64
@@ -41,7 +41,7 @@ contains
         call reserve_buffer(gpu%shell, 4_int64*(left + n), err)
         call reserve_buffer(gpu%donation, gpu%box%n_var*bytes_of_real*(left + n), err)
         call reserve_buffer(gpu%start, 4_int64*(left + n + 1), err)
-        call list_cells_of_kind(gpu, [int(is_uncovered), int(is_uncovered)], err, list=gpu%left)
+        call list_cells_of_kind(gpu, is_uncovered, err, list=gpu%left)
         call fill_left(gpu, there, air, left, err)
         call build_gpu_walls(gpu, there, air, n, err)
         call settle_gpu_debts(gpu, there, err)
@@ -66,7 +66,7 @@ contains
         call arguments%add(gpu%shells)
         call arguments%add(air%rho_rest)
         call arguments%add(air%p_rest)
-        call add_all(arguments, [gpu%left, gpu%mark, there%walls%solid, there%walls%cell_of, &
+        call arguments%add([gpu%left, gpu%mark, there%walls%solid, there%walls%cell_of, &
                                  there%walls%v, there%u, gpu%donor, gpu%donation])
         call launch(gpu%fresh, [left, 1, 1], arguments, err)
     end subroutine fill_left
@@ -84,7 +84,7 @@ contains
         call arguments%add(gpu%n_cells)
         call arguments%add(gpu%box%n_var)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%cell, there%walls%face_of, there%u, gpu%start])
+        call arguments%add([gpu%cell, there%walls%face_of, there%u, gpu%start])
         call launch(gpu%buried, [gpu%n_cells, 1, 1], arguments, err)
         call running_sum(gpu%scan, gpu%start, gpu%n_cells, err, buried)
         donors = left + buried
@@ -94,7 +94,7 @@ contains
         call arguments%add(gpu%box%n_var)
         call arguments%add(left)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%cell, gpu%start, there%u, gpu%mark, gpu%donor, gpu%donation])
+        call arguments%add([gpu%cell, gpu%start, there%u, gpu%mark, gpu%donor, gpu%donation])
         call launch(gpu%list_buried, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine list_buried
 
@@ -112,7 +112,7 @@ contains
         call arguments%add(left)
         call arguments%add(gpu%box%n_var)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%shells, gpu%donor, there%walls%solid, there%walls%cell_of, &
+        call arguments%add([gpu%shells, gpu%donor, there%walls%solid, there%walls%cell_of, &
                                  there%walls%face_of, there%u, gpu%shell, gpu%donation, gpu%start, &
                                  gpu%counts])
         call launch(gpu%shells_of, [donors, 1, 1], arguments, err)
@@ -127,7 +127,7 @@ contains
             call arguments%add(left)
             call arguments%add(gpu%box%n_var)
             call arguments%add(gpu%n_debts)
-            call add_all(arguments, [gpu%start, gpu%donor, gpu%donation, gpu%slot, &
+            call arguments%add([gpu%start, gpu%donor, gpu%donation, gpu%slot, &
                                      gpu%debt_cell(1), gpu%debt(1)])
             call launch(gpu%owe, [left, 1, 1], arguments, err)
             gpu%n_debts = gpu%n_debts + opened
@@ -138,7 +138,7 @@ contains
         call arguments%add(left)
         call arguments%add(gpu%box%n_var)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%shells, gpu%cell, there%walls%face_of, gpu%mark, gpu%donor, &
+        call arguments%add([gpu%shells, gpu%cell, there%walls%face_of, gpu%mark, gpu%donor, &
                                  gpu%shell, gpu%donation, there%u])
         call launch(gpu%collect, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine donate

@@ -19,7 +19,7 @@ module brz_gpu_coupling_state
     implicit none
     private
     public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
-    public :: size_cells, size_faces, add_grid, add_all
+    public :: size_cells, size_faces, add_grid
 
     !> The particles as brz_gpu_solid_layout has them, for the time of a call.
     type :: particles_t
@@ -194,17 +194,6 @@ contains
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
         call arguments%add_structure(there%grid, storage_size(there%grid)/8)
     end subroutine add_grid
-
-    !> Add buffers to the arguments of a kernel.
-    subroutine add_all(arguments, buffers)
-        type(arguments_t), intent(inout) :: arguments
-        type(buffer_t), intent(in) :: buffers(:)
-        integer :: b
-
-        do b = 1, size(buffers)
-            call arguments%add(buffers(b))
-        end do
-    end subroutine add_all
 
     !> Give the memory back.
     subroutine close_gpu_coupling(gpu)

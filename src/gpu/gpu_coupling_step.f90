@@ -13,7 +13,7 @@ module brz_gpu_coupling_step
     use brz_gpu_coupling_events, only: change_gpu_hands
     use brz_gpu_coupling_layout, only: book_threads, count_covered, count_moved, count_outside, &
         count_uncovered, n_count
-    use brz_gpu_coupling_state, only: add_all, add_grid, gpu_coupling_t, particles_t
+    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, particles_t
     use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles, move_gpu_walls
     use brz_kinds, only: dp, int64, rk
     implicit none
@@ -39,7 +39,7 @@ contains
         call arguments%add(gpu%n_faces)
         call add_grid(gpu, there, arguments)
         call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-        call add_all(arguments, [gpu%gas, gpu%rows, gpu%owner, there%u, there%walls%v, gpu%force, &
+        call arguments%add([gpu%gas, gpu%rows, gpu%owner, there%u, there%walls%v, gpu%force, &
                                  gpu%impedance])
         call launch(gpu%feel, [gpu%n_faces, 1, 1], arguments, err)
         arguments%n = 0
@@ -51,7 +51,7 @@ contains
         call arguments%add(real(dt_solid, rk))
         call arguments%add(particles%load)
         call arguments%add(particles%before)
-        call add_all(arguments, [gpu%gas, gpu%owner, there%walls%face_of, gpu%above, gpu%ends, &
+        call arguments%add([gpu%gas, gpu%owner, there%walls%face_of, gpu%above, gpu%ends, &
                                  gpu%binned, particles%place, particles%motion, particles%state, &
                                  particles%tag, gpu%surface, gpu%weight, gpu%force, &
                                  gpu%impedance, there%walls%v])
@@ -59,7 +59,7 @@ contains
         arguments%n = 0
         call arguments%add(particles%n)
         call arguments%add(particles%before)
-        call add_all(arguments, [particles%motion, particles%state])
+        call arguments%add([particles%motion, particles%state])
         call launch(gpu%keep, [particles%n, 1, 1], arguments, err)
         coupling%dt_before = dt
     end subroutine gpu_set_wall_velocity
@@ -75,7 +75,7 @@ contains
         call arguments%add(particles%n)
         call arguments%add(gpu%n_faces)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%gas, gpu%rows, gpu%owner, gpu%cell, there%walls%solid, &
+        call arguments%add([gpu%gas, gpu%rows, gpu%owner, gpu%cell, there%walls%solid, &
                                  there%walls%cell_of, gpu%ends, gpu%binned, particles%place, &
                                  particles%state, gpu%surface, gpu%weight])
         call launch(gpu%weigh, [gpu%n_faces, 1, 1], arguments, err)
@@ -94,14 +94,14 @@ contains
         call arguments%add(gpu%n_faces)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
         call arguments%add(dt)
-        call add_all(arguments, [gpu%rows, gpu%owner, there%walls%impulse, there%walls%v, &
+        call arguments%add([gpu%rows, gpu%owner, there%walls%impulse, there%walls%v, &
                                  gpu%force, gpu%book])
         call launch(gpu%force_of, [book_threads, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(particles%n)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
         call arguments%add(particles%load)
-        call add_all(arguments, [gpu%home, gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
+        call arguments%add([gpu%home, gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
                                  particles%place, particles%state])
         call launch(gpu%load, [particles%n, 1, 1], arguments, err)
     end subroutine gpu_spread_load
@@ -125,7 +125,7 @@ contains
             call arguments%add(b)
             call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
             call arguments%add(dt)
-            call add_all(arguments, [gpu%home, gpu%above, there%walls%impulse, gpu%part])
+            call arguments%add([gpu%home, gpu%above, there%walls%impulse, gpu%part])
             call launch(gpu%loaded, [last(b) - first(b) + 1, 1, 1], arguments, err)
         end do
         marks = 0

@@ -6,12 +6,12 @@ module brz_gpu_coupling_walls
     use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: gpu_air_t
-    use brz_gpu_coupling_layout, only: is_covered, is_solid, n_count
-    use brz_gpu_coupling_state, only: add_all, add_grid, gpu_coupling_t, particles_t, size_cells, &
+    use brz_gpu_coupling_layout, only: is_solid, n_count
+    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, particles_t, size_cells, &
         size_faces
     use brz_gpu_scan, only: running_sum
     use brz_gpu_solid_layout, only: scan_chunk
-    use brz_kinds, only: int64
+    use brz_kinds, only: int64, int8
     use brz_scheme, only: reach_of
     implicit none
     private
@@ -32,21 +32,20 @@ contains
         call clear_buffer(gpu%mark, err)
         call arguments%add(particles%n)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call add_all(arguments, [particles%place, gpu%cell_of, gpu%mark, gpu%counts])
+        call arguments%add([particles%place, gpu%cell_of, gpu%mark, gpu%counts])
         call launch(gpu%find, [particles%n, 1, 1], arguments, err)
         arguments%n = 0
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [there%walls%solid, gpu%mark, gpu%counts])
+        call arguments%add([there%walls%solid, gpu%mark, gpu%counts])
         call launch(gpu%compare, gpu%box%n, arguments, err)
         counts = 0
         call copy_out(gpu%counts, counts, 4_int64*n_count, err)
     end subroutine look_at_particles
 
-    !> List the cells of two kinds, of which there are as many as `list` has room for; or count them
-    !> only.
-    subroutine list_cells_of_kind(gpu, kinds, err, list, total)
+    !> List the cells of a kind, of which there are as many as `list` has room for; or count them.
+    subroutine list_cells_of_kind(gpu, kind_of, err, list, total)
         type(gpu_coupling_t), intent(inout) :: gpu
-        integer, intent(in) :: kinds(2) !! in `mark`
+        integer(int8), intent(in) :: kind_of !! in `mark`
         type(error_t), intent(inout) :: err
         type(buffer_t), intent(in), optional :: list
         integer, intent(out), optional :: total
@@ -55,9 +54,8 @@ contains
 
         chunks = (gpu%box%cells - 1)/scan_chunk + 1
         call arguments%add(gpu%box%cells)
-        call arguments%add(kinds(1))
-        call arguments%add(kinds(2))
-        call add_all(arguments, [gpu%mark, gpu%top])
+        call arguments%add(int(kind_of))
+        call arguments%add([gpu%mark, gpu%top])
         call launch(gpu%count_kind, [chunks, 1, 1], arguments, err)
         if (present(total)) then
             call running_sum(gpu%scan, gpu%top, chunks, err, total)
@@ -80,35 +78,35 @@ contains
         integer :: faces
 
         call size_cells(gpu, there, n, err)
-        call list_cells_of_kind(gpu, [int(is_solid), int(is_covered)], err, list=gpu%cell)
+        call list_cells_of_kind(gpu, is_solid, err, list=gpu%cell)
         call clear_buffer(there%walls%solid, err)
         call clear_buffer(there%walls%cell_of, err)
         call arguments%add(n)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%cell, there%walls%solid, there%walls%cell_of])
+        call arguments%add([gpu%cell, there%walls%solid, there%walls%cell_of])
         call launch(gpu%index, [n, 1, 1], arguments, err)
         arguments%n = 0
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [there%walls%solid, there%walls%cell_of])
+        call arguments%add([there%walls%solid, there%walls%cell_of])
         call launch(gpu%images, air%n + 2*air%g, arguments, err)
         arguments%n = 0
         call arguments%add_structure(there%grid, storage_size(there%grid)/8)
         call arguments%add(reach_of(air%scheme))
-        call add_all(arguments, [there%walls%solid, there%walls%near, there%bricks%reached])
+        call arguments%add([there%walls%solid, there%walls%near, there%bricks%reached])
         call launch(there%walls%mark_near, air%n, arguments, err)
         arguments%n = 0
         call arguments%add(n)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%cell, there%walls%solid, gpu%start])
+        call arguments%add([gpu%cell, there%walls%solid, gpu%start])
         call launch(gpu%count, [n, 1, 1], arguments, err)
         call running_sum(gpu%scan, gpu%start, n, err, faces)
         call size_faces(gpu, there, faces, err)
-        call add_all(arguments, [there%walls%face_of, gpu%gas, gpu%rows, gpu%owner])
+        call arguments%add([there%walls%face_of, gpu%gas, gpu%rows, gpu%owner])
         call launch(gpu%list, [n, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(n)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%cell, there%walls%solid, there%walls%cell_of, &
+        call arguments%add([gpu%cell, there%walls%solid, there%walls%cell_of, &
                                  there%walls%face_of, gpu%above])
         call launch(gpu%reach_down, [n, 6, 1], arguments, err)
     end subroutine build_gpu_walls
@@ -125,19 +123,19 @@ contains
         call clear_buffer(gpu%ends, err)
         call arguments%add(particles%n)
         call add_grid(gpu, there, arguments)
-        call add_all(arguments, [gpu%cell_of, there%walls%cell_of, gpu%home, gpu%ends])
+        call arguments%add([gpu%cell_of, there%walls%cell_of, gpu%home, gpu%ends])
         call launch(gpu%bin_count, [particles%n, 1, 1], arguments, err)
         ends = gpu%ends
         ends%address = ends%address + 4
         call running_sum(gpu%scan, ends, gpu%n_cells, err)
         arguments%n = 0
         call arguments%add(particles%n)
-        call add_all(arguments, [gpu%home, gpu%ends, gpu%binned])
+        call arguments%add([gpu%home, gpu%ends, gpu%binned])
         call launch(gpu%bin_fill, [particles%n, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(gpu%n_cells)
         call arguments%add(1)
-        call add_all(arguments, [ends, gpu%binned])
+        call arguments%add([ends, gpu%binned])
         call launch(gpu%bin_sort, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine fill_gpu_bins
 
@@ -151,7 +149,7 @@ contains
 
         call arguments%add(particles%n)
         call arguments%add(gpu%n_cells)
-        call add_all(arguments, [gpu%ends, gpu%binned, particles%motion, particles%state, &
+        call arguments%add([gpu%ends, gpu%binned, particles%motion, particles%state, &
                                  there%walls%v])
         call launch(gpu%bin_velocity, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine move_gpu_walls

@@ -187,12 +187,15 @@ contains
     subroutine change_motion(s, seed)
         type(both_t), intent(inout) :: s
         integer, intent(in) :: seed
+        real(rk), allocatable :: motion(:, :)
         integer :: p
 
         do p = 1, s%solid%n
             s%solid%v(:, p) = s%solid%v(:, p) + real(noise(p, seed + 20), rk)
         end do
-        call put_particles(s)
+        allocate (motion(4, s%solid%n), source=0.0_rk)
+        motion(1:3, :) = s%solid%v
+        call copy_in(motion, s%particles%motion, size(motion)*bytes_of_real, s%err)
     end subroutine change_motion
 
     subroutine shake(s, step, by)
