@@ -15,7 +15,9 @@ module brz_ledger_rules
     real(rk), parameter :: middle = 0.5_rk !! of a ledger, in units of the gas beside it
     real(rk), parameter :: half_band = 1.5_rk !! it may lie so far off: in -1..2
     real(rk), parameter :: pace = 0.05_rk !! part of a debt released per step
-    real(rk), parameter :: jolt = 0.02_rk !! largest change of density and internal energy by it
+    real(rk), parameter :: jolt = 0.02_rk !! largest change of internal energy by it
+    real(rk), parameter :: density_jolt = 0.999_rk*jolt
+    !! largest change of density: less, so that rounding does not decide where both are the same
     !> A debt this small, over the gas, is paid at once: a twentieth of it may be lost to rounding
     real(rk), parameter :: crumb = max(1e-10_rk, 40*epsilon(1.0_rk))
 
@@ -86,7 +88,7 @@ contains
         logical :: paid
 
         part = pace
-        if (abs(debt(1))*part > jolt*u(1)) part = jolt*u(1)/abs(debt(1))
+        if (abs(debt(1))*part > density_jolt*u(1)) part = density_jolt*u(1)/abs(debt(1))
         inner = u(5) - (u(2)*u(2) + u(3)*u(3) + u(4)*u(4))/(2*u(1))
         if (abs(debt(1)) <= crumb*u(1) .and. abs(debt(5)) <= crumb*inner) part = 1
         do halvings = 1, 60

@@ -123,8 +123,8 @@ contains
         changed = 0
         do m = 1, steps
             do p = 1, particles%n
-                place(3, p) = place(3, p) - by*max(0.0_dp, 1 - 4*((place(1, p) - 2*along/3.0_dp)**2 &
-                    + (place(2, p) - 2*along/3.0_dp)**2)/along**2)
+                place(3, p) = place(3, p) &
+                    - by*max(0.0_dp, 1 - 4*sum((place(1:2, p)/along - 2/3.0_dp)**2))
             end do
             call copy_in(place, particles%place, 32_int64*particles%n, err)
             call clear_buffer(there%walls%impulse, err)
