@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Speed of the coupling on the GPU: time of each operation of a step.
 !>
-!> usage: BRISANCE_PTX=bin/brisance.ptx bench_gpu_coupling [cells along the plate [particles per side]]
+!> usage: BRISANCE_PTX=bin/brisance.ptx bench_gpu_coupling [cells of the plate [particles a side]]
 !>
-!> A plate of seven layers of cells in a box of air, 27 particles a cell: 220 cells along it give
+!> A plate of seven layers of cells in a box of air, 27 particles a cell: 220 cells along a side give
 !> nine million particles and a hundred thousand wall faces in 18 million cells. First it stands
 !> still, then it dishes, so that some cells change hands in every step.
 program bench_gpu_coupling
