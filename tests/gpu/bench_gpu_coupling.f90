@@ -3,7 +3,7 @@
 !>
 !> usage: BRISANCE_PTX=bin/brisance.ptx bench_gpu_coupling [cells of the plate [particles a side]]
 !>
-!> A plate of seven layers of cells in a box of air, 27 particles a cell: 220 cells along a side give
+!> A plate of seven layers of cells in a box of air, 27 particles a cell: 220 cells a side give
 !> nine million particles and a hundred thousand wall faces in 18 million cells. First it stands
 !> still, then it dishes, so that some cells change hands in every step.
 program bench_gpu_coupling
