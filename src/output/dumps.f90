@@ -14,11 +14,13 @@ module brz_dumps
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: dumps_t, start_dumps, write_dumps
+    public :: dumps_t, start_dumps, write_dumps, write_dump_files, count_dump, name_dump
 
     type :: dumps_t
         character(:), allocatable :: folder
         type(series_t) :: air, solid
+        integer :: number = 0 !! of the last dump
+        real(dp) :: time = 0 !! of it [s]
     end type dumps_t
 
 contains
@@ -35,7 +37,7 @@ contains
         call open_series(dumps%solid, folder, 'solid', err, resume_at)
     end subroutine start_dumps
 
-    !> Write what the scene has, and count the dump in the clock.
+    !> Write what the scene has, and count the dump.
     subroutine write_dumps(dumps, case, clock, air, wall, solid, err)
         type(dumps_t), intent(inout) :: dumps
         type(case_t), intent(in) :: case
@@ -44,22 +46,50 @@ contains
         type(wall_t), intent(in) :: wall
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
+
+        call write_dump_files(dumps, case, clock, air, wall, solid, err)
+        if (failed(err)) return
+        call count_dump(dumps, clock)
+        call name_dump(dumps, air%present, solid%present, err)
+    end subroutine write_dumps
+
+    !> The files of a dump.
+    subroutine write_dump_files(dumps, case, clock, air, wall, solid, err)
+        type(dumps_t), intent(in) :: dumps
+        type(case_t), intent(in) :: case
+        type(clock_t), intent(in) :: clock
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
         type(meta_t) :: meta
-        character(:), allocatable :: name
 
         call describe_run(case, clock, meta)
-        if (air%present) then
-            name = dump_name('air', clock%dump_number)
-            call write_air_dump(dumps%folder//'/'//name, air, wall, meta, err)
-            call add_to_series(dumps%air, name, clock%time, err)
-        end if
-        if (solid%present) then
-            name = dump_name('solid', clock%dump_number)
-            call write_solid_dump(dumps%folder//'/'//name, solid, meta, err)
-            call add_to_series(dumps%solid, name, clock%time, err)
-        end if
-        if (failed(err)) return
+        if (air%present) call write_air_dump( &
+            dumps%folder//'/'//dump_name('air', clock%dump_number), air, wall, meta, err)
+        if (solid%present) call write_solid_dump( &
+            dumps%folder//'/'//dump_name('solid', clock%dump_number), solid, meta, err)
+    end subroutine write_dump_files
+
+    !> Count a dump that is written, or about to be.
+    subroutine count_dump(dumps, clock)
+        type(dumps_t), intent(inout) :: dumps
+        type(clock_t), intent(inout) :: clock
+
+        dumps%number = clock%dump_number
+        dumps%time = clock%time
         clock%dump_number = clock%dump_number + 1
         clock%dump_time = clock%time
-    end subroutine write_dumps
+    end subroutine count_dump
+
+    !> Name the dump that was counted last in the series, once it is on the disk.
+    subroutine name_dump(dumps, has_air, has_solid, err)
+        type(dumps_t), intent(inout) :: dumps
+        logical, intent(in) :: has_air, has_solid !! in the scene
+        type(error_t), intent(inout) :: err
+
+        if (has_air) call add_to_series(dumps%air, dump_name('air', dumps%number), dumps%time, err)
+        if (has_solid) &
+            call add_to_series(dumps%solid, dump_name('solid', dumps%number), dumps%time, err)
+    end subroutine name_dump
 end module brz_dumps

@@ -8,7 +8,7 @@ module brz_outputs
     use brz_clock, only: resume_clock, tick
     use brz_command_line, only: options_t
     use brz_coupling_setup, only: restart_coupling
-    use brz_dumps, only: dumps_t, start_dumps, write_dumps
+    use brz_dumps, only: count_dump, dumps_t, name_dump, start_dumps, write_dump_files
     use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, gauges_t, &
                           radial_gauge_row, set_up_gauges
@@ -22,6 +22,7 @@ module brz_outputs
     use brz_solid_step, only: resume_solid
     use brz_text, only: to_text
     use brz_timer, only: wall_seconds
+    use brz_writer, only: begin_writing, end_writing, look_at_writer, writer_t
     implicit none
     private
     public :: outputs_t, open_outputs, write_due, report, save_checkpoint, close_outputs
@@ -32,6 +33,8 @@ module brz_outputs
         type(history_t) :: energy, bodies, gauge_history
         type(gauges_t) :: gauges
         real(dp), allocatable :: body_values(:), gauge_values(:) !! buffers of a row
+        type(writer_t) :: writer !! of dumps and checkpoints, beside the run
+        logical :: dump_open = .false. !! what it writes is a dump
         real(dp) :: reserve = 0 !! wall-clock time that a checkpoint has taken at most [s]
         real(dp) :: energy_error = 0 !! of the last history row, relative
         integer :: saved_cycle = -1 !! cycle of the last checkpoint
@@ -147,20 +150,66 @@ contains
         type(error_t), intent(inout) :: err
         logical :: last
 
+        call hear_writer(sim, outputs, .false., err)
         if (failed(err)) return
         last = sim%clock%time >= sim%case%run%t_end
         if (tick(sim%clock%history, sim%clock%time) .or. last) &
             call write_histories(sim, outputs, err)
         if (failed(err)) return
-        if (tick(sim%clock%dump, sim%clock%time) .or. last) then
-            call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
-            if (failed(err)) return
-            call write_dumps(outputs%dumps, sim%case, sim%clock, sim%air, sim%coupling%wall, &
-                             sim%solid, err)
-            if (failed(err)) return
-        end if
-        if (tick(sim%clock%checkpoint, sim%clock%time)) call save_checkpoint(sim, outputs, err)
+        if (tick(sim%clock%dump, sim%clock%time) .or. last) call save_dump(sim, outputs, err)
+        if (failed(err)) return
+        if (tick(sim%clock%checkpoint, sim%clock%time)) &
+            call save_checkpoint(sim, outputs, err, beside=on_gpu(sim))
     end subroutine write_due
+
+    !> Hear what has become of the dump or checkpoint that is written beside the run.
+    subroutine hear_writer(sim, outputs, wait, err)
+        type(simulation_t), intent(in) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        logical, intent(in) :: wait !! until it is written
+        type(error_t), intent(inout) :: err
+        logical :: ended
+
+        call look_at_writer(outputs%writer, wait, ended, err)
+        if (.not. ended) return
+        if (outputs%dump_open) then
+            call name_dump(outputs%dumps, sim%air%present, sim%solid%present, err)
+        else
+            outputs%reserve = max(outputs%reserve, 2*outputs%writer%seconds)
+        end if
+    end subroutine hear_writer
+
+    !> True if a GPU computes, so that the host has time to write.
+    pure logical function on_gpu(sim)
+        type(simulation_t), intent(in) :: sim
+
+        on_gpu = sim%backend%on_gpu .or. sim%backend%bodies_on_gpu
+    end function on_gpu
+
+    !> Write a dump; where a GPU computes, beside the run.
+    subroutine save_dump(sim, outputs, err)
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        logical :: beside
+
+        call hear_writer(sim, outputs, .true., err)
+        call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
+        if (failed(err)) return
+        beside = on_gpu(sim)
+        call begin_writing(outputs%writer, beside, &
+                           'the dump of t = '//to_text(sim%clock%time)//' s')
+        if (outputs%writer%here) then
+            call write_dump_files(outputs%dumps, sim%case, sim%clock, sim%air, &
+                                  sim%coupling%wall, sim%solid, err)
+            call end_writing(outputs%writer, beside, err)
+        end if
+        if (failed(err)) return
+        call count_dump(outputs%dumps, sim%clock)
+        outputs%dump_open = .true.
+        if (outputs%writer%here) &
+            call name_dump(outputs%dumps, sim%air%present, sim%solid%present, err)
+    end subroutine save_dump
 
     !> One row in every history; the books must close, and the energy stay in its band.
     subroutine write_histories(sim, outputs, err)
@@ -230,23 +279,32 @@ contains
     end subroutine report
 
     !> Write a checkpoint; the histories up to it must be on the disk first.
-    subroutine save_checkpoint(sim, outputs, err)
+    subroutine save_checkpoint(sim, outputs, err, beside)
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
-        real(dp) :: begin, sums(5)
+        logical, intent(in), optional :: beside !! the run; else it is on the disk on return
+        real(dp) :: sums(5)
+        logical :: apart
 
-        if (outputs%saved_cycle == sim%clock%cycle) return
-        begin = wall_seconds()
+        call hear_writer(sim, outputs, .true., err)
+        if (outputs%saved_cycle == sim%clock%cycle .or. failed(err)) return
+        apart = .false.
+        if (present(beside)) apart = beside
         call flush_all(outputs, err)
         call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         if (failed(err)) return
         sums = [sim%start%total, sim%start%mass, sim%start%momentum]
-        call write_checkpoint(outputs%folder, sim%case, sim%clock, sim%air, sim%coupling, &
-                              sim%solid, sums, err)
-        if (failed(err)) return
-        outputs%saved_cycle = sim%clock%cycle
-        outputs%reserve = max(outputs%reserve, 2*(wall_seconds() - begin))
+        outputs%dump_open = .false.
+        call begin_writing(outputs%writer, apart, &
+                           'the checkpoint of t = '//to_text(sim%clock%time)//' s')
+        if (outputs%writer%here) then
+            call write_checkpoint(outputs%folder, sim%case, sim%clock, sim%air, sim%coupling, &
+                                  sim%solid, sums, err)
+            call end_writing(outputs%writer, apart, err)
+            outputs%reserve = max(outputs%reserve, 2*outputs%writer%seconds)
+        end if
+        if (.not. failed(err)) outputs%saved_cycle = sim%clock%cycle
     end subroutine save_checkpoint
 
     !> Bring all histories to the disk.
@@ -259,11 +317,13 @@ contains
         call flush_history(outputs%gauge_history, err)
     end subroutine flush_all
 
-    !> Close all histories.
-    subroutine close_outputs(outputs, err)
+    !> Wait for what is being written, and close all histories.
+    subroutine close_outputs(sim, outputs, err)
+        type(simulation_t), intent(in) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
 
+        call hear_writer(sim, outputs, .true., err)
         call close_history(outputs%energy, err)
         call close_history(outputs%bodies, err)
         call close_history(outputs%gauge_history, err)

@@ -69,7 +69,7 @@ contains
         call start_backend(sim%backend, sim%air, sim%coupling, sim%solid, err)
         if (failed(err)) return
         call time_loop(sim, outputs, err)
-        call close_outputs(outputs, closing) ! the rows up to a failure are the ones that tell
+        call close_outputs(sim, outputs, closing) ! the rows up to a failure are the ones that tell
         if (.not. failed(err)) err = closing
         if (failed(err) .and. err%code /= exit_stopped) return
         call print_summary(sim, outputs, closing)

@@ -33,12 +33,13 @@ def _deck(tmp_path):
     return tmp_path
 
 
-def run(folder, *arguments, driver=True, **extra):
+def run(folder, *arguments, driver=True, limit="unlimited", **extra):
     env = {k: v for k, v in os.environ.items() if not k.startswith("BRISANCE")}
     env["LD_LIBRARY_PATH"] = str(EMULATOR) if driver else "/nonexistent"
     env["BRISANCE_PTX"] = str(folder / "good.ptx")
     env.update(extra)
-    command = [str(BINARY), "run", *arguments]
+    limited = f'ulimit -f {limit}; exec "$@"'  # of the size of a file, in kB
+    command = ["bash", "-c", limited, "bash", str(BINARY), "run", *arguments]
     return subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False)
 
 
@@ -201,6 +202,29 @@ def test_a_failure_leaves_the_last_checkpoint(deck):
     assert done.returncode == 5, done.stderr
     done = run(deck, "a.nml", "--backend", "gpu", "--out", "o", "--restart", "latest")
     assert done.returncode == 0, done.stderr
+
+
+def test_a_full_disk_ends_the_run_and_leaves_the_checkpoint(deck):
+    """Dumps and checkpoints are written beside the run; what they report is heard."""
+    assert run(deck, "a.nml", "--backend", "gpu", "--out", "whole").returncode == 0
+    first = ("--set", "run.max_steps=30", "--out", "o")
+    assert run(deck, "a.nml", "--backend", "gpu", *first).returncode == 0
+    more = ("--backend", "gpu", "--restart", "latest", "--out", "o")
+    done = run(deck, "a.nml", *more, limit="200")
+    assert done.returncode == 4, done.stderr
+    assert done.stderr.count("File too large") == 1, done.stderr
+    assert done.stderr.count("could not be written") == 1, done.stderr
+    assert done.stderr.count("runs on Emulated GPU") == 1, done.stderr
+    done = run(deck, "a.nml", *more)
+    assert done.returncode == 0, done.stderr
+    for name in ("gauges.csv", "air.vtkhdf.series"):
+        assert (deck / "o" / name).read_bytes() == (deck / "whole" / name).read_bytes()
+    with (
+        h5py.File(deck / "o/air_00002.vtkhdf") as a,
+        h5py.File(deck / "whole/air_00002.vtkhdf") as b,
+    ):
+        for key in ("pressure", "velocity"):
+            assert (a["VTKHDF/CellData/" + key][:] == b["VTKHDF/CellData/" + key][:]).all()
 
 
 def test_a_lost_cell_ends_the_run_and_leaves_the_checkpoint(deck):

@@ -1,0 +1,59 @@
+! SPDX-License-Identifier: MIT
+!> Copies of this process: to go on computing while a copy, which has the memory as it was, writes.
+!>
+!> POSIX fork: the two share their memory until one of them changes it. The copy has one thread, and
+!> must not touch the GPU.
+module brz_process
+    use, intrinsic :: iso_c_binding, only: c_int
+    use omp_lib, only: omp_set_num_threads
+    implicit none
+    private
+    public :: copy_process, leave_process, has_ended
+
+    integer, parameter :: killed = 128 !! exit code of a process that a signal has ended
+
+    interface
+        integer(c_int) function c_fork() bind(c, name='fork')
+            import :: c_int
+        end function c_fork
+        integer(c_int) function c_waitpid(pid, status, options) bind(c, name='waitpid')
+            import :: c_int
+            integer(c_int), value :: pid, options
+            integer(c_int), intent(out) :: status
+        end function c_waitpid
+        subroutine c_leave(code) bind(c, name='_exit')
+            import :: c_int
+            integer(c_int), value :: code
+        end subroutine c_leave
+    end interface
+
+contains
+
+    !> Copy the process: 0 in the copy, the number of the copy in the process, -1 if there is none.
+    integer function copy_process() result(number)
+        number = c_fork()
+        if (number == 0) call omp_set_num_threads(1) ! the other threads are not copied
+    end function copy_process
+
+    !> End a copy at once: files that the process had open stay as they are.
+    subroutine leave_process(code)
+        integer, intent(in) :: code !! exit code
+
+        call c_leave(int(code, c_int))
+    end subroutine leave_process
+
+    !> Has a copy ended? With `wait` it has when this returns.
+    logical function has_ended(number, wait, code)
+        integer, intent(in) :: number !! of the copy
+        logical, intent(in) :: wait
+        integer, intent(out) :: code !! its exit code, once it has ended
+        integer(c_int), parameter :: at_once = 1 ! WNOHANG
+        integer(c_int) :: found, status
+
+        status = 0
+        found = c_waitpid(int(number, c_int), status, merge(0_c_int, at_once, wait))
+        has_ended = found /= 0
+        code = iand(ishft(int(status), -8), 255)
+        if (iand(int(status), 127) /= 0 .or. found < 0) code = killed
+    end function has_ended
+end module brz_process
