@@ -114,7 +114,14 @@ contains
             u_star = u_star &
                 + gap/(sqrt(gamma*p_in*rho_in) + sqrt(gamma_far*p_out*rho_out))
         end do
-        if (.not. abs(u_star - u) > 0) return
+        if (.not. abs(u_star - u) > 0) then ! no wave comes back
+            if (side*w(2) >= 0) return
+            out(1) = far(1)
+            if (abs(u) > 0) out(1) = rho_out
+            out(3) = far(3)
+            out(4) = far(4)
+            return
+        end if
         ! the wave into the gas outside; where the wind blows it back, nothing inside is felt
         front = sound_speed(gamma_far, far(1), far(5))*sqrt(1 &
             + max((gamma_far + 1)/(2*gamma_far)*(p_out/far(5) - 1), 0.0_rk))
