@@ -4,7 +4,7 @@
 !> Forces are equal and opposite pair by pair and do not depend on the number of threads.
 module brz_solid_contact
     use brz_contact, only: contact_drag, contact_normal, contact_push, crossing_share, &
-                           meeting_t, spring_share
+                           drag_stiffness, meeting_t, spring_share
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int64, rk
     use brz_pair_force, only: viscous_force
@@ -21,6 +21,7 @@ module brz_solid_contact
         real(rk) :: heat(2) = 0 !! of damping and shared pressure; of friction [W]
         real(rk) :: energy = 0 !! held by springs [J]
         real(rk) :: stiffness = 0 !! [N/m]
+        real(rk) :: damping = 0 !! of the shared viscosity [N s/m]
     end type sums_t
 
 contains
@@ -155,6 +156,7 @@ contains
         solid%links%push(:, i) = [total%force, total%drag]
         if (total%stiffness > 0) limit = min(limit, spring_share*sqrt(real(solid%mass(i), dp) &
                                                                       /total%stiffness))
+        if (total%damping > 0) limit = min(limit, real(solid%mass(i), dp)/total%damping)
         solid%energy(i) = solid%energy(i) + real(dt, rk)*(total%heat(1) + total%heat(2)) &
                           /solid%mass(i)
         sums(1) = sums(1) + total%energy
@@ -170,7 +172,7 @@ contains
         type(sums_t), intent(inout) :: total
         real(dp), intent(inout) :: limit
         real(rk) :: r(3), dv(3), n(3), f(3), s(3), heat(2), cells, distance, slope, u, vr, energy
-        real(rk) :: area, toward
+        real(rk) :: area, toward, share
         integer :: j
 
         j = solid%links%list(k)
@@ -190,6 +192,9 @@ contains
             call contact_push(m, cells*slope, p(1)/m%touch + q(1)/back%touch, distance, u, energy)
             total%energy = total%energy + energy/2
             total%force = total%force + u*r
+            share = 0
+            if (m%shared) call shared_force(solid, i, j, slope, distance*distance, vr, share, &
+                                            total%damping) ! its limit ahead of the first touch
             if (.not. (p(1) + q(1) > 0 .or. energy > 0)) return
             call contact_normal(p(1), p(2:4), q(1), s*q(2:4), r, n)
             toward = r(1)*n(1) + r(2)*n(2) + r(3)*n(3)
@@ -200,26 +205,27 @@ contains
             total%stiffness = total%stiffness + cells*q(5)*(slope*distance/back%touch)**2 &
                               *solid%links%cell(solid%links%body(i))*solid%mass(i)
             if (energy > 0) total%stiffness = total%stiffness + m%core/(m%spacing/2)
-            if (.not. m%shared) return
-            u = shared_force(solid, i, j, slope, distance*distance, vr)
-            total%drag = total%drag + u*r
-            total%heat(1) = total%heat(1) - u*vr/2
+            total%drag = total%drag + share*r
+            total%heat(1) = total%heat(1) - share*vr/2
         end associate
     end subroutine add_pair
 
     !> Mean pressure and viscosity of a pair that shares them, as a factor of x_ij.
-    pure real(rk) function shared_force(solid, i, j, slope, r2, vr) result(u)
+    pure subroutine shared_force(solid, i, j, slope, r2, vr, u, damping)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i, j
         real(rk), intent(in) :: slope, r2, vr
+        real(rk), intent(out) :: u
+        real(rk), intent(inout) :: damping !! of the links of i so far [N s/m]
         real(rk) :: w, pressure
 
         w = solid%volume(i)*solid%volume(j)*slope/real(solid%depth, rk)
         pressure = -(solid%stress(1, i) + solid%stress(2, i) + solid%stress(3, i) &
                      + solid%stress(1, j) + solid%stress(2, j) + solid%stress(3, j))/3
-        u = w*max(pressure, 0.0_rk) &
-            + viscous_force(w, solid%links%table(solid%links%body(i), solid%links%body(j))%h, r2, &
-                            vr, solid%pair(pair_linear, i) + solid%pair(pair_linear, j), &
-                            solid%pair(pair_quadratic, i) + solid%pair(pair_quadratic, j))
-    end function shared_force
+        u = viscous_force(w, solid%links%table(solid%links%body(i), solid%links%body(j))%h, r2, &
+                          vr, solid%pair(pair_linear, i) + solid%pair(pair_linear, j), &
+                          solid%pair(pair_quadratic, i) + solid%pair(pair_quadratic, j))
+        damping = damping + drag_stiffness(u, r2, vr)
+        u = u + w*max(pressure, 0.0_rk)
+    end subroutine shared_force
 end module brz_solid_contact

@@ -219,7 +219,8 @@ contains
         end if
         size = body%h
         if (body%variable) size = solid%h(i)
-        limit = min(limit, real(stable_step(body%cfl, size, shrink*c_wave, body%beta, h), dp))
+        limit = min(limit, real(stable_step(body%cfl, size, shrink*c_wave, shrink*c_bulk, &
+                                            body%alpha, body%beta, h), dp))
         call to_matrix(solid%stress(:, i), s)
         if (body%formulation == form_total) then
             call piola(a, s)

@@ -13,7 +13,7 @@ module brz_contact
     private
     public :: spring_share, crossing_share
     public :: meeting_t, law_none, law_contact, law_bonded
-    public :: contact_normal, contact_push, contact_drag, bond_effort
+    public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort
 
     integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2
     real(rk), parameter :: hard_core = 0.5_rk !! closer than this many spacings a pair is a spring
@@ -103,6 +103,18 @@ contains
         f = f - drag/max(speed, tiny(speed))*vt
         heat(2) = drag*speed
     end subroutine contact_drag
+
+    !> How fast a viscous force on approach grows with the speed, at most: it is of first and second
+    !> order in it, so twice the force over the speed.
+    !@cuf attributes(host,device) &
+    pure function drag_stiffness(u, r2, vr) result(d)
+        real(rk), intent(in) :: u !! force over x_ij [N/m]
+        real(rk), intent(in) :: r2, vr !! |x_ij|^2 [m2], v_ij.x_ij [m2/s]
+        real(rk) :: d !! [N s/m]
+
+        d = 0
+        if (vr < 0) d = -2*u*r2/vr
+    end function drag_stiffness
 
     !> Traction of a stress on a bond over its strength: 1 breaks it.
     !@cuf attributes(host,device) &
