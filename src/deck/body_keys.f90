@@ -109,14 +109,14 @@ contains
                       'may break), corrected_hourglass for all others (they flow or '// &
                       'fragment); rigid: moves and turns as a whole.'), &
                 key_t(group=g, key='alpha', lower=zero, upper=10*one, &
-                      meaning='Linear artificial viscosity. If absent: 1; 0.3 for metals '// &
-                      '(johnson_cook, bilinear_j2, gruneisen) unless bodies meet at more '// &
-                      'than 1 km/s; 2 with paper.'), &
+                      meaning='Linear artificial viscosity; 1, with paper 2, if absent.'), &
                 key_t(group=g, key='beta', lower=zero, upper=20*one, &
                       meaning='Quadratic artificial viscosity; 2, with paper 10, if absent.'), &
-                key_t(group=g, key='limiter', kind=kind_text, default='none', &
-                      choices='none|balsara', &
-                      meaning='balsara: less artificial viscosity where the material shears.'), &
+                key_t(group=g, key='limiter', kind=kind_text, default='auto', &
+                      choices='auto|none|balsara', &
+                      meaning='balsara: less artificial viscosity where the material shears; '// &
+                      'auto: balsara for metals (johnson_cook, bilinear_j2, gruneisen) of '// &
+                      'which alpha is not given, unless bodies meet at more than 1 km/s.'), &
                 key_t(group=g, key='artificial_stress', kind=kind_text, default='auto', &
                       choices='auto|none|monaghan|gray', &
                       meaning='Repulsion in tension, by pressure or by principal stresses; '// &

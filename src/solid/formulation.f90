@@ -30,7 +30,6 @@ contains
         body%h = real(input%smoothing*input%spacing, rk)
         body%zeta_viscous = real(input%zeta_viscous, rk)
         body%cfl = real(input%cfl, rk)
-        body%balsara = input%limiter == 'balsara'
         call settle_class(input, model, speed, body)
         select case (input%formulation)
         case ('auto')
@@ -78,8 +77,8 @@ contains
     end subroutine settle_stiffness
 
     !> Formulation and viscosity where the deck gives none, by what a material does: it bends until
-    !> it breaks, it flows (metals), or it crumbles. Metals at moderate speed take little linear
-    !> viscosity: with 1 a coarse Taylor bar loses a third of its energy to it.
+    !> it breaks, it flows (metals), or it crumbles. In metals at moderate speed the viscosity
+    !> spares plastic shear: else a coarse Taylor bar loses a third of its energy to it.
     pure subroutine settle_class(input, model, speed, body)
         type(body_case_t), intent(in) :: input
         character(*), intent(in) :: model
@@ -89,17 +88,20 @@ contains
         body%formulation = form_corrected_hourglass
         body%alpha = 1
         body%beta = 2
+        body%balsara = .false.
         select case (model)
         case ('linear_elastic', 'orthotropic_ply')
             body%formulation = form_bending
         case ('bilinear_j2', 'johnson_cook', 'gruneisen')
-            if (speed <= fast) body%alpha = 0.3_rk
+            body%balsara = speed <= fast
         end select
         if (input%formulation == 'paper') then
             body%alpha = 2
             body%beta = 10
         end if
         if (input%alpha >= 0) body%alpha = real(input%alpha, rk)
+        if (input%alpha >= 0 .or. input%formulation == 'paper') body%balsara = .false.
+        if (input%limiter /= 'auto') body%balsara = input%limiter == 'balsara'
         if (input%beta >= 0) body%beta = real(input%beta, rk)
     end subroutine settle_class
 

@@ -104,9 +104,10 @@ contains
                     to_text(real(1e3_dp*body%spacing, real32)), ' mm,', &
                     sum(real(solid%mass(body%first:body%last), dp)), ' kg, volume scaled by ', &
                     body%volume_scale
-                write (output_unit, '(2a, 2(a, f0.2))') '             ', &
+                write (output_unit, '(2a, 2(a, f0.2), a)') '             ', &
                     trim(form_names(body%formulation)), ', viscosity alpha ', body%alpha, &
-                    ', beta ', body%beta
+                    ', beta ', body%beta, trim(merge(', less where it shears (balsara)', &
+                                                     repeat(' ', 32), body%balsara))
                 if (body%across > 0) write (output_unit, '(a, i0, a)') '             ', &
                     body%across, ' particles per bar diameter'
                 if (sim%case%bodies(b)%n_plies > 0 .and. sim%case%bodies(b)%file == '') &

@@ -21,7 +21,7 @@ module solid_scenes
         character(20) :: formulation = '', artificial = 'auto'
         real(dp) :: alpha = -1, beta = -1
         real(dp) :: zeta = -1 !! stiffness of the stiff hourglass force
-        character(8) :: limiter = 'none' !! of the viscosity
+        character(8) :: limiter = 'auto' !! of the viscosity
     end type form_t
 
     !> What was seen.
