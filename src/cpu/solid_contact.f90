@@ -38,7 +38,7 @@ contains
         do k = 1, size(solid%block, 2)
             if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
-                if (solid%links%first(i + 1) > solid%links%first(i)) call press(solid, i)
+                if (solid%links%row(i) > 0) call press(solid, i)
             end do
         end do
         limit = solid%dt_limit
@@ -48,11 +48,7 @@ contains
             solid%search%sums(1:3, k) = 0
             if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
-                if (solid%links%first(i + 1) > solid%links%first(i)) then
-                    call add_up(solid, dt, i, solid%search%sums(:, k), limit)
-                else
-                    solid%links%push(:, i) = 0
-                end if
+                if (solid%links%row(i) > 0) call add_up(solid, dt, i, solid%search%sums(:, k), limit)
             end do
         end do
         solid%dt_limit = limit
@@ -79,11 +75,11 @@ contains
     !> bar within concrete, contact begins there.
     subroutine find_touch(solid)
         type(solid_t), intent(inout) :: solid
-        real(rk) :: s, stiffness
+        real(rk) :: s, stiffness, normal(5)
         integer :: i
 
         do i = 1, solid%n
-            call kernel_sum(solid, i, .true., s, stiffness, solid%links%press(:, i))
+            call kernel_sum(solid, i, .true., s, stiffness, normal)
             solid%links%touch(i) = max(1.0_rk, s)
         end do
     end subroutine find_touch
@@ -94,9 +90,11 @@ contains
         integer, intent(in) :: i
         real(rk) :: s, stiffness
 
-        call kernel_sum(solid, i, .false., s, stiffness, solid%links%press(:, i))
-        solid%links%press(1, i) = stiffness*max(s - solid%links%touch(i), 0.0_rk)
-        solid%links%press(5, i) = stiffness
+        associate (p => solid%links%press(:, solid%links%row(i)))
+            call kernel_sum(solid, i, .false., s, stiffness, p)
+            p(1) = stiffness*max(s - solid%links%touch(i), 0.0_rk)
+            p(5) = stiffness
+        end associate
     end subroutine press
 
     !> Kernel sum over the particles of other bodies, 1 at a flat surface one spacing away.
@@ -142,7 +140,7 @@ contains
         type(sums_t) :: total
         integer(int64) :: k
 
-        associate (p => solid%links%press(:, i), &
+        associate (p => solid%links%press(:, solid%links%row(i)), &
                    v => solid%links%cell(solid%links%body(i))*solid%mass(i))
             if (p(1) > 0) then
                 total%energy = v*p(1)*p(1)/(2*p(5))
@@ -153,7 +151,7 @@ contains
                 call add_pair(solid, i, k, total, limit)
             end do
         end associate
-        solid%links%push(:, i) = [total%force, total%drag]
+        solid%links%push(:, solid%links%row(i)) = [total%force, total%drag]
         if (total%stiffness > 0) limit = min(limit, spring_share*sqrt(real(solid%mass(i), dp) &
                                                                       /total%stiffness))
         if (total%damping > 0) limit = min(limit, real(solid%mass(i), dp)/total%damping)
@@ -183,7 +181,8 @@ contains
         vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
         associate (m => solid%links%table(solid%links%body(i), solid%links%body(j)), &
                    back => solid%links%table(solid%links%body(j), solid%links%body(i)), &
-                   p => solid%links%press(:, i), q => solid%links%press(:, j))
+                   p => solid%links%press(:, solid%links%row(i)), &
+                   q => solid%links%press(:, solid%links%row(j)))
             if (distance > 2*m%h) return
             if (vr < 0) limit = min(limit, crossing_share*m%spacing*distance/(-real(vr, dp)))
             slope = kernel_slope(m%scale, m%half_over_h, distance)

@@ -88,8 +88,10 @@ contains
             end if
             if (solid%links%bonds) call add_bonded_forces(solid, i, f)
             if (solid%links%present) then
-                f(1:3) = f(1:3) + solid%links%push(1:3, i)
-                f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + solid%links%push(4:6, i)
+                associate (push => solid%links%push(:, solid%links%row(i)))
+                    f(1:3) = f(1:3) + push(1:3)
+                    f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + push(4:6)
+                end associate
             end if
             if (body%artificial /= artificial_none) call add_artificial(solid, body, p, f)
             call accelerate(solid, real(dt, rk), i, k, f)

@@ -34,6 +34,7 @@ contains
             call visit_bodies(solid, .true.)
             first = first + 1
         end associate
+        call number_rows(solid%links)
     end subroutine build_links
 
     !> Count or store, for every particle, its links with one body after the other; note which
@@ -136,6 +137,27 @@ contains
             s(a) = merge(-1, 1, btest(m, a - 1))
         end do
     end function link_mirror
+
+    !> Rows for the contact of particles that have links; row 0 stays nil, for all others.
+    subroutine number_rows(links)
+        type(links_t), intent(inout) :: links
+        integer :: i, n
+
+        n = 0
+        do i = 1, size(links%row)
+            links%row(i) = 0
+            if (links%first(i + 1) == links%first(i)) cycle
+            n = n + 1
+            links%row(i) = n
+        end do
+        links%rows = n
+        if (ubound(links%push, 2) < n) then
+            deallocate (links%press, links%push)
+            allocate (links%press(5, 0:n + n/4), links%push(6, 0:n + n/4))
+        end if
+        links%press = 0
+        links%push = 0
+    end subroutine number_rows
 
     !> Room for the links, with something to spare.
     subroutine make_room(links, n)

@@ -123,7 +123,8 @@ contains
             b%torque = 0
             if (solid%links%present) then
                 do i = body%first, body%last
-                    push = solid%links%push(1:3, i) + solid%links%push(4:6, i)
+                    push = solid%links%push(1:3, solid%links%row(i)) &
+                           + solid%links%push(4:6, solid%links%row(i))
                     b%force = b%force + push
                     b%torque = b%torque + cross(solid%x(:, i) - b%x, push)
                 end do

@@ -58,12 +58,13 @@ contains
 
         associate (n => solid%n, links => solid%links)
             allocate (links%body(n), links%first(n + 1), links%touch(n), links%bond(n))
-            allocate (links%press(5, n), links%push(6, n))
+            allocate (links%row(n), links%press(5, 0:0), links%push(6, 0:0))
             allocate (links%met(size(solid%bodies), size(solid%bodies)), source=.false.)
             do b = 1, size(solid%bodies)
                 links%body(solid%bodies(b)%first:solid%bodies(b)%last) = b
             end do
             links%first = 1
+            links%row = 0
             links%touch = 1
             links%bond = bond_none
             links%press = 0
@@ -126,7 +127,7 @@ contains
                     + 1.0_dp*(size(s%fixed) + size(s%cut) + size(s%search%b)) + wide(s%n)
             if (allocated(s%h)) bytes = bytes + working(size(s%h))
             if (allocated(s%hold)) bytes = bytes + 4.0_dp*size(s%hold)
-            if (s%links%present) bytes = bytes + wide(s%n) + 5.0_dp*s%n &
+            if (s%links%present) bytes = bytes + wide(s%n) + 9.0_dp*s%n &
                 + working(size(s%links%touch) + size(s%links%press) + size(s%links%push))
         end associate
         bytes = bytes/solid%n

@@ -116,9 +116,11 @@ module brz_solid_state
         real(rk), allocatable :: cell(:) !! (bodies) lattice volume per mass of particle [m3/kg]
         real(rk), allocatable :: touch(:) !! (n) kernel sum at which contact begins
         integer(int8), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
-        real(rk), allocatable :: press(:, :) !! (5, n) pressure of contact [Pa]; its gradient of
-                                             !! the kernel sum [1/m]; stiffness [Pa]
-        real(rk), allocatable :: push(:, :) !! (6, n) forces of contact: springs, drag [N]
+        integer(int32), allocatable :: row(:) !! (n) row of a particle that has links, else 0
+        integer :: rows = 0 !! particles that have links
+        real(rk), allocatable :: press(:, :) !! (5, 0:rows) pressure of contact [Pa]; its gradient
+                                             !! of the kernel sum [1/m]; stiffness [Pa]
+        real(rk), allocatable :: push(:, :) !! (6, 0:rows) forces of contact: springs, drag [N]
     end type links_t
 
     type :: solid_t
