@@ -48,7 +48,8 @@ contains
             solid%search%sums(1:3, k) = 0
             if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
-                if (solid%links%row(i) > 0) call add_up(solid, dt, i, solid%search%sums(:, k), limit)
+                if (solid%links%row(i) == 0) cycle
+                call add_up(solid, dt, i, solid%search%sums(:, k), limit)
             end do
         end do
         solid%dt_limit = limit

@@ -1,8 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Taylor bars: convergence of the particles towards finite elements of the same constants, as CSV.
 !>
-!> usage: study_taylor shapes [copper|steel]   lengths, feet, bulges, energies; both bars if absent
-!>        study_taylor profiles                surfaces of the copper bar, six per radius
+!> usage: study_taylor shapes [copper|steel [RADIUS FORM]]   lengths, feet, bulges, energies; both
+!>            bars if absent; RADIUS 0: the elements alone, else one row of the table
+!>        study_taylor profiles   surfaces of the copper bar, six per radius
 program study_taylor
     use brz_kinds, only: dp
     use omp_lib, only: omp_set_num_threads
@@ -20,21 +21,27 @@ program study_taylor
                limiter='balsara'), &
         form_t('total_lagrangian, zeta 0.02, alpha 0.3', 'total_lagrangian', alpha=0.3_dp, &
                zeta=0.02_dp)]
-    character(20) :: what, which
+    character(20) :: what, which, word
+    integer :: only(2) !! particles per radius and form of the one row, -1: all
 
     call omp_set_num_threads(1)
     call get_command_argument(1, what)
     call get_command_argument(2, which)
+    only = -1
+    call get_command_argument(3, word)
+    if (word /= '') read (word, *) only(1)
+    call get_command_argument(4, word)
+    if (word /= '') read (word, *) only(2)
     select case (what)
     case ('shapes')
-        if (which /= 'steel') print '(a)', 'bar,method,per radius,L/L0,D/D0,W/D0,viscous,'// &
+        if (which /= 'steel' .and. only(1) < 0) print '(a)', 'bar,method,per radius,L/L0,D/D0,W/D0,viscous,'// &
             'kinetic,energy error,hottest K,plastic strain,seconds'
         if (which /= 'steel') call shapes(copper)
         if (which /= 'copper') call shapes(steel)
     case ('profiles')
         call profiles()
     case default
-        error stop 'usage: study_taylor shapes [copper|steel] | profiles'
+        error stop 'usage: study_taylor shapes [copper|steel [RADIUS FORM]] | profiles'
     end select
 
 contains
@@ -45,16 +52,18 @@ contains
         type(seen_t) :: seen
         integer :: f, k
 
-        do k = 0, 2
+        do k = 0, merge(2, -1, only(1) <= 0)
             call element_bar(bar, 3*2**k, 'johnson_cook', shape)
             call report(bar, 'elements', 3*2**k, shape)
         end do
-        if (bar%name == copper%name) then
+        if (bar%name == copper%name .and. only(1) <= 0) then
             call element_bar(bar, 12, 'zerilli_armstrong', shape)
             call report(bar, 'elements, Zerilli-Armstrong', 12, shape)
         end if
-        do k = 6, merge(12, 9, bar%name == copper%name), 3
+        do k = 6, 12, 3
+            if (all(only(1) /= [-1, k])) cycle
             do f = 1, size(forms)
+                if (all(only(2) /= [-1, f])) cycle
                 call particle_bar(bar, forms(f), k, shape, seen)
                 call report(bar, forms(f)%label, k, shape)
             end do
