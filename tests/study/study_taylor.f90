@@ -34,7 +34,8 @@ program study_taylor
     if (word /= '') read (word, *) only(2)
     select case (what)
     case ('shapes')
-        if (which /= 'steel' .and. only(1) < 0) print '(a)', 'bar,method,per radius,L/L0,D/D0,W/D0,viscous,'// &
+        if (which /= 'steel' .and. only(1) < 0) &
+            print '(a)', 'bar,method,per radius,L/L0,D/D0,W/D0,viscous,'// &
             'kinetic,energy error,hottest K,plastic strain,seconds'
         if (which /= 'steel') call shapes(copper)
         if (which /= 'copper') call shapes(steel)
