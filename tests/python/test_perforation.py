@@ -127,6 +127,15 @@ def test_hole_in_a_bent_and_stretched_plate(tmp_path):
     assert hole.diameter == pytest.approx(6e-3 * math.sqrt(1.03 * 1.02), abs=0.5 * SPACING)
 
 
+def test_particles_cover_what_their_neighbours_leave_them(tmp_path):
+    made = Made()
+    gone = made.within(3e-3)
+    made.move[:, 0] = 0.3 * made.x[:, 0]
+    made.fling(gone)
+    hole = made.measure(tmp_path).through.seen
+    assert hole.area == pytest.approx(area_of(3e-3, made) * 1.3, rel=0.015)
+
+
 def test_quarter_is_the_whole(tmp_path):
     found = []
     for quarter in (False, True):
@@ -163,16 +172,19 @@ def test_broken_fibres_count_apart(tmp_path):
 
 def test_hole_by_ply(tmp_path):
     made = Made()
-    made.fling(made.within(2e-3 + 4e-4 * (made.layer - 1)))
+    made.fling(made.within(2e-3 + 4e-4 * np.abs(made.layer - 3)))
     found = made.measure(tmp_path)
     assert found.through.seen.area == pytest.approx(area_of(2e-3, made), rel=1e-9)
     for k, hole in enumerate(found.layers):
-        assert hole.seen.area == pytest.approx(area_of(2e-3 + 4e-4 * k, made), rel=1e-9)
+        radius = 2e-3 + 4e-4 * abs(k - 2)
+        assert hole.seen.area == pytest.approx(area_of(radius, made), rel=1e-9)
 
 
 def test_no_hole(tmp_path):
     made = Made()
-    made.move[made.x[:, 0] > 0, 0] = 0.2 * SPACING  # a hairline crack
+    x, y, _ = made.x.T
+    crack = 0.35 * np.exp(-((x / 3e-3) ** 2)) * np.maximum(1 - (y / 5e-3) ** 2, 0)
+    made.move[:, 0] = np.sign(x) * crack * SPACING  # open by 0.7 of a spacing in the middle
     made.broken = made.within(1e-3) & (made.layer == 1)
     found = made.measure(tmp_path)
     assert found.through.seen.area == 0 and found.through.pushed.area == 0
