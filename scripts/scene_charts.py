@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Record and draw the hypervelocity impact of inputs/hvi_cfrp.nml at several spacings.
+"""Record and draw the scenes of Chen et al. on CFRP, inputs/hvi_cfrp.nml and inputs/cfrp_blast.nml.
 
-usage: scene_charts.py record OUTDIR...   append runs to docs/data/hvi_energy.csv and hvi_holes.csv
-       scene_charts.py draw               docs/figures/hvi_cfrp.png from these tables
+usage: scene_charts.py record OUTDIR...        append impacts to docs/data/hvi_*.csv
+       scene_charts.py blast NAME=OUTDIR...    append blasts to docs/data/cfrp_blast.csv
+       scene_charts.py draw                    docs/figures/hvi_cfrp.png, cfrp_blast.png from these
 
-Kinetic energy over time, where the energy went, and the hole, beside what Chen et al. give.
+Impact: kinetic energy over time, where the energy went, the hole. Blast: load on the plate and
+motion of its middle. Beside what Chen et al. give.
 """
 
 import csv
@@ -21,6 +23,8 @@ sys.path.insert(0, str(HOME))
 ENERGIES = HOME / "docs/data/hvi_energy.csv"
 HOLES = HOME / "docs/data/hvi_holes.csv"
 PICTURE = HOME / "docs/figures/hvi_cfrp.png"
+BLASTS = HOME / "docs/data/cfrp_blast.csv"
+BLAST_PICTURE = HOME / "docs/figures/cfrp_blast.png"
 SHARES = ("viscous", "contact_heat", "hourglass_heat", "plastic", "damage")
 PAPER = {"kinetic": 10.0, "hole": 6.20, "experiment": 5.98}
 TIMES = np.concatenate([np.arange(0, 1.2e-6, 1e-7), np.geomspace(1.2e-6, 25e-6, 20)])
@@ -51,6 +55,25 @@ def record(folders):
         heads = ["spacing[mm]", "time[us]", "through[mm]", "through_pushed[mm]"]
         heads += ["front[mm]", "front_pushed[mm]", "back[mm]", "back_pushed[mm]"]
         append(HOLES, heads, [[spacing, f"{1e6 * found.plate.time:.3f}", *values]])
+
+
+def record_blasts(names):
+    """Append load and motion of the middle of the plate, 120 rows a run."""
+    from post.reader import Run  # noqa: PLC0415
+
+    for name, folder in (text.split("=", 1) for text in names):
+        gauges = Run(folder).gauges
+        over = gauges["A:pressure"] - gauges["A:pressure"][0]
+        steps = 0.5 * (over[1:] + over[:-1]) * np.diff(gauges.time)
+        impulse = np.concatenate([[0.0], np.cumsum(steps)])
+        wanted = np.linspace(0.14e-3, gauges.time[-1], 120)
+        rows = []
+        for k in np.unique(np.minimum(np.searchsorted(gauges.time, wanted), len(over) - 1)):
+            values = over[k], impulse[k], gauges["mid:displacement_z"][k]
+            values = [*values, gauges["mid_v:velocity_z"][k]]
+            rows.append([name, f"{1e3 * gauges.time[k]:.5f}", *(f"{v:.5g}" for v in values)])
+        heads = ["case", "time[ms]", "overpressure[Pa]", "impulse[Pa s]"]
+        append(BLASTS, [*heads, "displacement[m]", "velocity[m/s]"], rows)
 
 
 def append(path, heads, rows):
@@ -113,10 +136,40 @@ def draw():
     print(save(figure, PICTURE))
 
 
+def draw_blasts():
+    """Load on the plate, and displacement and velocity of its middle, over time."""
+    from post.style import CYCLE, plt, save  # noqa: PLC0415
+
+    cases = defaultdict(list)
+    with BLASTS.open(encoding="utf-8") as file:
+        for row in csv.reader(file):
+            if row[0] != "case":
+                cases[row[0]].append([float(value) for value in row[1:]])
+    figure, panels = plt.subplots(1, 4, figsize=(13, 3.6))
+    titles = "overpressure at the middle [MPa]", "impulse there [Pa s]"
+    titles = (*titles, "displacement of the middle [mm]", "its velocity [m/s]")
+    paper = {0: [(0.12, 6.2)], 2: [(0.42, 10.2)], 3: [(0.25, 45.0)]}
+    for k, (panel, title, factor) in enumerate(
+        zip(panels, titles, (1e-6, 1.0, -1e3, -1.0), strict=True)
+    ):
+        for colour, (name, rows) in zip(CYCLE, cases.items(), strict=False):
+            values = np.array(rows)
+            panel.plot(values[:, 0], factor * values[:, k + 1], color=colour, label=name, lw=1.3)
+        for time, value in paper.get(k, []):
+            panel.plot(time, value, "k*", ms=9, label="Chen et al., largest", ls="none")
+        panel.set(xlabel="time [ms]", title=title)
+    panels[2].legend(fontsize=7.5)
+    print(save(figure, BLAST_PICTURE))
+
+
 if __name__ == "__main__":
     if sys.argv[1:2] == ["record"] and len(sys.argv) > 2:
         record(sys.argv[2:])
+    elif sys.argv[1:2] == ["blast"] and len(sys.argv) > 2:
+        record_blasts(sys.argv[2:])
     elif sys.argv[1:] == ["draw"]:
         draw()
+        if BLASTS.is_file():
+            draw_blasts()
     else:
         sys.exit(__doc__)
