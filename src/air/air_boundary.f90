@@ -2,9 +2,10 @@
 !> Conditions at the ends of the lines of cells. Point physics: compiled for the CPU and for the
 !> GPU.
 module brz_air_boundary
+    use brz_scheme, only: hllc, scheme_t
     implicit none
     private
-    public :: image_at, bc_outflow, bc_wall, bc_symmetry, bc_periodic
+    public :: image_at, beyond_wall, bc_outflow, bc_wall, bc_symmetry, bc_periodic
 
     integer, parameter :: bc_outflow = 1, bc_wall = 2, bc_symmetry = 3, bc_periodic = 4
 
@@ -29,4 +30,18 @@ contains
             if (high == bc_periodic) at = p - n
         end if
     end function image_at
+
+    !> True for a ghost beyond a wall: the face before it gets the flux at a wall, as one of a body
+    !> does. Split fluxes do not need that; they meet the mirror image, as at a plane of symmetry.
+    !@cuf attributes(host,device) &
+    pure function beyond_wall(scheme, low, high, n, p) result(beyond)
+        type(scheme_t), intent(in) :: scheme
+        integer, intent(in) :: low, high !! boundary conditions
+        integer, intent(in) :: n !! cells of the line
+        integer, intent(in) :: p !! index of a cell along it, ghosts included
+        logical :: beyond
+
+        beyond = scheme%flux == hllc .and. &
+                 ((p < 1 .and. low == bc_wall) .or. (p > n .and. high == bc_wall))
+    end function beyond_wall
 end module brz_air_boundary

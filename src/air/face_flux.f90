@@ -126,7 +126,7 @@ contains
         real(rk), intent(in) :: q(5, -2:3) !! conserved variables, read in gas cells
         real(rk), intent(out) :: f(5) !! flux in the positive direction
         real(rk), intent(out) :: p_star !! pressure on the wall, 0 where there is none [Pa]
-        real(rk) :: s(5, -2:3), g(-2:3), u
+        real(rk) :: s(5, -2:3), g(-2:3), far(2)
         integer :: c, m
 
         p_star = 0
@@ -135,12 +135,12 @@ contains
         end do
         if (solid(0) == 1 .and. solid(1) == 1) return
         if (solid(1) == 1) then
-            u = far_velocity(solid(-1), v(-1), q(1, -1), q(1, 0))
-            call slipping_wall(scheme, gamma(0), u, v(1), 1, q(1, 0), f, p_star)
+            call next_to_wall(solid(-1), v(-1), gamma(-1), q(1, -1), gamma(0), q(1, 0), far)
+            call slipping_wall(scheme, gamma(0), far, v(1), 1, q(1, 0), f, p_star)
             return
         else if (solid(0) == 1) then
-            u = far_velocity(solid(2), v(2), q(1, 2), q(1, 1))
-            call slipping_wall(scheme, gamma(1), u, v(0), -1, q(1, 1), f, p_star)
+            call next_to_wall(solid(2), v(2), gamma(2), q(1, 2), gamma(1), q(1, 1), far)
+            call slipping_wall(scheme, gamma(1), far, v(0), -1, q(1, 1), f, p_star)
             return
         end if
         do m = -2, 3
@@ -198,39 +198,51 @@ contains
         gamma_image = gamma
     end subroutine mirror_if_solid
 
-    !> Normal velocity one cell further from the wall, mirrored if that cell holds solid too.
+    !> Normal velocity and pressure one cell further from the wall; mirrored if that cell holds solid
+    !> too.
     !@cuf attributes(host,device) &
-    pure function far_velocity(solid, v, far, near) result(u)
-        integer, intent(in) :: solid !! 1 where the far cell holds solid
+    pure subroutine next_to_wall(solid, v, gamma, q, gamma_near, near, far)
+        integer, intent(in) :: solid !! 1 where the cell holds solid
         real(rk), intent(in) :: v !! its normal velocity, then [m/s]
-        real(rk), intent(in) :: far(5) !! conserved variables, read if the far cell holds gas
-        real(rk), intent(in) :: near(5) !! conserved variables of the cell at the wall
-        real(rk) :: u
+        real(rk), intent(in) :: gamma !! its ratio of specific heats otherwise [-]
+        real(rk), intent(in) :: q(5) !! conserved variables, read if the cell holds gas
+        real(rk), intent(in) :: gamma_near, near(5) !! the same of the cell at the wall
+        real(rk), intent(out) :: far(2)
+        real(rk) :: w(5)
 
         if (solid == 1) then
-            u = 2*v - near(2)/near(1)
+            call to_primitive(gamma_near, near, w)
+            w(2) = 2*v - w(2)
         else
-            u = far(2)/far(1)
+            call to_primitive(gamma, q, w)
         end if
-    end function far_velocity
+        far(1) = w(2)
+        far(2) = w(5)
+    end subroutine next_to_wall
 
     !> Flux at a wall; beyond first order the normal velocity is extrapolated to it with a limited
     !> slope.
+    !>
+    !> Less of it where the pressure jumps: as a shock arrives, the slope would take away the speed at
+    !> which the gas hits the wall, and thereby the work that the shock does; the gas piles up and
+    !> its pressure overshoots by up to a quarter. Where the flow is smooth the share is 1 - O(dx).
     !@cuf attributes(host,device) &
-    pure subroutine slipping_wall(scheme, gamma, u_far, v, side, near, f, p_star)
+    pure subroutine slipping_wall(scheme, gamma, far, v, side, near, f, p_star)
         type(scheme_t), intent(in) :: scheme
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
-        real(rk), intent(in) :: u_far !! normal velocity one cell further from the wall [m/s]
+        real(rk), intent(in) :: far(2) !! one cell further: normal velocity [m/s], pressure [Pa]
         real(rk), intent(in) :: v !! normal velocity of the wall [m/s]
         integer, intent(in) :: side !! +1: the wall is above the gas, -1: below
         real(rk), intent(in) :: near(5) !! conserved variables of the cell at the wall
         real(rk), intent(out) :: f(5) !! flux in the positive direction
         real(rk), intent(out) :: p_star !! pressure on the wall [Pa]
-        real(rk) :: w(5)
+        real(rk) :: w(5), share
 
         call to_primitive(gamma, near, w)
-        if (scheme%reconstruction /= first_order) &
-            w(2) = w(2) + 0.5_rk*limited_slope(w(2) - u_far, 2*(v - w(2)))
+        if (scheme%reconstruction /= first_order) then
+            share = max(min(w(5), far(2)), 0.0_rk)/max(w(5), far(2), tiny(share))
+            w(2) = w(2) + 0.5_rk*share*share*limited_slope(w(2) - far(1), 2*(v - w(2)))
+        end if
         call wall_flux(gamma, w, v, side, f, p_star)
     end subroutine slipping_wall
 end module brz_face_flux

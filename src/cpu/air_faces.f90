@@ -2,7 +2,8 @@
 !> The flux through one face of the grid, straight from the state of the air, walls included.
 module brz_air_faces
     use brz_kinds, only: rk
-    use brz_air_state, only: air_t, bc_symmetry, bc_wall, wall_t
+    use brz_air_boundary, only: bc_symmetry, bc_wall, beyond_wall
+    use brz_air_state, only: air_t, wall_t
     use brz_face_flux, only: cut_face, cut_fraction, gas_face
     use brz_grid_lines, only: turned
     use brz_scheme, only: max_var, mixture_gamma, scheme_t
@@ -35,7 +36,9 @@ contains
             do c = 1, 5
                 q(c, m) = air%u(at(1), at(2), at(3), turned(c, d))
             end do
-            if (wall%present) then
+            if (beyond_wall(scheme, air%bc(1, d), air%bc(2, d), air%n(d), at(d))) then
+                solid(m) = 1
+            else if (wall%present) then
                 solid(m) = wall%solid(at(1), at(2), at(3))
                 if (solid(m) == 1) v(m) = wall_speed(air, wall, d, at)
             end if

@@ -6,6 +6,7 @@
 module brz_air_sweep
     use brz_kinds, only: dp, int8, rk
     use brz_air_activity, only: awake_along, next_run
+    use brz_air_boundary, only: beyond_wall
     use brz_air_state, only: air_t, brick, lines_per_block, n_ghost, sweep_work_t, wall_t
     use brz_grid_lines, only: first_cell_of, line_of, n_blocks, n_lines, turned
     use brz_gas, only: pressure
@@ -105,6 +106,8 @@ contains
         call load(n, nv, size(air%u), air%u, run, turned(1, run%d), work%q)
         if (run%has_solid) call blank_solid(air, wall, run, work%q)
         call line_fluxes(n, nv, air%scheme, work%q, work%f)
+        if (run%lo == 1) call wall_end(air, wall, run, 0, work%f)
+        if (run%hi == air%n(run%d)) call wall_end(air, wall, run, run%n, work%f)
         if (run%has_solid) call cut_fluxes(air, wall, run, stage%share, work%f)
         if (run%lo == 1) work%ends(:, :, 1) = work%f(:, :, 0)
         if (run%hi == air%n(run%d)) work%ends(:, :, 2) = work%f(:, :, n)
@@ -113,6 +116,27 @@ contains
         call store(n, nv, air%rate, run, turned(1, run%d), stage%first, work%f)
         if (stage%last) call count_suspects(n, nv, stage, work%q, work%f, air%suspect(run%block))
     end subroutine sweep_run
+
+    !> Replace the flux through the first (i = 0) or last face of the lines if a wall is there.
+    subroutine wall_end(air, wall, run, i, f)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        type(run_t), intent(in) :: run
+        integer, intent(in) :: i !! number of the face on the run
+        real(rk), intent(inout) :: f(nb, air%n_var, 0:run%n) !! fluxes
+        real(rk) :: flux(max_var), p_star, speed
+        integer :: d, l, low(3)
+
+        d = run%d
+        if (.not. beyond_wall(air%scheme, air%bc(1, d), air%bc(2, d), air%n(d), &
+                              merge(0, air%n(d) + 1, i == 0))) return
+        do l = 1, nb
+            call first_cell_of(air%n, d, (run%block - 1)*nb + min(l, run%lines), low)
+            low(d) = run%lo - 1 + i
+            call flux_at(air, wall, air%scheme, d, low, flux, p_star, speed)
+            f(l, :, i) = flux(:air%n_var)
+        end do
+    end subroutine wall_end
 
     !> Find the lines of a block in an array of n cells with g ghost layers.
     pure subroutine locate(n, g, d, b, run)
