@@ -4,11 +4,12 @@
 !> All fields stay on the GPU. The host arrays of `air_t` are a mirror that `fetch_air` refreshes
 !> before a dump or a checkpoint, and `fetch_cells` at the places of gauges.
 module brz_gpu_air_state
+    use brz_air_boundary, only: beyond_wall
     use brz_air_grid, only: grid_of, grid_t, place_of
     use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, bc_periodic, set_scale
-    use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
-        find_kernel, free_buffer, kernel_t, launch
+    use brz_device, only: allocate_buffer, arguments_t, buffer_t, clear_buffer, copy_in, copy_out, &
+        device_t, find_kernel, free_buffer, kernel_t, launch
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_kinds, only: dp, int64, int8, rk
     use brz_scheme, only: first_order, hllc, muscl_cells, scheme_t, weno3_cells
@@ -16,7 +17,7 @@ module brz_gpu_air_state
     implicit none
     private
     public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air, close_gpu_air
-    public :: fetch_air, fetch_cells, gather, add_grid, fold_threads, bytes_of_real
+    public :: mark_near_walls, fetch_air, fetch_cells, gather, add_grid, fold_threads, bytes_of_real
 
     integer, parameter :: fold_threads = 1024 !! partial results that the host folds
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
@@ -73,13 +74,15 @@ contains
         type(error_t), intent(inout) :: err
         integer(int64) :: cells, field, ends
         integer :: m
+        logical :: held
 
         gpu%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
-        gpu%grid%walls = merge(1, 0, walls)
+        held = walls .or. has_wall_ends(air)
+        gpu%grid%walls = merge(1, 0, held)
         cells = gpu%grid%apart
         field = cells*air%n_var*bytes_of_real
         ends = int(gpu%grid%lines, int64)*air%n_var
-        call require(device, 4*field + merge(7, 1, walls)*cells + ends*(4*bytes_of_real + 8), err)
+        call require(device, 4*field + merge(7, 1, held)*cells + ends*(4*bytes_of_real + 8), err)
         call find_kernels(device, air%scheme, gpu, err)
         call allocate_buffer(gpu%u, field, err)
         call allocate_buffer(gpu%flux, field, err)
@@ -90,9 +93,9 @@ contains
         call allocate_buffer(gpu%outflow, 8*ends, err)
         call allocate_buffer(gpu%part, 8_int64*air%n(1)*air%n(2), err)
         call allocate_buffer(gpu%folded, 8_int64*fold_threads, err)
-        call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, walls), err)
-        call allocate_buffer(gpu%walls%near, merge(cells, 1_int64, walls), err)
-        call allocate_buffer(gpu%walls%cell_of, merge(4*cells, 1_int64, walls), err)
+        call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, held), err)
+        call allocate_buffer(gpu%walls%near, merge(cells, 1_int64, held), err)
+        call allocate_buffer(gpu%walls%cell_of, merge(4*cells, 1_int64, held), err)
         call open_bricks(air, gpu, err)
         gpu%outflow_before = [air%outflow, air%outflow_products]
         call keep_outside(air)
@@ -103,7 +106,38 @@ contains
             call allocate_buffer(gpu%spare(m), field, err)
             call copy_in(air%u, gpu%spare(m), field, err)
         end do
+        if (.not. held) return
+        call clear_buffer(gpu%walls%solid, err)
+        call mark_near_walls(gpu, air, err)
     end subroutine open_gpu_air
+
+    !> True where a boundary is a wall that needs the flux at walls.
+    pure logical function has_wall_ends(air) result(has)
+        type(air_t), intent(in) :: air
+        integer :: d
+
+        has = .false.
+        do d = 1, 3
+            if (air%n(d) == 1) cycle
+            has = has .or. beyond_wall(air%scheme, air%bc(1, d), air%bc(2, d), air%n(d), 0) &
+                .or. beyond_wall(air%scheme, air%bc(1, d), air%bc(2, d), air%n(d), air%n(d) + 1)
+        end do
+    end function has_wall_ends
+
+    !> Mark the cells beside walls, once the map of solid cells is there.
+    subroutine mark_near_walls(gpu, air, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        type(error_t), intent(inout) :: err
+        type(arguments_t) :: arguments
+
+        call add_grid(gpu, arguments)
+        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
+        call arguments%add(gpu%walls%solid)
+        call arguments%add(gpu%walls%near)
+        call arguments%add(gpu%bricks%reached)
+        call launch(gpu%walls%mark_near, air%n, arguments, err)
+    end subroutine mark_near_walls
 
     !> All bricks are awake at first.
     subroutine open_bricks(air, gpu, err)

@@ -39,7 +39,7 @@ contains
 
         status = air_ok
         gpu%fetched = .false.
-        if (gpu%grid%walls == 1) call clear_buffer(gpu%walls%impulse, err)
+        if (gpu%walls%n_faces > 0) call clear_buffer(gpu%walls%impulse, err)
         call find_awake_bricks(gpu, air, err)
         states = states_t(gpu%u, gpu%u, gpu%spare(1))
         do m = 1, air%n_stages
@@ -311,7 +311,7 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
-        if (gpu%grid%walls == 0 .or. gpu%walls%n_faces == 0) return
+        if (gpu%walls%n_faces == 0) return
         call arguments%add(gpu%walls%n_faces)
         call arguments%add(gpu%walls%push)
         call arguments%add(gpu%walls%impulse)

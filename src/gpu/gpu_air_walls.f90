@@ -8,9 +8,9 @@ module brz_gpu_air_walls
         launch, reserve_buffer
     use brz_air_grid, only: place_of
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: add_grid, bytes_of_real, gather, gpu_air_t, gpu_walls_t
+    use brz_gpu_air_state, only: add_grid, bytes_of_real, gather, gpu_air_t, gpu_walls_t, &
+        mark_near_walls
     use brz_kinds, only: int64, int8, rk
-    use brz_scheme, only: reach_of
     implicit none
     private
     public :: put_walls, put_wall_velocity, fetch_walls, fetch_map, return_cells
@@ -25,18 +25,12 @@ contains
         integer, intent(in) :: face_of(:, :) !! (6, n_cells) wall face by side, or 0
         integer, intent(in) :: reach !! cells around a surface that the host may look at
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
         call copy_in(wall%solid, gpu%walls%solid, size(wall%solid, kind=int64), err)
         call copy_in(wall%index, gpu%walls%cell_of, 4*size(wall%index, kind=int64), err)
         call size_lists(gpu%walls, wall, err)
         call copy_in(face_of, gpu%walls%face_of, 24_int64*wall%n_cells, err)
-        call add_grid(gpu, arguments)
-        call arguments%add(reach_of(air%scheme))
-        call arguments%add(gpu%walls%solid)
-        call arguments%add(gpu%walls%near)
-        call arguments%add(gpu%bricks%reached)
-        call launch(gpu%walls%mark_near, air%n, arguments, err)
+        call mark_near_walls(gpu, air, err)
         call list_shared(gpu%walls, air, wall, face_of, reach)
         call put_places(gpu, air%n_var, err)
     end subroutine put_walls

@@ -5,14 +5,13 @@ module brz_gpu_coupling_walls
     use brz_air_state, only: air_t
     use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
     use brz_errors, only: error_t
-    use brz_gpu_air_state, only: gpu_air_t
+    use brz_gpu_air_state, only: gpu_air_t, mark_near_walls
     use brz_gpu_coupling_layout, only: is_solid, n_count
     use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, particles_t, size_cells, &
         size_faces
     use brz_gpu_scan, only: running_sum
     use brz_gpu_solid_layout, only: scan_chunk
     use brz_kinds, only: int64, int8
-    use brz_scheme, only: reach_of
     implicit none
     private
     public :: look_at_particles, list_cells_of_kind, build_gpu_walls, fill_gpu_bins, move_gpu_walls
@@ -89,11 +88,7 @@ contains
         call add_grid(gpu, there, arguments)
         call arguments%add([there%walls%solid, there%walls%cell_of])
         call launch(gpu%images, air%n + 2*air%g, arguments, err)
-        arguments%n = 0
-        call arguments%add_structure(there%grid, storage_size(there%grid)/8)
-        call arguments%add(reach_of(air%scheme))
-        call arguments%add([there%walls%solid, there%walls%near, there%bricks%reached])
-        call launch(there%walls%mark_near, air%n, arguments, err)
+        call mark_near_walls(there, air, err)
         arguments%n = 0
         call arguments%add(n)
         call add_grid(gpu, there, arguments)
