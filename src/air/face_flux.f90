@@ -198,8 +198,8 @@ contains
         gamma_image = gamma
     end subroutine mirror_if_solid
 
-    !> Normal velocity and pressure one cell further from the wall; mirrored if that cell holds solid
-    !> too.
+    !> Normal velocity and pressure one cell further from the wall; mirrored if that cell holds
+    !> solid too.
     !@cuf attributes(host,device) &
     pure subroutine next_to_wall(solid, v, gamma, q, gamma_near, near, far)
         integer, intent(in) :: solid !! 1 where the cell holds solid
@@ -223,9 +223,9 @@ contains
     !> Flux at a wall; beyond first order the normal velocity is extrapolated to it with a limited
     !> slope.
     !>
-    !> Less of it where the pressure jumps: as a shock arrives, the slope would take away the speed at
-    !> which the gas hits the wall, and thereby the work that the shock does; the gas piles up and
-    !> its pressure overshoots by up to a quarter. Where the flow is smooth the share is 1 - O(dx).
+    !> Less of it where the pressure jumps: as a shock arrives, the slope would take away the speed
+    !> at which the gas hits the wall, and thereby the work that the shock does; the gas piles up
+    !> and its pressure overshoots by up to a quarter. In smooth flow the share is 1 - O(dx).
     !@cuf attributes(host,device) &
     pure subroutine slipping_wall(scheme, gamma, far, v, side, near, f, p_star)
         type(scheme_t), intent(in) :: scheme
