@@ -106,12 +106,13 @@ contains
                    ') is not above its floor '//to_text(floor)//' s (dt_min, at least t_end/1e12)')
     end subroutine check_floor
 
-    !> Solid steps in a step of the scene.
+    !> Solid steps in a step of the scene. What is stable rounds up; how fast steps may grow rounds
+    !> down: else 20 steps that may each be 5 % longer would stay 20 for ever.
     pure integer function substeps(sim, dt)
         type(simulation_t), intent(in) :: sim
         real(dp), intent(in) :: dt !! of the scene [s]
 
-        substeps = max(1, ceiling(dt/solid_time_step(sim%solid)))
+        substeps = max(1, ceiling(dt/sim%solid%dt_limit), int(dt/solid_time_step(sim%solid)))
     end function substeps
 
     !> One step of the air.
