@@ -49,7 +49,8 @@ contains
         real(dp), intent(in) :: area !! of the face [m2]
         real(dp), intent(in) :: dt !! [s]
         logical :: felt
-        real(dp), parameter :: negligible = 1e-9_dp !! of the reference pressure
+        real(dp), parameter :: negligible = max(1e-9_dp, 16*real(epsilon(1.0_rk), dp))
+        !! of the reference pressure
         real(dp) :: reference
 
         reference = pressure*area*dt
