@@ -134,8 +134,9 @@ $(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%
 	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
 point-blast-gpu: $(B)/tests/gpu/study_gpu ## the point blast on the GPU up to 256^3 cells
 	BRISANCE_PTX=$(PTX) $< $(or $(ARGS),64 128 256)
-$(B)/tests/gpu/study_gpu: $(patsubst %.f90,$(B)/obj/%.o,tests/gpu/study_gpu.f90 $(wildcard tests/gpu/gpu_*.f90) \
-    $(filter %/air_problems.f90 %/exact_blasts.f90 %/exact_riemann.f90,$(PROBLEMS))) $(LIB)
+BLASTS   := $(patsubst %,$(B)/obj/tests/verify/%.o,air_problems exact_blasts exact_riemann)
+$(B)/obj/tests/gpu/study_gpu.o: $(BLASTS)
+$(B)/tests/gpu/study_gpu: $(patsubst %.f90,$(B)/obj/%.o,tests/gpu/study_gpu.f90 $(wildcard tests/gpu/gpu_*.f90)) $(BLASTS) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
