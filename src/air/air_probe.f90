@@ -2,8 +2,9 @@
 !> The gas at a point, for gauges.
 module brz_air_probe
     use brz_kinds, only: dp, rk
-    use brz_air_state, only: air_t, cell_gamma, wall_t
+    use brz_air_state, only: air_t, bc_wall, cell_gamma, wall_t
     use brz_gas, only: to_primitive
+    use brz_wall_riemann, only: wall_star
     implicit none
     private
     public :: gas_state_at, cells_around
@@ -16,7 +17,8 @@ contains
     !>
     !> Solid cells are left out and the weights of the others made to sum to one. Where all eight
     !> are solid the nearest gas cell within three counts; zero if there is none. Within half a cell
-    !> of the boundary, and beyond it, the value of the last cell continues.
+    !> of the boundary, and beyond it, the value of the last cell continues; towards a wall it goes
+    !> over to the state at the wall, which bears what the gas that hits it brings.
     subroutine gas_state_at(air, wall, point, state)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
@@ -44,7 +46,35 @@ contains
         else
             call nearest_gas(air, wall, low + nint(x), state)
         end if
+        call meet_walls(air, point, low + nint(x), state)
     end subroutine gas_state_at
+
+    !> Between the last cell and a wall at the boundary: a part of the state at the wall.
+    subroutine meet_walls(air, point, cell, state)
+        type(air_t), intent(in) :: air
+        real(dp), intent(in) :: point(3) !! [m]
+        integer, intent(in) :: cell(3) !! nearest
+        real(dp), intent(inout) :: state(5) !! density, velocity, pressure
+        real(dp) :: beyond(2)
+        real(rk) :: p_star, rho_star
+        integer :: d, s
+
+        if (.not. state(1) > 0) return
+        do d = 1, 3
+            if (air%n(d) == 1) cycle
+            beyond = [air%lo(d) - point(d), point(d) - air%lo(d)]/air%dx(d) &
+                + [0.5_dp, 0.5_dp - air%n(d)] ! the last centre, in cells
+            do s = 1, 2
+                if (air%bc(s, d) /= bc_wall .or. beyond(s) <= 0) cycle
+                beyond(s) = min(2*beyond(s), 1.0_dp)
+                call wall_star(cell_gamma(air, cell(1), cell(2), cell(3)), real(state(1), rk), &
+                    real(state(5), rk), real((2*s - 3)*state(1 + d), rk), p_star, rho_star)
+                state(1) = state(1) + beyond(s)*(rho_star - state(1))
+                state(1 + d) = (1 - beyond(s))*state(1 + d)
+                state(5) = state(5) + beyond(s)*(p_star - state(5))
+            end do
+        end do
+    end subroutine meet_walls
 
     !> The eight cells that a point lies between; the last cells continue at the boundary.
     pure subroutine cells_around(air, point, cells)

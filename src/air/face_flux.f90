@@ -241,7 +241,7 @@ contains
         call to_primitive(gamma, near, w)
         if (scheme%reconstruction /= first_order) then
             share = max(min(w(5), far(2)), 0.0_rk)/max(w(5), far(2), tiny(share))
-            w(2) = w(2) + 0.5_rk*share*share*limited_slope(w(2) - far(1), 2*(v - w(2)))
+            w(2) = w(2) + 0.5_rk*share*limited_slope(w(2) - far(1), 2*(v - w(2)))
         end if
         call wall_flux(gamma, w, v, side, f, p_star)
     end subroutine slipping_wall
