@@ -54,7 +54,8 @@ def main(table, picture):
     axes.set_xlim(0, len(tests))
     axes.set_ylim(len(forms), 0)
     axes.set_xticks([i + 0.5 for i in range(len(tests))])
-    axes.set_xticklabels([f"{test}\n{quantity[test]}" for test in tests], fontsize=7)
+    heads = [f"{test}\n{quantity[test]}".replace("angular momentum", "spin") for test in tests]
+    axes.set_xticklabels(heads, fontsize=7)
     axes.set_yticks([i + 0.5 for i in range(len(forms))])
     axes.set_yticklabels(forms, fontsize=8)
     axes.tick_params(length=0)
