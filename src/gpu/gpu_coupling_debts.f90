@@ -91,22 +91,26 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         type(gpu_air_t), intent(in) :: there
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        if (gpu%n_debts == 0) return
-        call reserve_buffer(gpu%start, 4_int64*(gpu%n_debts + 1), err)
-        call arguments%add(gpu%n_debts)
-        call arguments%add(gpu%box%n_var)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%debt_cell(1), there%u, gpu%debt(1), gpu%start])
-        call launch(gpu%release, [gpu%n_debts, 1, 1], arguments, err)
-        call drop_paid(gpu, err)
+        call visit_debts(gpu, there, gpu%release, [gpu%debt_cell(1), there%u, gpu%debt(1)], err)
     end subroutine release_gpu_debts
 
     !> Cells that were covered take their debts into their ledgers.
     subroutine settle_gpu_debts(gpu, there, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(gpu_air_t), intent(in) :: there
+        type(error_t), intent(inout) :: err
+
+        call visit_debts(gpu, there, gpu%settle, [gpu%debt_cell(1), there%walls%solid, there%u, &
+                                                  gpu%debt(1)], err)
+    end subroutine settle_gpu_debts
+
+    !> Run a kernel over all debts, which notes in `start` those that stay; drop the others.
+    subroutine visit_debts(gpu, there, kernel, buffers, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(kernel_t), intent(in) :: kernel
+        type(buffer_t), intent(in) :: buffers(:) !! its arguments before `start`
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
@@ -115,11 +119,11 @@ contains
         call arguments%add(gpu%n_debts)
         call arguments%add(gpu%box%n_var)
         call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%debt_cell(1), there%walls%solid, there%u, gpu%debt(1), &
-                                 gpu%start])
-        call launch(gpu%settle, [gpu%n_debts, 1, 1], arguments, err)
+        call arguments%add(buffers)
+        call arguments%add(gpu%start)
+        call launch(kernel, [gpu%n_debts, 1, 1], arguments, err)
         call drop_paid(gpu, err)
-    end subroutine settle_gpu_debts
+    end subroutine visit_debts
 
     !> Close the gaps in the list that paid debts leave; `start` holds 1 for each that stays.
     subroutine drop_paid(gpu, err)
