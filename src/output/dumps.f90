@@ -14,7 +14,7 @@ module brz_dumps
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: dumps_t, start_dumps, write_dumps, write_dump_files, count_dump, name_dump
+    public :: dumps_t, start_dumps, write_dump_files, count_dump, name_dump
 
     type :: dumps_t
         character(:), allocatable :: folder
@@ -36,22 +36,6 @@ contains
         call open_series(dumps%air, folder, 'air', err, resume_at)
         call open_series(dumps%solid, folder, 'solid', err, resume_at)
     end subroutine start_dumps
-
-    !> Write what the scene has, and count the dump.
-    subroutine write_dumps(dumps, case, clock, air, wall, solid, err)
-        type(dumps_t), intent(inout) :: dumps
-        type(case_t), intent(in) :: case
-        type(clock_t), intent(inout) :: clock
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(in) :: wall
-        type(solid_t), intent(in) :: solid
-        type(error_t), intent(inout) :: err
-
-        call write_dump_files(dumps, case, clock, air, wall, solid, err)
-        if (failed(err)) return
-        call count_dump(dumps, clock)
-        call name_dump(dumps, air%present, solid%present, err)
-    end subroutine write_dumps
 
     !> The files of a dump.
     subroutine write_dump_files(dumps, case, clock, air, wall, solid, err)
