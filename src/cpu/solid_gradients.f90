@@ -194,7 +194,8 @@ contains
         integer, intent(in) :: i, k !! particle and its block
         real(rk), intent(inout) :: sums(n_terms)
         real(dp), intent(inout) :: limit
-        real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), c_wave, c_bulk, shrink, size
+        real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), c_wave, c_bulk, rho
+        real(rk) :: shrink, size
         integer :: weak, c
 
         do c = solid%dimension + 1, 3
@@ -221,27 +222,30 @@ contains
         if (body%variable) size = solid%h(i)
         limit = min(limit, real(stable_step(body%cfl, size, shrink*c_wave, shrink*c_bulk, &
                                             body%alpha, body%beta, h), dp))
+        rho = solid%materials(body%material)%density*(1 + solid%mu(i))
         call to_matrix(solid%stress(:, i), s)
         if (body%formulation == form_total) then
             call piola(a, s)
+        else ! it works on the present volume, while the weights of the pairs have the last one
+            s = s*(solid%mass(i)/(rho*solid%volume(i)))
         end if
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
         if (weak /= 0 .and. (body%formulation == form_bending .or. &
                              body%formulation == form_total)) solid%cut(i) = 1
-        call fill_row(solid, body, i, h, a, c_bulk)
+        call fill_row(solid, body, i, h, a, rho, c_bulk)
     end subroutine advance
 
     !> What pass 2 needs of particle i, but for its stress.
-    subroutine fill_row(solid, body, i, h, a, c_bulk)
+    subroutine fill_row(solid, body, i, h, a, rho, c_bulk)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         real(rk), intent(in) :: h(3, 3) !! velocity gradient [1/s]
         real(rk), intent(in) :: a(3, 3) !! 'bending': dX/dx; 'total_lagrangian': dx/dX
+        real(rk), intent(in) :: rho !! density [kg/m3]
         real(rk), intent(in) :: c_bulk !! sound speed in the viscosity [m/s]
-        real(rk) :: q(3, 3), rho, z
+        real(rk) :: q(3, 3), z
 
-        rho = solid%materials(body%material)%density*(1 + solid%mu(i))
         z = 1
         if (body%balsara) z = shear_limiter(h, c_bulk/body%h)
         solid%pair(pair_volume, i) = solid%volume(i)
