@@ -71,7 +71,7 @@ contains
         options%group = ''
         allocate (options%overrides(0))
         call get_arguments(args)
-        if (size(args) == 0) return
+        if (size(args) == 0 .or. asks_for_help(args)) return
         select case (args(1)%s)
         case ('run')
             options%command = 'run'
@@ -83,8 +83,6 @@ contains
             if (options%deck == '') call raise(err, exit_deck, 'mat: no deck is named'//lf//usage())
         case ('--version', 'version')
             options%command = 'version'
-        case ('--help', '-h', 'help')
-            options%command = 'help'
         case ('--describe', 'describe')
             options%command = 'describe'
             call read_options(args(2:), options, err)
@@ -93,6 +91,17 @@ contains
             call raise(err, exit_deck, "unknown command '"//args(1)%s//"'"//lf//usage())
         end select
     end subroutine read_command_line
+
+    !> True where help is asked for, alone or behind a command.
+    pure logical function asks_for_help(args)
+        type(string_t), intent(in) :: args(:)
+        integer :: i
+
+        asks_for_help = args(1)%s == 'help'
+        do i = 1, size(args)
+            asks_for_help = asks_for_help .or. args(i)%s == '--help' .or. args(i)%s == '-h'
+        end do
+    end function asks_for_help
 
     !> All arguments of the program.
     subroutine get_arguments(args)

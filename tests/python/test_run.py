@@ -226,6 +226,8 @@ def test_check_runs_nothing(scene, tmp_path):
     [
         (["--version"], 0, "GNU Fortran"),
         (["--help"], 0, "usage"),
+        (["run", "--help"], 0, "usage"),
+        (["mat", "deck.nml", "-h"], 0, "usage"),
         ([], 0, "usage"),
         (["--describe", "air"], 0, "cells"),
         (["--describe", "airs"], 2, "air"),
