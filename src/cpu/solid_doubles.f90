@@ -3,6 +3,7 @@
 module brz_solid_doubles
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int64
+    use brz_solid_lanes, only: group_of
     use brz_solid_links, only: link_mirror
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
@@ -19,11 +20,12 @@ contains
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer(int64) :: k
-        integer :: b, i
+        integer :: b, g, i
 
         do b = 1, size(solid%bodies)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
-                do k = solid%first(i), solid%first(i) + solid%direct(i) - 1
+                g = group_of(solid%bodies(b), i)
+                do k = solid%first(g), solid%first(g + 1) - 1
                     if (solid%list(k) /= i) call look(b, i, solid%list(k), 0)
                 end do
                 if (.not. solid%links%present) cycle

@@ -6,13 +6,12 @@ module brz_solid_forces
     use brz_kinds, only: dp, int64, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force
     use brz_solid_bonds, only: add_bonded_forces
-    use brz_solid_lanes, only: centre_t
+    use brz_solid_lanes, only: centre_t, group_of, group_t, place_group
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, &
                                    n_terms, sum_axial, sum_plain, sum_stiff, &
                                    sum_viscous, viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, n_pair, &
-                               pair_affine, pair_hold, pair_keep, pair_stress, pair_volume, &
+                               form_total, lanes, n_pair, pair_affine, pair_hold, pair_keep, pair_stress, pair_volume, &
                                solid_t, worth_threads
     implicit none
     private
@@ -66,35 +65,24 @@ contains
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: dt
         integer, intent(in) :: k !! block
-        type(centre_t) :: p
-        real(rk) :: f(n_terms)
-        integer :: i
+        type(group_t) :: p
+        real(rk) :: group(lanes, n_terms), f(n_terms)
+        integer :: i, first
 
         solid%search%sums(:, k) = 0
         if (body%formulation == form_rigid .or. body%asleep .and. dt > 0) return
         p%scale = kernel_scale(body%h, solid%dimension)
         p%half_over_h = 1/(2*body%h)
         p%h = body%h
-        do i = solid%block(2, k), solid%block(3, k)
-            p%i = i
-            p%count = solid%direct(i)
-            if (body%variable) then
-                f = 0
-                call add_pairs(solid, body, p, solid%first(i), f)
-            else
-                call sum_direct(solid, body, p, f)
-                if (solid%first(i) + p%count < solid%first(i + 1)) &
-                    call add_pairs(solid, body, p, solid%first(i) + p%count, f)
-            end if
-            if (solid%links%bonds) call add_bonded_forces(solid, i, f)
-            if (solid%links%present) then
-                associate (push => solid%links%push(:, solid%links%row(i)))
-                    f(1:3) = f(1:3) + push(1:3)
-                    f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + push(4:6)
-                end associate
-            end if
-            if (body%artificial /= artificial_none) call add_artificial(solid, body, p, f)
-            call accelerate(solid, real(dt, rk), i, k, f)
+        do first = solid%block(2, k), solid%block(3, k), lanes
+            call place_group(solid, body, first, p)
+            group = 0
+            if (.not. body%variable) call sum_direct(solid, body, p, group)
+            do i = first, p%last
+                f = group(i - first + 1, :)
+                call add_rest(solid, body, i, p%centre_t, f)
+                call accelerate(solid, real(dt, rk), i, k, f)
+            end do
         end do
         call update_volumes(solid, body, k)
     end subroutine force_block
@@ -103,30 +91,82 @@ contains
     subroutine sum_direct(solid, body, p, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(centre_t), intent(in) :: p
-        real(rk), intent(out) :: f(n_terms)
+        type(group_t), intent(inout) :: p
+        real(rk), intent(out) :: f(lanes, n_terms)
+        integer :: i, l
 
-        associate (first => solid%first(p%i))
+        do l = 1, lanes
+            i = min(p%i + l - 1, p%last)
+            p%row(l, :) = solid%pair(:, i)
+            if (body%directional) p%hold(l, :) = real(solid%hold(:, i), rk)
+        end do
+        associate (list => solid%list(p%list:p%list + p%count - 1))
             select case (body%formulation)
             case (form_bending)
                 if (body%directional) then
-                    call sum_axial(p, solid%x, solid%v, solid%x_ref, solid%hold, &
-                                   solid%pair, solid%list(first), f)
+                    call sum_axial(p, solid%x, solid%v, solid%x_ref, solid%hold, solid%pair, list, &
+                                   f)
                 else
-                    call sum_stiff(0.0_rk, p, solid%x, solid%v, solid%x_ref, solid%pair, &
-                                   solid%list(first), f)
+                    call sum_stiff(0.0_rk, p, solid%x, solid%v, solid%x_ref, solid%pair, list, f)
                 end if
             case (form_total)
-                call sum_stiff(1.0_rk, p, solid%x, solid%v, solid%x_ref, solid%pair, &
-                               solid%list(first), f)
+                call sum_stiff(1.0_rk, p, solid%x, solid%v, solid%x_ref, solid%pair, list, f)
             case (form_corrected_hourglass)
-                call sum_viscous(body%first, p, solid%near(1, body%near), &
-                                 solid%pair(1, body%first), solid%list(first), f)
+                call sum_viscous(p, solid%x, solid%v, solid%pair, list, f)
             case default
-                call sum_plain(solid%n, p, solid%x, solid%v, solid%pair, solid%list(first), f)
+                call sum_plain(p, solid%x, solid%v, solid%pair, list, f)
             end select
         end associate
     end subroutine sum_direct
+
+    !> Add what the loops over the lanes leave out: images, neighbours of variable smoothing length,
+    !> other bodies, artificial stress.
+    subroutine add_rest(solid, body, i, p, f)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+        type(centre_t), intent(in) :: p !! kernel
+        real(rk), intent(inout) :: f(n_terms)
+        type(centre_t) :: q
+
+        q = p
+        q%i = i
+        if (body%variable .or. allocated(solid%image)) &
+            call visit_pairs(solid, body, q, body%variable, add_pair, f)
+        if (solid%links%bonds) call add_bonded_forces(solid, i, f)
+        if (solid%links%present) then
+            associate (push => solid%links%push(:, solid%links%row(i)))
+                f(1:3) = f(1:3) + push(1:3)
+                f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + push(4:6)
+            end associate
+        end if
+        if (body%artificial /= artificial_none) &
+            call visit_pairs(solid, body, q, .true., add_artificial, f)
+    end subroutine add_rest
+
+    !> Add the force of one pair after the other: of the mirror images, and with `direct` of the
+    !> neighbours themselves. This is slower than the loops over the lanes.
+    subroutine visit_pairs(solid, body, p, direct, add, f)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        type(centre_t), intent(in) :: p
+        logical, intent(in) :: direct
+        procedure(add_pair) :: add
+        real(rk), intent(inout) :: f(n_terms)
+        integer(int64) :: k
+        integer :: g
+
+        if (direct) then
+            g = group_of(body, p%i)
+            do k = solid%first(g), solid%first(g + 1) - 1
+                call add(solid, body, p, solid%list(k), 0, f)
+            end do
+        end if
+        if (.not. allocated(solid%image)) return
+        do k = solid%image_first(p%i), solid%image_first(p%i + 1) - 1
+            call add(solid, body, p, solid%image(k), int(solid%mask(k)), f)
+        end do
+    end subroutine visit_pairs
 
     !> Volumes and smoothing lengths of a block as its compression says.
     subroutine update_sizes(solid, body, k)
@@ -193,100 +233,96 @@ contains
         end if
     end subroutine accelerate
 
-    !> Add the pairs from entry `from` on, mirror images or not: marked components change sign,
-    !> tensors in both indices. This slower loop also serves bodies of variable smoothing length.
-    subroutine add_pairs(solid, body, p, from, f)
+    !> Add the pair of p with j, or with its image: components of the mirrored axes change sign,
+    !> tensors in both indices.
+    subroutine add_pair(solid, body, p, j, mask, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(centre_t), intent(in) :: p
-        integer(int64), intent(in) :: from
+        integer, intent(in) :: j, mask !! mirrored axes, bits 0..2
         real(rk), intent(inout) :: f(n_terms)
         real(rk) :: s(3), r(3), dv(3), dx(3), arm(3), own(n_pair), other(n_pair), g(3)
         type(centre_t) :: q
         real(rk) :: w, u, r2
-        integer(int64) :: k
-        integer :: j, t
+        integer :: t
 
-        own = solid%pair(:, p%i)
         q = p
-        do k = from, solid%first(p%i + 1) - 1
-            j = solid%list(k)
-            do t = 1, 3
-                s(t) = merge(-1, 1, btest(solid%mask(k), t - 1))
-                r(t) = real(solid%x(t, p%i) - s(t)*solid%x(t, j), rk)
-                dx(t) = real(solid%x_ref(t, p%i) - s(t)*solid%x_ref(t, j), rk)
-                dv(t) = solid%v(t, p%i) - s(t)*solid%v(t, j)
-            end do
-            other = solid%pair(:, j)
-            do t = 1, 3
-                other(pair_stress + 3*t - 2:pair_stress + 3*t) = &
-                    s(t)*s*other(pair_stress + 3*t - 2:pair_stress + 3*t)
-                other(pair_affine + 3*t - 2:pair_affine + 3*t) = &
-                    s(t)*s*other(pair_affine + 3*t - 2:pair_affine + 3*t)
-            end do
-            if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, &
-                                                q%scale, q%half_over_h)
-            arm = r
-            if (body%formulation == form_total) arm = dx
-            w = own(pair_volume)*other(pair_volume)*kernel_slope(q%scale, q%half_over_h, norm2(arm))
-            call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, g)
-            r2 = dot_product(r, r)
-            u = viscosity(q, own, other, w, r2, dot_product(r, dv))
-            f(1:3) = f(1:3) + g
-            f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + u*r
-            f(at_heat) = f(at_heat) - u*dot_product(r, dv)/2
-            w = w*own(pair_keep)*other(pair_keep)
-            select case (body%formulation)
-            case (form_corrected_hourglass)
-                call hourglass_viscous(w*own(pair_hold), w*other(pair_hold), own(pair_affine + 1), &
-                                       other(pair_affine + 1), dv, r, g, u)
-                f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + g
-                f(at_friction) = f(at_friction) + u
-            case (form_bending, form_total)
-                if (body%directional) then
-                    call hourglass_axial(w, real(solid%hold(:, p%i), rk) &
-                                         + mirrored(s, solid%hold(:, j)), &
-                                         own(pair_affine + 1), other(pair_affine + 1), dx, r, g)
-                else
-                    call hourglass_stiff(w, own(pair_hold) + other(pair_hold), &
-                                         own(pair_affine + 1), other(pair_affine + 1), dx, r, g)
-                end if
-                f(at_hold + 1:) = f(at_hold + 1:) + g
-            end select
+        do t = 1, 3
+            s(t) = merge(-1, 1, btest(mask, t - 1))
+            r(t) = real(solid%x(t, p%i) - s(t)*solid%x(t, j), rk)
+            dx(t) = real(solid%x_ref(t, p%i) - s(t)*solid%x_ref(t, j), rk)
+            dv(t) = solid%v(t, p%i) - s(t)*solid%v(t, j)
         end do
-    end subroutine add_pairs
+        if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, &
+                                            q%scale, q%half_over_h)
+        arm = r
+        if (body%formulation == form_total) arm = dx
+        w = solid%pair(pair_volume, p%i)*solid%pair(pair_volume, j) &
+            *kernel_slope(q%scale, q%half_over_h, norm2(arm))
+        if (w == 0) return
+        own = solid%pair(:, p%i)
+        other = solid%pair(:, j)
+        do t = 1, 3
+            other(pair_stress + 3*t - 2:pair_stress + 3*t) = &
+                s(t)*s*other(pair_stress + 3*t - 2:pair_stress + 3*t)
+            other(pair_affine + 3*t - 2:pair_affine + 3*t) = &
+                s(t)*s*other(pair_affine + 3*t - 2:pair_affine + 3*t)
+        end do
+        call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, g)
+        r2 = dot_product(r, r)
+        u = viscosity(q%h, own, other, w, r2, dot_product(r, dv))
+        f(1:3) = f(1:3) + g
+        f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + u*r
+        f(at_heat) = f(at_heat) - u*dot_product(r, dv)/2
+        w = w*own(pair_keep)*other(pair_keep)
+        select case (body%formulation)
+        case (form_corrected_hourglass)
+            call hourglass_viscous(w*own(pair_hold), w*other(pair_hold), own(pair_affine + 1), &
+                                   other(pair_affine + 1), dv, r, g, u)
+            f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + g
+            f(at_friction) = f(at_friction) + u
+        case (form_bending, form_total)
+            if (body%directional) then
+                call hourglass_axial(w, real(solid%hold(:, p%i), rk) &
+                                     + mirrored(s, solid%hold(:, j)), own(pair_affine + 1), &
+                                     other(pair_affine + 1), dx, r, g)
+            else
+                call hourglass_stiff(w, own(pair_hold) + other(pair_hold), own(pair_affine + 1), &
+                                     other(pair_affine + 1), dx, r, g)
+            end if
+            f(at_hold + 1:) = f(at_hold + 1:) + g
+        end select
+    end subroutine add_pair
 
-    !> Add the artificial stress of all pairs, images included, in which either is in tension.
-    subroutine add_artificial(solid, body, p, f)
+    !> Add the artificial stress of such a pair, if either is in tension.
+    subroutine add_artificial(solid, body, p, j, mask, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(centre_t), intent(in) :: p
+        integer, intent(in) :: j, mask !! mirrored axes, bits 0..2
         real(rk), intent(inout) :: f(n_terms)
         type(centre_t) :: q
         real(rk) :: s(3), r(3), own(9), other(9), g(3), w, shape, distance
-        integer(int64) :: k
-        integer :: j, t
+        integer :: t
 
-        q = p
         own = solid%pair(pair_affine + 1:pair_affine + 9, p%i)
-        do k = solid%first(p%i), solid%first(p%i + 1) - 1
-            j = solid%list(k)
-            other = solid%pair(pair_affine + 1:pair_affine + 9, j)
-            if (own(1) + own(5) + own(9) + other(1) + other(5) + other(9) <= 0) cycle
-            do t = 1, 3
-                s(t) = merge(-1, 1, btest(solid%mask(k), t - 1))
-                r(t) = real(solid%x(t, p%i) - s(t)*solid%x(t, j), rk)
-            end do
-            do t = 1, 3
-                other(3*t - 2:3*t) = s(t)*s*other(3*t - 2:3*t)
-            end do
-            if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, &
-                                                q%scale, q%half_over_h)
-            distance = norm2(r)
-            shape = kernel_shape(q%half_over_h, distance)/body%shape_at_spacing
-            w = solid%mass(p%i)*solid%mass(j)*kernel_slope(q%scale, q%half_over_h, distance)
-            call stress_force(-w*shape**body%artificial_power, own, other, r, g)
-            f(at_hold + 1:) = f(at_hold + 1:) + g
+        other = solid%pair(pair_affine + 1:pair_affine + 9, j)
+        if (own(1) + own(5) + own(9) + other(1) + other(5) + other(9) <= 0) return
+        q = p
+        do t = 1, 3
+            s(t) = merge(-1, 1, btest(mask, t - 1))
+            r(t) = real(solid%x(t, p%i) - s(t)*solid%x(t, j), rk)
         end do
+        do t = 1, 3
+            other(3*t - 2:3*t) = s(t)*s*other(3*t - 2:3*t)
+        end do
+        if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, &
+                                            q%scale, q%half_over_h)
+        distance = norm2(r)
+        w = solid%mass(p%i)*solid%mass(j)*kernel_slope(q%scale, q%half_over_h, distance)
+        if (w == 0) return
+        shape = kernel_shape(q%half_over_h, distance)/body%shape_at_spacing
+        call stress_force(-w*shape**body%artificial_power, own, other, r, g)
+        f(at_hold + 1:) = f(at_hold + 1:) + g
     end subroutine add_artificial
 end module brz_solid_forces

@@ -16,9 +16,9 @@ module brz_solid_gradients
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: at_g, at_x, n_moment, n_outer, n_terms, sum_bending, &
                                        sum_plain
-    use brz_solid_lanes, only: centre_t
+    use brz_solid_lanes, only: centre_t, group_of, group_t, place_group
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, form_uncorrected, pair_affine, pair_hold, &
+                               form_total, form_uncorrected, lanes, pair_affine, pair_hold, &
                                pair_keep, pair_linear, pair_quadratic, pair_stress, pair_volume, &
                                solid_t, worth_threads
     implicit none
@@ -34,7 +34,6 @@ contains
         real(dp), intent(in) :: dt !! step just made [s]
         integer :: k
 
-        call fill_near(solid)
         !$omp parallel do if(solid%n >= worth_threads) schedule(static)
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)))
@@ -56,24 +55,6 @@ contains
         if (dt > 0) call book_work(solid)
     end subroutine gradient_pass
 
-    !> Bring the rows of `near` up to date: both passes of a step see the same.
-    subroutine fill_near(solid)
-        type(solid_t), intent(inout) :: solid
-        integer :: i, k
-
-        if (size(solid%near) == 0) return
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
-        do k = 1, size(solid%block, 2)
-            associate (body => solid%bodies(solid%block(1, k)))
-                if (body%near == 0) cycle
-                do i = solid%block(2, k), solid%block(3, k)
-                    solid%near(:, body%near + i - body%first) = &
-                        [solid%x(:, i), real(solid%v(:, i), dp), real(solid%volume(i), dp), 0.0_dp]
-                end do
-            end associate
-        end do
-    end subroutine fill_near
-
     !> Add the work of the blocks to the ledgers of the bodies, in fixed order.
     subroutine book_work(solid)
         type(solid_t), intent(inout) :: solid
@@ -93,9 +74,9 @@ contains
         real(dp), intent(in) :: dt
         integer, intent(in) :: k !! block
         real(dp), intent(inout) :: limit !! smallest time step so far [s]
-        type(centre_t) :: p
-        real(rk) :: sums(n_terms)
-        integer :: i
+        type(group_t) :: p
+        real(rk) :: group(lanes, n_terms), sums(n_terms)
+        integer :: i, first
 
         if (body%formulation == form_rigid) then
             limit = min(limit, real(body%cfl*body%h, dp)/solid%materials(body%material)%c_wave)
@@ -103,20 +84,19 @@ contains
         end if
         p%scale = kernel_scale(body%h, solid%dimension)
         p%half_over_h = 1/(2*body%h)
-        do i = solid%block(2, k), solid%block(3, k)
-            p%i = i
-            p%count = solid%direct(i)
-            if (body%variable) then
-                sums = 0
-                call add_pairs(solid, body, p, solid%first(i), sums)
-            else
-                call sum_direct(solid, body, p, sums)
-                if (solid%first(i) + p%count < solid%first(i + 1)) &
-                    call add_pairs(solid, body, p, solid%first(i) + p%count, sums)
-            end if
-            if (solid%links%bonds) call add_bonded_gradients(solid, i, sums(:at_g), &
-                                                             sums(at_g + 1:at_x), sums(at_x + 1:))
-            call advance(solid, body, dt, p%i, k, sums, limit)
+        do first = solid%block(2, k), solid%block(3, k), lanes
+            call place_group(solid, body, first, p)
+            group = 0
+            if (.not. body%variable) call sum_direct(solid, body, p, group)
+            do i = first, p%last
+                sums = group(i - first + 1, :)
+                if (body%variable .or. allocated(solid%image)) &
+                    call add_pairs(solid, body, i, p%centre_t, sums)
+                if (solid%links%bonds) call add_bonded_gradients(solid, i, sums(:at_g), &
+                                                                 sums(at_g + 1:at_x), &
+                                                                 sums(at_x + 1:))
+                call advance(solid, body, dt, i, k, sums, limit)
+            end do
         end do
     end subroutine gradient_block
 
@@ -125,57 +105,79 @@ contains
     subroutine sum_direct(solid, body, p, sums)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(centre_t), intent(in) :: p
-        real(rk), intent(out) :: sums(n_terms)
+        type(group_t), intent(in) :: p
+        real(rk), intent(out) :: sums(lanes, n_terms)
+        type(group_t) :: q
 
-        associate (first => solid%first(p%i))
-            select case (body%formulation)
-            case (form_bending)
-                call sum_bending(solid%n, p, solid%x, solid%v, solid%x_ref, solid%volume, &
-                                 solid%list(first), sums)
-            case (form_total)
-                call sum_bending(solid%n, p, solid%x_ref, solid%v, solid%x, solid%volume, &
-                                 solid%list(first), sums)
-            case default
-                call sum_plain(body%first, p, solid%near(1, body%near), solid%list(first), sums)
-            end select
-        end associate
+        select case (body%formulation)
+        case (form_bending)
+            call sum_bending(p, solid%x, solid%v, solid%x_ref, solid%volume, solid%list(p%list), &
+                             sums)
+        case (form_total)
+            q = p
+            q%x = p%x_ref
+            q%x_ref = p%x
+            call sum_bending(q, solid%x_ref, solid%v, solid%x, solid%volume, solid%list(p%list), &
+                             sums)
+        case default
+            call sum_plain(p, solid%x, solid%v, solid%volume, solid%list(p%list), sums)
+        end select
     end subroutine sum_direct
 
-    !> Add the pairs from entry `from` on, mirror images or not: marked components of x, v, X change
-    !> sign. This slower loop also serves bodies of variable smoothing length.
-    subroutine add_pairs(solid, body, p, from, sums)
+    !> Add the mirror images of the neighbours of particle i; in bodies of variable smoothing length
+    !> also the neighbours themselves.
+    subroutine add_pairs(solid, body, i, p, sums)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+        type(centre_t), intent(in) :: p !! kernel
+        real(rk), intent(inout) :: sums(n_terms)
+        integer(int64) :: k
+
+        if (body%variable) then
+            associate (first => solid%first(group_of(body, i):group_of(body, i) + 1))
+                do k = first(1), first(2) - 1
+                    call add_pair(solid, body, i, p, solid%list(k), 0, sums)
+                end do
+            end associate
+        end if
+        if (.not. allocated(solid%image)) return
+        do k = solid%image_first(i), solid%image_first(i + 1) - 1
+            call add_pair(solid, body, i, p, solid%image(k), int(solid%mask(k)), sums)
+        end do
+    end subroutine add_pairs
+
+    !> Add the pair of i with j, or with its image: the components of x, v, X of the mirrored axes
+    !> change sign.
+    subroutine add_pair(solid, body, i, p, j, mask, sums)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i, j, mask !! mirrored axes, bits 0..2
         type(centre_t), intent(in) :: p
-        integer(int64), intent(in) :: from
         real(rk), intent(inout) :: sums(n_terms)
         real(rk) :: r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w, s, h
         type(centre_t) :: q
-        integer(int64) :: k
-        integer :: j, t
+        integer :: t
 
         q = p
-        do k = from, solid%first(p%i + 1) - 1
-            j = solid%list(k)
-            do t = 1, 3
-                s = merge(-1, 1, btest(solid%mask(k), t - 1))
-                r(t) = real(solid%x(t, p%i) - s*solid%x(t, j), rk)
-                dx(t) = real(solid%x_ref(t, p%i) - s*solid%x_ref(t, j), rk)
-                dv(t) = solid%v(t, p%i) - s*solid%v(t, j)
-            end do
-            if (body%formulation == form_total) call swap(r, dx)
-            if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), h, &
-                                                q%scale, q%half_over_h)
-            w = solid%volume(j)*kernel_slope(q%scale, q%half_over_h, norm2(r))
-            call moment_terms(w, r, m)
-            call outer_terms(w, dv, r, g)
-            call outer_terms(w, dx, r, a)
-            sums(1:at_g) = sums(1:at_g) + m
-            sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
-            sums(at_x + 1:) = sums(at_x + 1:) + a
+        do t = 1, 3
+            s = merge(-1, 1, btest(mask, t - 1))
+            r(t) = real(solid%x(t, i) - s*solid%x(t, j), rk)
+            dx(t) = real(solid%x_ref(t, i) - s*solid%x_ref(t, j), rk)
+            dv(t) = solid%v(t, i) - s*solid%v(t, j)
         end do
-    end subroutine add_pairs
+        if (body%formulation == form_total) call swap(r, dx)
+        if (body%variable) call pair_kernel(solid%dimension, solid%h(i), solid%h(j), h, q%scale, &
+                                            q%half_over_h)
+        w = solid%volume(j)*kernel_slope(q%scale, q%half_over_h, norm2(r))
+        if (w == 0) return
+        call moment_terms(w, r, m)
+        call outer_terms(w, dv, r, g)
+        call outer_terms(w, dx, r, a)
+        sums(1:at_g) = sums(1:at_g) + m
+        sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
+        sums(at_x + 1:) = sums(at_x + 1:) + a
+    end subroutine add_pair
 
     pure subroutine swap(a, b)
         real(rk), intent(inout) :: a(3), b(3)

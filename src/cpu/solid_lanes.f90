@@ -1,34 +1,64 @@
 ! SPDX-License-Identifier: MIT
-!> What the loops over the direct neighbours of a particle share: eight pairs at a time, each in a
-!> lane of its own, and the lanes added in a fixed order.
+!> Eight particles side by side, each in a lane of its own: what the loops over neighbours share.
+!>
+!> The particles of a group are consecutive, so they are near each other and share one list: all
+!> that is within reach of any of them. A loop takes one neighbour after the other and computes its
+!> pairs with all eight at once. What such a loop reads of the neighbour is one number for all lanes,
+!> what it reads of the group and what it sums are whole vectors.
 module brz_solid_lanes
-    use brz_kinds, only: rk
-    use brz_solid_state, only: lanes
+    use brz_kinds, only: dp, int64, rk
+    use brz_solid_state, only: body_t, lanes, n_pair, solid_t
     implicit none
     private
-    public :: centre_t, add_lanes
+    public :: centre_t, group_t, group_of, place_group
 
-    !> The particle whose pairs are summed over, and the kernel.
+    !> A particle whose pairs are summed over, and the kernel.
     type :: centre_t
-        integer :: i = 0 !! particle
-        integer :: count = 0 !! direct entries of its list
+        integer :: i = 0 !! particle; of a group the first
         real(rk) :: scale = 0, half_over_h = 0 !! see brz_kernel
         real(rk) :: h = 0 !! smoothing length [m]
     end type centre_t
 
+    !> The particles of a group. Where there are fewer than lanes, the last one stands in all others.
+    type, extends(centre_t) :: group_t
+        integer :: last = 0 !! its last particle
+        integer :: count = 0 !! entries of its list
+        integer(int64) :: list = 1 !! the first of them
+        real(dp) :: x(lanes, 3) = 0, x_ref(lanes, 3) = 0 !! [m]
+        real(rk) :: v(lanes, 3) = 0 !! [m/s]
+        real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_solid_state
+        real(rk) :: hold(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
+    end type group_t
+
 contains
 
-    !> Add the lanes of m sums; what f has beyond them is 0.
-    pure subroutine add_lanes(m, acc, f)
-        integer, intent(in) :: m
-        real(rk), intent(in) :: acc(lanes, m)
-        real(rk), intent(out) :: f(:)
-        integer :: t
+    !> Group of particle i of a body.
+    pure integer function group_of(body, i)
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
 
-        f(m + 1:) = 0
-        do t = 1, m
-            f(t) = ((acc(1, t) + acc(5, t)) + (acc(2, t) + acc(6, t))) &
-                   + ((acc(3, t) + acc(7, t)) + (acc(4, t) + acc(8, t)))
+        group_of = body%group + (i - body%first)/lanes
+    end function group_of
+
+    !> The group of a body that begins with particle `first`: its members, their places and
+    !> velocities, its list.
+    pure subroutine place_group(solid, body, first, p)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: first
+        type(group_t), intent(inout) :: p
+        integer :: g, i, l
+
+        g = group_of(body, first)
+        p%i = first
+        p%last = min(first + lanes - 1, body%last)
+        p%list = solid%first(g)
+        p%count = int(solid%first(g + 1) - solid%first(g))
+        do l = 1, lanes
+            i = min(first + l - 1, p%last)
+            p%x(l, :) = solid%x(:, i)
+            p%x_ref(l, :) = solid%x_ref(:, i)
+            p%v(l, :) = solid%v(:, i)
         end do
-    end subroutine add_lanes
+    end subroutine place_group
 end module brz_solid_lanes

@@ -1,13 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> Neighbour lists: who is within reach of a particle, itself or as a mirror image.
+!> Neighbour lists: who is within reach of a group of particles, and as a mirror image of a particle.
 !>
 !> A list depends on `x_built` and the order of the particles alone: rebuilt from them it is the
-!> same, entry by entry. Images of a particle follow its direct neighbours; i may be a neighbour of
-!> its own image. Both parts are padded with i itself, whose pair with i is exactly nothing.
+!> same, entry by entry. The members of a group are in its list: a pair of i with itself is exactly
+!> nothing, as is one beyond the support of the kernel. i may be a neighbour of its own image.
 module brz_solid_neighbours
-    use brz_cell_grid, only: cell_span, fill_cells, lay_grid, reach_of_lists
+    use brz_cell_grid, only: box_span, cell_of_groups, cell_span, fill_cells, lay_grid, &
+                             reach_of_lists
     use brz_kinds, only: dp, int32, int64, int8
     use brz_particle_order, only: reorder_particles
+    use brz_solid_lanes, only: group_of
     use brz_solid_links, only: build_links
     use brz_solid_state, only: body_t, form_rigid, form_total, lanes, solid_t, worth_threads
     implicit none
@@ -27,7 +29,7 @@ contains
             do b = 1, size(solid%bodies)
                 call note_positions(solid, solid%bodies(b))
                 call lay_grid(solid%search, solid%x_built, solid%bodies(b), &
-                              reach_of_lists(solid, b))
+                              cell_of_groups(solid, b))
                 call fill_cells(solid%search, solid%x_built, solid%bodies(b))
             end do
             call reorder_particles(solid)
@@ -37,26 +39,30 @@ contains
         end if
         do b = 1, size(solid%bodies)
             if (solid%bodies(b)%formulation == form_total) then
-                call build_list(solid, solid%bodies(b), reach_of_lists(solid, b), solid%x_ref)
+                call build_list(solid, b, solid%x_ref)
             else
-                call build_list(solid, solid%bodies(b), reach_of_lists(solid, b), solid%x_built)
+                call build_list(solid, b, solid%x_built)
             end if
         end do
         call build_links(solid)
     end subroutine build_neighbours
 
     !> List of a body for given places: those of total-Lagrangian bodies are the unloaded ones.
-    subroutine build_list(solid, body, reach, place)
+    subroutine build_list(solid, b, place)
         type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: reach !! [m]
+        integer, intent(in) :: b
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
+        real(dp) :: reach
 
-        call lay_grid(solid%search, place, body, reach)
-        call fill_cells(solid%search, place, body)
-        call count_body(solid, body, reach, place)
-        call make_room(solid, solid%first(body%last + 1) - 1)
-        call fill_body(solid, body, reach, place)
+        reach = reach_of_lists(solid, b)
+        associate (body => solid%bodies(b))
+            call lay_grid(solid%search, place, body, cell_of_groups(solid, b))
+            call fill_cells(solid%search, place, body)
+            call count_body(solid, body, reach, place)
+            call make_room(solid%first(group_of(body, body%last) + 1) - 1, solid%list)
+            call fill_body(solid, body, reach, place)
+            if (any(solid%mirror)) call list_images(solid, body, reach, place)
+        end associate
     end subroutine build_list
 
     !> Positions that decide on the neighbours of a body: a total-Lagrangian body that meets no
@@ -96,92 +102,190 @@ contains
         needs_rebuild = far > (solid%skin/2)**2
     end function needs_rebuild
 
-    !> Lengths of the lists of a body, as running sums in `first`, and of their parts in `direct`.
+    !> Lengths of the lists of a body, as running sums in `first` and `image_first`.
     subroutine count_body(solid, body, reach, place)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         integer(int64) :: last
-        integer :: i, m
+        integer :: g, i
         integer(int32) :: none(1)
 
-        if (body%first == 1) solid%first(1) = 1
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(m, last, none)
-        do i = body%first, body%last
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(g, last, none)
+        do i = body%first, body%last, lanes
+            g = group_of(body, i)
             last = 0
-            if (body%formulation == form_rigid) then
-                solid%direct(i) = 0
-                solid%first(i + 1) = 0
-                cycle
-            end if
-            call search(solid, place, i, 0, reach, .false., none, last)
-            solid%direct(i) = int(round_up(last), int32)
-            last = 0
-            do m = 1, 7
-                if (image_in_reach(solid, place(:, i), m, reach)) &
-                    call search(solid, place, i, m, reach, .false., none, last)
-            end do
-            solid%first(i + 1) = round_up(last)
+            if (body%formulation /= form_rigid) &
+                call search_group(solid, body, place, i, reach, .false., none, last)
+            solid%first(g + 1) = last
         end do
-        do i = body%first, body%last
-            solid%first(i + 1) = solid%first(i) + solid%direct(i) + solid%first(i + 1)
+        do g = group_of(body, body%first), group_of(body, body%last)
+            solid%first(g + 1) = solid%first(g) + solid%first(g + 1)
         end do
     end subroutine count_body
-
-    !> Next multiple of the lanes.
-    pure integer(int64) function round_up(n)
-        integer(int64), intent(in) :: n
-
-        round_up = (n + lanes - 1)/lanes*lanes
-    end function round_up
-
-    !> Lengthen the list, with something to spare, keeping what it holds.
-    subroutine make_room(solid, n)
-        type(solid_t), intent(inout) :: solid
-        integer(int64), intent(in) :: n
-        integer(int32), allocatable :: list(:)
-        integer(int8), allocatable :: mask(:)
-        integer(int64) :: have
-
-        have = 0
-        if (allocated(solid%list)) have = size(solid%list, kind=int64)
-        if (have >= n) return
-        allocate (list(n + n/8), mask(n + n/8))
-        if (have > 0) list(:have) = solid%list
-        if (have > 0) mask(:have) = solid%mask
-        call move_alloc(list, solid%list)
-        call move_alloc(mask, solid%mask)
-    end subroutine make_room
 
     subroutine fill_body(solid, body, reach, place)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
-        integer(int64) :: at, image, next
-        integer :: i, m
+        integer(int64) :: at
+        integer :: i
 
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(m, at, image, next)
-        do i = body%first, body%last
-            at = solid%first(i) - 1
-            if (body%formulation == form_rigid) cycle
-            call search(solid, place, i, 0, reach, .true., solid%list, at)
-            image = solid%first(i) + solid%direct(i)
-            solid%list(at + 1:image - 1) = i
-            solid%mask(solid%first(i):image - 1) = 0
-            at = image - 1
-            do m = 1, 7
-                if (.not. image_in_reach(solid, place(:, i), m, reach)) cycle
-                next = at
-                call search(solid, place, i, m, reach, .true., solid%list, next)
-                solid%mask(at + 1:next) = int(m, int8)
-                at = next
-            end do
-            solid%list(at + 1:solid%first(i + 1) - 1) = i
-            solid%mask(at + 1:solid%first(i + 1) - 1) = 0
+        if (body%formulation == form_rigid) return
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(at)
+        do i = body%first, body%last, lanes
+            at = solid%first(group_of(body, i)) - 1
+            call search_group(solid, body, place, i, reach, .true., solid%list, at)
         end do
     end subroutine fill_body
+
+    !> Append to `list`, or only count, what is within reach of the group that begins with particle
+    !> `first`: all in one box, or where its members are far apart one after the other.
+    pure subroutine search_group(solid, body, place, first, reach, keep, list, last)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
+        integer, intent(in) :: first
+        real(dp), intent(in) :: reach !! [m]
+        logical, intent(in) :: keep !! false: only count
+        integer(int32), intent(inout) :: list(*)
+        integer(int64), intent(inout) :: last !! last entry that is filled
+        real(dp) :: x(lanes, 3)
+        integer :: l
+
+        do l = 1, lanes
+            x(l, :) = place(:, min(first + l - 1, body%last))
+        end do
+        if (all(maxval(x, 1) - minval(x, 1) <= 2*reach)) then
+            call search_box(solid, place, x, x(:0, :), reach, keep, list, last)
+        else
+            do l = 1, lanes
+                call search_box(solid, place, spread(x(l, :), 1, lanes), x(:l - 1, :), reach, &
+                                keep, list, last)
+            end do
+        end if
+    end subroutine search_group
+
+    !> Append to `list`, or only count, what is within reach of the places x, but of none of those
+    !> that were searched before.
+    pure subroutine search_box(solid, place, x, before, reach, keep, list, last)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
+        real(dp), intent(in) :: x(lanes, 3), before(:, :) !! [m]
+        real(dp), intent(in) :: reach !! [m]
+        logical, intent(in) :: keep !! false: only count
+        integer(int32), intent(inout) :: list(*)
+        integer(int64), intent(inout) :: last !! last entry that is filled
+        real(dp) :: low(3), high(3), y(3), r2(lanes)
+        integer :: l, k, c, c1, c2, c3, lo(3), hi(3)
+
+        low = minval(x, 1)
+        high = maxval(x, 1)
+        call box_span(solid%search, (low + high)/2, (high - low)/2 + reach, lo, hi)
+        do c3 = lo(3), hi(3)
+            do c2 = lo(2), hi(2)
+                do c1 = lo(1), hi(1)
+                    c = solid%search%code(c1, 1) + solid%search%code(c2, 2) &
+                        + solid%search%code(c3, 3)
+                    do k = solid%search%start(c), solid%search%start(c + 1) - 1
+                        y = place(:, solid%search%order(k))
+                        do l = 1, lanes
+                            r2(l) = (x(l, 1) - y(1))**2 + (x(l, 2) - y(2))**2 + (x(l, 3) - y(3))**2
+                        end do
+                        if (.not. any(r2 < reach*reach)) cycle
+                        if (any((before(:, 1) - y(1))**2 + (before(:, 2) - y(2))**2 &
+                                + (before(:, 3) - y(3))**2 < reach*reach)) cycle
+                        last = last + 1
+                        if (keep) list(last) = solid%search%order(k)
+                    end do
+                end do
+            end do
+        end do
+    end subroutine search_box
+
+    !> Lists of the mirror images of the particles of a body.
+    subroutine list_images(solid, body, reach, place)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: reach !! [m]
+        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
+        integer(int64) :: last
+        integer :: i
+
+        associate (first => solid%image_first)
+            !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(last)
+            do i = body%first, body%last
+                last = 0
+                if (body%formulation /= form_rigid) &
+                    call search_images(solid, place, i, reach, .false., last)
+                first(i + 1) = last
+            end do
+            do i = body%first, body%last
+                first(i + 1) = first(i) + first(i + 1)
+            end do
+            call make_room_for_images(solid, first(body%last + 1) - 1)
+            if (body%formulation == form_rigid) return
+            !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(last)
+            do i = body%first, body%last
+                last = first(i) - 1
+                call search_images(solid, place, i, reach, .true., last)
+            end do
+        end associate
+    end subroutine list_images
+
+    !> Append, or only count, the images within reach of particle i.
+    subroutine search_images(solid, place, i, reach, keep, last)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
+        integer, intent(in) :: i
+        real(dp), intent(in) :: reach !! [m]
+        logical, intent(in) :: keep !! false: only count
+        integer(int64), intent(inout) :: last !! last entry that is filled
+        integer(int64) :: next
+        integer(int32) :: none(1)
+        integer :: m
+
+        do m = 1, 7
+            if (.not. image_in_reach(solid, place(:, i), m, reach)) cycle
+            next = last
+            if (keep) then
+                call search(solid, place, i, m, reach, .true., solid%image, next)
+                solid%mask(last + 1:next) = int(m, int8)
+            else
+                call search(solid, place, i, m, reach, .false., none, next)
+            end if
+            last = next
+        end do
+    end subroutine search_images
+
+    !> Lengthen the list, with something to spare, keeping what it holds.
+    subroutine make_room(n, list)
+        integer(int64), intent(in) :: n
+        integer(int32), allocatable, intent(inout) :: list(:)
+        integer(int32), allocatable :: longer(:)
+
+        if (.not. allocated(list)) allocate (list(n + n/8))
+        if (size(list, kind=int64) >= n) return
+        allocate (longer(n + n/8))
+        longer(:size(list, kind=int64)) = list
+        call move_alloc(longer, list)
+    end subroutine make_room
+
+    !> The same for images and their masks.
+    subroutine make_room_for_images(solid, n)
+        type(solid_t), intent(inout) :: solid
+        integer(int64), intent(in) :: n
+        integer(int8), allocatable :: mask(:)
+
+        call make_room(n, solid%image)
+        if (.not. allocated(solid%mask)) allocate (solid%mask(size(solid%image, kind=int64)))
+        if (size(solid%mask, kind=int64) >= n) return
+        allocate (mask(size(solid%image, kind=int64)))
+        mask(:size(solid%mask, kind=int64)) = solid%mask
+        call move_alloc(mask, solid%mask)
+    end subroutine make_room_for_images
 
     !> True where the planes of the mask m exist and the place x is near all of them.
     pure logical function image_in_reach(solid, x, m, reach)
@@ -202,7 +306,7 @@ contains
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         integer, intent(in) :: i
-        integer, intent(in) :: m !! planes, bits 0..2; 0: i itself
+        integer, intent(in) :: m !! planes, bits 0..2
         real(dp), intent(in) :: reach !! [m]
         logical, intent(in) :: keep !! false: only count
         integer(int32), intent(inout) :: list(*)
@@ -224,7 +328,6 @@ contains
                         j = solid%search%order(k)
                         d = place(:, j) - x
                         if (d(1)*d(1) + d(2)*d(2) + d(3)*d(3) >= reach*reach) cycle
-                        if (m == 0 .and. j == i) cycle
                         last = last + 1
                         if (keep) list(last) = j
                     end do

@@ -3,6 +3,7 @@
 !>
 !> start_solid once, or resume_solid after a restart; then solid_step again and again.
 module brz_solid_step
+    use brz_cell_grid, only: reach_of_lists
     use brz_errors, only: error_t, exit_numerical, raise
     use brz_kinds, only: dp, int8, int64, rk
     use brz_material, only: strength_left
@@ -12,6 +13,7 @@ module brz_solid_step
     use brz_solid_faults, only: report_bad
     use brz_solid_forces, only: force_pass, update_sizes
     use brz_solid_gradients, only: gradient_pass
+    use brz_solid_lanes, only: group_of
     use brz_solid_links, only: first_bonds
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
     use brz_solid_rigid, only: balance_rigid, move_rigid
@@ -29,15 +31,17 @@ contains
     subroutine start_solid(solid, err)
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        integer :: i
+        integer :: b, i
 
         if (.not. solid%present) return
         call build_neighbours(solid, sort=.true.)
         do i = 1, size(solid%block, 2)
             call update_sizes(solid, solid%bodies(solid%block(1, i)), i)
         end do
-        do i = 1, solid%n
-            solid%support(i) = count_intact(solid, i, 0)
+        do b = 1, size(solid%bodies)
+            do i = solid%bodies(b)%first, solid%bodies(b)%last
+                solid%support(i) = count_intact(solid, b, i, 0)
+            end do
         end do
         call refuse_doubles(solid, err)
         call meet(solid)
@@ -144,17 +148,27 @@ contains
         v = solid%v(:, i) + real(solid%dt_last/2, rk)*solid%a(:, i)
     end function velocity_at_step
 
-    !> Neighbours of a particle within reach of the list that still carry load.
-    pure integer function count_intact(solid, i, fails) result(n)
+    !> Neighbours of a particle within the reach of its list, when that was built, that still carry
+    !> load.
+    pure integer function count_intact(solid, b, i, fails) result(n)
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: i
+        integer, intent(in) :: b, i !! body, particle
         integer, intent(in) :: fails !! how the material of the body fails
         integer(int64) :: k
+        integer :: g, j
+        real(dp) :: d(3)
 
         n = 0
-        do k = solid%first(i), solid%first(i + 1) - 1
-            if (solid%list(k) == i .and. solid%mask(k) == 0) cycle
-            if (strength_left(fails, solid%damage(solid%list(k))) > intact_share) n = n + 1
+        g = group_of(solid%bodies(b), i)
+        do k = solid%first(g), solid%first(g + 1) - 1
+            j = solid%list(k)
+            d = solid%x_built(:, j) - solid%x_built(:, i)
+            if (j == i .or. dot_product(d, d) >= reach_of_lists(solid, b)**2) cycle
+            if (strength_left(fails, solid%damage(j)) > intact_share) n = n + 1
+        end do
+        if (.not. allocated(solid%image)) return
+        do k = solid%image_first(i), solid%image_first(i + 1) - 1
+            if (strength_left(fails, solid%damage(solid%image(k))) > intact_share) n = n + 1
         end do
     end function count_intact
 
@@ -169,7 +183,8 @@ contains
             fails = solid%materials(solid%bodies(solid%block(1, k))%material)%fails
             do i = solid%block(2, k), solid%block(3, k)
                 if (solid%cut(i) == 1) cycle
-                if (count_intact(solid, i, fails) < intact_share*solid%support(i)) &
+                if (count_intact(solid, solid%block(1, k), i, fails) &
+                    < intact_share*solid%support(i)) &
                     solid%cut(i) = 1_int8
             end do
         end do

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Neighbour lists on the GPU: the same cells, order and lists as on the CPU.
 module brz_gpu_solid_search
-    use brz_cell_grid, only: choose_cells, reach_of_lists
+    use brz_cell_grid, only: cell_of_groups, choose_cells, reach_of_lists
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, clear_buffer, copy_in, copy_out, &
         free_buffer, kernel_t, launch
     use brz_errors, only: error_t, failed
@@ -29,7 +29,7 @@ contains
         if (sort) then
             call note_positions(gpu, err)
             do b = 1, size(gpu%bodies)
-                call order_body(gpu, solid, b, gpu%built, reach_of_lists(solid, b), cells, err)
+                call order_body(gpu, solid, b, gpu%built, cell_of_groups(solid, b), cells, err)
             end do
             call reorder(gpu, err)
             call note_positions(gpu, err)

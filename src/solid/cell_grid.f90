@@ -6,11 +6,11 @@
 !> Neighbours are in neighbouring cells either way.
 module brz_cell_grid
     use brz_kinds, only: dp, int64
-    use brz_solid_state, only: body_t, form_total, search_t, solid_t
+    use brz_solid_state, only: body_t, form_total, lanes, search_t, solid_t
     implicit none
     private
-    public :: lay_grid, choose_cells, fill_cells, cell_span, cell_along, cells_beyond, &
-        reach_of_lists
+    public :: lay_grid, choose_cells, fill_cells, cell_span, box_span, cell_along, cells_beyond, &
+        reach_of_lists, cell_of_groups
 
     integer, parameter :: cells_per_particle = 2 !! most cells, empty ones included
     real(dp), parameter :: farthest = 1e15_dp !! [sides of a cell]: whole numbers of real64 end here
@@ -29,7 +29,15 @@ contains
         end associate
     end function reach_of_lists
 
-    !> Choose the cells for one body: `size` is the reach of the list.
+    !> Side of the cells along which particles are sorted: on a lattice each holds one group [m].
+    pure real(dp) function cell_of_groups(solid, b) result(side)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+
+        side = solid%bodies(b)%spacing*real(lanes, dp)**(1/real(solid%dimension, dp))
+    end function cell_of_groups
+
+    !> Choose the cells for one body.
     subroutine lay_grid(s, x, body, size)
         type(search_t), intent(inout) :: s
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
@@ -45,7 +53,7 @@ contains
         call choose_cells(s, lo, hi, body%last - body%first + 1, size)
     end subroutine lay_grid
 
-    !> The same from the extent of the body.
+    !> The same from the extent of the body. Layers of a lattice lie on no side of a cell.
     subroutine choose_cells(s, lo, hi, n, size)
         type(search_t), intent(inout) :: s
         real(dp), intent(in) :: lo(3), hi(3) !! corners [m]
@@ -53,9 +61,9 @@ contains
         real(dp), intent(in) :: size !! side of a cell [m]
         integer :: a, most
 
-        s%lo = lo
+        s%lo = lo - size/4
         s%size = size
-        s%cells = int(min((hi - lo)/size, 1e6_dp)) + 2
+        s%cells = int(min((hi - s%lo)/size, 1e6_dp)) + 2
         most = max(512, cells_per_particle*n)
         do while (product(real(padded(s%cells), dp)) > most)
             a = maxloc(s%cells, 1)
@@ -185,11 +193,20 @@ contains
         type(search_t), intent(in) :: s
         real(dp), intent(in) :: x(3), reach !! [m]
         integer, intent(out) :: lo(3), hi(3)
+
+        call box_span(s, x, [reach, reach, reach], lo, hi)
+    end subroutine cell_span
+
+    !> The same of everything within a box.
+    pure subroutine box_span(s, middle, half, lo, hi)
+        type(search_t), intent(in) :: s
+        real(dp), intent(in) :: middle(3), half(3) !! of the box, and of its sides [m]
+        integer, intent(out) :: lo(3), hi(3)
         integer :: a
 
-        lo = place(s, x - reach)
+        lo = place(s, middle - half)
         do a = 1, 3
-            hi(a) = lo(a) + cells_beyond(x(a), reach, s%lo(a), s%size, s%cells(a))
+            hi(a) = lo(a) + cells_beyond(middle(a), half(a), s%lo(a), s%size, s%cells(a))
         end do
-    end subroutine cell_span
+    end subroutine box_span
 end module brz_cell_grid

@@ -1,14 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
-    use brz_kinds, only: dp, real32, rk
-    use brz_solid_state, only: bond_none, form_bending, form_rigid, form_total, n_near, n_pair, &
-                               solid_t
+    use brz_kinds, only: dp, int64, real32, rk
+    use brz_solid_state, only: bond_none, lanes, n_pair, solid_t
     implicit none
     private
     public :: allocate_solid, bytes_per_particle
 
-    integer, parameter :: block_size = 128 !! most particles of a block
+    integer, parameter :: block_size = 16*lanes !! most particles of a block: whole groups
     integer, parameter :: n_sum = 8 !! sums that a pass may keep per block
 
 contains
@@ -23,33 +22,31 @@ contains
                       solid%energy(n), solid%stress(6, n), solid%hist(solid%n_hist, n), &
                       solid%damage(n), solid%volume(n), solid%pair(n_pair, n))
             allocate (solid%id(n), solid%ply(n), solid%support(n), solid%fixed(n), solid%cut(n))
-            allocate (solid%first(n + 1), solid%direct(n))
+            if (any(solid%mirror)) allocate (solid%image_first(n + 1), source=1_int64)
             if (any(solid%bodies%variable)) allocate (solid%h(n), source=0.0_rk)
             if (any(solid%bodies%directional)) allocate (solid%hold(6, n), source=0.0_real32)
             allocate (solid%search%cell(n), solid%search%order(n), solid%search%b(n))
         end associate
-        call allocate_near(solid)
+        call number_groups(solid)
         call clear(solid)
         call cut_blocks(solid)
         if (solid%links%present) call allocate_links(solid)
     end subroutine allocate_solid
 
-    !> Rows of the particles of bodies whose hourglass force needs no unloaded positions.
-    subroutine allocate_near(solid)
+    !> Number the groups of particles, body by body.
+    subroutine number_groups(solid)
         type(solid_t), intent(inout) :: solid
         integer :: b, n
 
         n = 0
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
-                if (body%variable .or. any(body%formulation == [form_bending, form_rigid, &
-                                                                form_total])) cycle
-                body%near = n + 1
-                n = n + body%last - body%first + 1
+                body%group = n + 1
+                n = n + (body%last - body%first + lanes)/lanes
             end associate
         end do
-        allocate (solid%near(n_near, n), source=0.0_dp)
-    end subroutine allocate_near
+        allocate (solid%first(n + 1), source=1_int64)
+    end subroutine number_groups
 
     !> What particles need to meet those of other bodies.
     subroutine allocate_links(solid)
@@ -91,8 +88,6 @@ contains
         solid%support = 0
         solid%fixed = 0
         solid%cut = 0
-        solid%first = 1
-        solid%direct = 0
     end subroutine clear
 
     !> Cut the bodies into blocks of particles: the unit of work and of every sum, so that sums do
@@ -118,13 +113,15 @@ contains
         type(solid_t), intent(in) :: solid
 
         associate (s => solid)
-            bytes = wide(size(s%x) + size(s%x_ref) + size(s%x_built) + size(s%near)) &
+            bytes = wide(size(s%x) + size(s%x_ref) + size(s%x_built)) &
                     + working(size(s%v) + size(s%a) + size(s%load) + size(s%mass) + size(s%mu)) &
                     + working(size(s%energy) + size(s%stress) + size(s%hist) + size(s%damage)) &
                     + working(size(s%volume) + size(s%pair)) &
-                    + 4.0_dp*(size(s%id) + size(s%ply) + size(s%support) + size(s%direct)) &
+                    + 4.0_dp*(size(s%id) + size(s%ply) + size(s%support)) &
                     + 4.0_dp*(size(s%search%cell) + size(s%search%order)) &
-                    + 1.0_dp*(size(s%fixed) + size(s%cut) + size(s%search%b)) + wide(s%n)
+                    + 1.0_dp*(size(s%fixed) + size(s%cut) + size(s%search%b)) &
+                    + wide(size(s%first))
+            if (allocated(s%image_first)) bytes = bytes + wide(s%n)
             if (allocated(s%h)) bytes = bytes + working(size(s%h))
             if (allocated(s%hold)) bytes = bytes + 4.0_dp*size(s%hold)
             if (s%links%present) bytes = bytes + wide(s%n) + 9.0_dp*s%n &

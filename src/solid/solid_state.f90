@@ -16,7 +16,7 @@ module brz_solid_state
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_names, form_total, lanes, worth_threads, links_t
     public :: bond_none, bond_whole, bond_broken, intact_share
-    public :: n_near, n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
+    public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
@@ -24,8 +24,7 @@ module brz_solid_state
     character(19), parameter :: form_names(6) = [character(19) :: 'corrected', &
                                                  'corrected_hourglass', 'bending', &
                                                  'uncorrected', 'rigid', 'total_lagrangian']
-    integer, parameter :: lanes = 8 !! neighbour lists are padded with the particle itself to a
-                                    !! multiple of this
+    integer, parameter :: lanes = 8 !! particles of a group, which share one list of neighbours
 
     integer(int8), parameter :: bond_none = 0, bond_whole = 1, bond_broken = 2
     real(rk), parameter :: intact_share = 0.5_rk !! fewer intact neighbours end the stiff
@@ -41,7 +40,6 @@ module brz_solid_state
     integer, parameter :: pair_affine = 13
     integer, parameter :: pair_keep = 24 !! share of the hourglass force that is left, 0..1
     integer, parameter :: n_pair = 24 !! a whole number of cache lines; also a buffer for sorting
-    integer, parameter :: n_near = 8 !! x (3), v (3), volume, 0 of a particle: a cache line
 
     !> What one body has done with its energy so far, all in J.
     type :: ledger_t
@@ -69,7 +67,7 @@ module brz_solid_state
         real(dp) :: volume_scale = 1 !! volume of a particle over that of its lattice cell
         integer :: across = 0 !! bars: particles across the diameter
         real(rk) :: h = 0 !! smoothing length of the unloaded body [m]
-        integer :: near = 0 !! first row of its particles in solid%near, 0: has none
+        integer :: group = 1 !! its first group of particles
         logical :: variable = .false. !! smoothing length follows the density
         real(rk) :: h_range(2) = 1 !! its bounds over h
         real(rk) :: alpha = 1, beta = 2, zeta = 2, zeta_viscous = 0
@@ -157,8 +155,6 @@ module brz_solid_state
         real(rk), allocatable :: h(:) !! (n) smoothing length; only where a body varies it [m]
         real(real32), allocatable :: hold(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz,
                                                 !! xz; only where a body has one along axes [Pa]
-        real(dp), allocatable :: near(:, :) !! (n_near, ...) what both passes read of a neighbour,
-                                            !! of bodies that do not need its x_ref
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int32), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
@@ -168,10 +164,12 @@ module brz_solid_state
         integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block
         character(:), allocatable :: notes !! warnings of the set-up, line by line
         type(search_t) :: search
-        ! neighbour list: entries first(i)..first(i+1)-1 of `list`, image masks apart
-        integer(int64), allocatable :: first(:) !! (n+1)
-        integer(int32), allocatable :: direct(:) !! (n) entries before the mirror images
-        integer(int32), allocatable :: list(:) !! neighbour, padded with i itself
+        ! neighbours of a group: entries first(g)..first(g+1)-1 of `list`, its members among them
+        integer(int64), allocatable :: first(:) !! (groups+1)
+        integer(int32), allocatable :: list(:) !! particles within reach of a member
+        ! mirror images of a particle: entries image_first(i)..image_first(i+1)-1 of `image`
+        integer(int64), allocatable :: image_first(:) !! (n+1), only where there are planes
+        integer(int32), allocatable :: image(:) !! particle whose image is within reach
         integer(int8), allocatable :: mask(:) !! mirrored axes of an entry, bits 0..2
         type(links_t) :: links !! between different bodies
     end type solid_t

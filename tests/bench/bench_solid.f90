@@ -17,8 +17,9 @@ program bench_solid
     use brz_solid_arrays, only: bytes_per_particle
     use brz_solid_forces, only: force_pass
     use brz_solid_gradients, only: gradient_pass
+    use brz_solid_lanes, only: group_of
     use brz_solid_neighbours, only: build_neighbours
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: lanes, solid_t
     use brz_solid_step, only: solid_step, solid_time_step, start_solid
     use omp_lib, only: omp_get_max_threads, omp_get_wtime, omp_set_num_threads
     implicit none
@@ -102,14 +103,14 @@ contains
         type(scene_t), intent(in) :: scene
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: best(n_part) !! per particle [s]
-        real(dp) :: pairs, entries, bytes
+        real(dp) :: pairs, turns, bytes
 
         pairs = count_pairs(solid)
-        entries = real(solid%first(solid%n + 1) - 1, dp)/solid%n
-        bytes = 2*entries*storage_size(solid%list)/8 + moved(solid)
+        turns = real(solid%first(size(solid%first)) - 1, dp)/solid%n
+        bytes = 2*turns*storage_size(solid%list)/8 + moved(solid)
         print '(4x, f6.3, a, f6.3, a)', 1e-6_dp/best(whole), ' M particle-steps/s per core,', &
             1e-6_dp/best(by_clock), ' by the clock'
-        print '(4x, f6.1, a, f5.1, a, f6.1, a)', pairs, ' pairs (', entries, ' entries), ', &
+        print '(4x, f6.1, a, f5.1, a, f6.1, a)', pairs, ' pairs (', lanes*turns, ' lanes), ', &
             1e-6_dp*pairs/(best(gradients) + best(forces)), ' M pairs/s through both passes'
         print '(4x, a, f5.2, a, f5.2, a, f5.2, a, f5.2, a, i0, a, i0, a)', 'ns per pair: pass 1 ', &
             1e9_dp*best(gradients)/pairs, ' (arithmetic ', 1e9_dp*scene%flops(1)/floors%flops, &
@@ -125,11 +126,12 @@ contains
         type(solid_t), intent(in) :: solid
         real(dp) :: d(3)
         integer(int64) :: k, n
-        integer :: i
+        integer :: g, i
 
         n = 0
         do i = 1, solid%n
-            do k = solid%first(i), solid%first(i + 1) - 1
+            g = group_of(solid%bodies(1), i)
+            do k = solid%first(g), solid%first(g + 1) - 1
                 d = solid%x(:, i) - solid%x(:, solid%list(k))
                 if (solid%list(k) /= i .and. sum(d*d) < (2*solid%bodies(1)%h)**2) n = n + 1
             end do
