@@ -11,8 +11,8 @@ module brz_solid_forces
                                    n_terms, sum_axial, sum_plain, sum_stiff, &
                                    sum_viscous, viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, lanes, n_pair, pair_affine, pair_hold, pair_keep, pair_stress, pair_volume, &
-                               solid_t, worth_threads
+                               form_total, lanes, n_pair, pair_affine, pair_hold, pair_keep, &
+                               pair_stress, pair_volume, solid_t, worth_threads
     implicit none
     private
     public :: force_pass, update_sizes

@@ -3,8 +3,8 @@
 !>
 !> The particles of a group are consecutive, so they are near each other and share one list: all
 !> that is within reach of any of them. A loop takes one neighbour after the other and computes its
-!> pairs with all eight at once. What such a loop reads of the neighbour is one number for all lanes,
-!> what it reads of the group and what it sums are whole vectors.
+!> pairs with all eight at once. What it reads of the neighbour is one number for all lanes, what it
+!> reads of the group and what it sums are whole vectors.
 module brz_solid_lanes
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: body_t, lanes, n_pair, solid_t
@@ -19,7 +19,7 @@ module brz_solid_lanes
         real(rk) :: h = 0 !! smoothing length [m]
     end type centre_t
 
-    !> The particles of a group. Where there are fewer than lanes, the last one stands in all others.
+    !> The particles of a group. Where they are fewer than lanes, the last one is in all others.
     type, extends(centre_t) :: group_t
         integer :: last = 0 !! its last particle
         integer :: count = 0 !! entries of its list

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Neighbour lists: who is within reach of a group of particles, and as a mirror image of a particle.
+!> Neighbour lists: who is within reach of a group of particles, whose mirror image of a particle.
 !>
 !> A list depends on `x_built` and the order of the particles alone: rebuilt from them it is the
 !> same, entry by entry. The members of a group are in its list: a pair of i with itself is exactly
