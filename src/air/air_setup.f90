@@ -5,7 +5,7 @@ module brz_air_setup
     use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, brick, bc_outflow, bc_periodic, bc_symmetry, bc_wall, &
         charge_report_t, n_ghost
-    use brz_case, only: case_t, charge_case_t, gas_case_t
+    use brz_case, only: case_t, charge_case_t, gas_case_t, label
     use brz_charge_shape, only: filled_part, make_shape, shape_t
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_gas, only: to_conserved
@@ -45,7 +45,7 @@ contains
             end do
             if (any(air%bc(:, d) == bc_periodic) .and. .not. all(air%bc(:, d) == bc_periodic)) &
                 call raise(err, exit_deck, &
-                    "&air: bc='periodic' must stand at both ends of a direction")
+                    label('air', '', case%air%place)//"bc='periodic' must stand at both ends of a direction")
         end do
         if (failed(err)) return
         call make_grid(case%air%lo, case%air%hi, case%air%cells, air)
@@ -76,7 +76,7 @@ contains
         air%scheme%reconstruction = findloc(reconstruction_names, case%air%reconstruction, dim=1)
         air%scheme%flux = findloc(flux_names, case%air%flux, dim=1)
         if (air%scheme%reconstruction*air%scheme%flux == 0) &
-            call raise(err, exit_deck, "&air: unknown reconstruction '" &
+            call raise(err, exit_deck, label('air', '', case%air%place)//"unknown reconstruction '" &
                 //trim(case%air%reconstruction)//"' or flux '"//trim(case%air%flux)//"'")
         air%n_stages = merge(2, 3, case%air%integrator == 'ssprk2')
         if (.not. allocated(case%charges)) return
@@ -84,9 +84,10 @@ contains
         do m = 1, size(case%charges)
             if (.not. has_own_gas(case, m)) cycle
             if (air%scheme%mixture .and. abs(case%charges(m)%gamma - gamma) > 0) &
-                call raise(err, exit_deck, "&charge id='"//trim(case%charges(m)%id) &
-                    //"': only one gamma besides that of the air can be carried, and another" &
-                    //" charge has a different one")
+                call raise(err, exit_deck, label('charge', case%charges(m)%id, &
+                    case%charges(m)%place)// &
+                    "only one gamma besides that of the air can be carried, and another "// &
+                    "charge has a different one")
             gamma = case%charges(m)%gamma
             air%scheme%mixture = .true.
             air%scheme%gamma_products = real(gamma, rk)
@@ -217,8 +218,8 @@ contains
         end where
         call pour(air, shape, lo, hi, [0.0_rk, 0.0_rk, 0.0_rk], filled)
         if (.not. filled > 0) then
-            call raise(err, exit_deck, "&charge id='"//trim(charge%id) &
-                //"' fills no cell; use smaller cells")
+            call raise(err, exit_deck, label('charge', charge%id, charge%place) &
+                //"it fills no cell; use smaller cells")
             return
         end if
         report%mass = share*charge%mass
@@ -282,8 +283,8 @@ contains
                 if (air%bc(s, d) == bc_symmetry .and. abs(depth) <= on_plane*shape%half(d)) then
                     share = share/2
                 else
-                    call raise(err, exit_deck, "&charge id='"//trim(charge%id) &
-                        //"' reaches out of the box of &air; move it, " &
+                    call raise(err, exit_deck, label('charge', charge%id, charge%place) &
+                        //"it reaches out of the box of &air; move it, " &
                         //"or put a symmetry plane through its centre")
                     return
                 end if

@@ -4,7 +4,7 @@
 !> In two dimensions a charge is a prism as deep as the box, in one dimension a slab.
 module brz_charge_shape
     use brz_kinds, only: dp
-    use brz_case, only: charge_case_t
+    use brz_case, only: charge_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
     implicit none
     private
@@ -46,7 +46,7 @@ contains
             shape%kind = shape_box
             rel = charge%sides
         case default
-            call raise(err, exit_deck, "&charge id='"//trim(charge%id)//"': unknown shape '" &
+            call raise(err, exit_deck, label('charge', charge%id, charge%place)//"unknown shape '" &
                 //trim(charge%shape)//"'; use 'sphere', 'cylinder' or 'box'")
             return
         end select

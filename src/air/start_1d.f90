@@ -9,7 +9,7 @@ module brz_start_1d
     use brz_blast1d_step, only: advance_blast1d
     use brz_blast_remap, only: map_blast, outward
     use brz_blast_start, only: centred_input, free_radius
-    use brz_case, only: case_t
+    use brz_case, only: case_t, label
     use brz_charge_shape, only: make_shape, shape_t
     use brz_errors, only: error_t, exit_deck, exit_numerical, failed, raise
     use brz_kinds, only: dp
@@ -53,8 +53,9 @@ contains
         radius = minval(shape%half, mask=air%n > 1)
         limit = free_radius(case) - margin*maxval(air%dx, mask=air%n > 1)
         if (limit < least_run*radius) then
-            call raise(err, exit_deck, "&charge id='"//trim(case%charges(1)%id)// &
-                "': start='1d' needs room: the shock may run to "//to_text(limit)// &
+            call raise(err, exit_deck, label('charge', case%charges(1)%id, &
+                case%charges(1)%place)//"start='1d' needs room: the shock may run to "// &
+                to_text(limit)// &
                 ' m (the nearest obstacle less 3 cells), the radius of the charge is '// &
                 to_text(radius)//" m; use smaller cells or start='3d'")
             return

@@ -112,7 +112,7 @@ contains
                 call fill_gas(deck%groups(g), case%gas(gas))
             case ('charge')
                 charges = charges + 1
-                call fill_charge(deck%groups(g), case%charges(charges))
+                call fill_charge(deck, deck%groups(g), case%charges(charges))
             case ('material')
                 materials = materials + 1
                 call fill_material(deck, deck%groups(g), keys, case%materials(materials))

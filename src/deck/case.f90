@@ -11,7 +11,7 @@ module brz_case
     public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
                  body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t, &
                  point_case_t, segment_case_t
-    public :: name_len, max_plies, max_motion, interaction_case_t
+    public :: name_len, max_plies, max_motion, interaction_case_t, label
 
     integer, parameter :: name_len = 32 !! longest id or option word
     integer, parameter :: max_plies = 256 !! most plies of one body
@@ -34,6 +34,7 @@ module brz_case
     !> &air
     type :: air_case_t
         logical :: present = .false.
+        character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
         character(name_len) :: geometry = 'cartesian' !! 'spherical', 'cylindrical', 'planar'
         real(dp) :: lo(3) = 0, hi(3) = 1 !! corners of the box [m]
         integer :: cells(3) = 1 !! 1 in a direction that is not modelled
@@ -62,6 +63,7 @@ module brz_case
     !> &charge: explosive as a balloon of hot gas; the mass is that of the whole charge
     type :: charge_case_t
         character(name_len) :: id = ''
+        character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
         character(name_len) :: explosive = 'tnt'
         character(name_len) :: start = '3d' !! or '1d'
         character(name_len) :: eos = 'ideal' !! or 'jwl'
@@ -96,7 +98,7 @@ module brz_case
     !> &body
     type :: body_case_t
         character(name_len) :: id = ''
-        integer :: line = 0 !! of the group in the deck, for messages
+        character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
         character(name_len) :: shape = 'box' !! 'box', 'sphere', 'cylinder', 'bars', 'stl', ...
         real(dp) :: lo(3) = 0, hi(3) = 0 !! box, bars: corners [m]
         real(dp) :: centre(3) = 0, radius = 0, length = 0 !! sphere, cylinder [m]
@@ -218,4 +220,18 @@ module brz_case
         type(segment_case_t), allocatable :: segments(:)
         type(string_t), allocatable :: warnings(:)
     end type point_case_t
+
+contains
+
+    !> How messages about a group begin: 'deck.nml:14: &body id='plate': '.
+    pure function label(group, id, place) result(text)
+        character(*), intent(in) :: group, id
+        character(*), intent(in), optional :: place !! absent, or not allocated, without a deck
+        character(:), allocatable :: text
+
+        text = '&'//group
+        if (id /= '') text = text//" id='"//trim(id)//"'"
+        text = text//': '
+        if (present(place)) text = place//text
+    end function label
 end module brz_case

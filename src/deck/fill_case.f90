@@ -3,7 +3,7 @@
 module brz_fill_case
     use brz_case, only: air_case_t, body_case_t, case_t, charge_case_t, gas_case_t, gauge_case_t, &
                         run_case_t, solid_case_t
-    use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_entry, &
+    use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_entry, place, &
                         find_group, group_t
     use brz_explosives, only: explosives, find_explosive
     use brz_get, only: get, is_usable
@@ -75,6 +75,7 @@ contains
 
         associate (group => deck%groups(g), air => case%air)
             air%present = .true.
+            air%place = place(deck, group%line)
             call get(group, 'geometry', air%geometry)
             call get_box(group, air%lo, air%hi)
             call get(group, 'cells', air%cells)
@@ -135,12 +136,14 @@ contains
         call get(group, 'velocity', gas%velocity)
     end subroutine fill_gas
 
-    subroutine fill_charge(group, charge)
+    subroutine fill_charge(deck, group, charge)
+        type(deck_t), intent(in) :: deck
         type(group_t), intent(in) :: group
         type(charge_case_t), intent(inout) :: charge
         integer :: row
 
         charge%id = group%id
+        charge%place = place(deck, group%line)
         call get(group, 'mass', charge%mass)
         call get(group, 'explosive', charge%explosive)
         call get(group, 'start', charge%start)
@@ -175,7 +178,7 @@ contains
 
         associate (group => deck%groups(g))
             body%id = group%id
-            body%line = group%line
+            body%place = place(deck, group%line)
             call get(group, 'shape', body%shape)
             call get_box(group, body%lo, body%hi)
             call get(group, 'centre', body%centre)

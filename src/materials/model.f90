@@ -5,7 +5,7 @@
 !> text as its place among the choices, 0 for a key that is absent. A model names its slots.
 module brz_model
     use brz_kinds, only: dp, rk
-    use brz_case, only: material_case_t
+    use brz_case, only: material_case_t, label
     use brz_errors, only: error_t, raise, exit_deck
     use brz_key, only: key_t, kind_text, kind_logical, required, none
     use brz_material, only: material_t, point_t, n_hist
@@ -223,7 +223,6 @@ contains
         type(material_case_t), intent(in) :: input
         character(:), allocatable :: text
 
-        text = "&material id='"//trim(input%id)//"': "
-        if (allocated(input%place)) text = input%place//text
+        text = label('material', input%id, input%place)
     end function material_label
 end module brz_model

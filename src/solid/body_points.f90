@@ -6,12 +6,11 @@
 module brz_body_points
     use brz_body_shape, only: exact_volume, inside, lay_shape, modelled_share, point_of, shape_t, &
                               take_lattice
-    use brz_case, only: body_case_t, case_t
+    use brz_case, only: body_case_t, case_t, label
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp
     use brz_particle_file, only: read_particles
     use brz_stl, only: is_inside, mesh_t, read_stl
-    use brz_text, only: to_text
     implicit none
     private
     public :: points_t, place_points
@@ -87,7 +86,8 @@ contains
         do c = 1, size(points)
             if (cuts(bodies(c), bodies(b))) call cut_out(bodies, points, b, c, volume)
         end do
-        if (size(points(b)%x, 2) == 0) call raise(err, exit_deck, label(bodies(b))// &
+        if (size(points(b)%x, 2) == 0) call raise(err, exit_deck, &
+            label('body', bodies(b)%id, bodies(b)%place)// &
             'holds no particle: it lies beyond a symmetry plane, or is smaller than its '// &
             'spacing, or another body cuts all of it away')
         points(b)%volume = volume/max(1, size(points(b)%x, 2))
@@ -112,7 +112,7 @@ contains
             call read_particles(trim(body%file), points%x, points%volumes, fault)
         end if
         if (failed(fault)) then
-            call raise(err, fault%code, label(body)//fault%text)
+            call raise(err, fault%code, label('body', body%id, body%place)//fault%text)
             return
         end if
         if (body%shape == 'stl') then
@@ -168,15 +168,6 @@ contains
             call is_inside(points%mesh, s%start, s%spacing, s%mark)
         end associate
     end subroutine mark_lattice
-
-    !> 'line 7: &body id='b': ', as messages begin.
-    pure function label(body) result(text)
-        type(body_case_t), intent(in) :: body
-        character(:), allocatable :: text
-
-        text = "&body id='"//trim(body%id)//"': "
-        if (body%line > 0) text = 'line '//to_text(body%line)//': '//text
-    end function label
 
     !> True where body a takes the place of body b.
     pure logical function cuts(a, b)
@@ -271,9 +262,9 @@ contains
         margin = 1e-3_dp*bodies(b)%spacing
         do i = 1, size(points(b)%x, 2)
             if (.not. inside(bodies(c), points(c)%shape, points(b)%x(:, i), margin)) cycle
-            call raise(err, exit_deck, label(bodies(b))//"it overlaps the body '"// &
-                       trim(bodies(c)%id)//"'; move one of them, or say with cuts='...' which "// &
-                       'one makes room for the other')
+            call raise(err, exit_deck, label('body', bodies(b)%id, bodies(b)%place)// &
+                       "it overlaps the body '"//trim(bodies(c)%id)//"'; move one of them, or "// &
+                       "say with cuts='...' which one makes room for the other")
             return
         end do
     end subroutine refuse_overlap

@@ -2,7 +2,7 @@
 !> How a body is computed: the settings of the deck, completed by what follows from them.
 module brz_formulation
     use brz_artificial_stress, only: artificial_gray, artificial_monaghan, artificial_none
-    use brz_case, only: body_case_t
+    use brz_case, only: body_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
     use brz_hourglass_axes, only: lay_axes
     use brz_kernel, only: kernel_shape
@@ -132,6 +132,6 @@ contains
         character(*), intent(in) :: what
         type(error_t), intent(inout) :: err
 
-        call raise(err, exit_deck, "&body id='"//trim(input%id)//"': "//what)
+        call raise(err, exit_deck, label('body', input%id, input%place)//what)
     end subroutine refuse
 end module brz_formulation

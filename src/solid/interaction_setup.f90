@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The table of laws between bodies, from the deck and the bodies themselves.
 module brz_interaction_setup
-    use brz_case, only: case_t, interaction_case_t
+    use brz_case, only: case_t, interaction_case_t, label
     use brz_contact, only: law_bonded, law_contact, law_none, meeting_t
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kernel, only: kernel_scale, kernel_slope, kernel_value
@@ -32,7 +32,8 @@ contains
                     call find_rule(case, a, b, rule)
                     if (a == b) rule%law = 'none'
                     call make_meeting(solid, rule, a, b, solid%links%table(a, b))
-                    if (a < b .and. rule%law == 'bonded') call judge_bond(solid, a, b, err)
+                    if (a < b .and. rule%law == 'bonded') call judge_bond(solid, &
+                        a, b, label('body', case%bodies(b)%id, case%bodies(b)%place), err)
                 end do
             end do
         end associate
@@ -138,20 +139,21 @@ contains
     end subroutine sum_flat
 
     !> A bond joins one continuum: lattices must not differ too much.
-    subroutine judge_bond(solid, a, b, err)
+    subroutine judge_bond(solid, a, b, start, err)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: a, b
+        character(*), intent(in) :: start !! of a message
         type(error_t), intent(inout) :: err
         real(dp) :: ratio
 
         associate (p => solid%bodies(a), q => solid%bodies(b))
             if (p%formulation == form_total .or. q%formulation == form_total .or. p%variable .or. &
-                q%variable) call raise(err, exit_deck, "&interaction: the bodies '"//trim(p%id)// &
-                "' and '"//trim(q%id)//"' are bonded, and that goes neither with formulation="// &
+                q%variable) call raise(err, exit_deck, start//"it is bonded to '"//trim(p%id)// &
+                "', and that goes neither with formulation="// &
                 "'total_lagrangian' nor with variable_h; take 'bending' and a constant h")
             ratio = max(p%h/q%h, q%h/p%h)
-            if (ratio > most_ratio) call raise(err, exit_deck, "&interaction: the bodies '"// &
-                trim(p%id)//"' and '"//trim(q%id)//"' are bonded, but their smoothing lengths "// &
+            if (ratio > most_ratio) call raise(err, exit_deck, start//"it is bonded to '"// &
+                trim(p%id)//"', but their smoothing lengths "// &
                 'differ by a factor of '//to_text(ratio)//'; at most '//to_text(most_ratio))
             if (ratio > good_ratio) solid%notes = solid%notes//"bodies '"//trim(p%id)//"' and '"// &
                 trim(q%id)//"' are bonded with smoothing lengths that differ by a factor of "// &

@@ -2,7 +2,7 @@
 !> Mass, inertia and first motion of rigid bodies; prescribed motion of held particles.
 module brz_rigid_setup
     use brz_algebra, only: inverse3
-    use brz_case, only: body_case_t
+    use brz_case, only: body_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, rk
     use brz_motion, only: velocity_of
@@ -49,8 +49,8 @@ contains
 
         held = count(solid%fixed(body%first:body%last) == 1)
         if (held > 0 .and. held <= body%last - body%first) call raise(err, exit_deck, &
-            "&body id='"//trim(input%id)//"': a rigid body is held as a whole (fix='all') or "// &
-            'not at all')
+            label('body', input%id, input%place)//"a rigid body is held as a whole (fix='all') "// &
+            'or not at all')
         call freedom(solid, on_plane, held > 0, body)
         associate (b => body%rigid)
             call sum_mass(solid, body, on_plane, inertia)

@@ -2,6 +2,7 @@
 """Scenes of several bodies from outside: restart, threads, and what a run says of them."""
 
 import os
+import re
 
 import h5py
 import pytest
@@ -107,7 +108,8 @@ def test_two_particles_at_one_place_are_refused(tmp_path):
 def test_overlapping_bodies_are_both_named(tmp_path):
     (tmp_path / "lone.nml").write_text(LONE.replace("0.0012,0.0022", "0.0004,0.0022"))
     done = run("run", "lone.nml", "--check", cwd=tmp_path, code=2)
-    assert "&body id='one'" in done.stderr and "overlaps the body 'sheet'" in done.stderr
+    assert re.match(r"lone\.nml:\d+: &body id='one'", done.stderr), "file and line"
+    assert "overlaps the body 'sheet'" in done.stderr
     assert "cuts=" in done.stderr, "the remedy"
 
 
