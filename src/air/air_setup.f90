@@ -76,7 +76,8 @@ contains
         air%scheme%reconstruction = findloc(reconstruction_names, case%air%reconstruction, dim=1)
         air%scheme%flux = findloc(flux_names, case%air%flux, dim=1)
         if (air%scheme%reconstruction*air%scheme%flux == 0) &
-            call raise(err, exit_deck, label('air', '', case%air%place)//"unknown reconstruction '" &
+            call raise(err, exit_deck, label('air', '', case%air%place)// &
+                "unknown reconstruction '" &
                 //trim(case%air%reconstruction)//"' or flux '"//trim(case%air%flux)//"'")
         air%n_stages = merge(2, 3, case%air%integrator == 'ssprk2')
         if (.not. allocated(case%charges)) return
