@@ -45,7 +45,8 @@ contains
             end do
             if (any(air%bc(:, d) == bc_periodic) .and. .not. all(air%bc(:, d) == bc_periodic)) &
                 call raise(err, exit_deck, &
-                    label('air', '', case%air%place)//"bc='periodic' must stand at both ends of a direction")
+                    label('air', '', case%air%place)// &
+                    "bc='periodic' must stand at both ends of a direction")
         end do
         if (failed(err)) return
         call make_grid(case%air%lo, case%air%hi, case%air%cells, air)
