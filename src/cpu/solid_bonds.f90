@@ -8,7 +8,7 @@ module brz_solid_bonds
     use brz_kinds, only: int64, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force, &
                               viscous_force
-    use brz_solid_links, only: is_bonded, link_mirror
+    use brz_solid_links, only: first_link, is_bonded, last_link, link_body, link_mirror
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, n_terms
     use brz_solid_state, only: bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
                                n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
@@ -32,13 +32,16 @@ contains
         integer, intent(in) :: i
         integer(int64), intent(in) :: k !! link
         type(pair_t), intent(out) :: p
+        integer :: a, b
 
         p%j = solid%links%list(k)
         p%s = real(link_mirror(int(solid%links%mask(k))), rk)
         p%r = real(solid%x(:, i) - p%s*solid%x(:, p%j), rk)
         p%dx = real(solid%x_ref(:, i) - p%s*solid%x_ref(:, p%j), rk)
         p%dv = solid%v(:, i) - p%s*solid%v(:, p%j)
-        associate (m => solid%links%table(solid%links%body(i), solid%links%body(p%j)))
+        a = link_body(solid%links, i)
+        b = link_body(solid%links, p%j)
+        associate (m => solid%links%table(a, b))
             p%slope = kernel_slope(m%scale, m%half_over_h, &
                                    sqrt(p%r(1)**2 + p%r(2)**2 + p%r(3)**2))
         end associate
@@ -53,7 +56,7 @@ contains
         real(rk) :: m(6), g(9), a(9)
         integer(int64) :: k
 
-        do k = solid%links%first(i), solid%links%first(i + 1) - 1
+        do k = first_link(solid%links, i), last_link(solid%links, i)
             if (.not. is_bonded(solid%links, i, solid%links%list(k))) cycle
             call look(solid, i, k, p)
             call moment_terms(solid%volume(p%j)*p%slope, p%r, m)
@@ -73,10 +76,11 @@ contains
         type(pair_t) :: p
         real(rk) :: own(n_pair), other(n_pair), g(3), d(3), w, u, y, vr, heat
         integer(int64) :: k
-        integer :: t
+        integer :: c, t
 
+        c = link_body(solid%links, i)
         own = solid%pair(:, i)
-        do k = solid%links%first(i), solid%links%first(i + 1) - 1
+        do k = first_link(solid%links, i), last_link(solid%links, i)
             if (.not. is_bonded(solid%links, i, solid%links%list(k))) cycle
             call look(solid, i, k, p)
             other = solid%pair(:, p%j)
@@ -86,7 +90,7 @@ contains
                     other(b - 2:b) = p%s(t)*p%s*other(b - 2:b)
                 end associate
             end do
-            associate (m => solid%links%table(solid%links%body(i), solid%links%body(p%j)), &
+            associate (m => solid%links%table(c, link_body(solid%links, p%j)), &
                        drag => f(at_drag + 1:at_drag + 3), r => p%r)
                 w = own(pair_volume)*other(pair_volume)*p%slope
                 vr = dot_product(r, p%dv)
@@ -125,27 +129,28 @@ contains
         type(solid_t), intent(inout) :: solid
         type(pair_t) :: p
         real(rk) :: n(3), effort
-        integer :: i
+        integer :: a, b, i
         integer(int64) :: k
 
         if (.not. solid%links%bonds) return
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(p, n, effort, k)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) &
+        !$omp private(p, n, effort, a, b, k)
         do i = 1, solid%n
             if (solid%links%bond(i) /= bond_whole) cycle
+            a = link_body(solid%links, i)
             n = 0
             effort = 0
-            do k = solid%links%first(i), solid%links%first(i + 1) - 1
-                if (solid%links%table(solid%links%body(i), &
-                                      solid%links%body(solid%links%list(k)))%law &
-                    /= law_bonded) cycle
+            do k = first_link(solid%links, i), last_link(solid%links, i)
+                b = link_body(solid%links, solid%links%list(k))
+                if (solid%links%table(a, b)%law /= law_bonded) cycle
                 call look(solid, i, k, p)
                 n = n + solid%volume(p%j)*p%slope*p%r
             end do
             if (.not. dot_product(n, n) > 0) cycle
             n = n/norm2(n)
-            do k = solid%links%first(i), solid%links%first(i + 1) - 1
-                associate (m => solid%links%table(solid%links%body(i), &
-                                                  solid%links%body(solid%links%list(k))))
+            do k = first_link(solid%links, i), last_link(solid%links, i)
+                b = link_body(solid%links, solid%links%list(k))
+                associate (m => solid%links%table(a, b))
                     if (m%law == law_bonded) &
                         effort = max(effort, bond_effort(m, solid%stress(:, i), n))
                 end associate

@@ -6,9 +6,9 @@ module brz_solid_contact
     use brz_contact, only: contact_drag, contact_normal, contact_push, crossing_share, &
                            drag_stiffness, meeting_t, spring_share
     use brz_kernel, only: kernel_slope, kernel_value
-    use brz_kinds, only: dp, int64, rk
+    use brz_kinds, only: dp, int64, real32, rk
     use brz_pair_force, only: viscous_force
-    use brz_solid_links, only: is_bonded, link_mirror
+    use brz_solid_links, only: first_link, is_bonded, last_link, link_body, link_mirror
     use brz_solid_state, only: pair_linear, pair_quadratic, solid_t, worth_threads
     implicit none
     private
@@ -81,7 +81,7 @@ contains
 
         do i = 1, solid%n
             call kernel_sum(solid, i, .true., s, stiffness, normal)
-            solid%links%touch(i) = max(1.0_rk, s)
+            solid%links%touch(i) = max(1.0_real32, nearest(real(s, real32), 1.0_real32))
         end do
     end subroutine find_touch
 
@@ -107,22 +107,24 @@ contains
         real(rk), intent(out) :: stiffness !! mean of the partners [Pa]
         real(rk), intent(out) :: normal(5) !! in 2..4: sum of V F x_ij/touch
         real(rk) :: r(3), slope, distance, v, w
-        integer :: j
+        integer :: a, b, j
         integer(int64) :: k
 
+        a = link_body(solid%links, i)
         s = 0
         stiffness = 0
         normal = 0
-        do k = solid%links%first(i), solid%links%first(i + 1) - 1
+        do k = first_link(solid%links, i), last_link(solid%links, i)
             j = solid%links%list(k)
             if (.not. all) then
                 if (is_bonded(solid%links, i, j)) cycle
             end if
-            associate (m => solid%links%table(solid%links%body(i), solid%links%body(j)))
+            b = link_body(solid%links, j)
+            associate (m => solid%links%table(a, b))
                 r = real(solid%x(:, i) - link_mirror(int(solid%links%mask(k)))*solid%x(:, j), rk)
                 distance = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
                 slope = kernel_slope(m%scale, m%half_over_h, distance)
-                v = solid%links%cell(solid%links%body(j))*solid%mass(j)/real(solid%depth, rk)
+                v = solid%links%cell(b)*solid%mass(j)/real(solid%depth, rk)
                 w = v*kernel_value(slope, m%h, distance)/m%touch
                 s = s + w
                 stiffness = stiffness + w*m%stiffness
@@ -142,12 +144,12 @@ contains
         integer(int64) :: k
 
         associate (p => solid%links%press(:, solid%links%row(i)), &
-                   v => solid%links%cell(solid%links%body(i))*solid%mass(i))
+                   v => solid%links%cell(link_body(solid%links, i))*solid%mass(i))
             if (p(1) > 0) then
                 total%energy = v*p(1)*p(1)/(2*p(5))
                 total%stiffness = v*p(5)*dot_product(p(2:4), p(2:4))
             end if
-            do k = solid%links%first(i), solid%links%first(i + 1) - 1
+            do k = first_link(solid%links, i), last_link(solid%links, i)
                 if (is_bonded(solid%links, i, solid%links%list(k))) cycle
                 call add_pair(solid, i, k, total, limit)
             end do
@@ -172,23 +174,24 @@ contains
         real(dp), intent(inout) :: limit
         real(rk) :: r(3), dv(3), n(3), f(3), s(3), heat(2), cells, distance, slope, u, vr, energy
         real(rk) :: area, toward, share
-        integer :: j
+        integer :: a, b, j
 
         j = solid%links%list(k)
+        a = link_body(solid%links, i)
+        b = link_body(solid%links, j)
         s = real(link_mirror(int(solid%links%mask(k))), rk)
         r = real(solid%x(:, i) - s*solid%x(:, j), rk)
         distance = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
         dv = solid%v(:, i) - s*solid%v(:, j)
         vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
-        associate (m => solid%links%table(solid%links%body(i), solid%links%body(j)), &
-                   back => solid%links%table(solid%links%body(j), solid%links%body(i)), &
+        associate (m => solid%links%table(a, b), back => solid%links%table(b, a), &
                    p => solid%links%press(:, solid%links%row(i)), &
                    q => solid%links%press(:, solid%links%row(j)))
             if (distance > 2*m%h) return
             if (vr < 0) limit = min(limit, crossing_share*m%spacing*distance/(-real(vr, dp)))
             slope = kernel_slope(m%scale, m%half_over_h, distance)
-            cells = solid%links%cell(solid%links%body(i))*solid%mass(i) &
-                    *solid%links%cell(solid%links%body(j))*solid%mass(j)/real(solid%depth, rk)
+            cells = solid%links%cell(a)*solid%mass(i)*solid%links%cell(b)*solid%mass(j) &
+                    /real(solid%depth, rk)
             call contact_push(m, cells*slope, p(1)/m%touch + q(1)/back%touch, distance, u, energy)
             total%energy = total%energy + energy/2
             total%force = total%force + u*r
@@ -203,7 +206,7 @@ contains
             total%drag = total%drag + f
             total%heat = total%heat + heat/2
             total%stiffness = total%stiffness + cells*q(5)*(slope*distance/back%touch)**2 &
-                              *solid%links%cell(solid%links%body(i))*solid%mass(i)
+                              *solid%links%cell(a)*solid%mass(i)
             if (energy > 0) total%stiffness = total%stiffness + m%core/(m%spacing/2)
             total%drag = total%drag + share*r
             total%heat(1) = total%heat(1) - share*vr/2
@@ -217,13 +220,14 @@ contains
         real(rk), intent(in) :: slope, r2, vr
         real(rk), intent(out) :: u
         real(rk), intent(inout) :: damping !! of the links of i so far [N s/m]
-        real(rk) :: w, pressure
+        real(rk) :: h, w, pressure
 
         w = solid%volume(i)*solid%volume(j)*slope/real(solid%depth, rk)
         pressure = -(solid%stress(1, i) + solid%stress(2, i) + solid%stress(3, i) &
                      + solid%stress(1, j) + solid%stress(2, j) + solid%stress(3, j))/3
-        u = viscous_force(w, solid%links%table(solid%links%body(i), solid%links%body(j))%h, r2, &
-                          vr, solid%pair(pair_linear, i) + solid%pair(pair_linear, j), &
+        h = solid%links%table(link_body(solid%links, i), link_body(solid%links, j))%h
+        u = viscous_force(w, h, r2, vr, &
+                          solid%pair(pair_linear, i) + solid%pair(pair_linear, j), &
                           solid%pair(pair_quadratic, i) + solid%pair(pair_quadratic, j))
         damping = damping + drag_stiffness(u, r2, vr)
         u = u + w*max(pressure, 0.0_rk)

@@ -4,7 +4,7 @@ module brz_solid_doubles
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int64
     use brz_solid_lanes, only: group_of
-    use brz_solid_links, only: link_mirror
+    use brz_solid_links, only: first_link, last_link, link_mirror
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
@@ -29,7 +29,7 @@ contains
                     if (solid%list(k) /= i) call look(b, i, solid%list(k), 0)
                 end do
                 if (.not. solid%links%present) cycle
-                do k = solid%links%first(i), solid%links%first(i + 1) - 1
+                do k = first_link(solid%links, i), last_link(solid%links, i)
                     call look(b, i, solid%links%list(k), int(solid%links%mask(k)))
                 end do
                 if (failed(err)) return

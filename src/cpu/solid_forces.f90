@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Pass 2: accelerations by the internal forces, heat of the viscous ones, and their ledger.
 module brz_solid_forces
+    use brz_air_force, only: air_force
     use brz_artificial_stress, only: artificial_none
     use brz_kernel, only: kernel_scale, kernel_shape, kernel_slope, pair_kernel, smoothing_length
     use brz_kinds, only: dp, int64, rk
@@ -213,12 +214,13 @@ contains
         real(rk), intent(in) :: dt
         integer, intent(in) :: i, k
         real(rk), intent(in) :: f(n_terms)
-        real(rk) :: force(3), kick(3), heat, held
+        real(rk) :: force(3), load(3), kick(3), heat, held
 
+        load = air_force(solid, i)
         force = f(1:3) + f(at_drag + 1:at_drag + 3) + f(at_hold + 1:at_hold + 3)
         held = solid%fixed(i)
         solid%a(:, i) = (1 - held)*force/solid%mass(i)
-        kick = (1 - held)*dt*(solid%a(:, i) + solid%load(:, i)/solid%mass(i))
+        kick = (1 - held)*dt*(solid%a(:, i) + load/solid%mass(i))
         heat = f(at_heat) - dot_product(f(at_drag + 1:at_drag + 3), kick)/2
         solid%energy(i) = solid%energy(i) + dt*(heat + f(at_friction))/solid%mass(i)
         associate (sums => solid%search%sums(:, k), hold => f(at_hold + 1:at_hold + 3))
@@ -226,7 +228,7 @@ contains
             sums(7) = sums(7) + dt*f(at_friction)
             sums(2) = sums(2) - dt/2*dot_product(hold, solid%v(:, i))
             sums(6) = sums(6) - dt/2*dot_product(hold, solid%v(:, i) + kick)
-            sums(3:5) = sums(3:5) + dt*held*(force + solid%load(:, i))
+            sums(3:5) = sums(3:5) + dt*held*(force + load)
         end associate
         if (.not. (dot_product(f, f) <= huge(dt)) .or. solid%mu(i) <= -1) then
             if (solid%search%bad(k) == 0) solid%search%bad(k) = i

@@ -9,36 +9,24 @@ module brz_solid_links
     use brz_solid_state, only: bond_whole, links_t, solid_t, worth_threads
     implicit none
     private
-    public :: build_links, is_bonded, link_mirror, first_bonds
+    public :: build_links, is_bonded, link_mirror, link_body, first_link, last_link, first_bonds
 
 contains
 
-    !> Build the links for the positions `x_built`. While they are counted and stored, `first(i+1)`
-    !> is the number, then the place, of the last link of i so far.
+    !> Build the links for the positions `x_built`.
     subroutine build_links(solid)
         type(solid_t), intent(inout) :: solid
-        integer(int64) :: number, total
-        integer :: i
 
         if (.not. solid%links%present) return
-        associate (first => solid%links%first)
-            first = 0
-            call visit_bodies(solid, .false.)
-            total = 0
-            do i = 1, solid%n
-                number = first(i + 1)
-                first(i + 1) = total
-                total = total + number
-            end do
-            call make_room(solid%links, total + 1)
-            call visit_bodies(solid, .true.)
-            first = first + 1
-        end associate
+        solid%links%row = 0
+        call visit_bodies(solid, .false.)
         call number_rows(solid%links)
+        call visit_bodies(solid, .true.)
+        solid%links%first = solid%links%first + 1
     end subroutine build_links
 
-    !> Count or store, for every particle, its links with one body after the other; note which
-    !> bodies have some.
+    !> Count in `row`, or store, the links of every particle with one body after the other; note
+    !> which bodies have some. As they are stored, first(r+1) is the place of the last of row r.
     subroutine visit_bodies(solid, keep)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: keep
@@ -64,13 +52,21 @@ contains
                 !$omp parallel do if(solid%n >= worth_threads) schedule(static) &
                 !$omp private(last, m) reduction(.or.: met)
                 do i = solid%bodies(a)%first, solid%bodies(a)%last
-                    last = solid%links%first(i + 1)
-                    do m = 0, 7
-                        if (near(solid, i, m, lo - reach, hi + reach)) &
-                            call search(solid, i, m, reach, keep, last)
-                    end do
-                    met = met .or. last > solid%links%first(i + 1)
-                    solid%links%first(i + 1) = last
+                    associate (row => solid%links%row(i), first => solid%links%first)
+                        if (keep .and. row == 0) cycle
+                        last = row
+                        if (keep) last = first(row + 1)
+                        do m = 0, 7
+                            if (near(solid, i, m, lo - reach, hi + reach)) &
+                                call search(solid, i, m, reach, keep, last)
+                        end do
+                        if (keep) then
+                            met = met .or. last > first(row + 1)
+                            first(row + 1) = last
+                        else
+                            row = int(last, int32)
+                        end if
+                    end associate
                 end do
                 solid%links%met(a, b) = met
             end do
@@ -138,38 +134,74 @@ contains
         end do
     end function link_mirror
 
-    !> Rows for the contact of particles that have links; row 0 stays nil, for all others.
+    !> Turn numbers of links into numbers of rows, of particles that have some; first(r+1) is then
+    !> the place before the links of row r. Row 0 is for all others: it has no links and stays nil.
     subroutine number_rows(links)
         type(links_t), intent(inout) :: links
-        integer :: i, n
+        integer(int64) :: number, total
+        integer :: i
 
-        n = 0
+        links%rows = count(links%row > 0)
+        call make_room(links, links%rows, sum(int(links%row, int64)))
+        links%rows = 0
+        links%first = 0
+        total = 0
         do i = 1, size(links%row)
-            links%row(i) = 0
-            if (links%first(i + 1) == links%first(i)) cycle
-            n = n + 1
-            links%row(i) = n
+            number = links%row(i)
+            if (number == 0) cycle
+            links%rows = links%rows + 1
+            links%row(i) = links%rows
+            links%first(links%rows + 1) = total
+            total = total + number
         end do
-        links%rows = n
-        if (ubound(links%push, 2) < n) then
-            deallocate (links%press, links%push)
-            allocate (links%press(5, 0:n + n/4), links%push(6, 0:n + n/4))
-        end if
         links%press = 0
         links%push = 0
     end subroutine number_rows
 
-    !> Room for the links, with something to spare.
-    subroutine make_room(links, n)
+    !> Room for so many rows and links, with something to spare.
+    subroutine make_room(links, rows, n)
         type(links_t), intent(inout) :: links
+        integer, intent(in) :: rows
         integer(int64), intent(in) :: n
+        integer :: most
 
+        if (ubound(links%push, 2) < rows) then
+            most = rows + rows/4
+            deallocate (links%first, links%press, links%push)
+            allocate (links%first(0:most + 1), links%press(5, 0:most), links%push(6, 0:most))
+        end if
         if (allocated(links%list)) then
             if (size(links%list, kind=int64) >= n) return
             deallocate (links%list, links%mask)
         end if
         allocate (links%list(n + n/4 + 64), links%mask(n + n/4 + 64))
     end subroutine make_room
+
+    !> Links of particle i: first..last.
+    pure integer(int64) function first_link(links, i) result(k)
+        type(links_t), intent(in) :: links
+        integer, intent(in) :: i
+
+        k = links%first(links%row(i))
+    end function first_link
+
+    pure integer(int64) function last_link(links, i) result(k)
+        type(links_t), intent(in) :: links
+        integer, intent(in) :: i
+
+        k = links%first(links%row(i) + 1) - 1
+    end function last_link
+
+    !> Body of a particle.
+    pure integer function link_body(links, i) result(b)
+        type(links_t), intent(in) :: links
+        integer, intent(in) :: i
+
+        b = 1
+        do while (i > links%ends(b))
+            b = b + 1
+        end do
+    end function link_body
 
     !> True where a pair of bodies is bonded and the bond is whole at both particles.
     pure logical function is_bonded(links, i, j)
@@ -178,20 +210,21 @@ contains
 
         is_bonded = .false.
         if (.not. links%bonds) return
-        is_bonded = links%table(links%body(i), links%body(j))%law == law_bonded .and. &
+        is_bonded = links%table(link_body(links, i), link_body(links, j))%law == law_bonded .and. &
                     links%bond(i) == bond_whole .and. links%bond(j) == bond_whole
     end function is_bonded
 
     !> Bond the particles that have a partner within reach at the start; others never bond.
     subroutine first_bonds(solid)
         type(solid_t), intent(inout) :: solid
-        integer :: i, j
+        integer :: a, b, i
         integer(int64) :: k
 
         do i = 1, solid%n
-            do k = solid%links%first(i), solid%links%first(i + 1) - 1
-                j = solid%links%list(k)
-                if (solid%links%table(solid%links%body(i), solid%links%body(j))%law == law_bonded) &
+            a = link_body(solid%links, i)
+            do k = first_link(solid%links, i), last_link(solid%links, i)
+                b = link_body(solid%links, solid%links%list(k))
+                if (solid%links%table(a, b)%law == law_bonded) &
                     solid%links%bond(i) = bond_whole
             end do
         end do

@@ -220,12 +220,12 @@ contains
                 last = 0
                 if (body%formulation /= form_rigid) &
                     call search_images(solid, place, i, reach, .false., last)
-                first(i + 1) = last
+                first(i + 1) = int(last, int32)
             end do
             do i = body%first, body%last
                 first(i + 1) = first(i) + first(i + 1)
             end do
-            call make_room_for_images(solid, first(body%last + 1) - 1)
+            call make_room_for_images(solid, int(first(body%last + 1) - 1, int64))
             if (body%formulation == form_rigid) return
             !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(last)
             do i = body%first, body%last

@@ -4,6 +4,7 @@
 !> The particles of a rigid body carry its mass to contact, air and output. Their velocity is kept
 !> at half steps like that of all others, and `a` is what brings it to the step.
 module brz_solid_rigid
+    use brz_air_force, only: air_force
     use brz_drive, only: book_drive
     use brz_kinds, only: dp, rk
     use brz_motion, only: mean_velocity, velocity_of
@@ -72,6 +73,7 @@ contains
 
         force = 0
         torque = 0
+        if (.not. allocated(solid%load)) return
         do i = body%first, body%last
             force = force + solid%load(:, i)
             torque = torque + cross(solid%x(:, i) - body%rigid%x, real(solid%load(:, i), dp))
@@ -158,7 +160,7 @@ contains
             end do
             do i = body%first, body%last
                 if (solid%fixed(i) == 0) cycle
-                body%motion%force = body%motion%force - solid%load(:, i)
+                body%motion%force = body%motion%force - air_force(solid, i)
                 solid%a(:, i) = real(2/dt*(v - solid%v(:, i)), rk)
             end do
         end if

@@ -4,8 +4,9 @@
 !> start_solid once, or resume_solid after a restart; then solid_step again and again.
 module brz_solid_step
     use brz_cell_grid, only: reach_of_lists
+    use brz_air_force, only: air_force
     use brz_errors, only: error_t, exit_numerical, raise
-    use brz_kinds, only: dp, int8, int64, rk
+    use brz_kinds, only: dp, int16, int64, int8, rk
     use brz_material, only: strength_left
     use brz_solid_bonds, only: break_bonds
     use brz_solid_contact, only: contact_pass, find_touch
@@ -23,6 +24,7 @@ module brz_solid_step
     private
     public :: start_solid, resume_solid, solid_time_step, solid_step, velocity_at_step
 
+    integer, parameter :: most_support = huge(1_int16)
     real(dp), parameter :: growth = 1.05_dp !! most that a time step may exceed the last one
 
 contains
@@ -40,7 +42,7 @@ contains
         end do
         do b = 1, size(solid%bodies)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
-                solid%support(i) = count_intact(solid, b, i, 0)
+                solid%support(i) = int(min(count_intact(solid, b, i, 0), most_support), int16)
             end do
         end do
         call refuse_doubles(solid, err)
@@ -111,12 +113,12 @@ contains
     subroutine kick_and_drift(solid, dt)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt
-        real(rk) :: mean, v(3)
+        real(rk) :: mean, v(3), load(3)
         real(dp) :: work
         integer :: i, k
 
         mean = real((solid%dt_last + dt)/2, rk)
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, v, work)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, v, load, work)
         do k = 1, size(solid%block, 2)
             work = 0
             solid%search%sums(1, k) = 0
@@ -126,9 +128,10 @@ contains
             do i = solid%block(2, k), solid%block(3, k)
                 if (solid%fixed(i) == 1) cycle
                 v = solid%v(:, i)
-                solid%v(:, i) = v + mean*solid%a(:, i) + real(dt, rk)*solid%load(:, i)/solid%mass(i)
+                load = air_force(solid, i)
+                solid%v(:, i) = v + mean*solid%a(:, i) + real(dt, rk)*load/solid%mass(i)
                 solid%x(:, i) = solid%x(:, i) + dt*solid%v(:, i)
-                work = work + dt*dot_product(solid%load(:, i), v + solid%v(:, i))/2
+                work = work + dt*dot_product(load, v + solid%v(:, i))/2
             end do
             solid%search%sums(1, k) = work
         end do

@@ -11,7 +11,7 @@ module brz_gpu_solid_copy
     use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, open_gpu_solid_memory, part_of
-    use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
     use brz_materials, only: unloaded_speed
     use brz_solid_state, only: solid_t
     implicit none
@@ -98,15 +98,15 @@ contains
         call put(at_wave, of_bodies(solid, wave))
         call put(at_bulk, of_bodies(solid, bulk))
         call put_tag(tag_id, solid%id)
-        call put_tag(tag_ply, solid%ply)
-        call put_tag(tag_support, solid%support)
+        call put_tag(tag_ply, int(solid%ply, int32))
+        call put_tag(tag_support, int(solid%support, int32))
         call put_tag(tag_fixed, int(solid%fixed, int32))
         call put_tag(tag_cut, int(solid%cut, int32))
         do c = 1, merge(3, 0, gpu%load > 0)
             call put(gpu%load + c, solid%load(c, :))
         end do
         if (.not. gpu%linked) return
-        call put(gpu%touch, solid%links%touch)
+        call put(gpu%touch, real(solid%links%touch, rk))
         call put_tag(tag_bond, int(solid%links%bond, int32))
 
     contains
@@ -254,14 +254,17 @@ contains
             solid%load(c, :) = x
         end do
         call fetch_tag(gpu, tag_id, solid%id, err)
-        call fetch_tag(gpu, tag_ply, solid%ply, err)
-        call fetch_tag(gpu, tag_support, solid%support, err)
+        call fetch_tag(gpu, tag_ply, marks, err)
+        solid%ply = int(marks, int16)
+        call fetch_tag(gpu, tag_support, marks, err)
+        solid%support = int(marks, int16)
         call fetch_tag(gpu, tag_fixed, marks, err)
         solid%fixed = int(marks, int8)
         call fetch_tag(gpu, tag_cut, marks, err)
         solid%cut = int(marks, int8)
         if (.not. gpu%linked) return
-        call fetch(gpu%touch, solid%links%touch)
+        call fetch(gpu%touch, x)
+        solid%links%touch = real(x, real32)
         call fetch_tag(gpu, tag_bond, marks, err)
         solid%links%bond = int(marks, int8)
 

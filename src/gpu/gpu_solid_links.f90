@@ -25,11 +25,13 @@ contains
         type(error_t), intent(inout) :: err
         type(link_gpu_t) :: params
         integer(int64) :: bytes, n
+        integer :: b
 
         if (.not. gpu%linked) return
         n = gpu%n
         associate (links => gpu%links)
-            call put(size(solid%links%body)*4_int64, solid%links%body, links%owner)
+            call put(4*n, [(spread(b, 1, solid%bodies(b)%last - solid%bodies(b)%first + 1), &
+                            b=1, size(solid%bodies))], links%owner)
             bytes = size(solid%links%table)*(storage_size(solid%links%table)/8_int64)
             call put(bytes, solid%links%table, links%table)
             call put(size(solid%links%cell)*bytes_of_real, solid%links%cell, links%cell)

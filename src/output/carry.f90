@@ -5,7 +5,7 @@ module brz_carry
     use brz_errors, only: error_t
     use brz_hdf5_array, only: h5_read, h5_write
     use brz_hdf5_file, only: h5_t
-    use brz_kinds, only: int8, int32, int64, real32, real64
+    use brz_kinds, only: int8, int16, int32, int64, real32, real64
     implicit none
     private
     public :: carry
@@ -13,8 +13,8 @@ module brz_carry
     !> Write a scalar or an array to a file that is being written, else read it from the file. An
     !> array must have the shape of what is in the file.
     interface carry
-        module procedure carry_real64, carry_real32, carry_int64, carry_int32, carry_int8, &
-            carry_logical
+        module procedure carry_real64, carry_real32, carry_int64, carry_int32, carry_int16, &
+            carry_int8, carry_logical
     end interface carry
 
 contains
@@ -70,6 +70,19 @@ contains
             call h5_read(file, name, a, err)
         end if
     end subroutine carry_int32
+
+    !> As int32 in the file.
+    subroutine carry_int16(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        integer(int16), intent(inout) :: a(:)
+        type(error_t), intent(inout) :: err
+        integer(int32), allocatable :: number(:)
+
+        allocate (number(size(a)), source=int(a, int32))
+        call carry_int32(file, name, number, err)
+        a = int(number, int16)
+    end subroutine carry_int16
 
     subroutine carry_int8(file, name, a, err)
         type(h5_t), intent(in) :: file

@@ -60,7 +60,7 @@ contains
         call carry(file, 'solid/x_built', solid%x_built, err)
         call carry(file, 'solid/v', solid%v, err)
         call carry(file, 'solid/a', solid%a, err)
-        call carry(file, 'solid/load', solid%load, err)
+        if (allocated(solid%load)) call carry(file, 'solid/load', solid%load, err)
         call carry(file, 'solid/mass', solid%mass, err)
         call carry(file, 'solid/mu', solid%mu, err)
         call carry(file, 'solid/energy', solid%energy, err)

@@ -79,7 +79,7 @@ contains
         call write_field(file, 'PointData/id', '-', solid%id(order), err)
         call write_field(file, 'PointData/body', '-', body(order), err)
         call write_field(file, 'PointData/material', '-', material(order), err)
-        call write_field(file, 'PointData/ply', '-', solid%ply(order), err)
+        call write_field(file, 'PointData/ply', '-', int(solid%ply(order), int32), err)
         call write_field(file, 'PointData/fixed', '-', solid%fixed(order), err)
     end subroutine write_points
 

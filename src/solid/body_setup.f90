@@ -10,7 +10,7 @@ module brz_body_setup
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation, only: settle_formulation
     use brz_interaction_setup, only: set_up_interactions
-    use brz_kinds, only: dp, int8, rk
+    use brz_kinds, only: dp, int16, int8, rk
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
     use brz_rigid_setup, only: set_up_rigid
@@ -44,6 +44,7 @@ contains
         solid%n_hist = maxval(solid%materials(solid%bodies%material)%n_hist)
         call set_up_interactions(case, solid, err)
         call allocate_solid(solid)
+        if (case%air%present) allocate (solid%load(3, solid%n), source=0.0_rk)
         do b = 1, size(solid%bodies)
             call fill_body(case%bodies(b), points(b), solid, solid%bodies(b))
             call move_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
@@ -197,17 +198,17 @@ contains
     end subroutine fill_body
 
     !> Ply of a particle, by its centroid; 0 without plies.
-    pure integer function ply_of(input, shape, x) result(ply)
+    pure integer(int16) function ply_of(input, shape, x) result(ply)
         type(body_case_t), intent(in) :: input
         type(shape_t), intent(in) :: shape
         real(dp), intent(in) :: x(3)
-        integer :: a
+        integer :: a, p
 
         ply = 0
         if (input%n_plies < 1) return
         a = max(1, index('xyz', input%ply_axis))
-        ply = 1 + int(input%n_plies*(x(a) - shape%full_lo(a))/(shape%full_hi(a) - shape%full_lo(a)))
-        ply = max(1, min(ply, input%n_plies))
+        p = 1 + int(input%n_plies*(x(a) - shape%full_lo(a))/(shape%full_hi(a) - shape%full_lo(a)))
+        ply = int(max(1, min(p, input%n_plies)), int16)
     end function ply_of
 
     pure real(rk) function ply_angle(input, ply)

@@ -121,13 +121,11 @@ contains
         type(search_t), intent(inout) :: s
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
         type(body_t), intent(in) :: body
-        integer :: i, c, n, lo(3)
+        integer :: i, c, n
 
         s%start = 0
         do i = body%first, body%last
-            lo = place(s, x(:, i))
-            c = s%code(lo(1), 1) + s%code(lo(2), 2) + s%code(lo(3), 3)
-            s%cell(i) = c
+            c = cell_of(s, x(:, i))
             s%start(c) = s%start(c) + 1
         end do
         n = body%first
@@ -137,7 +135,7 @@ contains
             n = n + i
         end do
         do i = body%first, body%last
-            c = s%cell(i)
+            c = cell_of(s, x(:, i))
             s%order(s%start(c)) = i
             s%start(c) = s%start(c) + 1
         end do
@@ -146,6 +144,16 @@ contains
         end do
         s%start(0) = body%first
     end subroutine fill_cells
+
+    !> Number of the cell of a point along the curve.
+    pure integer function cell_of(s, x) result(c)
+        type(search_t), intent(in) :: s
+        real(dp), intent(in) :: x(3) !! [m]
+        integer :: at(3)
+
+        at = place(s, x)
+        c = s%code(at(1), 1) + s%code(at(2), 2) + s%code(at(3), 3)
+    end function cell_of
 
     !> Cell of a point along each axis.
     pure function place(s, x) result(c)

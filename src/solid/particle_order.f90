@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> Bring every array of the particles into a new order, without allocating.
 !>
-!> `x_built` and `pair`, which are written afresh after a sort, serve as buffers.
+!> `pair`, which is written afresh after a sort, serves as buffer for one array after the other.
 module brz_particle_order
-    use brz_kinds, only: dp, int32, int8, rk
+    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+    use brz_kinds, only: int8
     use brz_solid_state, only: solid_t, worth_threads
     implicit none
     private
@@ -15,80 +16,66 @@ contains
     subroutine reorder_particles(solid)
         type(solid_t), intent(inout) :: solid
 
-        associate (s => solid%search, n => solid%n)
-            call reorder_d(n, s%order, solid%x, solid%x_built)
-            call reorder_d(n, s%order, solid%x_ref, solid%x_built)
-            call reorder_r(3, n, s%order, solid%v, solid%pair)
-            call reorder_r(3, n, s%order, solid%a, solid%pair)
-            call reorder_r(3, n, s%order, solid%load, solid%pair)
-            call reorder_r(1, n, s%order, solid%mass, solid%pair)
-            call reorder_r(1, n, s%order, solid%mu, solid%pair)
-            call reorder_r(1, n, s%order, solid%energy, solid%pair)
-            call reorder_r(6, n, s%order, solid%stress, solid%pair)
-            call reorder_r(solid%n_hist, n, s%order, solid%hist, solid%pair)
-            call reorder_r(1, n, s%order, solid%damage, solid%pair)
-            call reorder_r(1, n, s%order, solid%volume, solid%pair)
-            if (allocated(solid%h)) call reorder_r(1, n, s%order, solid%h, solid%pair)
-            call reorder_i(n, s%order, solid%id, s%cell)
-            call reorder_i(n, s%order, solid%ply, s%cell)
-            call reorder_i(n, s%order, solid%support, s%cell)
-            call reorder_b(n, s%order, solid%fixed, s%b)
-            call reorder_b(n, s%order, solid%cut, s%b)
-            if (.not. solid%links%present) return
-            call reorder_r(1, n, s%order, solid%links%touch, solid%pair)
-            call reorder_b(n, s%order, solid%links%bond, s%b)
+        associate (s => solid)
+            call reorder(storage_size(s%x)/8*3, s%x)
+            call reorder(storage_size(s%x_ref)/8*3, s%x_ref)
+            call reorder(storage_size(s%v)/8*3, s%v)
+            call reorder(storage_size(s%a)/8*3, s%a)
+            if (allocated(s%load)) call reorder(storage_size(s%load)/8*3, s%load)
+            call reorder(storage_size(s%mass)/8, s%mass)
+            call reorder(storage_size(s%mu)/8, s%mu)
+            call reorder(storage_size(s%energy)/8, s%energy)
+            call reorder(storage_size(s%stress)/8*6, s%stress)
+            call reorder(storage_size(s%hist)/8*s%n_hist, s%hist)
+            call reorder(storage_size(s%damage)/8, s%damage)
+            call reorder(storage_size(s%volume)/8, s%volume)
+            if (allocated(s%h)) call reorder(storage_size(s%h)/8, s%h)
+            call reorder(storage_size(s%id)/8, s%id)
+            call reorder(storage_size(s%ply)/8, s%ply)
+            call reorder(storage_size(s%support)/8, s%support)
+            call reorder(1, s%fixed)
+            call reorder(1, s%cut)
+            if (.not. s%links%present) return
+            call reorder(storage_size(s%links%touch)/8, s%links%touch)
+            call reorder(1, s%links%bond)
         end associate
+
+    contains
+
+        !> An array of so many bytes per particle, at most those of a row of `pair`.
+        subroutine reorder(bytes, q)
+            integer, intent(in) :: bytes
+            type(*), intent(inout), target, contiguous :: q(..)
+
+            if (bytes > 0) call gather(bytes, solid%n, solid%search%order, q, solid%pair)
+        end subroutine reorder
     end subroutine reorder_particles
 
-    subroutine reorder_d(n, order, q, buffer)
-        integer, intent(in) :: n, order(n)
-        real(dp), intent(inout) :: q(3, n)
-        real(dp), intent(inout) :: buffer(3, n)
+    !> Bring q, of so many bytes per particle, into the order, by way of the buffer.
+    subroutine gather(bytes, n, order, q, buffer)
+        integer, intent(in) :: bytes, n, order(n)
+        type(*), intent(inout), target, contiguous :: q(..), buffer(..)
+        integer(int8), pointer :: old(:, :), new(:, :)
+
+        call c_f_pointer(c_loc(q), old, [bytes, n])
+        call c_f_pointer(c_loc(buffer), new, [bytes, n])
+        call gather_bytes(bytes, n, order, old, new)
+    end subroutine gather
+
+    subroutine gather_bytes(bytes, n, order, old, new)
+        integer, intent(in) :: bytes, n, order(n)
+        integer(int8), intent(inout) :: old(bytes, n), new(bytes, n)
         integer :: i
 
         !$omp parallel if(n >= worth_threads)
         !$omp do schedule(static)
         do i = 1, n
-            buffer(:, i) = q(:, order(i))
+            new(:, i) = old(:, order(i))
         end do
         !$omp do schedule(static)
         do i = 1, n
-            q(:, i) = buffer(:, i)
+            old(:, i) = new(:, i)
         end do
         !$omp end parallel
-    end subroutine reorder_d
-
-    subroutine reorder_r(k, n, order, q, buffer)
-        integer, intent(in) :: k, n, order(n)
-        real(rk), intent(inout) :: q(k, n)
-        real(rk), intent(inout) :: buffer(k, n)
-        integer :: i
-
-        !$omp parallel if(n >= worth_threads)
-        !$omp do schedule(static)
-        do i = 1, n
-            buffer(:, i) = q(:, order(i))
-        end do
-        !$omp do schedule(static)
-        do i = 1, n
-            q(:, i) = buffer(:, i)
-        end do
-        !$omp end parallel
-    end subroutine reorder_r
-
-    subroutine reorder_i(n, order, q, buffer)
-        integer, intent(in) :: n, order(n)
-        integer(int32), intent(inout) :: q(n), buffer(n)
-
-        buffer = q(order)
-        q = buffer
-    end subroutine reorder_i
-
-    subroutine reorder_b(n, order, q, buffer)
-        integer, intent(in) :: n, order(n)
-        integer(int8), intent(inout) :: q(n), buffer(n)
-
-        buffer = q(order)
-        q = buffer
-    end subroutine reorder_b
+    end subroutine gather_bytes
 end module brz_particle_order

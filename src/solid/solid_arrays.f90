@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
-    use brz_kinds, only: dp, int64, real32, rk
+    use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_solid_state, only: bond_none, lanes, n_pair, solid_t
     implicit none
     private
@@ -18,14 +18,14 @@ contains
 
         associate (n => solid%n)
             allocate (solid%x(3, n), solid%x_ref(3, n), solid%x_built(3, n), source=0.0_dp)
-            allocate (solid%v(3, n), solid%a(3, n), solid%load(3, n), solid%mass(n), solid%mu(n), &
-                      solid%energy(n), solid%stress(6, n), solid%hist(solid%n_hist, n), &
-                      solid%damage(n), solid%volume(n), solid%pair(n_pair, n))
+            allocate (solid%v(3, n), solid%a(3, n), solid%mass(n), solid%mu(n), solid%energy(n), &
+                      solid%stress(6, n), solid%hist(solid%n_hist, n), solid%damage(n), &
+                      solid%volume(n), solid%pair(n_pair, n))
             allocate (solid%id(n), solid%ply(n), solid%support(n), solid%fixed(n), solid%cut(n))
-            if (any(solid%mirror)) allocate (solid%image_first(n + 1), source=1_int64)
+            if (any(solid%mirror)) allocate (solid%image_first(n + 1), source=1_int32)
             if (any(solid%bodies%variable)) allocate (solid%h(n), source=0.0_rk)
             if (any(solid%bodies%directional)) allocate (solid%hold(6, n), source=0.0_real32)
-            allocate (solid%search%cell(n), solid%search%order(n), solid%search%b(n))
+            allocate (solid%search%order(n))
         end associate
         call number_groups(solid)
         call clear(solid)
@@ -51,15 +51,12 @@ contains
     !> What particles need to meet those of other bodies.
     subroutine allocate_links(solid)
         type(solid_t), intent(inout) :: solid
-        integer :: b
 
         associate (n => solid%n, links => solid%links)
-            allocate (links%body(n), links%first(n + 1), links%touch(n), links%bond(n))
-            allocate (links%row(n), links%press(5, 0:0), links%push(6, 0:0))
+            allocate (links%row(n), links%touch(n), links%bond(n))
+            allocate (links%first(0:1), links%press(5, 0:0), links%push(6, 0:0))
             allocate (links%met(size(solid%bodies), size(solid%bodies)), source=.false.)
-            do b = 1, size(solid%bodies)
-                links%body(solid%bodies(b)%first:solid%bodies(b)%last) = b
-            end do
+            links%ends = solid%bodies%last
             links%first = 1
             links%row = 0
             links%touch = 1
@@ -74,7 +71,6 @@ contains
 
         solid%v = 0
         solid%a = 0
-        solid%load = 0
         solid%mass = 0
         solid%mu = 0
         solid%energy = 0
@@ -113,19 +109,20 @@ contains
         type(solid_t), intent(in) :: solid
 
         associate (s => solid)
-            bytes = wide(size(s%x) + size(s%x_ref) + size(s%x_built)) &
-                    + working(size(s%v) + size(s%a) + size(s%load) + size(s%mass) + size(s%mu)) &
-                    + working(size(s%energy) + size(s%stress) + size(s%hist) + size(s%damage)) &
+            bytes = wide(size(s%x) + size(s%x_ref) + size(s%x_built) + size(s%first)) &
+                    + working(size(s%v) + size(s%a) + size(s%mass) + size(s%mu) + size(s%energy)) &
+                    + working(size(s%stress) + size(s%hist) + size(s%damage)) &
                     + working(size(s%volume) + size(s%pair)) &
-                    + 4.0_dp*(size(s%id) + size(s%ply) + size(s%support)) &
-                    + 4.0_dp*(size(s%search%cell) + size(s%search%order)) &
-                    + 1.0_dp*(size(s%fixed) + size(s%cut) + size(s%search%b)) &
-                    + wide(size(s%first))
-            if (allocated(s%image_first)) bytes = bytes + wide(s%n)
+                    + 4.0_dp*(size(s%id) + size(s%search%order)) &
+                    + 2.0_dp*(size(s%ply) + size(s%support)) &
+                    + 1.0_dp*(size(s%fixed) + size(s%cut))
+            if (allocated(s%image_first)) bytes = bytes + 4.0_dp*size(s%image_first)
+            if (allocated(s%load)) bytes = bytes + working(size(s%load))
             if (allocated(s%h)) bytes = bytes + working(size(s%h))
             if (allocated(s%hold)) bytes = bytes + 4.0_dp*size(s%hold)
-            if (s%links%present) bytes = bytes + wide(s%n) + 9.0_dp*s%n &
-                + working(size(s%links%touch) + size(s%links%press) + size(s%links%push))
+            if (s%links%present) bytes = bytes + 4.0_dp*(size(s%links%row) + size(s%links%touch)) &
+                + size(s%links%bond) + wide(size(s%links%first)) &
+                + working(size(s%links%press) + size(s%links%push))
         end associate
         bytes = bytes/solid%n
     end function bytes_per_particle

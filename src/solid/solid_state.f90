@@ -6,7 +6,7 @@
 module brz_solid_state
     use brz_artificial_stress, only: artificial_none
     use brz_contact, only: meeting_t
-    use brz_kinds, only: dp, int8, int32, int64, real32, rk
+    use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
     use brz_material, only: material_t
     use brz_motion, only: motion_t
     use brz_rigid, only: rigid_t
@@ -92,10 +92,8 @@ module brz_solid_state
         integer :: cells(3) = 1 !! of the grid of the body at hand
         real(dp) :: lo(3) = 0, size = 1 !! its low corner and the side of a cell [m]
         integer, allocatable :: code(:, :) !! (cells, 3) share of an axis in the number of a cell
-        integer, allocatable :: cell(:) !! (n) cell of a particle
         integer, allocatable :: start(:) !! first place of a cell in `order`
         integer, allocatable :: order(:) !! (n) particles cell by cell
-        integer(int8), allocatable :: b(:) !! (n) buffer for sorting
         real(dp), allocatable :: sums(:, :) !! (sums, blocks) partial sums of a pass
         real(dp), allocatable :: limit(:) !! (blocks) largest stable time step [s]
         integer, allocatable :: bad(:) !! (blocks) first particle with an impossible state, 0: none
@@ -107,15 +105,15 @@ module brz_solid_state
         logical :: bonds = .false. !! some bodies are bonded
         type(meeting_t), allocatable :: table(:, :) !! (bodies, bodies) law of i's and j's body
         logical, allocatable :: met(:, :) !! (bodies, bodies) some particles of both have links
-        integer(int32), allocatable :: body(:) !! (n) body of a particle
-        integer(int64), allocatable :: first(:) !! (n+1) first link of a particle
+        integer, allocatable :: ends(:) !! (bodies) last particle of a body
+        integer(int32), allocatable :: row(:) !! (n) row of a particle that has links, else 0
+        integer :: rows = 0 !! particles that have links
+        integer(int64), allocatable :: first(:) !! (0:rows+1) first link of a row; row 0 has none
         integer(int32), allocatable :: list(:) !! particle of another body
         integer(int8), allocatable :: mask(:) !! mirrored axes of an entry, bits 0..2
         real(rk), allocatable :: cell(:) !! (bodies) lattice volume per mass of particle [m3/kg]
-        real(rk), allocatable :: touch(:) !! (n) kernel sum at which contact begins
+        real(real32), allocatable :: touch(:) !! (n) kernel sum at which contact begins
         integer(int8), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
-        integer(int32), allocatable :: row(:) !! (n) row of a particle that has links, else 0
-        integer :: rows = 0 !! particles that have links
         real(rk), allocatable :: press(:, :) !! (5, 0:rows) pressure of contact [Pa]; its gradient
                                              !! of the kernel sum [1/m]; stiffness [Pa]
         real(rk), allocatable :: push(:, :) !! (6, 0:rows) forces of contact: springs, drag [N]
@@ -144,7 +142,8 @@ module brz_solid_state
         real(dp), allocatable :: x_built(:, :) !! (3, n) position when the list was built [m]
         real(rk), allocatable :: v(:, :) !! (3, n) velocity, half a step before [m/s]
         real(rk), allocatable :: a(:, :) !! (3, n) acceleration by internal forces [m/s2]
-        real(rk), allocatable :: load(:, :) !! (3, n) force of the air, set by the coupling [N]
+        real(rk), allocatable :: load(:, :) !! (3, n) force of the air, set by the coupling; only
+                                            !! where there is air [N]
         real(rk), allocatable :: mass(:) !! (n) [kg]
         real(rk), allocatable :: mu(:) !! (n) compression rho/rho0 - 1 [-]
         real(rk), allocatable :: energy(:) !! (n) specific internal energy [J/kg]
@@ -157,10 +156,10 @@ module brz_solid_state
                                                 !! xz; only where a body has one along axes [Pa]
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
-        integer(int32), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
+        integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
         integer(int8), allocatable :: fixed(:) !! (n) 1: held in place
         integer(int8), allocatable :: cut(:) !! (n) 1: hourglass support lost for good
-        integer(int32), allocatable :: support(:) !! (n) neighbours in the unloaded body
+        integer(int16), allocatable :: support(:) !! (n) neighbours in the unloaded body
         integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block
         character(:), allocatable :: notes !! warnings of the set-up, line by line
         type(search_t) :: search
@@ -168,7 +167,7 @@ module brz_solid_state
         integer(int64), allocatable :: first(:) !! (groups+1)
         integer(int32), allocatable :: list(:) !! particles within reach of a member
         ! mirror images of a particle: entries image_first(i)..image_first(i+1)-1 of `image`
-        integer(int64), allocatable :: image_first(:) !! (n+1), only where there are planes
+        integer(int32), allocatable :: image_first(:) !! (n+1), only where there are planes
         integer(int32), allocatable :: image(:) !! particle whose image is within reach
         integer(int8), allocatable :: mask(:) !! mirrored axes of an entry, bits 0..2
         type(links_t) :: links !! between different bodies

@@ -2,6 +2,7 @@
 """The program from outside: exit codes, restart, requests to stop, and what it leaves behind."""
 
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -258,7 +259,9 @@ COARSER = {
 @pytest.mark.parametrize("deck", sorted(p.name for p in (ROOT / "inputs").glob("*.nml")))
 def test_decks_that_come_along_are_sound(deck, tmp_path):
     coarser = [word for value in COARSER.get(deck, []) for word in ("--set", value)]
-    run("run", ROOT / "inputs" / deck, "--check", *coarser, cwd=tmp_path)
+    done = run("run", ROOT / "inputs" / deck, "--check", *coarser, cwd=tmp_path)
+    for bytes_per_particle in re.findall(r"(\d+)\.? B per particle", done.stdout):
+        assert int(bytes_per_particle) <= 600
 
 
 def test_strip_rings_with_the_period_of_beam_theory(tmp_path):
