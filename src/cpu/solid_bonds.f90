@@ -4,15 +4,17 @@
 module brz_solid_bonds
     use brz_contact, only: bond_effort, law_bonded
     use brz_gradient, only: moment_terms, outer_terms
+    use brz_solid_gradient_sums, only: at_g, at_x, at_y, n_sum => n_terms
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: int64, rk
-    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force, &
-                              viscous_force
+    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, viscous_force
     use brz_solid_links, only: first_link, is_bonded, last_link, link_body, link_mirror
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, n_terms
     use brz_solid_state, only: bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
                                n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
-                               pair_quadratic, pair_stress, pair_volume, solid_t, worth_threads
+                               pair_quadratic, pair_stress, pair_tilt, pair_volume, solid_t, &
+                               worth_threads
+    use brz_tilted_arm, only: tilted_arm, tilted_force
     implicit none
     private
     public :: add_bonded_gradients, add_bonded_forces, break_bonds
@@ -48,23 +50,28 @@ contains
     end subroutine look
 
     !> Add the bonded partners of particle i to its moments and gradients (see pass 1).
-    subroutine add_bonded_gradients(solid, i, moment, velocity, reference)
+    subroutine add_bonded_gradients(solid, i, normal, sums)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
-        real(rk), intent(inout) :: moment(6), velocity(9), reference(9)
+        real(rk), intent(in) :: normal(3) !! of the plies of its body
+        real(rk), intent(inout) :: sums(n_sum) !! see brz_solid_gradient_sums
         type(pair_t) :: p
-        real(rk) :: m(6), g(9), a(9)
+        real(rk) :: y(3), m(6), g(9), a(9), b(9), w
         integer(int64) :: k
 
         do k = first_link(solid%links, i), last_link(solid%links, i)
             if (.not. is_bonded(solid%links, i, solid%links%list(k))) cycle
             call look(solid, i, k, p)
-            call moment_terms(solid%volume(p%j)*p%slope, p%r, m)
-            call outer_terms(solid%volume(p%j)*p%slope, p%dv, p%r, g)
-            call outer_terms(solid%volume(p%j)*p%slope, p%dx, p%r, a)
-            moment = moment + m
-            velocity = velocity + g
-            reference = reference + a
+            w = solid%volume(p%j)*p%slope
+            call tilted_arm(solid%pair(pair_tilt, i), normal, p%dx, p%r, y)
+            call moment_terms(w, p%r, m)
+            call outer_terms(w, p%dv, y, g)
+            call outer_terms(w, p%dx, p%r, a)
+            sums(:at_g) = sums(:at_g) + m
+            sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
+            sums(at_x + 1:at_y) = sums(at_x + 1:at_y) + a
+            call outer_terms(w, p%r, y, b)
+            sums(at_y + 1:) = sums(at_y + 1:) + b
         end do
     end subroutine add_bonded_gradients
 
@@ -74,7 +81,7 @@ contains
         integer, intent(in) :: i
         real(rk), intent(inout) :: f(n_terms)
         type(pair_t) :: p
-        real(rk) :: own(n_pair), other(n_pair), g(3), d(3), w, u, y, vr, heat
+        real(rk) :: own(n_pair), other(n_pair), g(3), d(3), arm(3), arm_j(3), w, u, y, vr, heat
         integer(int64) :: k
         integer :: c, t
 
@@ -97,7 +104,9 @@ contains
                 u = viscous_force(w, m%h, dot_product(r, r), vr, &
                                   own(pair_linear) + other(pair_linear), &
                                   own(pair_quadratic) + other(pair_quadratic))
-                call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
+                call tilted_arm(own(pair_tilt), m%normal(:, 1), p%dx, r, arm)
+                call tilted_arm(-other(pair_tilt), p%s*m%normal(:, 2), p%dx, r, arm_j)
+                call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
                 f(1:3) = f(1:3) + g
                 drag = drag + u*r
                 f(at_heat) = f(at_heat) - u*vr/2

@@ -13,7 +13,8 @@ module brz_solid_forces
                                    sum_viscous, viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, lanes, n_pair, pair_affine, pair_hold, pair_keep, &
-                               pair_stress, pair_volume, solid_t, worth_threads
+                               pair_stress, pair_tilt, pair_volume, solid_t, worth_threads
+    use brz_tilted_arm, only: tilted_arm, tilted_force
     implicit none
     private
     public :: force_pass, update_sizes
@@ -75,6 +76,7 @@ contains
         p%scale = kernel_scale(body%h, solid%dimension)
         p%half_over_h = 1/(2*body%h)
         p%h = body%h
+        p%normal = body%normal
         do first = solid%block(2, k), solid%block(3, k), lanes
             call place_group(solid, body, first, p)
             group = 0
@@ -243,7 +245,7 @@ contains
         type(centre_t), intent(in) :: p
         integer, intent(in) :: j, mask !! mirrored axes, bits 0..2
         real(rk), intent(inout) :: f(n_terms)
-        real(rk) :: s(3), r(3), dv(3), dx(3), arm(3), own(n_pair), other(n_pair), g(3)
+        real(rk) :: s(3), r(3), dv(3), dx(3), arm(3), arm_j(3), own(n_pair), other(n_pair), g(3)
         type(centre_t) :: q
         real(rk) :: w, u, r2
         integer :: t
@@ -270,7 +272,13 @@ contains
             other(pair_affine + 3*t - 2:pair_affine + 3*t) = &
                 s(t)*s*other(pair_affine + 3*t - 2:pair_affine + 3*t)
         end do
-        call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, g)
+        if (body%directional) then
+            call tilted_arm(own(pair_tilt), p%normal, dx, r, arm)
+            call tilted_arm(-other(pair_tilt), s*p%normal, dx, r, arm_j)
+            call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
+        else
+            call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, g)
+        end if
         r2 = dot_product(r, r)
         u = viscosity(q%h, own, other, w, r2, dot_product(r, dv))
         f(1:3) = f(1:3) + g

@@ -14,13 +14,14 @@ module brz_solid_gradients
     use brz_materials, only: unloaded_speed, update_material
     use brz_pair_force, only: axial_stiffness
     use brz_solid_bonds, only: add_bonded_gradients
-    use brz_solid_gradient_sums, only: at_g, at_x, n_moment, n_outer, n_terms, sum_bending, &
-                                       sum_plain
+    use brz_solid_gradient_sums, only: at_g, at_x, at_y, n_moment, n_outer, n_terms, sum_bending, &
+                                       sum_plain, sum_tilted
     use brz_solid_lanes, only: centre_t, group_of, group_t, place_group
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, form_uncorrected, lanes, pair_affine, pair_hold, &
-                               pair_keep, pair_linear, pair_quadratic, pair_stress, pair_volume, &
-                               solid_t, worth_threads
+                               form_total, form_uncorrected, intact_share, lanes, pair_affine, &
+                               pair_hold, pair_keep, pair_linear, pair_quadratic, pair_stress, &
+                               pair_tilt, pair_volume, solid_t, worth_threads
+    use brz_tilted_arm, only: tilted_arm, tilted_correction
     implicit none
     private
     public :: gradient_pass
@@ -84,21 +85,39 @@ contains
         end if
         p%scale = kernel_scale(body%h, solid%dimension)
         p%half_over_h = 1/(2*body%h)
+        p%normal = body%normal
         do first = solid%block(2, k), solid%block(3, k), lanes
             call place_group(solid, body, first, p)
+            call tilt_group(solid, body, p)
             group = 0
             if (.not. body%variable) call sum_direct(solid, body, p, group)
             do i = first, p%last
                 sums = group(i - first + 1, :)
+                solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
                 if (body%variable .or. allocated(solid%image)) &
                     call add_pairs(solid, body, i, p%centre_t, sums)
-                if (solid%links%bonds) call add_bonded_gradients(solid, i, sums(:at_g), &
-                                                                 sums(at_g + 1:at_x), &
-                                                                 sums(at_x + 1:))
+                if (solid%links%bonds) call add_bonded_gradients(solid, i, body%normal, sums)
                 call advance(solid, body, dt, i, k, sums, limit)
             end do
         end do
     end subroutine gradient_block
+
+    !> Tilts of a group: none once a particle has lost its support or its strength.
+    pure subroutine tilt_group(solid, body, p)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        type(group_t), intent(inout) :: p
+        integer :: fails, i, l
+
+        p%tilt = 0
+        if (.not. body%directional) return
+        fails = solid%materials(body%material)%fails
+        do l = 1, lanes
+            i = min(p%i + l - 1, p%last)
+            if (solid%cut(i) == 0 .and. strength_left(fails, solid%damage(i)) > intact_share) &
+                p%tilt(l) = solid%tilt(i)
+        end do
+    end subroutine tilt_group
 
     !> Sums over the direct neighbours. A total-Lagrangian body weighs its pairs by X_ij, and x
     !> takes the place of the reference position: the sums then lead to dx/dX.
@@ -111,8 +130,13 @@ contains
 
         select case (body%formulation)
         case (form_bending)
-            call sum_bending(p, solid%x, solid%v, solid%x_ref, solid%volume, solid%list(p%list), &
-                             sums)
+            if (any(abs(p%tilt) > 0)) then
+                call sum_tilted(p, solid%x, solid%v, solid%x_ref, solid%volume, &
+                                solid%list(p%list), sums)
+            else
+                call sum_bending(p, solid%x, solid%v, solid%x_ref, solid%volume, &
+                                 solid%list(p%list), sums)
+            end if
         case (form_total)
             q = p
             q%x = p%x_ref
@@ -155,7 +179,7 @@ contains
         integer, intent(in) :: i, j, mask !! mirrored axes, bits 0..2
         type(centre_t), intent(in) :: p
         real(rk), intent(inout) :: sums(n_terms)
-        real(rk) :: r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w, s, h
+        real(rk) :: r(3), dv(3), dx(3), y(3), m(n_moment), g(n_outer), a(n_outer), w, s, h
         type(centre_t) :: q
         integer :: t
 
@@ -171,12 +195,15 @@ contains
                                             q%half_over_h)
         w = solid%volume(j)*kernel_slope(q%scale, q%half_over_h, norm2(r))
         if (w == 0) return
+        call tilted_arm(solid%pair(pair_tilt, i), body%normal, dx, r, y)
         call moment_terms(w, r, m)
-        call outer_terms(w, dv, r, g)
+        call outer_terms(w, dv, y, g)
         call outer_terms(w, dx, r, a)
         sums(1:at_g) = sums(1:at_g) + m
         sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
-        sums(at_x + 1:) = sums(at_x + 1:) + a
+        sums(at_x + 1:at_y) = sums(at_x + 1:at_y) + a
+        call outer_terms(w, r, y, g)
+        sums(at_y + 1:) = sums(at_y + 1:) + g
     end subroutine add_pair
 
     pure subroutine swap(a, b)
@@ -198,11 +225,12 @@ contains
         real(dp), intent(inout) :: limit
         real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), c_wave, c_bulk, rho
         real(rk) :: shrink, size
-        integer :: weak, c
+        integer :: weak, weaker, c
 
         do c = solid%dimension + 1, 3
             sums(c) = 1
             sums(at_x + 4*c - 3) = 1
+            sums(at_y + 4*c - 3) = 1
         end do
         if (body%formulation == form_uncorrected) then
             weak = 0
@@ -210,8 +238,12 @@ contains
         else
             call correction(solid%dimension, sums, b, weak)
         end if
-        call multiply3(sums(at_g + 1), b, h)
         call multiply3(sums(at_x + 1), b, a)
+        if (abs(solid%pair(pair_tilt, i)) > 0) then
+            call tilted_correction(solid%dimension, sums(at_y + 1), b, weaker)
+            weak = max(weak, weaker)
+        end if
+        call multiply3(sums(at_g + 1), b, h)
         shrink = 1
         if (body%formulation == form_total) call total_gradient(a, h, shrink)
         c_wave = solid%materials(body%material)%c_wave
@@ -231,6 +263,7 @@ contains
         else ! it works on the present volume, while the weights of the pairs have the last one
             s = s*(solid%mass(i)/(rho*solid%volume(i)))
         end if
+        if (abs(solid%pair(pair_tilt, i)) > 0) b = transpose(b)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
         if (weak /= 0 .and. (body%formulation == form_bending .or. &
                              body%formulation == form_total)) solid%cut(i) = 1

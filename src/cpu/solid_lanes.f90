@@ -17,6 +17,7 @@ module brz_solid_lanes
         integer :: i = 0 !! particle; of a group the first
         real(rk) :: scale = 0, half_over_h = 0 !! see brz_kernel
         real(rk) :: h = 0 !! smoothing length [m]
+        real(rk) :: normal(3) = 0 !! of the plies, see brz_tilted_arm
     end type centre_t
 
     !> The particles of a group. Where they are fewer than lanes, the last one is in all others.
@@ -26,6 +27,7 @@ module brz_solid_lanes
         integer(int64) :: list = 1 !! the first of them
         real(dp) :: x(lanes, 3) = 0, x_ref(lanes, 3) = 0 !! [m]
         real(rk) :: v(lanes, 3) = 0 !! [m/s]
+        real(rk) :: tilt(lanes) = 0 !! for pass 1 [1/m]
         real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_solid_state
         real(rk) :: hold(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
     end type group_t

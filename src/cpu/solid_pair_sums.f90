@@ -10,7 +10,8 @@ module brz_solid_pair_sums
                               viscous_force
     use brz_solid_lanes, only: group_t
     use brz_solid_state, only: lanes, n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
-                               pair_quadratic, pair_stress, pair_volume
+                               pair_quadratic, pair_stress, pair_tilt, pair_volume
+    use brz_tilted_arm, only: tilted_arm, tilted_force
     implicit none
     private
     public :: sum_plain, sum_viscous, sum_stiff, sum_axial, viscosity, mirrored
@@ -165,7 +166,8 @@ contains
         f = acc
     end subroutine sum_stiff
 
-    !> Stress, viscosity and stiff hourglass force along the axes of the material.
+    !> Stress (with the arms of tilted gradients), viscosity, and stiff hourglass force along the
+    !> axes of the material.
     subroutine sum_axial(p, x, v, x_ref, hold, pair, list, f)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
@@ -174,7 +176,7 @@ contains
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: f(lanes, n_terms)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), g(3), d(3)
-        real(rk) :: w, u, r2, vr, stiffness(6)
+        real(rk) :: w, u, r2, vr, stiffness(6), arm(3), arm_j(3)
         integer :: k, l, j, t
 
         acc = 0
@@ -199,7 +201,10 @@ contains
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
                 w = own(pair_volume)*pair(pair_volume, j) &
                     *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
-                call stress_force(w, own(pair_stress + 1), pair(pair_stress + 1, j), r, g)
+                call tilted_arm(own(pair_tilt), p%normal, dx, r, arm)
+                call tilted_arm(-pair(pair_tilt, j), p%normal, dx, r, arm_j)
+                call tilted_force(w, own(pair_stress + 1), pair(pair_stress + 1, j), arm, arm_j, &
+                                  g)
                 u = viscosity(p%h, own, pair(1, j), w, r2, vr)
                 call hourglass_axial(w*own(pair_keep)*pair(pair_keep, j), stiffness, &
                                      own(pair_affine + 1), pair(pair_affine + 1, j), dx, r, d)

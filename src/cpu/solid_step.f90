@@ -20,6 +20,7 @@ module brz_solid_step
     use brz_solid_rigid, only: balance_rigid, move_rigid
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: form_bending, form_rigid, intact_share, solid_t, worth_threads
+    use brz_solid_tilts, only: find_tilts
     implicit none
     private
     public :: start_solid, resume_solid, solid_time_step, solid_step, velocity_at_step
@@ -47,6 +48,7 @@ contains
         end do
         call refuse_doubles(solid, err)
         call meet(solid)
+        call find_tilts(solid)
         call gradient_pass(solid, 0.0_dp)
         call contact_pass(solid, 0.0_dp)
         call force_pass(solid, 0.0_dp)

@@ -112,8 +112,8 @@ contains
         call copy_in(material, gpu%material, bytes, err)
         call allocate_buffer(gpu%drive, 8_int64*n_pose, err)
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
-        call find_kernel(device, 'solid_moments'//trim(merge('_held', '     ', gpu%held)), &
-                         gpu%moments, err)
+        gpu%tilted = any(params%normal > 0)
+        call find_kernel(device, moment_name(gpu), gpu%moments, err)
         call find_kernel(device, 'update_by_'//model_name(int(material%model)), gpu%update, err)
         call find_kernel(device, 'solid_forces_'//force_name(params), gpu%forces, err)
     end subroutine open_body
@@ -147,7 +147,18 @@ contains
         p%artificial_strength = body%artificial_strength
         p%artificial_power = body%artificial_power
         p%shape_at_spacing = body%shape_at_spacing
+        p%normal = body%normal
     end function params_of
+
+    !> Kernel of the sums of pass 1.
+    pure function moment_name(gpu) result(name)
+        type(gpu_solid_body_t), intent(in) :: gpu
+        character(:), allocatable :: name
+
+        name = 'solid_moments'
+        if (gpu%held) name = 'solid_moments_held'
+        if (gpu%tilted) name = 'solid_moments_tilted'
+    end function moment_name
 
     !> Which forces a body has, as the kernels are named.
     pure function force_name(p) result(name)

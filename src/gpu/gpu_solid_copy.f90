@@ -49,9 +49,9 @@ contains
         type(error_t), intent(inout) :: err
         real(rk), allocatable :: motion(:, :)
 
-        call put_places(solid%x, gpu%place)
-        call put_places(solid%x_ref, gpu%reference)
-        call put_places(solid%x_built, gpu%built)
+        call put_places(solid%x, gpu%place, .false.)
+        call put_places(solid%x_ref, gpu%reference, allocated(solid%tilt))
+        call put_places(solid%x_built, gpu%built, .false.)
         allocate (motion(4, solid%n))
         motion(1:3, :) = solid%v
         motion(4, :) = solid%volume
@@ -59,14 +59,16 @@ contains
 
     contains
 
-        subroutine put_places(x, buffer)
+        subroutine put_places(x, buffer, tilted)
             real(dp), intent(in) :: x(:, :)
             type(buffer_t), intent(in) :: buffer
+            logical, intent(in) :: tilted !! tilts, not lengths, go with them
             real(dp), allocatable :: place(:, :)
 
             allocate (place(4, solid%n), source=0.0_dp)
             place(1:3, :) = x
             if (allocated(solid%h)) place(4, :) = solid%h
+            if (tilted) place(4, :) = solid%tilt
             call copy_in(place, buffer, 32_int64*solid%n, err)
         end subroutine put_places
     end subroutine put_rows

@@ -2,7 +2,8 @@
 !> How the particles lie in the memory of the GPU: names shared by its kernels and the host.
 !>
 !> What neighbours read is gathered row by row, in rows of 16 B and multiples of it:
-!>     place(4, n)      x, y, z, smoothing length where it varies [m]; reference, built: likewise
+!>     place(4, n)      x, y, z, smoothing length where it varies [m]; built: likewise; reference:
+!>                      with the tilt of the gradient where bodies have tilts [1/m]
 !>     motion(4, n)     velocity [m/s], volume [m3]
 !>     row(n_pair, n)   what pass 2 needs, slots of brz_solid_state
 !>     hold(6, n)       hourglass stiffness along axes [Pa]
@@ -81,6 +82,7 @@ module brz_gpu_solid_layout
         real(rk) :: h_range(2) !! bounds of a smoothing length that varies, over h
         real(rk) :: h, scale, half_over_h, alpha, beta, zeta, zeta_viscous, cfl
         real(rk) :: artificial_strength, artificial_power, shape_at_spacing
+        real(rk) :: normal(3) !! of the plies, 0: no tilted gradients
     end type body_gpu_t
 
     !> Cells over one body.

@@ -144,7 +144,7 @@ contains
         associate (links => gpu%links)
             call arguments%add([links%params, links%owner, links%table, gpu%place, gpu%reference, &
                                 gpu%motion, gpu%tag, links%slice, links%count, links%list, &
-                                gpu%row, gpu%grad])
+                                gpu%row, gpu%grad, gpu%hold])
             call launch_awake(gpu, links%moments, arguments, err)
         end associate
     end subroutine add_bond_moments

@@ -29,6 +29,7 @@ module brz_gpu_solid_state
         logical :: total = .false. !! total-Lagrangian
         logical :: rigid = .false.
         logical :: held = .false. !! uses reference positions
+        logical :: tilted = .false. !! gradients of its outermost layers are tilted
         logical :: asleep = .false. !! left out of the steps
         type(buffer_t) :: params, material, drive, slice, list
         integer(int64) :: room = 0 !! entries that `list` has room for

@@ -153,6 +153,7 @@ contains
         call arguments%add(gpu%place)
         if (body%held .and. .not. body%total) call arguments%add(gpu%reference)
         call arguments%add([gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad])
+        if (body%tilted) call arguments%add([gpu%state, gpu%tag, gpu%hold])
         call launch(body%moments, threads_of(body), arguments, err)
     end subroutine sum_moments
 
@@ -163,7 +164,7 @@ contains
         type(arguments_t) :: arguments
 
         call begin(gpu, body, arguments)
-        call arguments%add([gpu%row, gpu%grad, gpu%tag])
+        call arguments%add([gpu%row, gpu%grad, gpu%tag, gpu%hold])
         call launch(gpu%gradients, threads_of(body), arguments, err)
     end subroutine find_gradients
 

@@ -72,6 +72,7 @@ contains
         call carry(file, 'solid/support', solid%support, err)
         call carry(file, 'solid/fixed', solid%fixed, err)
         call carry(file, 'solid/cut', solid%cut, err)
+        if (allocated(solid%tilt)) call carry(file, 'solid/tilt', solid%tilt, err)
         call carry_bodies(file, solid, err)
         if (.not. solid%links%present) return
         call carry(file, 'solid/touch', solid%links%touch, err)

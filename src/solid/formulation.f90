@@ -19,10 +19,11 @@ module brz_formulation
 contains
 
     !> Fill the numbers of a body's formulation from the deck.
-    subroutine settle_formulation(input, model, material, speed, body, err)
+    subroutine settle_formulation(input, model, material, dimension, speed, body, err)
         type(body_case_t), intent(in) :: input
         character(*), intent(in) :: model !! name of the model of its material
         type(material_t), intent(in) :: material
+        integer, intent(in) :: dimension
         real(dp), intent(in) :: speed !! largest of two bodies towards each other [m/s]
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
@@ -52,28 +53,33 @@ contains
             call refuse(input, "unknown formulation '"//trim(input%formulation)//"'", err)
         end select
         call settle_artificial(input, body, err)
-        call settle_stiffness(input, material, body)
+        call settle_stiffness(input, material, dimension, body)
         body%variable = input%variable_h
         body%h_range = real(input%h_range, rk)
         if (body%variable .and. body%formulation == form_total) &
             call refuse(input, 'variable_h has no meaning in a total-Lagrangian body', err)
     end subroutine settle_formulation
 
-    !> Stiff hourglass force: along the axes of a ply in 'bending', without axes elsewhere.
-    subroutine settle_stiffness(input, material, body)
+    !> Stiff hourglass force: along the axes of a ply in 'bending', without axes elsewhere; of plies
+    !> also the normal, about which the gradients of the outermost layers are tilted.
+    subroutine settle_stiffness(input, material, dimension, body)
         type(body_case_t), intent(in) :: input
         type(material_t), intent(in) :: material
+        integer, intent(in) :: dimension
         type(body_t), intent(inout) :: body
+        integer :: axis
 
         body%directional = body%formulation == form_bending .and. material%axial(1) > 0 .and. &
                            input%hourglass_axes
-        body%zeta = merge(2.5_rk, 2.0_rk, body%directional)
+        body%zeta = 2
         if (input%zeta >= 0) body%zeta = real(input%zeta, rk)
         if (.not. body%directional) return
         allocate (body%axes(3, 4, 0:max(input%n_plies, 0)))
+        axis = index('xyz', input%ply_axis)
+        if (axis <= dimension) body%normal(axis) = 1
         call lay_axes(body%zeta, material, input%ply_axis, &
                       real(input%ply_angle(:max(input%n_plies, 0))*acos(-1.0_dp)/180, rk), &
-                      body%axes)
+                      real(input%spacing, rk)/body%h, axis <= dimension, body%axes)
     end subroutine settle_stiffness
 
     !> Formulation and viscosity where the deck gives none, by what a material does: it bends until

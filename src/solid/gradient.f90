@@ -12,7 +12,7 @@ module brz_gradient
     implicit none
     private
     public :: moment_terms, outer_terms, correction, midstep_gradient, shear_limiter, &
-              stable_step, total_gradient, piola
+              stable_step, total_gradient, piola, weakest_of
 
     ! smaller eigenvalues of M are not inverted in full; at the corner of a regular block the
     ! smallest is 0.25 in 2-D and 0.18 in 3-D
@@ -82,13 +82,22 @@ contains
                 norm = norm + b(i, j)*b(i, j)
             end do
         end do
-        weakest = weakest_2d
-        if (dimension == 3) weakest = weakest_3d
+        weakest = weakest_of(dimension)
         weak = 0
         if (ok .and. norm <= 1/weakest**2) return
         weak = 1
         call tamed_inverse(weakest, a, b)
     end subroutine correction
+
+    !> Smallest eigenvalue of M that is inverted in full.
+    !@cuf attributes(host,device) &
+    pure function weakest_of(dimension) result(weakest)
+        integer, intent(in) :: dimension
+        real(rk) :: weakest
+
+        weakest = weakest_2d
+        if (dimension == 3) weakest = weakest_3d
+    end function weakest_of
 
     !> Inverse by eigenvalues l: 1/l above the limit, l/limit^2 below, which goes to 0 with l.
     !@cuf attributes(host,device) &

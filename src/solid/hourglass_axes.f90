@@ -3,13 +3,12 @@
 !>
 !> The hourglass energy of a bent plate, u = -k x z, w = k x^2/2, is (K_x + 3/4 K_z) m k^2/2 per
 !> volume, with m = 4/15 h^2 the fourth moment of the weights. It makes good what the sums over
-!> layers miss of the bending energy:
-!>   1. the second moment of each layer about its own middle, E_ply dz^2/12 k^2/2;
-!>   2. the outermost layers see the strain of a place deeper in the plate, since their neighbours
-!>      lie on one side: a loss that goes with the modulus of the outer plies.
-!> So 1/(12 m) = 0.217 (h = 1.2 dz) of zeta/2 = 1.25 goes with the modulus of the ply itself, the
-!> rest with the mean of the two outer plies, in both directions of the plane. K_z is zeta G as in
-!> a body without axes.
+!> layers miss of the bending energy: the second moment of each layer about its own middle,
+!> E_ply dz^2/12 k^2/2. So K_x + 3/4 K_z = E_ply dz^2/(12 m). K_z = G/2 is what a body needs to stay
+!> whole: it bears a tension of 0.8 K. (In two dimensions a laminate that lies in the plane bends
+!> edgewise and has no tilted gradients: there the force also makes good what its outermost
+!> particles lose, which see the strain of a place deeper; this goes with the modulus of the outer
+!> plies.)
 !>
 !> Source: docs/solid.md section 4
 module brz_hourglass_axes
@@ -19,29 +18,35 @@ module brz_hourglass_axes
     private
     public :: lay_axes
 
-    real(rk), parameter :: usual = 2.5_rk !! zeta at which the bending energy is made good
-    real(rk), parameter :: own_share = 0.217_rk/(usual/2) !! that goes with the ply itself
-    real(rk), parameter :: across = 2/usual !! K_z over zeta G
+    real(rk), parameter :: moment = 4.0_rk/15 !! m/h^2
+    real(rk), parameter :: edge = 1.25_rk !! own share and that of the outermost particles together
+    real(rk), parameter :: least = 0.5_rk, least_edge = 2 !! K_z/G
 
 contains
 
     !> Axes (columns 1 to 3) and the stiffness along each (column 4) of plies 0.., 0 being a body
     !> without plies.
-    pure subroutine lay_axes(zeta, material, axis, angles, axes)
-        real(rk), intent(in) :: zeta
+    pure subroutine lay_axes(zeta, material, axis, angles, layer, tilted, axes)
+        real(rk), intent(in) :: zeta !! over 2: factor of it all
         type(material_t), intent(in) :: material
         character(1), intent(in) :: axis !! stacking axis 'x', 'y', 'z'
         real(rk), intent(in) :: angles(:) !! of the fibres of each ply, right-handed about it [rad]
+        real(rk), intent(in) :: layer !! spacing over smoothing length
+        logical, intent(in) :: tilted !! gradients are right in the outermost layers
         real(rk), intent(out) :: axes(3, 4, 0:size(angles)) !! column 4 [Pa]
-        real(rk) :: outer(3), mean(3)
+        real(rk) :: outer(3), own, lost, normal
         integer :: p
 
-        call lay_ply(zeta, material, axis, in_plane(material, 0.0_rk), axes(:, :, 0))
+        own = layer**2/(12*moment)
+        lost = merge(0.0_rk, max(edge - own, 0.0_rk), tilted)
+        normal = merge(least, least_edge, tilted)*zeta/2*material%across
+        outer = in_plane(material, 0.0_rk)
+        call lay_ply(zeta/2*(own + lost)*outer, normal, axis, axes(:, :, 0))
         if (size(angles) == 0) return
         outer = (in_plane(material, angles(1)) + in_plane(material, angles(size(angles))))/2
         do p = 1, size(angles)
-            mean = own_share*in_plane(material, angles(p)) + (1 - own_share)*outer
-            call lay_ply(zeta, material, axis, mean, axes(:, :, p))
+            call lay_ply(zeta/2*(own*in_plane(material, angles(p)) + lost*outer), normal, axis, &
+                         axes(:, :, p))
         end do
     end subroutine lay_axes
 
@@ -59,14 +64,13 @@ contains
         e(3) = (material%axial(1) - material%axial(2))*c*s
     end function in_plane
 
-    !> Principal axes of the moduli e, and the stiffness along them and along the normal.
-    pure subroutine lay_ply(zeta, material, axis, e, axes)
-        real(rk), intent(in) :: zeta
-        type(material_t), intent(in) :: material
+    !> Principal axes of K_x + 3/4 K_z, and the stiffness along them and along the normal.
+    pure subroutine lay_ply(e, normal, axis, axes)
+        real(rk), intent(in) :: e(3) !! tensor in the plane, see in_plane [Pa]
+        real(rk), intent(in) :: normal !! K_z [Pa]
         character(1), intent(in) :: axis
-        real(rk), intent(in) :: e(3) !! see in_plane [Pa]
         real(rk), intent(out) :: axes(3, 4)
-        real(rk) :: normal, turn, mean, half
+        real(rk) :: turn, mean, half
         integer :: s, a, b
 
         s = max(1, index('xyz', axis))
@@ -82,9 +86,8 @@ contains
         axes(a, 2) = -sin(turn)
         axes(b, 2) = cos(turn)
         axes(s, 3) = 1
-        normal = across*zeta*material%across
-        axes(1, 4) = max(zeta/2*(mean + half) - 0.75_rk*normal, normal)
-        axes(2, 4) = max(zeta/2*(mean - half) - 0.75_rk*normal, normal)
+        axes(1, 4) = max(mean + half - 0.75_rk*normal, normal)
+        axes(2, 4) = max(mean - half - 0.75_rk*normal, normal)
         axes(3, 4) = normal
     end subroutine lay_ply
 end module brz_hourglass_axes

@@ -104,6 +104,7 @@ contains
             m%formulation = merge(p%formulation, 0, p%formulation == q%formulation)
             m%directional = p%directional .and. q%directional
             if (p%directional .neqv. q%directional) m%formulation = 0
+            m%normal = reshape([p%normal, q%normal], [3, 2])
         end associate
         m%tensile = real(min(rule%tensile_strength, real(huge(1.0_rk), dp)), rk)
         m%shear = real(min(rule%shear_strength, real(huge(1.0_rk), dp)), rk)

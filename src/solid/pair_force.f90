@@ -10,7 +10,7 @@ module brz_pair_force
     implicit none
     private
     public :: stress_force, viscous_force, hourglass_viscous, hourglass_stiff, hourglass_axial, &
-              axial_stiffness
+              axial_stiffness, overstretched
 
 contains
 
@@ -142,7 +142,7 @@ contains
         end do
     end subroutine axial_stiffness
 
-    !> True for a pair that the stiff hourglass force has let go.
+    !> True for a pair that what holds to the unloaded body has let go.
     !@cuf attributes(host,device) &
     pure function overstretched(x_ref, r) result(yes)
         real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]

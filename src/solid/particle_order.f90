@@ -30,6 +30,7 @@ contains
             call reorder(storage_size(s%damage)/8, s%damage)
             call reorder(storage_size(s%volume)/8, s%volume)
             if (allocated(s%h)) call reorder(storage_size(s%h)/8, s%h)
+            if (allocated(s%tilt)) call reorder(storage_size(s%tilt)/8, s%tilt)
             call reorder(storage_size(s%id)/8, s%id)
             call reorder(storage_size(s%ply)/8, s%ply)
             call reorder(storage_size(s%support)/8, s%support)

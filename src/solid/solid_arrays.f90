@@ -24,7 +24,8 @@ contains
             allocate (solid%id(n), solid%ply(n), solid%support(n), solid%fixed(n), solid%cut(n))
             if (any(solid%mirror)) allocate (solid%image_first(n + 1), source=1_int32)
             if (any(solid%bodies%variable)) allocate (solid%h(n), source=0.0_rk)
-            if (any(solid%bodies%directional)) allocate (solid%hold(6, n), source=0.0_real32)
+            if (any(solid%bodies%directional)) allocate (solid%hold(6, n), solid%tilt(n), &
+                                                         source=0.0_real32)
             allocate (solid%search%order(n))
         end associate
         call number_groups(solid)
@@ -119,7 +120,7 @@ contains
             if (allocated(s%image_first)) bytes = bytes + 4.0_dp*size(s%image_first)
             if (allocated(s%load)) bytes = bytes + working(size(s%load))
             if (allocated(s%h)) bytes = bytes + working(size(s%h))
-            if (allocated(s%hold)) bytes = bytes + 4.0_dp*size(s%hold)
+            if (allocated(s%hold)) bytes = bytes + 4.0_dp*(size(s%hold) + size(s%tilt))
             if (s%links%present) bytes = bytes + 4.0_dp*(size(s%links%row) + size(s%links%touch)) &
                 + size(s%links%bond) + wide(size(s%links%first)) &
                 + working(size(s%links%press) + size(s%links%push))

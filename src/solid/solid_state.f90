@@ -17,7 +17,7 @@ module brz_solid_state
     public :: form_names, form_total, lanes, worth_threads, links_t
     public :: bond_none, bond_whole, bond_broken, intact_share
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
-              pair_affine, pair_hold
+              pair_affine, pair_hold, pair_tilt
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
                           form_uncorrected = 4, form_rigid = 5, form_total = 6
@@ -38,6 +38,7 @@ module brz_solid_state
     integer, parameter :: pair_stress = 4 !! + 1..9: stress times gradient correction [Pa]
     !> + 1..9: stiff hourglass force: stiffness times dx/dX [Pa]; artificial stress: R; else dv/dx
     integer, parameter :: pair_affine = 13
+    integer, parameter :: pair_tilt = 23 !! tilt of the gradient in this step, 0: none [1/m]
     integer, parameter :: pair_keep = 24 !! share of the hourglass force that is left, 0..1
     integer, parameter :: n_pair = 24 !! a whole number of cache lines; also a buffer for sorting
 
@@ -76,6 +77,7 @@ module brz_solid_state
         logical :: directional = .false. !! hourglass stiffness along the axes of the material
         real(rk), allocatable :: axes(:, :, :) !! (3, 4, 0:plies) unloaded axes of it, column by
                                                !! column, and the stiffness along them [Pa]
+        real(rk) :: normal(3) = 0 !! of its plies in the unloaded body; 0: no tilted gradients
         real(rk) :: artificial_strength = 0, artificial_power = 0
         real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)
         real(rk) :: cfl = 0.4_rk
@@ -154,6 +156,8 @@ module brz_solid_state
         real(rk), allocatable :: h(:) !! (n) smoothing length; only where a body varies it [m]
         real(real32), allocatable :: hold(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz,
                                                 !! xz; only where a body has one along axes [Pa]
+        real(real32), allocatable :: tilt(:) !! (n) of the gradient in the outermost layers of
+                                             !! plies, see brz_tilted_arm; where `hold` is [1/m]
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies

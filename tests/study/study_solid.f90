@@ -161,8 +161,10 @@ contains
                 call plate(forms(f), 3*k, seen, 3)
                 call point('plate of 3 plies', forms(f), 3*k, seen)
             end do
-            call plate(forms(f), 5, seen, 5)
-            call point('plate of 5 plies', forms(f), 5, seen)
+            do k = 5, 7, 2
+                call plate(forms(f), k, seen, k)
+                call point('plate of '//achar(iachar('0') + k)//' plies', forms(f), k, seen)
+            end do
         end do
     end subroutine plates
 

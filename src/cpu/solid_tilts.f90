@@ -1,0 +1,86 @@
+! SPDX-License-Identifier: MIT
+!> Tilt of the gradients in the outermost layers of laminates, from the unloaded body.
+module brz_solid_tilts
+    use brz_kernel, only: kernel_scale, kernel_slope
+    use brz_kinds, only: int64, real32, rk
+    use brz_solid_lanes, only: group_of
+    use brz_solid_links, only: first_link, is_bonded, last_link, link_body, link_mirror
+    use brz_solid_state, only: body_t, solid_t, worth_threads
+    implicit none
+    private
+    public :: find_tilts
+
+    real(rk), parameter :: level = 0.05_rk !! less tilt over a spacing is none
+
+contains
+
+    !> Tilts of all particles; lists and bonds must be known.
+    subroutine find_tilts(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: i, k
+
+        if (.not. allocated(solid%tilt)) return
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
+        do k = 1, size(solid%block, 2)
+            associate (body => solid%bodies(solid%block(1, k)))
+                if (.not. any(body%normal > 0)) cycle
+                do i = solid%block(2, k), solid%block(3, k)
+                    solid%tilt(i) = real(tilt_of(solid, body, i), real32)
+                end do
+            end associate
+        end do
+    end subroutine find_tilts
+
+    !> c with sum w t^2 z (1 + c z) = 0 over the neighbours of particle i, t along the layer and z
+    !> across it [1/m].
+    pure real(rk) function tilt_of(solid, body, i) result(tilt)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+        real(rk) :: sums(2), scale
+        integer(int64) :: k
+        integer :: g
+
+        sums = 0
+        scale = kernel_scale(body%h, solid%dimension)
+        g = group_of(body, i)
+        do k = solid%first(g), solid%first(g + 1) - 1
+            call add(solid, body, i, solid%list(k), 0, scale, 1/(2*body%h), sums)
+        end do
+        if (allocated(solid%image)) then
+            do k = solid%image_first(i), solid%image_first(i + 1) - 1
+                call add(solid, body, i, solid%image(k), int(solid%mask(k)), scale, 1/(2*body%h), &
+                         sums)
+            end do
+        end if
+        if (solid%links%bonds) then
+            do k = first_link(solid%links, i), last_link(solid%links, i)
+                if (.not. is_bonded(solid%links, i, solid%links%list(k))) cycle
+                associate (m => solid%links%table(link_body(solid%links, i), &
+                                           link_body(solid%links, solid%links%list(k))))
+                    call add(solid, body, i, solid%links%list(k), int(solid%links%mask(k)), &
+                             m%scale, m%half_over_h, sums)
+                end associate
+            end do
+        end if
+        tilt = 0
+        if (sums(2) > 0) tilt = -sums(1)/sums(2)
+        if (abs(tilt)*body%spacing < level) tilt = 0
+    end function tilt_of
+
+    !> Add a neighbour, or its image in the planes of the mask, to sum w t^2 z and sum w t^2 z^2.
+    pure subroutine add(solid, body, i, j, mask, scale, half_over_h, sums)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i, j, mask
+        real(rk), intent(in) :: scale, half_over_h !! see brz_kernel
+        real(rk), intent(inout) :: sums(2)
+        real(rk) :: r(3), w, z
+
+        r = real(solid%x_ref(:, i) - link_mirror(mask)*solid%x_ref(:, j), rk)
+        z = dot_product(body%normal, r)
+        w = solid%volume(j)*kernel_slope(scale, half_over_h, norm2(r))
+        w = w*(dot_product(r, r) - z*z)
+        sums = sums + w*z*[1.0_rk, z]
+    end subroutine add
+end module brz_solid_tilts

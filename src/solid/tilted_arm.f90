@@ -1,0 +1,96 @@
+! SPDX-License-Identifier: MIT
+!> Gradient of the outermost layers of a laminate, which have neighbours on one side only.
+!>
+!> A gradient there sees the strain of a place a quarter of a spacing deeper. So where M and G of
+!> brz_gradient have x_ij in their second place, such a particle has the arm
+!>     y_ij = X_ij + c (n.X_ij) (X_ij - n (n.X_ij)),      H = (sum w v_ij (x) y_ij) M^-1,
+!> with M = sum w x_ij (x) y_ij, n the normal of the plies in the unloaded body, and the tilt c
+!> that makes sum w t^2 z (1 + c z) = 0 there, t along the layer, z across it. H is exact for linear
+!> fields on any arrangement, for u = t z also, and blind to a rigid rotation. The force of the
+!> stress is its adjoint, -w (T_i y^i_ij + T_j y^j_ij) with T = stress M^-T. Point physics.
+!>
+!> Source: docs/solid.md section 4
+module brz_tilted_arm
+    use brz_algebra, only: inverse3
+    use brz_gradient, only: weakest_of
+    use brz_kinds, only: rk
+    use brz_pair_force, only: overstretched
+    implicit none
+    private
+    public :: tilted_arm, tilted_correction, tilted_force
+
+contains
+
+    !> Arm of a pair: x_ij without tilt; with it none where the pair left the stretches 1/1.6..1.6.
+    !@cuf attributes(host,device) &
+    pure subroutine tilted_arm(c, n, x_ref, r, y)
+        real(rk), intent(in) :: c !! tilt [1/m]; of j as seen from i: with the other sign
+        real(rk), intent(in) :: n(3) !! normal of the plies in the unloaded body
+        real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]
+        real(rk), intent(out) :: y(3) !! [m]
+        real(rk) :: z, kept, plain
+        integer :: t
+
+        z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
+        kept = 1
+        if (overstretched(x_ref, r)) kept = 0
+        plain = 0
+        if (c == 0) then
+            plain = 1
+            kept = 0
+        end if
+        do t = 1, 3
+            y(t) = plain*r(t) + kept*((1 + c*z)*x_ref(t) - c*z*z*n(t))
+        end do
+    end subroutine tilted_arm
+
+    !> Inverse of M; where it is weak none, which for that step leaves the particle without stress
+    !> and strain.
+    !@cuf attributes(host,device) &
+    pure subroutine tilted_correction(dimension, m, b, weak)
+        integer, intent(in) :: dimension
+        real(rk), intent(in) :: m(9) !! column by column
+        real(rk), intent(out) :: b(3, 3)
+        integer, intent(out) :: weak !! 1 where a direction is unsupported, else 0
+        real(rk) :: a(3, 3), norm
+        logical :: ok
+        integer :: i, j
+
+        do j = 1, 3
+            do i = 1, 3
+                a(i, j) = m(i + 3*(j - 1))
+            end do
+        end do
+        call inverse3(a, b, ok)
+        norm = 0
+        do j = 1, 3
+            do i = 1, 3
+                norm = norm + b(i, j)*b(i, j)
+            end do
+        end do
+        weak = 0
+        if (ok .and. norm <= 1/weakest_of(dimension)**2) return
+        weak = 1
+        do j = 1, 3
+            do i = 1, 3
+                b(i, j) = 0
+            end do
+        end do
+    end subroutine tilted_correction
+
+    !> Force of the stress, -w (T_i y^i_ij + T_j y^j_ij).
+    !@cuf attributes(host,device) &
+    pure subroutine tilted_force(w, ti, tj, yi, yj, f)
+        real(rk), intent(in) :: w
+        real(rk), intent(in) :: ti(9), tj(9) !! T of the two particles [Pa]
+        real(rk), intent(in) :: yi(3), yj(3) !! their arms [m]
+        real(rk), intent(out) :: f(3) !! on i [N]
+
+        f(1) = -w*((ti(1)*yi(1) + ti(4)*yi(2) + ti(7)*yi(3)) &
+                   + (tj(1)*yj(1) + tj(4)*yj(2) + tj(7)*yj(3)))
+        f(2) = -w*((ti(2)*yi(1) + ti(5)*yi(2) + ti(8)*yi(3)) &
+                   + (tj(2)*yj(1) + tj(5)*yj(2) + tj(8)*yj(3)))
+        f(3) = -w*((ti(3)*yi(1) + ti(6)*yi(2) + ti(9)*yi(3)) &
+                   + (tj(3)*yj(1) + tj(6)*yj(2) + tj(9)*yj(3)))
+    end subroutine tilted_force
+end module brz_tilted_arm
