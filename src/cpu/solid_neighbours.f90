@@ -178,12 +178,14 @@ contains
         logical, intent(in) :: keep !! false: only count
         integer(int32), intent(inout) :: list(*)
         integer(int64), intent(inout) :: last !! last entry that is filled
-        real(dp) :: low(3), high(3), y(3), r2(lanes)
+        real(dp) :: low(3), high(3), middle(3), y(3), r2(lanes), round
         integer :: l, k, c, c1, c2, c3, lo(3), hi(3)
 
         low = minval(x, 1)
         high = maxval(x, 1)
-        call box_span(solid%search, (low + high)/2, (high - low)/2 + reach, lo, hi)
+        middle = (low + high)/2
+        round = (norm2(high - low)/2 + reach)**2*(1 + 1e-9_dp) ! a ball that holds all
+        call box_span(solid%search, middle, (high - low)/2 + reach, lo, hi)
         do c3 = lo(3), hi(3)
             do c2 = lo(2), hi(2)
                 do c1 = lo(1), hi(1)
@@ -191,10 +193,11 @@ contains
                         + solid%search%code(c3, 3)
                     do k = solid%search%start(c), solid%search%start(c + 1) - 1
                         y = place(:, solid%search%order(k))
+                        if (sum((y - middle)**2) > round) cycle
                         do l = 1, lanes
                             r2(l) = (x(l, 1) - y(1))**2 + (x(l, 2) - y(2))**2 + (x(l, 3) - y(3))**2
                         end do
-                        if (.not. any(r2 < reach*reach)) cycle
+                        if (least(r2) >= reach*reach) cycle
                         if (any((before(:, 1) - y(1))**2 + (before(:, 2) - y(2))**2 &
                                 + (before(:, 3) - y(3))**2 < reach*reach)) cycle
                         last = last + 1
@@ -204,6 +207,13 @@ contains
             end do
         end do
     end subroutine search_box
+
+    !> Least of eight numbers, in pairs.
+    pure real(dp) function least(q)
+        real(dp), intent(in) :: q(lanes)
+
+        least = min(min(min(q(1), q(5)), min(q(2), q(6))), min(min(q(3), q(7)), min(q(4), q(8))))
+    end function least
 
     !> Lists of the mirror images of the particles of a body.
     subroutine list_images(solid, body, reach, place)
