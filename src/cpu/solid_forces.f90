@@ -4,13 +4,14 @@ module brz_solid_forces
     use brz_air_force, only: air_force
     use brz_artificial_stress, only: artificial_none
     use brz_kernel, only: kernel_scale, kernel_shape, kernel_slope, pair_kernel, smoothing_length
-    use brz_kinds, only: dp, int64, rk
+    use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force
     use brz_solid_bonds, only: add_bonded_forces
-    use brz_solid_lanes, only: centre_t, group_of, group_t, place_group
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, &
-                                   n_terms, sum_axial, sum_plain, sum_stiff, &
-                                   sum_viscous, viscosity
+    use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
+                               place_group, place_images, signs
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, mirrored_row, &
+                                   n_terms, sum_axial, sum_plain, sum_stiff, sum_viscous, &
+                                   viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, lanes, n_pair, pair_affine, pair_hold, pair_keep, &
                                pair_stress, pair_tilt, pair_volume, solid_t, worth_threads
@@ -80,7 +81,7 @@ contains
         do first = solid%block(2, k), solid%block(3, k), lanes
             call place_group(solid, body, first, p)
             group = 0
-            if (.not. body%variable) call sum_direct(solid, body, p, group)
+            if (.not. body%variable) call sum_group(solid, body, p, group)
             do i = first, p%last
                 f = group(i - first + 1, :)
                 call add_rest(solid, body, i, p%centre_t, f)
@@ -90,40 +91,93 @@ contains
         call update_volumes(solid, body, k)
     end subroutine force_block
 
-    !> Sum over the direct neighbours, in the loop that has just the forces of this body.
-    subroutine sum_direct(solid, body, p, f)
+    !> Sums over the neighbours of a group and over their images.
+    subroutine sum_group(solid, body, p, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(group_t), intent(inout) :: p
         real(rk), intent(out) :: f(lanes, n_terms)
+        real(rk) :: part(lanes, n_terms)
+        type(images_t) :: images
+        real(rk) :: row(n_pair, most_images)
+        real(real32) :: hold(6, most_images)
+        integer(int64) :: k, last
+        integer :: g
+
+        call take_rows(solid, p)
+        call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%pair, solid%list(p%list), f, &
+                        solid%hold)
+        if (.not. any(solid%mirror)) return
+        g = group_of(body, p%i)
+        do k = solid%image_first(g), solid%image_first(g + 1) - 1, most_images
+            last = min(k + most_images, solid%image_first(g + 1)) - 1
+            call place_images(solid, k, last, images)
+            call mirror_rows(solid, p, k, last, row, hold)
+            p%count = int(last - k) + 1
+            call sum_direct(p, images%x, images%v, images%x_ref, row, in_turn, part, hold)
+            f = f + part
+        end do
+    end subroutine sum_group
+
+    !> What pass 1 left of the members of a group.
+    subroutine take_rows(solid, p)
+        type(solid_t), intent(in) :: solid
+        type(group_t), intent(inout) :: p
         integer :: i, l
 
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)
             p%row(l, :) = solid%pair(:, i)
-            if (body%directional) p%hold(l, :) = real(solid%hold(:, i), rk)
+            if (p%directional) p%hold(l, :) = real(solid%hold(:, i), rk)
         end do
-        associate (list => solid%list(p%list:p%list + p%count - 1))
-            select case (body%formulation)
-            case (form_bending)
-                if (body%directional) then
-                    call sum_axial(p, solid%x, solid%v, solid%x_ref, solid%hold, solid%pair, list, &
-                                   f)
-                else
-                    call sum_stiff(0.0_rk, p, solid%x, solid%v, solid%x_ref, solid%pair, list, f)
-                end if
-            case (form_total)
-                call sum_stiff(1.0_rk, p, solid%x, solid%v, solid%x_ref, solid%pair, list, f)
-            case (form_corrected_hourglass)
-                call sum_viscous(p, solid%x, solid%v, solid%pair, list, f)
-            case default
-                call sum_plain(p, solid%x, solid%v, solid%pair, list, f)
-            end select
-        end associate
+    end subroutine take_rows
+
+    !> What pass 1 left of particles, as their images k..last have it.
+    subroutine mirror_rows(solid, directional, k, last, row, hold)
+        type(solid_t), intent(in) :: solid
+        logical, intent(in) :: directional
+        integer(int64), intent(in) :: k, last
+        real(rk), intent(inout) :: row(n_pair, most_images)
+        real(real32), intent(inout) :: hold(6, most_images)
+        real(rk) :: s(3)
+        integer(int64) :: e
+        integer :: j
+
+        do e = k, last
+            j = solid%image(e)
+            s = signs(int(solid%mask(e)))
+            row(:, e - k + 1) = mirrored_row(s, solid%pair(:, j))
+            if (directional) hold(:, e - k + 1) = real(mirrored(s, solid%hold(:, j)), real32)
+        end do
+    end subroutine mirror_rows
+
+    !> Sum over particles of a list, in the loop that has just the forces of this body.
+    subroutine sum_direct(p, x, v, x_ref, pair, list, f, hold)
+        type(group_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, *), x_ref(3, *)
+        real(rk), intent(in) :: v(3, *), pair(n_pair, *)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: f(lanes, n_terms)
+        real(real32), intent(in), optional :: hold(6, *) !! only with a stiffness along axes
+
+        select case (p%formulation)
+        case (form_bending)
+            if (p%directional) then
+                call sum_axial(p, x, v, x_ref, hold, pair, list, f)
+            else
+                call sum_stiff(0.0_rk, p, x, v, x_ref, pair, list, f)
+            end if
+        case (form_total)
+            call sum_stiff(1.0_rk, p, x, v, x_ref, pair, list, f)
+        case (form_corrected_hourglass)
+            call sum_viscous(p, x, v, pair, list, f)
+        case default
+            call sum_plain(p, x, v, pair, list, f)
+        end select
     end subroutine sum_direct
 
-    !> Add what the loops over the lanes leave out: images, neighbours of variable smoothing length,
-    !> other bodies, artificial stress.
+    !> Add what the loops over the lanes leave out: neighbours of variable smoothing length, other
+    !> bodies, artificial stress.
     subroutine add_rest(solid, body, i, p, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
@@ -134,8 +188,7 @@ contains
 
         q = p
         q%i = i
-        if (body%variable .or. allocated(solid%image)) &
-            call visit_pairs(solid, body, q, body%variable, add_pair, f)
+        if (body%variable) call visit_pairs(solid, body, q, add_pair, f)
         if (solid%links%bonds) call add_bonded_forces(solid, i, f)
         if (solid%links%present) then
             associate (push => solid%links%push(:, solid%links%row(i)))
@@ -144,29 +197,26 @@ contains
             end associate
         end if
         if (body%artificial /= artificial_none) &
-            call visit_pairs(solid, body, q, .true., add_artificial, f)
+            call visit_pairs(solid, body, q, add_artificial, f)
     end subroutine add_rest
 
-    !> Add the force of one pair after the other: of the mirror images, and with `direct` of the
-    !> neighbours themselves. This is slower than the loops over the lanes.
-    subroutine visit_pairs(solid, body, p, direct, add, f)
+    !> Add the force of one neighbour, and of one image, after the other. This is slower than the
+    !> loops over the lanes.
+    subroutine visit_pairs(solid, body, p, add, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(centre_t), intent(in) :: p
-        logical, intent(in) :: direct
         procedure(add_pair) :: add
         real(rk), intent(inout) :: f(n_terms)
         integer(int64) :: k
         integer :: g
 
-        if (direct) then
-            g = group_of(body, p%i)
-            do k = solid%first(g), solid%first(g + 1) - 1
-                call add(solid, body, p, solid%list(k), 0, f)
-            end do
-        end if
-        if (.not. allocated(solid%image)) return
-        do k = solid%image_first(p%i), solid%image_first(p%i + 1) - 1
+        g = group_of(body, p%i)
+        do k = solid%first(g), solid%first(g + 1) - 1
+            call add(solid, body, p, solid%list(k), 0, f)
+        end do
+        if (.not. any(solid%mirror)) return
+        do k = solid%image_first(g), solid%image_first(g + 1) - 1
             call add(solid, body, p, solid%image(k), int(solid%mask(k)), f)
         end do
     end subroutine visit_pairs
@@ -248,15 +298,12 @@ contains
         real(rk) :: s(3), r(3), dv(3), dx(3), arm(3), arm_j(3), own(n_pair), other(n_pair), g(3)
         type(centre_t) :: q
         real(rk) :: w, u, r2
-        integer :: t
 
         q = p
-        do t = 1, 3
-            s(t) = merge(-1, 1, btest(mask, t - 1))
-            r(t) = real(solid%x(t, p%i) - s(t)*solid%x(t, j), rk)
-            dx(t) = real(solid%x_ref(t, p%i) - s(t)*solid%x_ref(t, j), rk)
-            dv(t) = solid%v(t, p%i) - s(t)*solid%v(t, j)
-        end do
+        s = signs(mask)
+        r = real(solid%x(:, p%i) - s*solid%x(:, j), rk)
+        dx = real(solid%x_ref(:, p%i) - s*solid%x_ref(:, j), rk)
+        dv = solid%v(:, p%i) - s*solid%v(:, j)
         if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, &
                                             q%scale, q%half_over_h)
         arm = r
@@ -265,13 +312,7 @@ contains
             *kernel_slope(q%scale, q%half_over_h, norm2(arm))
         if (w == 0) return
         own = solid%pair(:, p%i)
-        other = solid%pair(:, j)
-        do t = 1, 3
-            other(pair_stress + 3*t - 2:pair_stress + 3*t) = &
-                s(t)*s*other(pair_stress + 3*t - 2:pair_stress + 3*t)
-            other(pair_affine + 3*t - 2:pair_affine + 3*t) = &
-                s(t)*s*other(pair_affine + 3*t - 2:pair_affine + 3*t)
-        end do
+        other = mirrored_row(s, solid%pair(:, j))
         if (body%directional) then
             call tilted_arm(own(pair_tilt), p%normal, dx, r, arm)
             call tilted_arm(-other(pair_tilt), s*p%normal, dx, r, arm_j)
@@ -319,10 +360,8 @@ contains
         other = solid%pair(pair_affine + 1:pair_affine + 9, j)
         if (own(1) + own(5) + own(9) + other(1) + other(5) + other(9) <= 0) return
         q = p
-        do t = 1, 3
-            s(t) = merge(-1, 1, btest(mask, t - 1))
-            r(t) = real(solid%x(t, p%i) - s(t)*solid%x(t, j), rk)
-        end do
+        s = signs(mask)
+        r = real(solid%x(:, p%i) - s*solid%x(:, j), rk)
         do t = 1, 3
             other(3*t - 2:3*t) = s(t)*s*other(3*t - 2:3*t)
         end do

@@ -9,14 +9,15 @@ module brz_solid_gradients
     use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms, piola, &
                             shear_limiter, stable_step, total_gradient
     use brz_kernel, only: kernel_scale, kernel_slope, pair_kernel
-    use brz_kinds, only: dp, int64, int8, real32, rk
+    use brz_kinds, only: dp, int32, int64, int8, real32, rk
     use brz_material, only: point_t, strength_left
     use brz_materials, only: unloaded_speed, update_material
     use brz_pair_force, only: axial_stiffness
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: at_g, at_x, at_y, n_moment, n_outer, n_terms, sum_bending, &
                                        sum_plain, sum_tilted
-    use brz_solid_lanes, only: centre_t, group_of, group_t, place_group
+    use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
+                               place_group, place_images, signs
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, form_uncorrected, intact_share, lanes, pair_affine, &
                                pair_hold, pair_keep, pair_linear, pair_quadratic, pair_stress, &
@@ -90,12 +91,11 @@ contains
             call place_group(solid, body, first, p)
             call tilt_group(solid, body, p)
             group = 0
-            if (.not. body%variable) call sum_direct(solid, body, p, group)
+            if (.not. body%variable) call sum_group(solid, body, p, group)
             do i = first, p%last
                 sums = group(i - first + 1, :)
                 solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
-                if (body%variable .or. allocated(solid%image)) &
-                    call add_pairs(solid, body, i, p%centre_t, sums)
+                if (body%variable) call add_pairs(solid, body, i, p%centre_t, sums)
                 if (solid%links%bonds) call add_bonded_gradients(solid, i, body%normal, sums)
                 call advance(solid, body, dt, i, k, sums, limit)
             end do
@@ -119,37 +119,58 @@ contains
         end do
     end subroutine tilt_group
 
-    !> Sums over the direct neighbours. A total-Lagrangian body weighs its pairs by X_ij, and x
-    !> takes the place of the reference position: the sums then lead to dx/dX.
-    subroutine sum_direct(solid, body, p, sums)
+    !> Sums over the neighbours of a group and over their images.
+    subroutine sum_group(solid, body, p, sums)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
+        type(group_t), intent(inout) :: p
+        real(rk), intent(out) :: sums(lanes, n_terms)
+        real(rk) :: part(lanes, n_terms)
+        type(images_t) :: images
+        integer(int64) :: k, last
+        integer :: g
+
+        call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%volume, solid%list(p%list), sums)
+        if (.not. any(solid%mirror)) return
+        g = group_of(body, p%i)
+        do k = solid%image_first(g), solid%image_first(g + 1) - 1, most_images
+            last = min(k + most_images, solid%image_first(g + 1)) - 1
+            call place_images(solid, k, last, images)
+            p%count = int(last - k) + 1
+            call sum_direct(p, images%x, images%v, images%x_ref, images%volume, in_turn, part)
+            sums = sums + part
+        end do
+    end subroutine sum_group
+
+    !> Sums over particles of a list. A total-Lagrangian body weighs its pairs by X_ij, and x takes
+    !> the place of the reference position: the sums then lead to dx/dX.
+    subroutine sum_direct(p, x, v, x_ref, volume, list, sums)
         type(group_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, *), x_ref(3, *)
+        real(rk), intent(in) :: v(3, *), volume(*)
+        integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: sums(lanes, n_terms)
         type(group_t) :: q
 
-        select case (body%formulation)
+        select case (p%formulation)
         case (form_bending)
             if (any(abs(p%tilt) > 0)) then
-                call sum_tilted(p, solid%x, solid%v, solid%x_ref, solid%volume, &
-                                solid%list(p%list), sums)
+                call sum_tilted(p, x, v, x_ref, volume, list, sums)
             else
-                call sum_bending(p, solid%x, solid%v, solid%x_ref, solid%volume, &
-                                 solid%list(p%list), sums)
+                call sum_bending(p, x, v, x_ref, volume, list, sums)
             end if
         case (form_total)
             q = p
             q%x = p%x_ref
             q%x_ref = p%x
-            call sum_bending(q, solid%x_ref, solid%v, solid%x, solid%volume, solid%list(p%list), &
-                             sums)
+            call sum_bending(q, x_ref, v, x, volume, list, sums)
         case default
-            call sum_plain(p, solid%x, solid%v, solid%volume, solid%list(p%list), sums)
+            call sum_plain(p, x, v, volume, list, sums)
         end select
     end subroutine sum_direct
 
-    !> Add the mirror images of the neighbours of particle i; in bodies of variable smoothing length
-    !> also the neighbours themselves.
+    !> In a body of variable smoothing length: add one neighbour of particle i, and one image, after
+    !> the other.
     subroutine add_pairs(solid, body, i, p, sums)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
@@ -157,16 +178,14 @@ contains
         type(centre_t), intent(in) :: p !! kernel
         real(rk), intent(inout) :: sums(n_terms)
         integer(int64) :: k
+        integer :: g
 
-        if (body%variable) then
-            associate (first => solid%first(group_of(body, i):group_of(body, i) + 1))
-                do k = first(1), first(2) - 1
-                    call add_pair(solid, body, i, p, solid%list(k), 0, sums)
-                end do
-            end associate
-        end if
-        if (.not. allocated(solid%image)) return
-        do k = solid%image_first(i), solid%image_first(i + 1) - 1
+        g = group_of(body, i)
+        do k = solid%first(g), solid%first(g + 1) - 1
+            call add_pair(solid, body, i, p, solid%list(k), 0, sums)
+        end do
+        if (.not. any(solid%mirror)) return
+        do k = solid%image_first(g), solid%image_first(g + 1) - 1
             call add_pair(solid, body, i, p, solid%image(k), int(solid%mask(k)), sums)
         end do
     end subroutine add_pairs
@@ -179,17 +198,14 @@ contains
         integer, intent(in) :: i, j, mask !! mirrored axes, bits 0..2
         type(centre_t), intent(in) :: p
         real(rk), intent(inout) :: sums(n_terms)
-        real(rk) :: r(3), dv(3), dx(3), y(3), m(n_moment), g(n_outer), a(n_outer), w, s, h
+        real(rk) :: r(3), dv(3), dx(3), y(3), s(3), m(n_moment), g(n_outer), a(n_outer), w, h
         type(centre_t) :: q
-        integer :: t
 
         q = p
-        do t = 1, 3
-            s = merge(-1, 1, btest(mask, t - 1))
-            r(t) = real(solid%x(t, i) - s*solid%x(t, j), rk)
-            dx(t) = real(solid%x_ref(t, i) - s*solid%x_ref(t, j), rk)
-            dv(t) = solid%v(t, i) - s*solid%v(t, j)
-        end do
+        s = signs(mask)
+        r = real(solid%x(:, i) - s*solid%x(:, j), rk)
+        dx = real(solid%x_ref(:, i) - s*solid%x_ref(:, j), rk)
+        dv = solid%v(:, i) - s*solid%v(:, j)
         if (body%formulation == form_total) call swap(r, dx)
         if (body%variable) call pair_kernel(solid%dimension, solid%h(i), solid%h(j), h, q%scale, &
                                             q%half_over_h)

@@ -6,11 +6,16 @@
 !> pairs with all eight at once. What it reads of the neighbour is one number for all lanes, what it
 !> reads of the group and what it sums are whole vectors.
 module brz_solid_lanes
-    use brz_kinds, only: dp, int64, rk
+    use brz_kinds, only: dp, int32, int64, rk
     use brz_solid_state, only: body_t, lanes, n_pair, solid_t
     implicit none
     private
     public :: centre_t, group_t, group_of, place_group
+    public :: images_t, place_images, signs, most_images, in_turn
+
+    integer, parameter :: most_images = 64 !! that are laid down at a time
+    integer :: k_turn
+    integer(int32), parameter :: in_turn(most_images) = [(k_turn, k_turn=1, most_images)]
 
     !> A particle whose pairs are summed over, and the kernel.
     type :: centre_t
@@ -23,6 +28,8 @@ module brz_solid_lanes
     !> The particles of a group. Where they are fewer than lanes, the last one is in all others.
     type, extends(centre_t) :: group_t
         integer :: last = 0 !! its last particle
+        integer :: formulation = 0 !! of their body
+        logical :: directional = .false. !! hourglass stiffness along axes
         integer :: count = 0 !! entries of its list
         integer(int64) :: list = 1 !! the first of them
         real(dp) :: x(lanes, 3) = 0, x_ref(lanes, 3) = 0 !! [m]
@@ -31,6 +38,13 @@ module brz_solid_lanes
         real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_solid_state
         real(rk) :: hold(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
     end type group_t
+
+    !> Mirror images of some particles, laid down as particles of their own.
+    type :: images_t
+        real(dp) :: x(3, most_images) = 0, x_ref(3, most_images) = 0 !! [m]
+        real(rk) :: v(3, most_images) = 0 !! [m/s]
+        real(rk) :: volume(most_images) = 0 !! [m3]
+    end type images_t
 
 contains
 
@@ -54,6 +68,8 @@ contains
         g = group_of(body, first)
         p%i = first
         p%last = min(first + lanes - 1, body%last)
+        p%formulation = body%formulation
+        p%directional = body%directional
         p%list = solid%first(g)
         p%count = int(solid%first(g + 1) - solid%first(g))
         do l = 1, lanes
@@ -63,4 +79,35 @@ contains
             p%v(l, :) = solid%v(:, i)
         end do
     end subroutine place_group
+
+    !> Signs of the components that a mask mirrors.
+    pure function signs(mask) result(s)
+        integer, intent(in) :: mask !! bits 0..2
+        real(rk) :: s(3)
+        integer :: a
+
+        do a = 1, 3
+            s(a) = merge(-1, 1, btest(mask, a - 1))
+        end do
+    end function signs
+
+    !> Lay down the images of the entries k..last: what pass 1 reads of them.
+    pure subroutine place_images(solid, k, last, images)
+        type(solid_t), intent(in) :: solid
+        integer(int64), intent(in) :: k, last
+        type(images_t), intent(inout) :: images
+        real(rk) :: s(3)
+        integer(int64) :: e
+        integer :: j, n
+
+        do e = k, last
+            n = int(e - k) + 1
+            j = solid%image(e)
+            s = signs(int(solid%mask(e)))
+            images%x(:, n) = s*solid%x(:, j)
+            images%x_ref(:, n) = s*solid%x_ref(:, j)
+            images%v(:, n) = s*solid%v(:, j)
+            images%volume(n) = solid%volume(j)
+        end do
+    end subroutine place_images
 end module brz_solid_lanes

@@ -1,12 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> Neighbour lists: who is within reach of a group of particles, whose mirror image of a particle.
+!> Neighbour lists: who is within reach of a group of particles, itself or as a mirror image.
 !>
 !> A list depends on `x_built` and the order of the particles alone: rebuilt from them it is the
 !> same, entry by entry. The members of a group are in its list: a pair of i with itself is exactly
 !> nothing, as is one beyond the support of the kernel. i may be a neighbour of its own image.
 module brz_solid_neighbours
-    use brz_cell_grid, only: box_span, cell_of_groups, cell_span, fill_cells, lay_grid, &
-                             reach_of_lists
+    use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
     use brz_kinds, only: dp, int32, int64, int8
     use brz_particle_order, only: reorder_particles
     use brz_solid_lanes, only: group_of
@@ -60,8 +59,8 @@ contains
             call fill_cells(solid%search, place, body)
             call count_body(solid, body, reach, place)
             call make_room(solid%first(group_of(body, body%last) + 1) - 1, solid%list)
+            if (any(solid%mirror)) call make_room_for_images(solid, body)
             call fill_body(solid, body, reach, place)
-            if (any(solid%mirror)) call list_images(solid, body, reach, place)
         end associate
     end subroutine build_list
 
@@ -108,55 +107,100 @@ contains
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
-        integer(int64) :: last
         integer :: g, i
-        integer(int32) :: none(1)
 
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(g, last, none)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(g)
         do i = body%first, body%last, lanes
             g = group_of(body, i)
-            last = 0
-            if (body%formulation /= form_rigid) &
-                call search_group(solid, body, place, i, reach, .false., none, last)
-            solid%first(g + 1) = last
+            call count_group(solid, body, place, i, reach, solid%first(g + 1), 0, 0)
+            if (any(solid%mirror)) &
+                call count_group(solid, body, place, i, reach, solid%image_first(g + 1), 1, 7)
         end do
         do g = group_of(body, body%first), group_of(body, body%last)
             solid%first(g + 1) = solid%first(g) + solid%first(g + 1)
+            if (any(solid%mirror)) &
+                solid%image_first(g + 1) = solid%image_first(g) + solid%image_first(g + 1)
         end do
     end subroutine count_body
+
+    !> Neighbours of the group that begins with particle `first`, of the images m1..m2.
+    subroutine count_group(solid, body, place, first, reach, n, m1, m2)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
+        integer, intent(in) :: first
+        real(dp), intent(in) :: reach !! [m]
+        integer(int64), intent(out) :: n
+        integer, intent(in) :: m1, m2 !! masks; 0: the particles themselves
+        integer(int32) :: none(1)
+        integer :: m
+
+        n = 0
+        if (body%formulation == form_rigid) return
+        do m = m1, m2
+            call search_group(solid, place, members(body, place, first), m, reach, .false., none, n)
+        end do
+    end subroutine count_group
 
     subroutine fill_body(solid, body, reach, place)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
-        integer(int64) :: at
-        integer :: i
+        real(dp) :: x(lanes, 3)
+        integer(int64) :: at, next
+        integer :: i, m
 
         if (body%formulation == form_rigid) return
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(at)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(x, at, next, m)
         do i = body%first, body%last, lanes
+            x = members(body, place, i)
             at = solid%first(group_of(body, i)) - 1
-            call search_group(solid, body, place, i, reach, .true., solid%list, at)
+            call search_group(solid, place, x, 0, reach, .true., solid%list, at)
+            if (.not. any(solid%mirror)) cycle
+            at = solid%image_first(group_of(body, i)) - 1
+            do m = 1, 7
+                next = at
+                call search_group(solid, place, x, m, reach, .true., solid%image, next)
+                solid%mask(at + 1:next) = int(m, int8)
+                at = next
+            end do
         end do
     end subroutine fill_body
 
-    !> Append to `list`, or only count, what is within reach of the group that begins with particle
-    !> `first`: all in one box, or where its members are far apart one after the other.
-    pure subroutine search_group(solid, body, place, first, reach, keep, list, last)
-        type(solid_t), intent(in) :: solid
+    !> Places of the members of the group that begins with particle `first`.
+    pure function members(body, place, first) result(x)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         integer, intent(in) :: first
-        real(dp), intent(in) :: reach !! [m]
-        logical, intent(in) :: keep !! false: only count
-        integer(int32), intent(inout) :: list(*)
-        integer(int64), intent(inout) :: last !! last entry that is filled
         real(dp) :: x(lanes, 3)
         integer :: l
 
         do l = 1, lanes
             x(l, :) = place(:, min(first + l - 1, body%last))
+        end do
+    end function members
+
+    !> Append to `list`, or only count, the particles whose image in the planes of the mask m is
+    !> within reach of a group: all in one box, or where its members are far apart one after the
+    !> other.
+    pure subroutine search_group(solid, place, group, m, reach, keep, list, last)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
+        real(dp), intent(in) :: group(lanes, 3) !! places of its members [m]
+        integer, intent(in) :: m !! planes, bits 0..2; 0: the particles themselves
+        real(dp), intent(in) :: reach !! [m]
+        logical, intent(in) :: keep !! false: only count
+        integer(int32), intent(inout) :: list(*)
+        integer(int64), intent(inout) :: last !! last entry that is filled
+        real(dp) :: x(lanes, 3)
+        integer :: a, l
+
+        x = group
+        do a = 1, 3 ! the image of the group; none where no member is near a plane
+            if (.not. btest(m, a - 1)) cycle
+            if (.not. solid%mirror(a) .or. minval(x(:, a)) >= reach) return
+            x(:, a) = -x(:, a)
         end do
         if (all(maxval(x, 1) - minval(x, 1) <= 2*reach)) then
             call search_box(solid, place, x, x(:0, :), reach, keep, list, last)
@@ -215,61 +259,6 @@ contains
         least = min(min(min(q(1), q(5)), min(q(2), q(6))), min(min(q(3), q(7)), min(q(4), q(8))))
     end function least
 
-    !> Lists of the mirror images of the particles of a body.
-    subroutine list_images(solid, body, reach, place)
-        type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: reach !! [m]
-        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
-        integer(int64) :: last
-        integer :: i
-
-        associate (first => solid%image_first)
-            !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(last)
-            do i = body%first, body%last
-                last = 0
-                if (body%formulation /= form_rigid) &
-                    call search_images(solid, place, i, reach, .false., last)
-                first(i + 1) = int(last, int32)
-            end do
-            do i = body%first, body%last
-                first(i + 1) = first(i) + first(i + 1)
-            end do
-            call make_room_for_images(solid, int(first(body%last + 1) - 1, int64))
-            if (body%formulation == form_rigid) return
-            !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(last)
-            do i = body%first, body%last
-                last = first(i) - 1
-                call search_images(solid, place, i, reach, .true., last)
-            end do
-        end associate
-    end subroutine list_images
-
-    !> Append, or only count, the images within reach of particle i.
-    subroutine search_images(solid, place, i, reach, keep, last)
-        type(solid_t), intent(inout) :: solid
-        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
-        integer, intent(in) :: i
-        real(dp), intent(in) :: reach !! [m]
-        logical, intent(in) :: keep !! false: only count
-        integer(int64), intent(inout) :: last !! last entry that is filled
-        integer(int64) :: next
-        integer(int32) :: none(1)
-        integer :: m
-
-        do m = 1, 7
-            if (.not. image_in_reach(solid, place(:, i), m, reach)) cycle
-            next = last
-            if (keep) then
-                call search(solid, place, i, m, reach, .true., solid%image, next)
-                solid%mask(last + 1:next) = int(m, int8)
-            else
-                call search(solid, place, i, m, reach, .false., none, next)
-            end if
-            last = next
-        end do
-    end subroutine search_images
-
     !> Lengthen the list, with something to spare, keeping what it holds.
     subroutine make_room(n, list)
         integer(int64), intent(in) :: n
@@ -284,11 +273,13 @@ contains
     end subroutine make_room
 
     !> The same for images and their masks.
-    subroutine make_room_for_images(solid, n)
+    subroutine make_room_for_images(solid, body)
         type(solid_t), intent(inout) :: solid
-        integer(int64), intent(in) :: n
+        type(body_t), intent(in) :: body
         integer(int8), allocatable :: mask(:)
+        integer(int64) :: n
 
+        n = solid%image_first(group_of(body, body%last) + 1) - 1
         call make_room(n, solid%image)
         if (.not. allocated(solid%mask)) allocate (solid%mask(size(solid%image, kind=int64)))
         if (size(solid%mask, kind=int64) >= n) return
@@ -296,53 +287,4 @@ contains
         mask(:size(solid%mask, kind=int64)) = solid%mask
         call move_alloc(mask, solid%mask)
     end subroutine make_room_for_images
-
-    !> True where the planes of the mask m exist and the place x is near all of them.
-    pure logical function image_in_reach(solid, x, m, reach)
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: m
-        real(dp), intent(in) :: x(3), reach !! [m]
-        integer :: a
-
-        image_in_reach = .true.
-        do a = 1, 3
-            if (.not. btest(m, a - 1)) cycle
-            image_in_reach = image_in_reach .and. solid%mirror(a) .and. x(a) < reach
-        end do
-    end function image_in_reach
-
-    !> Append to `list`, or only count, the particles near the image of i in the planes of m.
-    pure subroutine search(solid, place, i, m, reach, keep, list, last)
-        type(solid_t), intent(in) :: solid
-        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
-        integer, intent(in) :: i
-        integer, intent(in) :: m !! planes, bits 0..2
-        real(dp), intent(in) :: reach !! [m]
-        logical, intent(in) :: keep !! false: only count
-        integer(int32), intent(inout) :: list(*)
-        integer(int64), intent(inout) :: last !! last entry that is filled
-        real(dp) :: x(3), d(3)
-        integer :: a, j, k, c, c1, c2, c3, lo(3), hi(3)
-
-        x = place(:, i)
-        do a = 1, 3
-            if (btest(m, a - 1)) x(a) = -x(a)
-        end do
-        call cell_span(solid%search, x, reach, lo, hi)
-        do c3 = lo(3), hi(3)
-            do c2 = lo(2), hi(2)
-                do c1 = lo(1), hi(1)
-                    c = solid%search%code(c1, 1) + solid%search%code(c2, 2) &
-                        + solid%search%code(c3, 3)
-                    do k = solid%search%start(c), solid%search%start(c + 1) - 1
-                        j = solid%search%order(k)
-                        d = place(:, j) - x
-                        if (d(1)*d(1) + d(2)*d(2) + d(3)*d(3) >= reach*reach) cycle
-                        last = last + 1
-                        if (keep) list(last) = j
-                    end do
-                end do
-            end do
-        end do
-    end subroutine search
 end module brz_solid_neighbours

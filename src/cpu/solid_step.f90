@@ -14,7 +14,7 @@ module brz_solid_step
     use brz_solid_faults, only: report_bad
     use brz_solid_forces, only: force_pass, update_sizes
     use brz_solid_gradients, only: gradient_pass
-    use brz_solid_lanes, only: group_of
+    use brz_solid_lanes, only: group_of, signs
     use brz_solid_links, only: first_bonds
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
     use brz_solid_rigid, only: balance_rigid, move_rigid
@@ -171,9 +171,12 @@ contains
             if (j == i .or. dot_product(d, d) >= reach_of_lists(solid, b)**2) cycle
             if (strength_left(fails, solid%damage(j)) > intact_share) n = n + 1
         end do
-        if (.not. allocated(solid%image)) return
-        do k = solid%image_first(i), solid%image_first(i + 1) - 1
-            if (strength_left(fails, solid%damage(solid%image(k))) > intact_share) n = n + 1
+        if (.not. any(solid%mirror)) return
+        do k = solid%image_first(g), solid%image_first(g + 1) - 1
+            j = solid%image(k)
+            d = signs(int(solid%mask(k)))*solid%x_built(:, j) - solid%x_built(:, i)
+            if (dot_product(d, d) >= reach_of_lists(solid, b)**2) cycle
+            if (strength_left(fails, solid%damage(j)) > intact_share) n = n + 1
         end do
     end function count_intact
 

@@ -47,8 +47,8 @@ contains
         do k = solid%first(g), solid%first(g + 1) - 1
             call add(solid, body, i, solid%list(k), 0, scale, 1/(2*body%h), sums)
         end do
-        if (allocated(solid%image)) then
-            do k = solid%image_first(i), solid%image_first(i + 1) - 1
+        if (any(solid%mirror)) then
+            do k = solid%image_first(g), solid%image_first(g + 1) - 1
                 call add(solid, body, i, solid%image(k), int(solid%mask(k)), scale, 1/(2*body%h), &
                          sums)
             end do

@@ -22,7 +22,6 @@ contains
                       solid%stress(6, n), solid%hist(solid%n_hist, n), solid%damage(n), &
                       solid%volume(n), solid%pair(n_pair, n))
             allocate (solid%id(n), solid%ply(n), solid%support(n), solid%fixed(n), solid%cut(n))
-            if (any(solid%mirror)) allocate (solid%image_first(n + 1), source=1_int32)
             if (any(solid%bodies%variable)) allocate (solid%h(n), source=0.0_rk)
             if (any(solid%bodies%directional)) allocate (solid%hold(6, n), solid%tilt(n), &
                                                          source=0.0_real32)
@@ -47,6 +46,7 @@ contains
             end associate
         end do
         allocate (solid%first(n + 1), source=1_int64)
+        if (any(solid%mirror)) allocate (solid%image_first(n + 1), source=1_int64)
     end subroutine number_groups
 
     !> What particles need to meet those of other bodies.
@@ -117,7 +117,7 @@ contains
                     + 4.0_dp*(size(s%id) + size(s%search%order)) &
                     + 2.0_dp*(size(s%ply) + size(s%support)) &
                     + 1.0_dp*(size(s%fixed) + size(s%cut))
-            if (allocated(s%image_first)) bytes = bytes + 4.0_dp*size(s%image_first)
+            if (allocated(s%image_first)) bytes = bytes + wide(size(s%image_first))
             if (allocated(s%load)) bytes = bytes + working(size(s%load))
             if (allocated(s%h)) bytes = bytes + working(size(s%h))
             if (allocated(s%hold)) bytes = bytes + 4.0_dp*(size(s%hold) + size(s%tilt))

@@ -167,13 +167,12 @@ module brz_solid_state
         integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block
         character(:), allocatable :: notes !! warnings of the set-up, line by line
         type(search_t) :: search
-        ! neighbours of a group: entries first(g)..first(g+1)-1 of `list`, its members among them
-        integer(int64), allocatable :: first(:) !! (groups+1)
+        ! neighbours of a group: entries first(g)..first(g+1)-1 of `list`, its members among them;
+        ! mirror images, only where there are planes: entries image_first(g)..image_first(g+1)-1
+        integer(int64), allocatable :: first(:), image_first(:) !! (groups+1)
         integer(int32), allocatable :: list(:) !! particles within reach of a member
-        ! mirror images of a particle: entries image_first(i)..image_first(i+1)-1 of `image`
-        integer(int32), allocatable :: image_first(:) !! (n+1), only where there are planes
-        integer(int32), allocatable :: image(:) !! particle whose image is within reach
-        integer(int8), allocatable :: mask(:) !! mirrored axes of an entry, bits 0..2
+        integer(int32), allocatable :: image(:) !! particles whose image is within reach of one
+        integer(int8), allocatable :: mask(:) !! mirrored axes of an image, bits 0..2
         type(links_t) :: links !! between different bodies
     end type solid_t
 end module brz_solid_state
