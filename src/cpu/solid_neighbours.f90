@@ -55,12 +55,13 @@ contains
 
         reach = reach_of_lists(solid, b)
         associate (body => solid%bodies(b))
-            call lay_grid(solid%search, place, body, cell_of_groups(solid, b))
-            call fill_cells(solid%search, place, body)
-            call count_body(solid, body, reach, place)
-            call make_room(solid%first(group_of(body, body%last) + 1) - 1, solid%list)
-            if (any(solid%mirror)) call make_room_for_images(solid, body)
-            call fill_body(solid, body, reach, place)
+            if (body%formulation == form_rigid) then
+                call leave_out(solid, body)
+            else
+                call lay_grid(solid%search, place, body, cell_of_groups(solid, b))
+                call fill_cells(solid%search, place, body)
+                call list_body(solid, body, reach, place)
+            end if
         end associate
     end subroutine build_list
 
@@ -101,72 +102,110 @@ contains
         needs_rebuild = far > (solid%skin/2)**2
     end function needs_rebuild
 
-    !> Lengths of the lists of a body, as running sums in `first` and `image_first`.
-    subroutine count_body(solid, body, reach, place)
+    !> The particles of a rigid body have no neighbours.
+    pure subroutine leave_out(solid, body)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+
+        associate (from => group_of(body, body%first), to => group_of(body, body%last))
+            solid%first(from + 1:to + 1) = solid%first(from)
+            if (any(solid%mirror)) solid%image_first(from + 1:to + 1) = solid%image_first(from)
+        end associate
+    end subroutine leave_out
+
+    !> Search for the neighbours of all groups of a body. Every thread keeps what it finds for its
+    !> groups, until the lengths of all lists are known.
+    subroutine list_body(solid, body, reach, place)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
-        integer :: g, i
+        integer(int64), allocatable :: found(:)
+        integer(int64) :: n
+        integer :: g, i, m
 
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(g)
+        !$omp parallel if(solid%n >= worth_threads) private(found, n, g, m)
+        allocate (found(1024))
+        n = 0
+        !$omp do schedule(static)
         do i = body%first, body%last, lanes
             g = group_of(body, i)
-            call count_group(solid, body, place, i, reach, solid%first(g + 1), 0, 0)
-            if (any(solid%mirror)) &
-                call count_group(solid, body, place, i, reach, solid%image_first(g + 1), 1, 7)
-        end do
-        do g = group_of(body, body%first), group_of(body, body%last)
-            solid%first(g + 1) = solid%first(g) + solid%first(g + 1)
-            if (any(solid%mirror)) &
-                solid%image_first(g + 1) = solid%image_first(g) + solid%image_first(g + 1)
-        end do
-    end subroutine count_body
-
-    !> Neighbours of the group that begins with particle `first`, of the images m1..m2.
-    subroutine count_group(solid, body, place, first, reach, n, m1, m2)
-        type(solid_t), intent(in) :: solid
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
-        integer, intent(in) :: first
-        real(dp), intent(in) :: reach !! [m]
-        integer(int64), intent(out) :: n
-        integer, intent(in) :: m1, m2 !! masks; 0: the particles themselves
-        integer(int32) :: none(1)
-        integer :: m
-
-        n = 0
-        if (body%formulation == form_rigid) return
-        do m = m1, m2
-            call search_group(solid, place, members(body, place, first), m, reach, .false., none, n)
-        end do
-    end subroutine count_group
-
-    subroutine fill_body(solid, body, reach, place)
-        type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: reach !! [m]
-        real(dp), intent(in) :: place(:, :) !! (3, n) [m]
-        real(dp) :: x(lanes, 3)
-        integer(int64) :: at, next
-        integer :: i, m
-
-        if (body%formulation == form_rigid) return
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(x, at, next, m)
-        do i = body%first, body%last, lanes
-            x = members(body, place, i)
-            at = solid%first(group_of(body, i)) - 1
-            call search_group(solid, place, x, 0, reach, .true., solid%list, at)
+            solid%first(g + 1) = n
+            call search_group(solid, place, members(body, place, i), 0, reach, found, n)
+            solid%first(g + 1) = n - solid%first(g + 1)
             if (.not. any(solid%mirror)) cycle
-            at = solid%image_first(group_of(body, i)) - 1
+            solid%image_first(g + 1) = n
             do m = 1, 7
-                next = at
-                call search_group(solid, place, x, m, reach, .true., solid%image, next)
-                solid%mask(at + 1:next) = int(m, int8)
-                at = next
+                call search_group(solid, place, members(body, place, i), m, reach, found, n)
             end do
+            solid%image_first(g + 1) = n - solid%image_first(g + 1)
         end do
-    end subroutine fill_body
+        !$omp single
+        call lay_out(solid, group_of(body, body%first), group_of(body, body%last))
+        !$omp end single
+        n = 0
+        !$omp do schedule(static)
+        do i = body%first, body%last, lanes
+            call store_group(solid, group_of(body, i), found, n)
+        end do
+        !$omp end parallel
+    end subroutine list_body
+
+    !> Lists begin where those of the group before end; there must be room for all.
+    subroutine lay_out(solid, from, to)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: from, to !! groups
+        integer(int8), allocatable :: mask(:)
+        integer :: g
+
+        do g = from, to
+            solid%first(g + 1) = solid%first(g) + solid%first(g + 1)
+        end do
+        call make_room(solid%first(to + 1) - 1, solid%list)
+        if (.not. any(solid%mirror)) return
+        do g = from, to
+            solid%image_first(g + 1) = solid%image_first(g) + solid%image_first(g + 1)
+        end do
+        call make_room(solid%image_first(to + 1) - 1, solid%image)
+        if (.not. allocated(solid%mask)) allocate (solid%mask(size(solid%image, kind=int64)))
+        if (size(solid%mask, kind=int64) == size(solid%image, kind=int64)) return
+        allocate (mask(size(solid%image, kind=int64)))
+        mask(:size(solid%mask, kind=int64)) = solid%mask
+        call move_alloc(mask, solid%mask)
+    end subroutine lay_out
+
+    !> Lengthen a list, with something to spare, keeping what it holds.
+    subroutine make_room(n, list)
+        integer(int64), intent(in) :: n
+        integer(int32), allocatable, intent(inout) :: list(:)
+        integer(int32), allocatable :: longer(:)
+
+        if (.not. allocated(list)) allocate (list(n + n/8))
+        if (size(list, kind=int64) >= n) return
+        allocate (longer(n + n/8))
+        longer(:size(list, kind=int64)) = list
+        call move_alloc(longer, list)
+    end subroutine make_room
+
+    !> Bring what was found for a group, after entry n, into its lists.
+    subroutine store_group(solid, g, found, n)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: g
+        integer(int64), intent(in) :: found(:)
+        integer(int64), intent(inout) :: n !! entries that are stored
+        integer(int64) :: k
+
+        do k = solid%first(g), solid%first(g + 1) - 1
+            n = n + 1
+            solid%list(k) = int(found(n)/8, int32)
+        end do
+        if (.not. any(solid%mirror)) return
+        do k = solid%image_first(g), solid%image_first(g + 1) - 1
+            n = n + 1
+            solid%image(k) = int(found(n)/8, int32)
+            solid%mask(k) = int(modulo(found(n), 8_int64), int8)
+        end do
+    end subroutine store_group
 
     !> Places of the members of the group that begins with particle `first`.
     pure function members(body, place, first) result(x)
@@ -181,19 +220,18 @@ contains
         end do
     end function members
 
-    !> Append to `list`, or only count, the particles whose image in the planes of the mask m is
-    !> within reach of a group: all in one box, or where its members are far apart one after the
-    !> other.
-    pure subroutine search_group(solid, place, group, m, reach, keep, list, last)
+    !> Append the particles whose image in the planes of the mask m is within reach of a group: all
+    !> in one box, or where its members are far apart one after the other.
+    pure subroutine search_group(solid, place, group, m, reach, found, n)
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         real(dp), intent(in) :: group(lanes, 3) !! places of its members [m]
         integer, intent(in) :: m !! planes, bits 0..2; 0: the particles themselves
         real(dp), intent(in) :: reach !! [m]
-        logical, intent(in) :: keep !! false: only count
-        integer(int32), intent(inout) :: list(*)
-        integer(int64), intent(inout) :: last !! last entry that is filled
+        integer(int64), allocatable, intent(inout) :: found(:) !! 8*particle + mask
+        integer(int64), intent(inout) :: n !! entries
         real(dp) :: x(lanes, 3)
+        integer(int64) :: before
         integer :: a, l
 
         x = group
@@ -202,28 +240,28 @@ contains
             if (.not. solid%mirror(a) .or. minval(x(:, a)) >= reach) return
             x(:, a) = -x(:, a)
         end do
+        before = n
         if (all(maxval(x, 1) - minval(x, 1) <= 2*reach)) then
-            call search_box(solid, place, x, x(:0, :), reach, keep, list, last)
+            call search_box(solid, place, x, x(:0, :), reach, found, n)
         else
             do l = 1, lanes
                 call search_box(solid, place, spread(x(l, :), 1, lanes), x(:l - 1, :), reach, &
-                                keep, list, last)
+                                found, n)
             end do
         end if
+        found(before + 1:n) = found(before + 1:n) + m
     end subroutine search_group
 
-    !> Append to `list`, or only count, what is within reach of the places x, but of none of those
-    !> that were searched before.
-    pure subroutine search_box(solid, place, x, before, reach, keep, list, last)
+    !> Append what is within reach of the places x, but of none of those that were searched before.
+    pure subroutine search_box(solid, place, x, before, reach, found, n)
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         real(dp), intent(in) :: x(lanes, 3), before(:, :) !! [m]
         real(dp), intent(in) :: reach !! [m]
-        logical, intent(in) :: keep !! false: only count
-        integer(int32), intent(inout) :: list(*)
-        integer(int64), intent(inout) :: last !! last entry that is filled
+        integer(int64), allocatable, intent(inout) :: found(:) !! 8*particle
+        integer(int64), intent(inout) :: n !! entries
         real(dp) :: low(3), high(3), middle(3), y(3), r2(lanes), round
-        integer :: l, k, c, c1, c2, c3, lo(3), hi(3)
+        integer :: j, l, k, c, c1, c2, c3, lo(3), hi(3)
 
         low = minval(x, 1)
         high = maxval(x, 1)
@@ -236,21 +274,33 @@ contains
                     c = solid%search%code(c1, 1) + solid%search%code(c2, 2) &
                         + solid%search%code(c3, 3)
                     do k = solid%search%start(c), solid%search%start(c + 1) - 1
-                        y = place(:, solid%search%order(k))
-                        if (sum((y - middle)**2) > round) cycle
+                        j = solid%search%order(k)
+                        y = place(:, j) - middle
+                        if (y(1)*y(1) + y(2)*y(2) + y(3)*y(3) > round) cycle
+                        y = place(:, j)
                         do l = 1, lanes
                             r2(l) = (x(l, 1) - y(1))**2 + (x(l, 2) - y(2))**2 + (x(l, 3) - y(3))**2
                         end do
                         if (least(r2) >= reach*reach) cycle
                         if (any((before(:, 1) - y(1))**2 + (before(:, 2) - y(2))**2 &
                                 + (before(:, 3) - y(3))**2 < reach*reach)) cycle
-                        last = last + 1
-                        if (keep) list(last) = solid%search%order(k)
+                        n = n + 1
+                        if (n > size(found, kind=int64)) call lengthen(found)
+                        found(n) = 8*int(j, int64)
                     end do
                 end do
             end do
         end do
     end subroutine search_box
+
+    pure subroutine lengthen(found)
+        integer(int64), allocatable, intent(inout) :: found(:)
+        integer(int64), allocatable :: longer(:)
+
+        allocate (longer(2*size(found, kind=int64)))
+        longer(:size(found, kind=int64)) = found
+        call move_alloc(longer, found)
+    end subroutine lengthen
 
     !> Least of eight numbers, in pairs.
     pure real(dp) function least(q)
@@ -258,33 +308,4 @@ contains
 
         least = min(min(min(q(1), q(5)), min(q(2), q(6))), min(min(q(3), q(7)), min(q(4), q(8))))
     end function least
-
-    !> Lengthen the list, with something to spare, keeping what it holds.
-    subroutine make_room(n, list)
-        integer(int64), intent(in) :: n
-        integer(int32), allocatable, intent(inout) :: list(:)
-        integer(int32), allocatable :: longer(:)
-
-        if (.not. allocated(list)) allocate (list(n + n/8))
-        if (size(list, kind=int64) >= n) return
-        allocate (longer(n + n/8))
-        longer(:size(list, kind=int64)) = list
-        call move_alloc(longer, list)
-    end subroutine make_room
-
-    !> The same for images and their masks.
-    subroutine make_room_for_images(solid, body)
-        type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-        integer(int8), allocatable :: mask(:)
-        integer(int64) :: n
-
-        n = solid%image_first(group_of(body, body%last) + 1) - 1
-        call make_room(n, solid%image)
-        if (.not. allocated(solid%mask)) allocate (solid%mask(size(solid%image, kind=int64)))
-        if (size(solid%mask, kind=int64) >= n) return
-        allocate (mask(size(solid%image, kind=int64)))
-        mask(:size(solid%mask, kind=int64)) = solid%mask
-        call move_alloc(mask, solid%mask)
-    end subroutine make_room_for_images
 end module brz_solid_neighbours
