@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
-    use brz_kinds, only: dp, int32, int64, real32, rk
+    use brz_kinds, only: dp, int64, real32, rk
     use brz_solid_state, only: bond_none, lanes, n_pair, solid_t
     implicit none
     private
