@@ -132,10 +132,11 @@ contains
         end do
     end subroutine take_rows
 
-    !> What pass 1 left of particles, as their images k..last have it.
-    subroutine mirror_rows(solid, directional, k, last, row, hold)
+    !> What pass 1 left of particles, as their images k..last have it. A tilt about a normal of the plies
+    !> that is turned round changes sign.
+    subroutine mirror_rows(solid, p, k, last, row, hold)
         type(solid_t), intent(in) :: solid
-        logical, intent(in) :: directional
+        type(group_t), intent(in) :: p
         integer(int64), intent(in) :: k, last
         real(rk), intent(inout) :: row(n_pair, most_images)
         real(real32), intent(inout) :: hold(6, most_images)
@@ -147,7 +148,9 @@ contains
             j = solid%image(e)
             s = signs(int(solid%mask(e)))
             row(:, e - k + 1) = mirrored_row(s, solid%pair(:, j))
-            if (directional) hold(:, e - k + 1) = real(mirrored(s, solid%hold(:, j)), real32)
+            if (.not. p%directional) cycle
+            row(pair_tilt, e - k + 1) = dot_product(s, p%normal)*solid%pair(pair_tilt, j)
+            hold(:, e - k + 1) = real(mirrored(s, solid%hold(:, j)), real32)
         end do
     end subroutine mirror_rows
 
