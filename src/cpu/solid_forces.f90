@@ -132,8 +132,8 @@ contains
         end do
     end subroutine take_rows
 
-    !> What pass 1 left of particles, as their images k..last have it. A tilt about a normal of the plies
-    !> that is turned round changes sign.
+    !> What pass 1 left of particles, as their images k..last have it. Where a plane turns the normal
+    !> of the plies round, a tilt changes sign.
     subroutine mirror_rows(solid, p, k, last, row, hold)
         type(solid_t), intent(in) :: solid
         type(group_t), intent(in) :: p
