@@ -132,7 +132,7 @@ contains
         end do
     end subroutine take_rows
 
-    !> What pass 1 left of particles, as their images k..last have it. Where a plane turns the normal
+    !> What pass 1 left of particles, as the images k..last have it. Where a plane turns the normal
     !> of the plies round, a tilt changes sign.
     subroutine mirror_rows(solid, p, k, last, row, hold)
         type(solid_t), intent(in) :: solid
