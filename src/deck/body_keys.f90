@@ -125,7 +125,7 @@ contains
                       meaning='Its strength; 0.2 for monaghan, 0.3 for gray if absent.'), &
                 key_t(group=g, key='zeta', lower=zero, upper=4*one, &
                       meaning='bending, total_lagrangian: stiffness of the hourglass force; if '// &
-                      'absent 2 (of the shear modulus), along axes 2.5 (of the moduli).'), &
+                      'absent 2 (of the shear modulus; in plies what their bending needs).'), &
                 key_t(group=g, key='hourglass_axes', kind=kind_logical, default='T', &
                       meaning='bending of plies: hourglass stiffness along the axes of the '// &
                       'laminate; F: that of an isotropic plate.'), &

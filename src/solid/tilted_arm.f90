@@ -28,19 +28,19 @@ contains
         real(rk), intent(in) :: n(3) !! normal of the plies in the unloaded body
         real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]
         real(rk), intent(out) :: y(3) !! [m]
-        real(rk) :: z, kept, plain
+        real(rk) :: z, along, across
         integer :: t
 
         z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
-        kept = 1
-        if (overstretched(x_ref, r)) kept = 0
-        plain = 0
-        if (c == 0) then
-            plain = 1
-            kept = 0
+        along = 1 + c*z
+        across = c*z*z
+        if (overstretched(x_ref, r)) then
+            along = 0
+            across = 0
         end if
         do t = 1, 3
-            y(t) = plain*r(t) + kept*((1 + c*z)*x_ref(t) - c*z*z*n(t))
+            y(t) = along*x_ref(t) - across*n(t)
+            if (c == 0) y(t) = r(t)
         end do
     end subroutine tilted_arm
 
