@@ -6,7 +6,7 @@ module brz_coupling_bins
     use brz_cell_shells, only: cell_at
     use brz_coupling_state, only: coupling_t, mark_solid, side_of
     use brz_kinds, only: int32, rk
-    use brz_solid_state, only: solid_t, worth_threads
+    use brz_solid_state, only: is_gone, solid_t, worth_threads
     implicit none
     private
     public :: find_cells, mark_cells, index_faces, fill_bins, move_walls, at_least
@@ -28,6 +28,7 @@ contains
         !$omp reduction(+:changes, outside)
         do p = 1, solid%n
             c = cell_number(solid%x(:, p), air%lo, air%dx, air%n, coupling%wraps)
+            if (solid%fixed(p) == is_gone) c = 0
             if (c /= coupling%cell_of(p)) changes = changes + 1
             if (c == 0) outside = outside + 1
             coupling%cell_of(p) = c

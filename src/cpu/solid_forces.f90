@@ -13,8 +13,8 @@ module brz_solid_forces
                                    n_terms, sum_axial, sum_plain, sum_stiff, sum_viscous, &
                                    viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, lanes, n_pair, pair_affine, pair_hold, pair_keep, &
-                               pair_stress, pair_tilt, pair_volume, solid_t, worth_threads
+                               form_total, is_gone, lanes, n_pair, pair_affine, pair_hold, &
+                               pair_keep, pair_stress, pair_tilt, pair_volume, solid_t, worth_threads
     use brz_tilted_arm, only: tilted_arm, tilted_force
     implicit none
     private
@@ -79,10 +79,12 @@ contains
         p%h = body%h
         p%normal = body%normal
         do first = solid%block(2, k), solid%block(3, k), lanes
+            if (solid%fixed(first) == is_gone) exit ! and so are all that follow
             call place_group(solid, body, first, p)
             group = 0
             if (.not. body%variable) call sum_group(solid, body, p, group)
             do i = first, p%last
+                if (solid%fixed(i) == is_gone) cycle
                 f = group(i - first + 1, :)
                 call add_rest(solid, body, i, p%centre_t, f)
                 call accelerate(solid, real(dt, rk), i, k, f)

@@ -19,8 +19,8 @@ module brz_solid_gradients
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
                                place_group, place_images, signs
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, form_uncorrected, intact_share, lanes, pair_affine, &
-                               pair_hold, pair_keep, pair_linear, pair_quadratic, pair_stress, &
+                               form_total, form_uncorrected, intact_share, is_gone, lanes, &
+                               pair_affine, pair_hold, pair_keep, pair_linear, pair_quadratic, pair_stress, &
                                pair_tilt, pair_volume, solid_t, worth_threads
     use brz_tilted_arm, only: tilted_arm, tilted_correction
     implicit none
@@ -88,11 +88,13 @@ contains
         p%half_over_h = 1/(2*body%h)
         p%normal = body%normal
         do first = solid%block(2, k), solid%block(3, k), lanes
+            if (solid%fixed(first) == is_gone) exit ! and so are all that follow
             call place_group(solid, body, first, p)
             call tilt_group(solid, body, p)
             group = 0
             if (.not. body%variable) call sum_group(solid, body, p, group)
             do i = first, p%last
+                if (solid%fixed(i) == is_gone) cycle
                 sums = group(i - first + 1, :)
                 solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
                 if (body%variable) call add_pairs(solid, body, i, p%centre_t, sums)

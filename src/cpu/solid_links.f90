@@ -3,10 +3,10 @@
 !>
 !> Like the neighbour lists they depend on `x_built` and the order of the particles alone.
 module brz_solid_links
-    use brz_cell_grid, only: cell_span, fill_cells, lay_grid
+    use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid
     use brz_contact, only: law_bonded, law_none
     use brz_kinds, only: dp, int32, int64, int8
-    use brz_solid_state, only: bond_whole, links_t, solid_t, worth_threads
+    use brz_solid_state, only: bond_whole, is_gone, links_t, solid_t, worth_threads
     implicit none
     private
     public :: build_links, is_bonded, link_mirror, link_body, first_link, last_link, first_bonds
@@ -32,19 +32,16 @@ contains
         logical, intent(in) :: keep
         real(dp) :: lo(3), hi(3), reach
         integer(int64) :: last
-        integer :: a, b, c, i, m
+        integer :: a, b, i, m
         logical :: met
 
         solid%links%met = .false.
         do b = 1, size(solid%bodies)
             if (all(solid%links%table(:, b)%law == law_none)) cycle
             reach = 2*real(maxval(solid%links%table(:, b)%h), dp) + solid%skin
-            call lay_grid(solid%search, solid%x_built, solid%bodies(b), reach)
-            call fill_cells(solid%search, solid%x_built, solid%bodies(b))
-            do c = 1, 3
-                lo(c) = minval(solid%x_built(c, solid%bodies(b)%first:solid%bodies(b)%last))
-                hi(c) = maxval(solid%x_built(c, solid%bodies(b)%first:solid%bodies(b)%last))
-            end do
+            call lay_grid(solid%search, solid%x_built, solid%fixed, solid%bodies(b), reach)
+            call fill_cells(solid%search, solid%x_built, solid%fixed, solid%bodies(b))
+            call extent(solid%x_built, solid%fixed, solid%bodies(b), lo, hi)
             do a = 1, size(solid%bodies)
                 if (solid%links%table(a, b)%law == law_none) cycle
                 reach = 2*real(solid%links%table(a, b)%h, dp) + solid%skin
@@ -53,7 +50,7 @@ contains
                 !$omp private(last, m) reduction(.or.: met)
                 do i = solid%bodies(a)%first, solid%bodies(a)%last
                     associate (row => solid%links%row(i), first => solid%links%first)
-                        if (keep .and. row == 0) cycle
+                        if (solid%fixed(i) == is_gone .or. keep .and. row == 0) cycle
                         last = row
                         if (keep) last = first(row + 1)
                         do m = 0, 7

@@ -10,7 +10,7 @@ module brz_solid_neighbours
     use brz_particle_order, only: reorder_particles
     use brz_solid_lanes, only: group_of
     use brz_solid_links, only: build_links
-    use brz_solid_state, only: body_t, form_rigid, form_total, lanes, solid_t, worth_threads
+    use brz_solid_state, only: body_t, form_rigid, form_total, is_gone, lanes, solid_t, worth_threads
     implicit none
     private
     public :: build_neighbours, needs_rebuild
@@ -27,9 +27,9 @@ contains
         if (sort) then
             do b = 1, size(solid%bodies)
                 call note_positions(solid, solid%bodies(b))
-                call lay_grid(solid%search, solid%x_built, solid%bodies(b), &
+                call lay_grid(solid%search, solid%x_built, solid%fixed, solid%bodies(b), &
                               cell_of_groups(solid, b))
-                call fill_cells(solid%search, solid%x_built, solid%bodies(b))
+                call fill_cells(solid%search, solid%x_built, solid%fixed, solid%bodies(b))
             end do
             call reorder_particles(solid)
             do b = 1, size(solid%bodies)
@@ -58,8 +58,8 @@ contains
             if (body%formulation == form_rigid) then
                 call leave_out(solid, body)
             else
-                call lay_grid(solid%search, place, body, cell_of_groups(solid, b))
-                call fill_cells(solid%search, place, body)
+                call lay_grid(solid%search, place, solid%fixed, body, cell_of_groups(solid, b))
+                call fill_cells(solid%search, place, solid%fixed, body)
                 call list_body(solid, body, reach, place)
             end if
         end associate
@@ -95,6 +95,7 @@ contains
                 if (body%formulation == form_total .and. .not. solid%links%present) cycle
             end associate
             do i = solid%block(2, k), solid%block(3, k)
+                if (solid%fixed(i) == is_gone) cycle
                 d = solid%x(:, i) - solid%x_built(:, i)
                 far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
             end do
@@ -130,6 +131,9 @@ contains
         !$omp do schedule(static)
         do i = body%first, body%last, lanes
             g = group_of(body, i)
+            solid%first(g + 1) = 0
+            if (any(solid%mirror)) solid%image_first(g + 1) = 0
+            if (solid%fixed(i) == is_gone) cycle ! and so are all that follow
             solid%first(g + 1) = n
             call search_group(solid, place, members(body, place, i), 0, reach, found, n)
             solid%first(g + 1) = n - solid%first(g + 1)

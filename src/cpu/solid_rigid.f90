@@ -10,7 +10,7 @@ module brz_solid_rigid
     use brz_motion, only: mean_velocity, velocity_of
     use brz_rigid, only: attitude, cross
     use brz_rigid_motion, only: advance_rigid, settle_rigid
-    use brz_solid_state, only: body_t, form_rigid, solid_t, worth_threads
+    use brz_solid_state, only: body_t, form_rigid, is_held, solid_t, worth_threads
     implicit none
     private
     public :: move_rigid, balance_rigid
@@ -46,7 +46,7 @@ contains
         integer :: i
 
         do i = body%first, body%last
-            if (solid%fixed(i) == 0) cycle
+            if (solid%fixed(i) /= is_held) cycle
             solid%v(:, i) = real(v, rk)
             solid%x(:, i) = solid%x(:, i) + dt*v
         end do
@@ -159,7 +159,7 @@ contains
                     body%motion%force = body%motion%force + solid%search%sums(3:5, k)/dt
             end do
             do i = body%first, body%last
-                if (solid%fixed(i) == 0) cycle
+                if (solid%fixed(i) /= is_held) cycle
                 body%motion%force = body%motion%force - air_force(solid, i)
                 solid%a(:, i) = real(2/dt*(v - solid%v(:, i)), rk)
             end do

@@ -15,11 +15,13 @@ module brz_solid_step
     use brz_solid_forces, only: force_pass, update_sizes
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_lanes, only: group_of, signs
+    use brz_solid_leaving, only: remove_left
     use brz_solid_links, only: first_bonds
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
     use brz_solid_rigid, only: balance_rigid, move_rigid
     use brz_solid_sleep, only: wake_met
-    use brz_solid_state, only: form_bending, form_rigid, intact_share, solid_t, worth_threads
+    use brz_solid_state, only: form_bending, form_rigid, intact_share, is_free, solid_t, &
+                               worth_threads
     use brz_solid_tilts, only: find_tilts
     implicit none
     private
@@ -98,6 +100,7 @@ contains
         solid%dt_last = dt
         solid%steps = solid%steps + 1
         if (needs_rebuild(solid)) then
+            call remove_left(solid)
             call build_neighbours(solid, sort=.true.)
             solid%rebuilds = solid%rebuilds + 1
             call wake_met(solid)
@@ -128,7 +131,7 @@ contains
                 if (body%formulation == form_rigid .or. body%asleep) cycle
             end associate
             do i = solid%block(2, k), solid%block(3, k)
-                if (solid%fixed(i) == 1) cycle
+                if (solid%fixed(i) /= is_free) cycle
                 v = solid%v(:, i)
                 load = air_force(solid, i)
                 solid%v(:, i) = v + mean*solid%a(:, i) + real(dt, rk)*load/solid%mass(i)

@@ -3,7 +3,7 @@
 module brz_solid_totals
     use brz_kinds, only: dp
     use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
-    use brz_solid_state, only: solid_t, worth_threads
+    use brz_solid_state, only: is_gone, solid_t, worth_threads
     use brz_solid_step, only: velocity_at_step
     implicit none
     private
@@ -50,6 +50,8 @@ contains
             part(12) = part(12) + m*solid%energy(i)
             part(13) = part(13) + m*solid%damage(i)
             if (any(x < solid%region(:, 1) .or. x > solid%region(:, 2))) part(14) = part(14) + m
+            if (solid%fixed(i) == is_gone) &
+                part(15:16) = part(15:16) + m*[1.0_dp, dot_product(v, v)/2 + solid%energy(i)]
         end do
     end subroutine sum_block
 end module brz_solid_totals

@@ -164,7 +164,7 @@ module brz_case
         real(dp) :: skin = 0.3_dp !! of the neighbour list, in spacings
         logical :: has_region = .false.
         real(dp) :: region(3, 2) = 0 !! corners; particles that leave it are reported [m]
-        character(name_len) :: leave = 'report' !! or 'stop'
+        character(name_len) :: leave = 'report' !! or 'stop', 'remove'
     end type solid_case_t
 
     !> &coupling

@@ -236,9 +236,10 @@ contains
                       meaning='Box x0, x1, y0, y1, z0, z1 whose leaving is watched; that of '// &
                       'the air if absent.'), &
                 key_t(group='solid', key='leave', kind=kind_text, default='report', &
-                      choices='report|stop', &
+                      choices='report|stop|remove', &
                       meaning='When particles leave the region: report it and let them fly on, '// &
-                      'or stop with a checkpoint and exit code 3.'), &
+                      'stop with a checkpoint and exit code 3, or remove them from everything '// &
+                      'but the books.'), &
                 key_t(group='coupling', meaning='How air and bodies meet.'), &
                 key_t(group='coupling', key='scheme', kind=kind_text, default='wall_flux', &
                       choices='wall_flux|paper', &

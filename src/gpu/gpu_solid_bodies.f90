@@ -36,6 +36,7 @@ contains
             if (model_name(int(solid%materials(solid%bodies(b)%material)%model)) == '') &
                 why = "the material of body '"//trim(solid%bodies(b)%id)//"'"
         end do
+        if (solid%remove) why = "leave='remove'"
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
 

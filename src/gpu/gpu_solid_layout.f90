@@ -47,7 +47,7 @@ module brz_gpu_solid_layout
     integer, parameter :: book_contact_heat = 11, book_rub = 12 !! heat of contact, of friction
     integer, parameter :: book_load = 13 !! work of the load
     integer, parameter :: n_book = 13
-    integer, parameter :: n_total = 14 !! sums of the state of a body, see brz_solid_totals
+    integer, parameter :: n_total = 16 !! sums of the state of a body, see brz_solid_totals
 
     ! sums of pass 2: 1..3 force of the stress [N]
     integer, parameter :: at_heat = 4, at_friction = 5 !! heat of the two viscous forces [W]

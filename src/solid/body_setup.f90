@@ -95,6 +95,8 @@ contains
             solid%region(:solid%dimension, 2) = case%air%hi(:solid%dimension)
         end if
         if (case%solid%has_region) solid%region = case%solid%region
+        where (solid%mirror) solid%region(:, 1) = -huge(1.0_dp) ! nothing leaves through a plane
+        solid%remove = case%solid%leave == 'remove'
         solid%skin = case%solid%skin*minval(case%bodies%spacing)
         call place_points(case, solid%mirror, solid%depth, middle, points, err)
         speed = meeting_speed(case)

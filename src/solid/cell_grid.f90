@@ -5,12 +5,12 @@
 !> where fragments fly so far that this takes too many cells, parts of space share cells, evenly.
 !> Neighbours are in neighbouring cells either way.
 module brz_cell_grid
-    use brz_kinds, only: dp, int64
-    use brz_solid_state, only: body_t, form_total, lanes, search_t, solid_t
+    use brz_kinds, only: dp, int64, int8
+    use brz_solid_state, only: body_t, form_total, is_gone, lanes, search_t, solid_t
     implicit none
     private
-    public :: lay_grid, choose_cells, fill_cells, cell_span, box_span, cell_along, cells_beyond, &
-        reach_of_lists, cell_of_groups
+    public :: lay_grid, extent, choose_cells, fill_cells, cell_span, box_span, cell_along, &
+        cells_beyond, reach_of_lists, cell_of_groups
 
     integer, parameter :: cells_per_particle = 2 !! most cells, empty ones included
     real(dp), parameter :: farthest = 1e15_dp !! [sides of a cell]: whole numbers of real64 end here
@@ -38,20 +38,37 @@ contains
     end function cell_of_groups
 
     !> Choose the cells for one body.
-    subroutine lay_grid(s, x, body, size)
+    subroutine lay_grid(s, x, fixed, body, size)
         type(search_t), intent(inout) :: s
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
+        integer(int8), intent(in) :: fixed(:) !! (n)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: size !! side of a cell [m]
         real(dp) :: lo(3), hi(3)
-        integer :: a
 
-        do a = 1, 3
-            lo(a) = minval(x(a, body%first:body%last))
-            hi(a) = maxval(x(a, body%first:body%last))
-        end do
+        call extent(x, fixed, body, lo, hi)
         call choose_cells(s, lo, hi, body%last - body%first + 1, size)
     end subroutine lay_grid
+
+    !> Corners of the particles of a body that are not gone.
+    pure subroutine extent(x, fixed, body, lo, hi)
+        real(dp), intent(in) :: x(:, :) !! (3, n) [m]
+        integer(int8), intent(in) :: fixed(:) !! (n)
+        type(body_t), intent(in) :: body
+        real(dp), intent(out) :: lo(3), hi(3) !! [m]
+        integer :: i
+
+        lo = huge(lo)
+        hi = -huge(hi)
+        do i = body%first, body%last
+            if (fixed(i) == is_gone) cycle
+            lo = min(lo, x(:, i))
+            hi = max(hi, x(:, i))
+        end do
+        if (all(lo <= hi)) return
+        lo = 0
+        hi = 0
+    end subroutine extent
 
     !> The same from the extent of the body. Layers of a lattice lie on no side of a cell.
     subroutine choose_cells(s, lo, hi, n, size)
@@ -117,15 +134,17 @@ contains
     end subroutine number_cells
 
     !> Sort the particles of a body into the cells; equal cells keep the order of the particles.
-    subroutine fill_cells(s, x, body)
+    !> Those that are gone come last, in no cell.
+    subroutine fill_cells(s, x, fixed, body)
         type(search_t), intent(inout) :: s
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
+        integer(int8), intent(in) :: fixed(:) !! (n)
         type(body_t), intent(in) :: body
         integer :: i, c, n
 
         s%start = 0
         do i = body%first, body%last
-            c = cell_of(s, x(:, i))
+            c = cell_of(s, x(:, i), fixed(i))
             s%start(c) = s%start(c) + 1
         end do
         n = body%first
@@ -135,7 +154,7 @@ contains
             n = n + i
         end do
         do i = body%first, body%last
-            c = cell_of(s, x(:, i))
+            c = cell_of(s, x(:, i), fixed(i))
             s%order(s%start(c)) = i
             s%start(c) = s%start(c) + 1
         end do
@@ -145,12 +164,15 @@ contains
         s%start(0) = body%first
     end subroutine fill_cells
 
-    !> Number of the cell of a point along the curve.
-    pure integer function cell_of(s, x) result(c)
+    !> Number of the cell of a particle along the curve; that behind the last if it is gone.
+    pure integer function cell_of(s, x, fixed) result(c)
         type(search_t), intent(in) :: s
         real(dp), intent(in) :: x(3) !! [m]
+        integer(int8), intent(in) :: fixed
         integer :: at(3)
 
+        c = ubound(s%start, 1)
+        if (fixed == is_gone) return
         at = place(s, x)
         c = s%code(at(1), 1) + s%code(at(2), 2) + s%code(at(3), 3)
     end function cell_of

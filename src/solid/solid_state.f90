@@ -16,6 +16,7 @@ module brz_solid_state
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_names, form_total, lanes, worth_threads, links_t
     public :: bond_none, bond_whole, bond_broken, intact_share
+    public :: is_free, is_held, is_gone
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold, pair_tilt
 
@@ -26,6 +27,8 @@ module brz_solid_state
                                                  'uncorrected', 'rigid', 'total_lagrangian']
     integer, parameter :: lanes = 8 !! particles of a group, which share one list of neighbours
 
+    integer(int8), parameter :: is_free = 0, is_held = 1
+    integer(int8), parameter :: is_gone = 2 !! has left the region and is out of the computation
     integer(int8), parameter :: bond_none = 0, bond_whole = 1, bond_broken = 2
     real(rk), parameter :: intact_share = 0.5_rk !! fewer intact neighbours end the stiff
                                                  !! hourglass force
@@ -133,7 +136,8 @@ module brz_solid_state
         real(dp) :: dt_limit = 0 !! the smallest of the bodies' and that of contact, part of a
                                  !! checkpoint [s]
         real(dp) :: skin = 0 !! of the neighbour list [m]
-        !> Corners of the region whose leaving is reported [m].
+        logical :: remove = .false. !! what leaves the region is taken out
+        !> Corners of the region whose leaving is watched [m].
         real(dp) :: region(3, 2) = reshape([-huge(1.0_dp), -huge(1.0_dp), -huge(1.0_dp), &
                                             huge(1.0_dp), huge(1.0_dp), huge(1.0_dp)], [3, 2])
         integer(int64) :: steps = 0, rebuilds = 0
@@ -161,7 +165,7 @@ module brz_solid_state
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
-        integer(int8), allocatable :: fixed(:) !! (n) 1: held in place
+        integer(int8), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone
         integer(int8), allocatable :: cut(:) !! (n) 1: hourglass support lost for good
         integer(int16), allocatable :: support(:) !! (n) neighbours in the unloaded body
         integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block

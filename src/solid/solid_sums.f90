@@ -18,10 +18,11 @@ module brz_solid_sums
         real(dp) :: artificial = 0 !! energy held by the artificial stress [J]
         real(dp) :: contact = 0 !! energy held by the springs of contact [J]
         real(dp) :: outside = 0 !! mass that has left the region [kg]
+        real(dp) :: removed(2) = 0 !! mass and energy of what has been taken out [kg, J]
         real(dp) :: damage = 0 !! mean over the mass
     end type solid_totals_t
 
-    integer, parameter :: n_sum = 14
+    integer, parameter :: n_sum = 16
 
 contains
 
@@ -40,6 +41,7 @@ contains
         totals%kinetic = sums(11)
         totals%internal = sums(12)
         totals%outside = sums(14)
+        totals%removed = sums(15:16)
         totals%damage = sums(13)/max(sums(1), tiny(1.0_dp))
         do k = 1, size(solid%bodies) ! the turning of the particles of rigid bodies
             if (b /= 0 .and. b /= k) cycle

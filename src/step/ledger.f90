@@ -16,7 +16,7 @@ module brz_ledger
     public :: ledger_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
     public :: body_names, body_row
 
-    integer, parameter :: n_energy = 33, n_body = 14
+    integer, parameter :: n_energy = 35, n_body = 14
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
@@ -30,7 +30,7 @@ module brz_ledger
                                 'momentum_error[-]', 'fallback_faces[-]', &
                                 'products[kg]', 'products_out[kg]', &
                                 'contact[J]', 'contact_heat[J]', 'friction[J]', 'drive_work[J]', &
-                                'outside[kg]']
+                                'outside[kg]', 'removed[kg]', 'removed[J]']
 
     !> Columns of bodies.csv, for every body.
     character(20), parameter :: body_columns(n_body) = [character(20) :: &
@@ -53,6 +53,7 @@ module brz_ledger
         real(dp) :: air_work = 0 !! energy that the air gave to moving walls so far [J]
         real(dp) :: load_work = 0 !! work of the load on the particles so far [J]
         real(dp) :: outside = 0 !! mass of particles that have left the region [kg]
+        real(dp) :: removed(2) = 0 !! mass and energy of what has been taken out [kg, J]
         real(dp) :: drive = 0 !! work of prescribed motion so far [J]
         real(dp) :: impulse(3) = 0 !! momentum that the air gave to walls so far [N s]
         real(dp) :: total = 0 !! energy of everything, what is lost in coupling included [J]
@@ -98,6 +99,7 @@ contains
             ledger%solid_kinetic = sums%kinetic
             ledger%solid_internal = sums%internal
             ledger%outside = sums%outside
+            ledger%removed = sums%removed
             ledger%hourglass = sums%hourglass
             ledger%artificial = sums%artificial
             ledger%hourglass_heat = sum(solid%bodies%ledger%hourglass_heat)
@@ -169,7 +171,7 @@ contains
         row(19:28) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
                       ledger%mass_error, ledger%momentum_error, ledger%fallback_faces, &
                       ledger%products, ledger%products_out]
-        row(29:33) = [ledger%contact, ledger%drive, ledger%outside]
+        row(29:35) = [ledger%contact, ledger%drive, ledger%outside, ledger%removed]
     end function ledger_row
 
     !> Columns of bodies.csv.

@@ -261,6 +261,8 @@ contains
         if (sim%case%solid%leave == 'stop') then
             sim%intact = .true.
             call raise(err, exit_numerical, text)
+        else if (sim%case%solid%leave == 'remove') then
+            write (error_unit, '(a)') text//'; they are taken out (removed[kg] in energy.csv)'
         else
             write (error_unit, '(a)') text//'; they fly on and feel no air (outside[kg] in '// &
                 'energy.csv)'

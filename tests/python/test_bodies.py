@@ -223,3 +223,46 @@ def test_a_fragment_at_6_km_per_s_keeps_its_energy(tmp_path):
     run("run", "fragment.nml", cwd=tmp_path)
     energy = history(tmp_path / "out" / "fragment" / "energy.csv")
     assert abs(energy["error[-]"]).max() < 0.01
+
+
+CHIP = """\
+&run title='chip', t_end=7e-5 /
+&air box=-0.01,0.02, -0.01,0.014, -0.01,0.014, cells=15,12,12 /
+&material id='soft', model='linear_elastic', density=1000,
+          youngs_modulus=5e8, poisson_ratio=0.3 /
+&body id='chip', box=0,0.003, 0,0.004, 0,0.004, spacing=1e-3, material='soft', velocity=100,0,0 /
+&body id='block', box=-0.006,-0.002, 0,0.004, 0,0.004, spacing=1e-3, material='soft' /
+&solid region=-0.009,0.006, -1,1, -1,1, leave='remove' /
+&output dump_every=7e-5 /
+"""
+
+
+def test_what_leaves_can_be_taken_out(tmp_path):
+    """The chip is gone, for neighbours and air, and a restart in between gives the same bytes."""
+    (tmp_path / "chip.nml").write_text(CHIP)
+    done = run("run", "chip.nml", cwd=tmp_path)
+    assert "they are taken out" in done.stderr
+    out = tmp_path / "out" / "chip"
+    energy = history(out / "energy.csv")
+    bodies = history(out / "bodies.csv")
+    removed = energy["removed[kg]"]
+    assert removed[0] == 0 and removed[len(removed) * 2 // 3] > 0
+    assert abs(removed[-1] / bodies["chip:mass[kg]"][0] - 1) < 1e-12
+    assert 0.99 < energy["removed[J]"][-1] / bodies["chip:kinetic[J]"][0] < 1
+    assert abs(energy["error[-]"]).max() < 1e-3
+    assert abs(energy["mass_error[-]"]).max() < 1e-12
+    assert bodies["chip:kinetic[J]"][-1] == bodies["chip:kinetic[J]"][-2]
+    with h5py.File(sorted(out.glob("solid_*.vtkhdf"))[-1]) as dump:
+        assert (dump["VTKHDF/PointData/fixed"][:] == 2).sum() == 48
+    for steps in (50, 70):
+        run(
+            "run",
+            "chip.nml",
+            "--out",
+            f"half{steps}",
+            "--set",
+            f"run.max_steps={steps}",
+            cwd=tmp_path,
+        )
+        run("run", "chip.nml", "--out", f"half{steps}", "--restart", "latest", cwd=tmp_path)
+        assert tables(tmp_path / f"half{steps}") == tables(out)

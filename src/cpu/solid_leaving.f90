@@ -1,0 +1,51 @@
+! SPDX-License-Identifier: MIT
+!> Particles that leave the region are taken out of the computation, where the deck wants it.
+!>
+!> A particle that is gone keeps its place, velocity and energy, and so its part of all totals. It
+!> has no neighbours and no links, no force and no limit of the time step, and the air does not see
+!> it. Lists are built without it, so particles go when lists are built anew.
+module brz_solid_leaving
+    use brz_kinds, only: dp
+    use brz_solid_state, only: form_rigid, form_total, is_free, is_gone, solid_t
+    implicit none
+    private
+    public :: remove_left
+
+contains
+
+    !> Take out what has left the region since the start. What is held, rigid or total Lagrangian
+    !> stays, and for the time being what presses on another body: contact holds energy.
+    subroutine remove_left(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b, i
+
+        if (.not. solid%remove) return
+        do b = 1, size(solid%bodies)
+            if (solid%bodies(b)%asleep .or. any(solid%bodies(b)%formulation &
+                                                == [form_rigid, form_total])) cycle
+            do i = solid%bodies(b)%first, solid%bodies(b)%last
+                if (solid%fixed(i) /= is_free .or. is_inside(solid, solid%x(:, i))) cycle
+                if (.not. is_inside(solid, solid%x_ref(:, i)) .or. presses(solid, i)) cycle
+                solid%fixed(i) = is_gone
+                solid%a(:, i) = 0
+                if (allocated(solid%load)) solid%load(:, i) = 0
+            end do
+        end do
+    end subroutine remove_left
+
+    pure logical function is_inside(solid, x)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: x(3) !! [m]
+
+        is_inside = all(x >= solid%region(:, 1) .and. x <= solid%region(:, 2))
+    end function is_inside
+
+    !> True where a particle of another body pushes particle i.
+    pure logical function presses(solid, i)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+
+        presses = .false.
+        if (solid%links%present) presses = any(abs(solid%links%push(:, solid%links%row(i))) > 0)
+    end function presses
+end module brz_solid_leaving
