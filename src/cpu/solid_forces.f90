@@ -14,7 +14,8 @@ module brz_solid_forces
                                    viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, is_gone, lanes, n_pair, pair_affine, pair_hold, &
-                               pair_keep, pair_stress, pair_tilt, pair_volume, solid_t, worth_threads
+                               pair_keep, pair_stress, pair_tilt, pair_volume, solid_t, &
+                               worth_threads
     use brz_tilted_arm, only: tilted_arm, tilted_force
     implicit none
     private

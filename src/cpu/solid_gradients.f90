@@ -20,8 +20,8 @@ module brz_solid_gradients
                                place_group, place_images, signs
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, form_uncorrected, intact_share, is_gone, lanes, &
-                               pair_affine, pair_hold, pair_keep, pair_linear, pair_quadratic, pair_stress, &
-                               pair_tilt, pair_volume, solid_t, worth_threads
+                               pair_affine, pair_hold, pair_keep, pair_linear, pair_quadratic, &
+                               pair_stress, pair_tilt, pair_volume, solid_t, worth_threads
     use brz_tilted_arm, only: tilted_arm, tilted_correction
     implicit none
     private
