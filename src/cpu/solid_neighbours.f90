@@ -10,7 +10,8 @@ module brz_solid_neighbours
     use brz_particle_order, only: reorder_particles
     use brz_solid_lanes, only: group_of
     use brz_solid_links, only: build_links
-    use brz_solid_state, only: body_t, form_rigid, form_total, is_gone, lanes, solid_t, worth_threads
+    use brz_solid_state, only: body_t, form_rigid, form_total, is_gone, lanes, solid_t, &
+                               worth_threads
     implicit none
     private
     public :: build_neighbours, needs_rebuild
