@@ -26,6 +26,7 @@ module solid_bodies
         real(dp) :: strain = 0, energy = 0 !! of the middle at failure, over the exact ones
         real(dp) :: failed = 0 !! part of the particles that failed
         integer :: pieces = 0
+        integer :: sound = 0 !! pieces of metal that has not failed; all others are rubble
     end type torn_t
 
 contains
@@ -127,6 +128,7 @@ contains
         call advance(s, s%time + 20e-6_dp)
         call finish(s, seen)
         found%pieces = pieces(s%solid, 1.6_dp)
+        found%sound = sound_pieces(s%solid)
         found%failed = real(count(s%solid%damage >= 1), dp)/s%solid%n
     end subroutine torn_bar
 
@@ -195,6 +197,15 @@ contains
         call heaps(solid, reach, heap)
         pieces = maxval(heap)
     end function pieces
+
+    !> Pieces in which there is metal that is less than half damaged.
+    integer function sound_pieces(solid)
+        type(solid_t), intent(in) :: solid
+        integer :: heap(solid%n), k
+
+        call heaps(solid, 1.6_dp, heap)
+        sound_pieces = count([(any(heap == k .and. solid%damage < 0.5_rk), k=1, maxval(heap))])
+    end function sound_pieces
 
     !> Number of the heap of each particle.
     subroutine heaps(solid, reach, heap)
