@@ -190,7 +190,7 @@ def test_what_bodies_cannot_do_on_the_gpu_is_told(solid):
 
 
 def test_a_lost_particle_is_reported(solid):
-    fast = ("--set", "body(rod).velocity=0,0,-9e4", "--out", "o")
+    fast = ("--set", "body(rod).velocity=0,0,-9e5", "--out", "o")
     done = run(solid, "s.nml", "--backend", "gpu", *fast)
     assert done.returncode == 3, done.stderr
     assert "particle" in done.stderr and "impossible state" in done.stderr
