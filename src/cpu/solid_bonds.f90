@@ -8,8 +8,9 @@ module brz_solid_bonds
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: int64, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, viscous_force
-    use brz_solid_links, only: first_link, is_bonded, last_link, link_body, link_mirror
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, n_terms
+    use brz_solid_links, only: first_link, is_bonded, last_link, link_body
+    use brz_solid_mirror, only: mirrored, mirrored_row, signs
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, n_terms
     use brz_solid_state, only: bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
                                n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
                                pair_quadratic, pair_stress, pair_tilt, pair_volume, solid_t, &
@@ -37,7 +38,7 @@ contains
         integer :: a, b
 
         p%j = solid%links%list(k)
-        p%s = real(link_mirror(int(solid%links%mask(k))), rk)
+        p%s = signs(int(solid%links%mask(k)))
         p%r = real(solid%x(:, i) - p%s*solid%x(:, p%j), rk)
         p%dx = real(solid%x_ref(:, i) - p%s*solid%x_ref(:, p%j), rk)
         p%dv = solid%v(:, i) - p%s*solid%v(:, p%j)
@@ -83,20 +84,14 @@ contains
         type(pair_t) :: p
         real(rk) :: own(n_pair), other(n_pair), g(3), d(3), arm(3), arm_j(3), w, u, y, vr, heat
         integer(int64) :: k
-        integer :: c, t
+        integer :: c
 
         c = link_body(solid%links, i)
         own = solid%pair(:, i)
         do k = first_link(solid%links, i), last_link(solid%links, i)
             if (.not. is_bonded(solid%links, i, solid%links%list(k))) cycle
             call look(solid, i, k, p)
-            other = solid%pair(:, p%j)
-            do t = 1, 3
-                associate (a => pair_stress + 3*t, b => pair_affine + 3*t)
-                    other(a - 2:a) = p%s(t)*p%s*other(a - 2:a)
-                    other(b - 2:b) = p%s(t)*p%s*other(b - 2:b)
-                end associate
-            end do
+            other = mirrored_row(p%s, solid%pair(:, p%j))
             associate (m => solid%links%table(c, link_body(solid%links, p%j)), &
                        drag => f(at_drag + 1:at_drag + 3), r => p%r)
                 w = own(pair_volume)*other(pair_volume)*p%slope

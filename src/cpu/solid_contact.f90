@@ -8,7 +8,8 @@ module brz_solid_contact
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int64, real32, rk
     use brz_pair_force, only: viscous_force
-    use brz_solid_links, only: first_link, is_bonded, last_link, link_body, link_mirror
+    use brz_solid_links, only: first_link, is_bonded, last_link, link_body
+    use brz_solid_mirror, only: signs
     use brz_solid_state, only: pair_linear, pair_quadratic, solid_t, worth_threads
     implicit none
     private
@@ -121,7 +122,7 @@ contains
             end if
             b = link_body(solid%links, j)
             associate (m => solid%links%table(a, b))
-                r = real(solid%x(:, i) - link_mirror(int(solid%links%mask(k)))*solid%x(:, j), rk)
+                r = real(solid%x(:, i) - signs(int(solid%links%mask(k)))*solid%x(:, j), rk)
                 distance = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
                 slope = kernel_slope(m%scale, m%half_over_h, distance)
                 v = solid%links%cell(b)*solid%mass(j)/real(solid%depth, rk)
@@ -179,7 +180,7 @@ contains
         j = solid%links%list(k)
         a = link_body(solid%links, i)
         b = link_body(solid%links, j)
-        s = real(link_mirror(int(solid%links%mask(k))), rk)
+        s = signs(int(solid%links%mask(k)))
         r = real(solid%x(:, i) - s*solid%x(:, j), rk)
         distance = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
         dv = solid%v(:, i) - s*solid%v(:, j)

@@ -4,7 +4,8 @@ module brz_solid_doubles
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int64
     use brz_solid_lanes, only: group_of
-    use brz_solid_links, only: first_link, last_link, link_mirror
+    use brz_solid_links, only: first_link, last_link
+    use brz_solid_mirror, only: signs
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
@@ -42,7 +43,7 @@ contains
             integer, intent(in) :: b, i, j, m
             real(dp) :: d(3)
 
-            d = solid%x(:, i) - link_mirror(m)*solid%x(:, j)
+            d = solid%x(:, i) - signs(m)*solid%x(:, j)
             if (dot_product(d, d) > (same_place*solid%bodies(b)%spacing)**2) return
             call raise(err, exit_deck, "&body id='"//trim(solid%bodies(b)%id)// &
                        "': particles "//to_text(solid%id(i))//' and '//to_text(solid%id(j))// &

@@ -8,8 +8,9 @@ module brz_solid_forces
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force
     use brz_solid_bonds, only: add_bonded_forces
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
-                               place_group, place_images, signs
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, mirrored, mirrored_row, &
+                               place_group, place_images
+    use brz_solid_mirror, only: mirrored, mirrored_row, signs
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, &
                                    n_terms, sum_axial, sum_plain, sum_stiff, sum_viscous, &
                                    viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
@@ -293,8 +294,8 @@ contains
         end if
     end subroutine accelerate
 
-    !> Add the pair of p with j, or with its image: components of the mirrored axes change sign,
-    !> tensors in both indices.
+    !> In a body of variable smoothing length: add the pair of p with j, or with its image, of which
+    !> components of the mirrored axes change sign, tensors in both indices.
     subroutine add_pair(solid, body, p, j, mask, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
@@ -310,12 +311,9 @@ contains
         r = real(solid%x(:, p%i) - s*solid%x(:, j), rk)
         dx = real(solid%x_ref(:, p%i) - s*solid%x_ref(:, j), rk)
         dv = solid%v(:, p%i) - s*solid%v(:, j)
-        if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, &
-                                            q%scale, q%half_over_h)
-        arm = r
-        if (body%formulation == form_total) arm = dx
+        call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, q%scale, q%half_over_h)
         w = solid%pair(pair_volume, p%i)*solid%pair(pair_volume, j) &
-            *kernel_slope(q%scale, q%half_over_h, norm2(arm))
+            *kernel_slope(q%scale, q%half_over_h, norm2(r))
         if (w == 0) return
         own = solid%pair(:, p%i)
         other = mirrored_row(s, solid%pair(:, j))
@@ -324,7 +322,7 @@ contains
             call tilted_arm(-other(pair_tilt), s*p%normal, dx, r, arm_j)
             call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
         else
-            call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, g)
+            call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
         end if
         r2 = dot_product(r, r)
         u = viscosity(q%h, own, other, w, r2, dot_product(r, dv))
@@ -338,7 +336,7 @@ contains
                                    other(pair_affine + 1), dv, r, g, u)
             f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + g
             f(at_friction) = f(at_friction) + u
-        case (form_bending, form_total)
+        case (form_bending)
             if (body%directional) then
                 call hourglass_axial(w, real(solid%hold(:, p%i), rk) &
                                      + mirrored(s, solid%hold(:, j)), own(pair_affine + 1), &

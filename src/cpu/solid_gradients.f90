@@ -17,7 +17,8 @@ module brz_solid_gradients
     use brz_solid_gradient_sums, only: at_g, at_x, at_y, n_moment, n_outer, n_terms, sum_bending, &
                                        sum_plain, sum_tilted
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
-                               place_group, place_images, signs
+                               place_group, place_images
+    use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, form_uncorrected, intact_share, is_gone, lanes, &
                                pair_affine, pair_hold, pair_keep, pair_linear, pair_quadratic, &
@@ -208,9 +209,7 @@ contains
         r = real(solid%x(:, i) - s*solid%x(:, j), rk)
         dx = real(solid%x_ref(:, i) - s*solid%x_ref(:, j), rk)
         dv = solid%v(:, i) - s*solid%v(:, j)
-        if (body%formulation == form_total) call swap(r, dx)
-        if (body%variable) call pair_kernel(solid%dimension, solid%h(i), solid%h(j), h, q%scale, &
-                                            q%half_over_h)
+        call pair_kernel(solid%dimension, solid%h(i), solid%h(j), h, q%scale, q%half_over_h)
         w = solid%volume(j)*kernel_slope(q%scale, q%half_over_h, norm2(r))
         if (w == 0) return
         call tilted_arm(solid%pair(pair_tilt, i), body%normal, dx, r, y)
@@ -223,15 +222,6 @@ contains
         call outer_terms(w, r, y, g)
         sums(at_y + 1:) = sums(at_y + 1:) + g
     end subroutine add_pair
-
-    pure subroutine swap(a, b)
-        real(rk), intent(inout) :: a(3), b(3)
-        real(rk) :: c(3)
-
-        c = a
-        a = b
-        b = c
-    end subroutine swap
 
     !> From the sums to the new state of particle i and its row of `pair`.
     subroutine advance(solid, body, dt, i, k, sums, limit)

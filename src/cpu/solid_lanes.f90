@@ -7,11 +7,12 @@
 !> reads of the group and what it sums are whole vectors.
 module brz_solid_lanes
     use brz_kinds, only: dp, int32, int64, rk
+    use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, lanes, n_pair, solid_t
     implicit none
     private
     public :: centre_t, group_t, group_of, place_group
-    public :: images_t, place_images, signs, most_images, in_turn
+    public :: images_t, place_images, most_images, in_turn
 
     integer, parameter :: most_images = 64 !! that are laid down at a time
     integer :: k_turn
@@ -79,17 +80,6 @@ contains
             p%v(l, :) = solid%v(:, i)
         end do
     end subroutine place_group
-
-    !> Signs of the components that a mask mirrors.
-    pure function signs(mask) result(s)
-        integer, intent(in) :: mask !! bits 0..2
-        real(rk) :: s(3)
-        integer :: a
-
-        do a = 1, 3
-            s(a) = merge(-1, 1, btest(mask, a - 1))
-        end do
-    end function signs
 
     !> Lay down the images of the entries k..last: what pass 1 reads of them.
     pure subroutine place_images(solid, k, last, images)

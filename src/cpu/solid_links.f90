@@ -6,10 +6,11 @@ module brz_solid_links
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid
     use brz_contact, only: law_bonded, law_none
     use brz_kinds, only: dp, int32, int64, int8
+    use brz_solid_mirror, only: signs
     use brz_solid_state, only: bond_whole, is_gone, links_t, solid_t, worth_threads
     implicit none
     private
-    public :: build_links, is_bonded, link_mirror, link_body, first_link, last_link, first_bonds
+    public :: build_links, is_bonded, link_body, first_link, last_link, first_bonds
 
 contains
 
@@ -99,7 +100,7 @@ contains
         real(dp) :: x(3), d(3)
         integer :: c, c1, c2, c3, j, k, lo(3), hi(3)
 
-        x = link_mirror(m)*solid%x_built(:, i)
+        x = signs(m)*solid%x_built(:, i)
         call cell_span(solid%search, x, reach, lo, hi)
         do c3 = lo(3), hi(3)
             do c2 = lo(2), hi(2)
@@ -119,17 +120,6 @@ contains
             end do
         end do
     end subroutine search
-
-    !> Signs of the components that the planes of a mask mirror.
-    pure function link_mirror(m) result(s)
-        integer, intent(in) :: m !! bits 0..2
-        real(dp) :: s(3)
-        integer :: a
-
-        do a = 1, 3
-            s(a) = merge(-1, 1, btest(m, a - 1))
-        end do
-    end function link_mirror
 
     !> Turn numbers of links into numbers of rows, of particles that have some; first(r+1) is then
     !> the place before the links of row r. Row 0 is for all others: it has no links and stays nil.

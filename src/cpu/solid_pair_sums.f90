@@ -14,7 +14,7 @@ module brz_solid_pair_sums
     use brz_tilted_arm, only: tilted_arm, tilted_force
     implicit none
     private
-    public :: sum_plain, sum_viscous, sum_stiff, sum_axial, viscosity, mirrored, mirrored_row
+    public :: sum_plain, sum_viscous, sum_stiff, sum_axial, viscosity
     public :: n_terms, at_heat, at_friction, at_drag, at_hold
 
     ! slots of the sums: 1..3 force of the stress [N]
@@ -228,29 +228,4 @@ contains
         u = viscous_force(w, h, r2, vr, own(pair_linear) + other(pair_linear), &
                           own(pair_quadratic) + other(pair_quadratic))
     end function viscosity
-
-    !> A symmetric tensor seen in the mirror planes with s = -1.
-    pure function mirrored(s, k) result(m)
-        real(rk), intent(in) :: s(3)
-        real(real32), intent(in) :: k(6)
-        real(rk) :: m(6)
-
-        m(1:3) = k(1:3)
-        m(4:6) = k(4:6)*[s(1)*s(2), s(2)*s(3), s(1)*s(3)]
-    end function mirrored
-
-    !> The row of a particle seen in the mirror planes with s = -1: its tensors change.
-    pure function mirrored_row(s, row) result(m)
-        real(rk), intent(in) :: s(3), row(n_pair)
-        real(rk) :: m(n_pair)
-        integer :: t
-
-        m = row
-        do t = 1, 3
-            associate (a => pair_stress + 3*t, b => pair_affine + 3*t)
-                m(a - 2:a) = s(t)*s*row(a - 2:a)
-                m(b - 2:b) = s(t)*s*row(b - 2:b)
-            end associate
-        end do
-    end function mirrored_row
 end module brz_solid_pair_sums

@@ -14,9 +14,10 @@ module brz_solid_step
     use brz_solid_faults, only: report_bad
     use brz_solid_forces, only: force_pass, update_sizes
     use brz_solid_gradients, only: gradient_pass
-    use brz_solid_lanes, only: group_of, signs
+    use brz_solid_lanes, only: group_of
     use brz_solid_leaving, only: remove_left
     use brz_solid_links, only: first_bonds
+    use brz_solid_mirror, only: signs
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
     use brz_solid_rigid, only: balance_rigid, move_rigid
     use brz_solid_sleep, only: wake_met
@@ -164,21 +165,22 @@ contains
         integer, intent(in) :: fails !! how the material of the body fails
         integer(int64) :: k
         integer :: g, j
-        real(dp) :: d(3)
+        real(dp) :: d(3), reach2
 
         n = 0
+        reach2 = reach_of_lists(solid, b)**2
         g = group_of(solid%bodies(b), i)
         do k = solid%first(g), solid%first(g + 1) - 1
             j = solid%list(k)
             d = solid%x_built(:, j) - solid%x_built(:, i)
-            if (j == i .or. dot_product(d, d) >= reach_of_lists(solid, b)**2) cycle
+            if (j == i .or. dot_product(d, d) >= reach2) cycle
             if (strength_left(fails, solid%damage(j)) > intact_share) n = n + 1
         end do
         if (.not. any(solid%mirror)) return
         do k = solid%image_first(g), solid%image_first(g + 1) - 1
             j = solid%image(k)
             d = signs(int(solid%mask(k)))*solid%x_built(:, j) - solid%x_built(:, i)
-            if (dot_product(d, d) >= reach_of_lists(solid, b)**2) cycle
+            if (dot_product(d, d) >= reach2) cycle
             if (strength_left(fails, solid%damage(j)) > intact_share) n = n + 1
         end do
     end function count_intact

@@ -4,7 +4,8 @@ module brz_solid_tilts
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: int64, real32, rk
     use brz_solid_lanes, only: group_of
-    use brz_solid_links, only: first_link, is_bonded, last_link, link_body, link_mirror
+    use brz_solid_links, only: first_link, is_bonded, last_link, link_body
+    use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, solid_t, worth_threads
     implicit none
     private
@@ -77,7 +78,7 @@ contains
         real(rk), intent(inout) :: sums(2)
         real(rk) :: r(3), w, z
 
-        r = real(solid%x_ref(:, i) - link_mirror(mask)*solid%x_ref(:, j), rk)
+        r = real(solid%x_ref(:, i) - signs(mask)*solid%x_ref(:, j), rk)
         z = dot_product(body%normal, r)
         w = solid%volume(j)*kernel_slope(scale, half_over_h, norm2(r))
         w = w*(dot_product(r, r) - z*z)
