@@ -8,7 +8,8 @@ Layers: base < deck < materials < {air, solid} < coupling < {cpu, gpu} < output 
 file uses only its own folder and what is to the left. Point physics (files with `!@cuf`) uses
 only base, plain data and other point physics; a material model may describe itself to the deck as
 well. Sizes: files 400 lines, procedures 80, arguments 8; of kernels (cuda/*.CUF) only files count.
-Also: the licence line, the module name, `use` with `only`.
+Also: the licence line, the module name, `use` with `only`. Lines of *.md files have at most 120
+columns, rows of tables excepted.
 """
 
 import re
@@ -19,6 +20,7 @@ LAYERS = [{"base"}, {"deck"}, {"materials"}, {"air", "solid"}, {"coupling"}, {"c
 LAYERS += [{"output"}, {"step"}, {"main"}]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 400, 80, 8
+MAX_PROSE = 120
 LICENCE = "SPDX-License-Identifier: MIT"
 
 USE = re.compile(r"^\s*use\b\s*(?:,\s*\w+\s*::\s*|::\s*|\s)(\w+)\s*(.*)$", re.I)
@@ -117,6 +119,16 @@ class Source:
                 self.fault(line, f"point physics must not use {module}: it holds host code")
 
 
+def long_prose(root):
+    """Lines of the pages that are too long and no rows of a table."""
+    pages = [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("tests/**/*.md")]
+    for page in sorted(pages):
+        for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
+            if len(line) > MAX_PROSE and not line.startswith("|"):
+                place = f"{page.relative_to(root)}:{number}"
+                yield f"{place}: {len(line)} columns; at most {MAX_PROSE}"
+
+
 def main():
     root = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
     files = [p for d in ("src", "tests", "cuda") for p in sorted((root / d).rglob("*"))]
@@ -127,6 +139,7 @@ def main():
         if source.in_src:
             source.check_layers(owner)
     faults = [fault for source in sources for fault in source.faults]
+    faults += long_prose(root)
     for path in sorted((root / "scripts").glob("*")) + sorted(root.glob("post/**/*.py")):
         if path.suffix in (".py", ".sh"):
             head = path.read_text(encoding="utf-8").splitlines()[:2]

@@ -7,7 +7,7 @@ module brz_describe
     use brz_key_text, only: choice_text, default_text, group_hint, group_known, &
                             group_repeats, range_text, same_value_count, unit_text
     use brz_preset, only: describe_presets, is_preset
-    use brz_text, only: lower, printable
+    use brz_text, only: lower, printable, split, string_t
     implicit none
     private
     public :: describe, describe_markdown
@@ -78,16 +78,13 @@ contains
         integer :: i
 
         text = '# Deck reference'//lf//lf// &
-               'Written by `brisance --describe --markdown` from the key table: change the '// &
-               'table, '// &
-               'not this page.'//lf//lf// &
-               'A deck is a text file of namelist groups in SI units. `&` as the first '// &
-               'character of a '// &
-               'line opens a group, `/` closes it, `!` starts a comment; text between groups '// &
-               'is '// &
-               'comment. Values are separated by commas, texts stand in quotes, `3*0.0` is '// &
-               'three '// &
-               'zeros. Groups that carry an `id` may stand many times.'//lf
+               paragraph('Written by `brisance --describe --markdown` from the key table: '// &
+                         'change the table, not this page.')//lf//lf// &
+               paragraph('A deck is a text file of namelist groups in SI units. `&` as the '// &
+                         'first character of a line opens a group, `/` closes it, `!` starts '// &
+                         'a comment; text between groups is comment. Values are separated '// &
+                         'by commas, texts stand in quotes, `3*0.0` is three zeros. Groups '// &
+                         'that carry an `id` may stand many times.')//lf
         do i = 1, size(keys)
             if (any(keys(:i - 1)%group == keys(i)%group)) cycle
             call markdown_group(keys, trim(keys(i)%group), text)
@@ -102,7 +99,7 @@ contains
         logical :: header
         integer :: i
 
-        text = text//lf//'## &'//group//lf//lf//group_meaning(keys, group, '')//lf
+        text = text//lf//'## &'//group//lf//lf//paragraph(group_meaning(keys, group, ''))//lf
         owner = ''
         header = .true.
         do i = 1, size(keys)
@@ -112,7 +109,7 @@ contains
                 header = .true.
                 text = text//lf//"### model='"//trim(owner)//"'"//lf
                 if (group_meaning(keys, group, trim(owner)) /= '') &
-                    text = text//lf//group_meaning(keys, group, trim(owner))//lf
+                    text = text//lf//paragraph(group_meaning(keys, group, trim(owner)))//lf
             end if
             if (keys(i)%key == '') cycle
             if (header) text = text//lf//'| key | values | unit | default | meaning |'//lf// &
@@ -121,6 +118,30 @@ contains
             call markdown_row(keys, keys(i), text)
         end do
     end subroutine markdown_group
+
+    !> The words of a text in lines of at most 120 columns.
+    pure function paragraph(text) result(lines)
+        character(*), intent(in) :: text
+        character(:), allocatable :: lines
+        type(string_t), allocatable :: words(:)
+        integer, parameter :: longest = 120
+        integer :: i, column
+
+        call split(text, ' ', words)
+        lines = ''
+        column = longest
+        do i = 1, size(words)
+            if (column + 1 + len(words(i)%s) > longest) then
+                if (i > 1) lines = lines//lf
+                column = 0
+            else
+                lines = lines//' '
+                column = column + 1
+            end if
+            lines = lines//words(i)%s
+            column = column + len(words(i)%s)
+        end do
+    end function paragraph
 
     subroutine markdown_row(keys, row, text)
         type(key_t), intent(in) :: keys(:)

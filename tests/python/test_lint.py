@@ -70,6 +70,15 @@ def test_what_keeps_the_rules_passes(tmp_path):
     assert "first line must be" in structure(tmp_path)[1]
 
 
+def test_long_prose_is_named_and_tables_are_not(tmp_path):
+    page = tmp_path / "docs/sub/page.md"
+    page.parent.mkdir(parents=True)
+    page.write_text("x" * 120 + "\n| " + "x" * 130 + " |\n```\n" + "x" * 121 + "\n```\n")
+    code, text = structure(tmp_path)
+    assert code != 0
+    assert text == "docs/sub/page.md:4: 121 columns; at most 120\n"
+
+
 UGLY = """module a
 contains
 subroutine s(x)
