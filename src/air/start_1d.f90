@@ -92,9 +92,7 @@ contains
             if (blast%r(blast%front) >= limit .or. blast%time >= case%run%t_end) exit
             if (blast%time >= due) then
                 call keep_row(case, blast, early)
-                due = (floor(blast%time/max(case%output%history_every, tiny(due))) + 1) &
-                    *case%output%history_every
-                if (.not. case%output%history_every > 0) due = 0
+                due = next_due(blast%time, case%output%history_every)
             end if
             call advance_blast1d(blast, case%run%t_end - blast%time, ok)
             if (ok) cycle
@@ -106,6 +104,14 @@ contains
         early%radius = blast%r(blast%front)
         early%steps = blast%cycle
     end subroutine run_free
+
+    !> First whole multiple of an interval after a time; where it is none, at every step [s].
+    pure real(dp) function next_due(time, every)
+        real(dp), intent(in) :: time, every !! [s]
+
+        next_due = time
+        if (every > spacing(time)) next_due = (aint(time/every) + 1)*every
+    end function next_due
 
     !> Keep what the gauges of the air see.
     subroutine keep_row(case, blast, early)

@@ -22,27 +22,44 @@ contains
         type(deck_t), intent(in) :: deck
         type(key_t), intent(in) :: keys(:)
         character(:), allocatable, intent(out) :: text
-        integer :: i, g
+        character(:), allocatable :: part
+        integer :: i, g, n
 
         text = 'Complete deck in SI units; values that are defaults are marked.'//lf
+        n = len(text)
         do i = 1, size(keys)
             if (any(keys(:i - 1)%group == keys(i)%group)) cycle
             do g = 1, deck%n
-                if (deck%groups(g)%name == keys(i)%group) call echo_group(deck, keys, g, text)
+                if (deck%groups(g)%name /= keys(i)%group) cycle
+                call echo_group(deck, keys, g, part)
+                call append(part, text, n)
             end do
         end do
+        text = text(:n)
     end subroutine echo_deck
+
+    !> Append to a text of which n characters are used; its room doubles, so that many groups
+    !> cost no more than their length.
+    subroutine append(part, text, n)
+        character(*), intent(in) :: part
+        character(:), allocatable, intent(inout) :: text
+        integer, intent(inout) :: n
+
+        if (n + len(part) > len(text)) text = text(:n)//repeat(' ', n + len(part))
+        text(n + 1:n + len(part)) = part
+        n = n + len(part)
+    end subroutine append
 
     !> One group, keys in the order of the table.
     subroutine echo_group(deck, keys, g, text)
         type(deck_t), intent(in) :: deck
         type(key_t), intent(in) :: keys(:)
         integer, intent(in) :: g
-        character(:), allocatable, intent(inout) :: text
+        character(:), allocatable, intent(out) :: text
         character(:), allocatable :: owner
         integer :: i, e
 
-        text = text//lf//'&'//trim(deck%groups(g)%name)//lf
+        text = lf//'&'//trim(deck%groups(g)%name)//lf
         owner = group_owner(deck%groups(g))
         do i = 1, size(keys)
             if (keys(i)%group /= deck%groups(g)%name .or. keys(i)%key == '') cycle

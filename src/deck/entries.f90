@@ -35,7 +35,7 @@ contains
                 call complain_open(reader, deck, g)
                 exit
             case (token_key)
-                call start_entry(deck, g, token, e)
+                call start_entry(deck, g, token, told, e)
             case (token_comma)
                 if (e > 0 .and. last /= token_word .and. last /= token_quoted) &
                     call add_value(deck, g, e, empty_like(token))
@@ -67,20 +67,24 @@ contains
         empty%line = token%line
     end function empty_like
 
-    !> Open the entry of a key; e = 0 where the group is full already.
-    subroutine start_entry(deck, g, token, e)
+    !> Open the entry of a key; e = 0 where the group is full already, which is told once.
+    subroutine start_entry(deck, g, token, told, e)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(token_t), intent(in) :: token
+        logical, intent(inout) :: told
         integer, intent(out) :: e
 
         associate (group => deck%groups(g))
-            if (group%n == max_entries .and. group%known) then
-                call add_error(deck, token%line, group_label(group)//'more than '// &
-                               to_text(max_entries)//" keys: is a '/' missing?")
-                group%known = .false.
-            end if
             e = 0
+            if (group%n == max_entries) then
+                if (group%known .and. .not. told) &
+                    call add_error(deck, group%line, group_label(group)//'more than '// &
+                                   to_text(max_entries)//' keys, up to line '// &
+                                   to_text(token%line)//": is a '/' missing?")
+                told = .true.
+                group%broken = .true.
+            end if
             if (group%n >= max_entries .or. .not. group%known) return
             call add_entry(group, lower(token%text(:min(token%n, 32))), token%line)
             e = group%n

@@ -34,6 +34,7 @@ contains
         character(48), allocatable, intent(out) :: names(:)
         character(32) :: history(n_hist)
         character(12) :: unit(n_hist)
+        character(48) :: name
         integer :: i
 
         call history_names(material, history, unit)
@@ -50,7 +51,8 @@ contains
             case default
                 columns%n = columns%n + 1
                 columns%own(columns%n) = i
-                names = [names, [character(48) :: trim(history(i))//'['//trim(unit(i))//']']]
+                name = trim(history(i))//'['//trim(unit(i))//']'
+                names = [names, name]
             end select
         end do
     end subroutine point_columns

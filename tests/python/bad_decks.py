@@ -233,6 +233,12 @@ BAD = [
     whole("long_line", b"x" * 10_000_000, None, "no group"),
     whole("long_line_of_values", b"&run t_end=" + b"1," * 5_000_000, 1, "found 5000000 values"),
     whole("long_line_of_keys", b"&run " + b"a=1 " * 2_500_000, 1, "more than 200 keys"),
+    whole(
+        "forgotten_slash",
+        "&run t_end=1 /\n&air box=0,1,0,1,0,1, cells=2,2,2\n" + "cfl=0.5\n" * 199 + "/\n",
+        2,
+        "more than 200 keys, up to line 201: is a '/' missing?",
+    ),
     whole("long_word", b"&run t_end=" + b"1" * 10_000_000, 1, "longer than 2048"),
     whole("long_quote", b"&run title='" + b"a" * 10_000_000, 1, "quote"),
     whole("many_groups", b"&run\n" * 1_000_000, 1, "missing"),

@@ -2,6 +2,7 @@
 """The program and decks with faults: exit code 2, a message that names the place, no crash."""
 
 import os
+import resource
 import subprocess
 from pathlib import Path
 
@@ -48,6 +49,23 @@ def test_fault_is_named(bad, tmp_path):
 def test_there_are_at_least_forty_faults():
     """Names are unique, so no fault hides another one."""
     assert len({bad.name for bad in BAD}) == len(BAD) >= 40
+
+
+def test_many_groups_take_time_in_proportion(tmp_path):
+    """Four times as many boxes of gas take four times as long to read, not sixteen times."""
+    head = "&run t_end=1e-4 /\n&air box=0,1,0,1,0,1, cells=8,8,8 /\n"
+    seconds = []
+    for n in (1500, 6000):
+        boxes = [
+            f"&gas id='g{i}', box=0,1,0,1,0,{1 - i % 8 / 8}, density=1, pressure=1e5 /\n"
+            for i in range(n)
+        ]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        code, text = check(tmp_path, head + "".join(boxes))
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        assert code == 0, text[:2000]
+        seconds.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    assert seconds[1] < 9 * seconds[0], f"{seconds} s"
 
 
 GOOD_FORMS = {
