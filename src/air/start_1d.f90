@@ -24,6 +24,7 @@ module brz_start_1d
     !> What happened before the time at which the run in the grid begins.
     type :: early_t
         logical :: present = .false.
+        logical :: products = .false. !! the grid tells products from air
         real(dp) :: time = 0 !! at which the blast was put into the grid [s]
         real(dp) :: radius = 0 !! of its front then [m]
         integer :: steps = 0
@@ -61,6 +62,7 @@ contains
             return
         end if
         early%present = .true.
+        early%products = air%n_var == 6
         share = outward(air, case%charges(1)%at)
         part = 0.5_dp**count(abs(share) > 0) ! what planes of symmetry leave of the charge
         call start_blast1d(centred_input(case, radius), blast)

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Named arrays in HDF5 files: scalars and arrays of up to 4 dimensions, of five kinds.
+!> Named arrays in HDF5 files: scalars and arrays of up to 4 dimensions, of five kinds; lists of
+!> texts.
 !>
 !> Arrays keep their Fortran order: a(nx, ny, nz) is [nz, ny, nx] to a reader in C or Python.
 module brz_hdf5_array
-    use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
+    use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
     use brz_errors, only: error_t, failed, raise, exit_io
     use brz_hdf5_file, only: h5_t, h5_fail, h5_plain, h5_packed, h5_checked
     use brz_kinds, only: int8, int32, int64, real32, real64
@@ -12,7 +13,8 @@ module brz_hdf5_array
                     h5p_dataset_create_f, h5p_link_create_f, h5screate_f, h5screate_simple_f, &
                     h5sclose_f, h5s_scalar_f, h5sget_simple_extent_dims_f, &
                     h5sget_simple_extent_ndims_f, h5dcreate_f, h5dopen_f, h5dwrite_f, h5dread_f, &
-                    h5dclose_f, h5dget_space_f, h5kind_to_type, h5_integer_kind, h5_real_kind
+                    h5dclose_f, h5dget_space_f, h5kind_to_type, h5_integer_kind, h5_real_kind, &
+                    h5t_string
     implicit none
     private
     public :: h5_write, h5_read, h5_shape
@@ -22,7 +24,8 @@ module brz_hdf5_array
 
     !> Write a scalar or an array as a new entry of the file, with the groups above it.
     interface h5_write
-        module procedure write_real64, write_real32, write_int64, write_int32, write_int8
+        module procedure write_real64, write_real32, write_int64, write_int32, write_int8, &
+            write_texts
     end interface h5_write
 
     !> Read into a scalar or an array that has the shape of what is in the file.
@@ -222,6 +225,23 @@ contains
         call write_elements(file, name, c_loc(a), shape(a, int64), &
                             h5kind_to_type(int8, h5_integer_kind), err)
     end subroutine write_int8
+
+    !> Texts without their trailing blanks. VTK reads none but those of variable length.
+    subroutine write_texts(file, name, a, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        character(*), intent(in) :: a(:)
+        type(error_t), intent(inout) :: err
+        character(len(a) + 1, c_char), target :: ended(size(a))
+        type(c_ptr), target :: text(size(a))
+        integer :: i
+
+        do i = 1, size(a)
+            ended(i) = trim(a(i))//c_null_char
+            text(i) = c_loc(ended(i))
+        end do
+        call write_elements(file, name, c_loc(text), shape(a, int64), h5t_string, err)
+    end subroutine write_texts
 
     subroutine read_real64(file, name, a, err)
         type(h5_t), intent(in) :: file

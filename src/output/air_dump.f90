@@ -3,12 +3,14 @@
 !>
 !> Cells that hold solid carry `solid` = 1 and the state of the undisturbed air: what the solver
 !> keeps there is a ledger, not a state. A direction that is not modelled is one cell thick (VTK
-!> cannot read cells of a flat image), in the middle of the box and as thick as the smallest cell
-!> side, so that a 2-D scene looks like a sheet and a 1-D scene like a rod.
+!> cannot read cells of a flat image), the whole box: volumes and masses of cells are the real ones.
+!> The field data hold what is needed besides for the temperature and the speed of sound: the ratios
+!> of the specific heats, and the undisturbed air.
 module brz_air_dump
     use brz_air_state, only: air_t, cell_gamma, wall_t
     use brz_errors, only: error_t
     use brz_gas, only: to_primitive
+    use brz_hdf5_array, only: h5_write
     use brz_hdf5_attribute, only: h5_put
     use brz_hdf5_file, only: h5_t
     use brz_kinds, only: dp, int8, real32, rk
@@ -43,6 +45,7 @@ contains
         call fill_fields(air, wall, fields)
         call begin_dump(file, path, 'ImageData', err)
         call put_grid(file, air, err)
+        call put_gas(file, air, err)
         call write_field(file, 'CellData/density', 'kg/m3', fields%density, err)
         call write_field(file, 'CellData/pressure', 'Pa', fields%pressure, err)
         call write_field(file, 'CellData/overpressure', 'Pa', fields%overpressure, err)
@@ -58,18 +61,29 @@ contains
         type(air_t), intent(in) :: air
         type(error_t), intent(inout) :: err
         integer :: extent(6)
-        real(dp) :: sides(3)
 
         extent = 0
         extent(2::2) = air%n
-        sides = air%dx
-        if (any(air%n > 1)) sides = merge(air%dx, minval(air%dx, mask=air%n > 1), air%n > 1)
         call h5_put(file, root, 'WholeExtent', extent, err)
-        call h5_put(file, root, 'Origin', air%lo + (air%dx - sides)/2, err)
-        call h5_put(file, root, 'Spacing', sides, err)
+        call h5_put(file, root, 'Origin', air%lo, err)
+        call h5_put(file, root, 'Spacing', air%dx, err)
         call h5_put(file, root, 'Direction', [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 1.0_dp, 0.0_dp, &
                                               0.0_dp, 0.0_dp, 1.0_dp], err)
     end subroutine put_grid
+
+    !> What the gas is.
+    subroutine put_gas(file, air, err)
+        type(h5_t), intent(in) :: file
+        type(air_t), intent(in) :: air
+        type(error_t), intent(inout) :: err
+        character(*), parameter :: place = root//'/FieldData/'
+
+        call h5_write(file, place//'gamma', [real(air%scheme%gamma, dp)], err)
+        if (air%n_var == 6) &
+            call h5_write(file, place//'gamma_products', [real(air%scheme%gamma_products, dp)], err)
+        call h5_write(file, place//'rest_density', [real(air%rho_rest, dp)], err)
+        call h5_write(file, place//'rest_pressure', [real(air%p_rest, dp)], err)
+    end subroutine put_gas
 
     !> Primitive variables of all interior cells.
     subroutine fill_fields(air, wall, fields)

@@ -52,7 +52,8 @@ contains
         if (air%present) call write_air_dump( &
             dumps%folder//'/'//dump_name('air', clock%dump_number), air, wall, meta, err)
         if (solid%present) call write_solid_dump( &
-            dumps%folder//'/'//dump_name('solid', clock%dump_number), solid, meta, err)
+            dumps%folder//'/'//dump_name('solid', clock%dump_number), solid, &
+            case%materials%id, meta, err)
     end subroutine write_dump_files
 
     !> Count a dump that is written, or about to be.

@@ -2,8 +2,10 @@
 !> Dump of the bodies: a VTKHDF cloud of points with one vertex cell per particle.
 !>
 !> Particles stand in the order of their numbers, so row i is the same particle in every dump of a
-!> run, although the solver sorts them again and again. Fields of the material history appear
-!> under the names that the models give them; particles of other materials have 0 there.
+!> run, although the solver sorts them again and again. `body` and `material` are places, from 1,
+!> in the lists of names in the field data. The volume of a particle is that of the moment. Fields
+!> of the material history appear under the names that the models give them; particles of other
+!> materials have 0 there.
 module brz_solid_dump
     use brz_errors, only: error_t
     use brz_hdf5_array, only: h5_write
@@ -22,9 +24,10 @@ module brz_solid_dump
 contains
 
     !> Write the particles to `path`.
-    subroutine write_solid_dump(path, solid, meta, err)
+    subroutine write_solid_dump(path, solid, materials, meta, err)
         character(*), intent(in) :: path
         type(solid_t), intent(in) :: solid
+        character(*), intent(in) :: materials(:) !! names of them
         type(meta_t), intent(in) :: meta
         type(error_t), intent(inout) :: err
         type(h5_t) :: file
@@ -37,6 +40,8 @@ contains
         call write_motion(file, solid, order, err)
         call write_stress(file, solid, order, err)
         call write_history(file, solid, order, err)
+        call h5_write(file, root//'/FieldData/body_names', solid%bodies%id, err)
+        call h5_write(file, root//'/FieldData/material_names', materials, err)
         call end_dump(file, meta, err)
     end subroutine write_solid_dump
 
@@ -133,13 +138,13 @@ contains
         call write_field(file, 'PointData/displacement', 'm', d, err)
     end subroutine write_motion
 
-    !> Stress with its invariants, density, damage and energy.
+    !> Stress with its invariants, mass, density and volume, damage and energy.
     subroutine write_stress(file, solid, order, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: order(:)
         type(error_t), intent(inout) :: err
-        real(real32), allocatable :: p(:), mises(:), density(:)
+        real(real32), allocatable :: p(:), mises(:), density(:), mass(:)
         real(rk) :: s(6), mean
         integer :: b, i, k
 
@@ -161,7 +166,10 @@ contains
         call write_field(file, 'PointData/stress', 'Pa', real(solid%stress(:, order), real32), err)
         call write_field(file, 'PointData/pressure', 'Pa', p, err)
         call write_field(file, 'PointData/von_mises', 'Pa', mises, err)
+        mass = real(solid%mass, real32)
+        call write_field(file, 'PointData/mass', 'kg', mass(order), err)
         call write_field(file, 'PointData/density', 'kg/m3', density(order), err)
+        call write_field(file, 'PointData/volume', 'm3', mass(order)/density(order), err)
         call write_field(file, 'PointData/energy', 'J/kg', real(solid%energy(order), real32), err)
         call write_field(file, 'PointData/damage', '-', real(solid%damage(order), real32), err)
     end subroutine write_stress

@@ -17,7 +17,7 @@ module brz_check
     private
     public :: print_check
 
-    integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 120 !! per cell, particle
+    integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 128 !! per cell, particle
 
 contains
 

@@ -16,16 +16,18 @@ contains
     subroutine print_early(early)
         type(early_t), intent(in) :: early
         character(12), parameter :: name(6) = [character(12) :: 'mass [kg]', 'x [N s]', 'y', 'z', &
-                                               'energy [J]', 'products']
+                                               'energy [J]', 'of products']
         integer :: c
 
         write (output_unit, '(a, es11.4, a, es11.4, a, i0, a)') 'blast in 1-D until', early%time, &
             ' s, front at', early%radius, ' m (', early%steps, ' steps)'
         write (output_unit, '(a)') 'mapped       over undisturbed air: blast, cells, difference'
-        do c = 1, 6
+        do c = 1, merge(6, 5, early%products)
             write (output_unit, '(13x, a, 2es24.15, es10.2)') name(c), early%before(c), &
                 early%after(c), early%after(c) - early%before(c)
         end do
+        if (.not. early%products) write (output_unit, '(13x, a, es9.2, a)') 'of the mass', &
+            early%before(6), ' kg are products; as gamma is that of air, they go on as air'
         write (output_unit, '(a, f8.3, a, f8.3, a)') '             pressure of the products as '// &
             'an ideal gas: changes by', 100*early%pressure_mean, ' % in the mean,', &
             100*early%pressure_change, ' % at most'

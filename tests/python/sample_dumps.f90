@@ -38,6 +38,8 @@ contains
         case%run%job = 'sample'
         case%run%title = 'A sample'
         case%echo = '&run t_end = 1 /'//new_line('a')//repeat('! a long deck'//new_line('a'), 10000)
+        allocate (case%materials(1))
+        case%materials%id = 'steel'
         call start_clock(case, clock)
         call fill_air(n, air, wall)
         call fill_solid(solid)
@@ -105,6 +107,8 @@ contains
         solid%materials(1)%model = 0
         solid%materials(1)%density = 2000
         solid%bodies%material = 1
+        solid%bodies(1)%id = 'plate'
+        solid%bodies(2)%id = 'a longer name'
         solid%bodies(1)%last = 3
         solid%bodies(2)%first = 4
         solid%bodies(2)%last = 7
@@ -118,6 +122,7 @@ contains
             solid%a(:, i) = real([0, 10, 0], rk)
             solid%stress(:, i) = real([1, 2, 3, 4, 5, 6]*i, rk)
             solid%mu(i) = 0.5_rk
+            solid%mass(i) = 0.5_rk*real(i, rk)
         end do
         solid%fixed(1) = 1 ! held: the solver keeps its velocity and acceleration at zero
         solid%v(:, 1) = 0

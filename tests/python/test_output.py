@@ -42,10 +42,8 @@ def cells_of(scene):
     return {"3d": (5, 4, 3), "2d": (6, 4, 1), "1d": (7, 1, 1)}[scene.name]
 
 
-def sides_of(scene):
-    """Sides of a cell; a direction that is not modelled is as thin as the smallest other side."""
-    sides = np.array([0.1, 0.2, 0.4])
-    return np.where(np.array(cells_of(scene)) > 1, sides, 0.1)
+SIDES = np.array([0.1, 0.2, 0.4])  # of a cell
+LOW = np.array([-1.0, 2.0, 3.0])  # corner of the box
 
 
 def text(attribute):
@@ -58,7 +56,10 @@ def test_air_opens_in_pyvista(scene):
     assert isinstance(grid, pv.ImageData)
     assert grid.n_cells == np.prod(cells)
     assert grid.dimensions == tuple(n + 1 for n in cells)
-    assert grid.spacing == pytest.approx(sides_of(scene))
+    assert grid.spacing == pytest.approx(SIDES)
+    # the real extents, also of what is not modelled: volumes and masses of cells are right
+    ends = np.stack([LOW, LOW + cells * SIDES], 1)
+    assert grid.bounds == pytest.approx(ends.ravel())
     names = {"density", "pressure", "overpressure", "velocity", "solid"}
     assert set(grid.cell_data.keys()) == names
     assert grid.field_data["time"][0] == 0.1
@@ -69,9 +70,7 @@ def test_air_values_stand_in_their_cells(scene):
     grid = pv.read(scene / "air_00000.vtkhdf")
     # cell numbers from the place of the cell, not from the order in the file
     middle_of_first = np.array([-0.95, 2.1, 3.2])
-    place = (
-        np.rint((grid.cell_centers().points - middle_of_first) / sides_of(scene)).astype(int) + 1
-    )
+    place = np.rint((grid.cell_centers().points - middle_of_first) / SIDES).astype(int) + 1
     i, j, k = place.T
     gas = grid.cell_data["solid"] == 0
     assert (~gas).sum() == 1 and tuple(place[~gas][0]) == (2, 1, 1)
@@ -104,6 +103,21 @@ def test_particles_open_in_pyvista(scene):
     mises = np.sqrt(1.5 * (1 + 0 + 1) + 3 * (16 + 25 + 36))  # deviator -1, 0, 1 and shears 4, 5, 6
     np.testing.assert_allclose(data["von_mises"], mises * place, rtol=1e-6)
     np.testing.assert_allclose(data["density"], 3000.0)
+    np.testing.assert_allclose(data["mass"], 0.5 * place)
+    np.testing.assert_allclose(data["volume"], 0.5 * place / 3000.0, rtol=1e-6)
+
+
+def test_names_of_bodies_and_materials_stand_in_the_dump(scene):
+    field = pv.read(scene / "solid_00002.vtkhdf").field_data
+    assert list(field["body_names"]) == ["plate", "a longer name"]
+    assert list(field["material_names"]) == ["steel"]
+
+
+def test_gas_stands_in_the_dump(scene):
+    field = pv.read(scene / "air_00001.vtkhdf").field_data
+    assert field["gamma"] == pytest.approx([1.4])
+    assert field["rest_density"] == pytest.approx([1.225])
+    assert field["rest_pressure"] == pytest.approx([P_REST])
 
 
 @pytest.mark.parametrize("kind", ["air", "solid"])

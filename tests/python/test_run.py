@@ -315,6 +315,12 @@ RADIAL = SLAB.replace("dimension=1, symmetry='x'", "").replace(
 )
 
 
+def balance_of_products(text):
+    """The difference that the mapping prints for the mass of the products [kg], if any."""
+    found = re.search(r"^ +(?:of )?products +(\S+) +(\S+) +(\S+)$", text, re.MULTILINE)
+    return float(found[3]) if found else None
+
+
 def test_start_in_one_dimension(tmp_path):
     """A blast that is mapped at 0.49 m goes on as if it had not been: histories are whole, the
     shock arrives within 1 % and with 3 % of its pressure at 0.8 m; a restart gives the same."""
@@ -339,6 +345,10 @@ def test_start_in_one_dimension(tmp_path):
         assert arrival["found"] == pytest.approx(arrival["exact"], rel=0.01)
         assert found[column].max() == pytest.approx(exact[column].max(), rel=0.03)
     whole = (tmp_path / "out" / "slab" / "gauges.csv").read_bytes()
+    assert balance_of_products(done.stdout) == pytest.approx(0, abs=1e-12)
+    as_air = run("run", "slab.nml", "--check", "--set", "charge(tnt).gamma=1.4", cwd=tmp_path)
+    assert "they go on as air" in as_air.stdout
+    assert balance_of_products(as_air.stdout) is None  # nothing is lost that is not followed
     run("run", "slab.nml", "--restart", "latest", cwd=tmp_path)
     assert (tmp_path / "out" / "slab" / "gauges.csv").read_bytes() == whole
 
