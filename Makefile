@@ -113,7 +113,7 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 .PHONY: charts charts-air charts-solid charts-coupling charts-scenes stability stability-air validate point-blast
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
-	$(B)/tests/$@/run -x build/log/$@.xml $(ARGS)
+	$(B)/tests/$@/run $(PF_XML) build/log/$@.xml $(ARGS)
 
 # The same tests on a GPU, or anywhere with the emulated driver. They need no compiler: carry $(B)/tests/gpu and bin.
 GPU_TEST = BRISANCE_PTX=$(PTX) $(B)/tests/gpu/run
@@ -127,7 +127,7 @@ bench-gpu: ## measure the speed on the GPU (ARGS: cells in each direction)
 emulated: $(B)/tests/gpu/run $(EMULATOR) ## run the tests of the GPU with the emulated driver
 	@mkdir -p build/log
 	@echo '// $(STAMP)' > build/gpu/emulated.ptx
-	LD_LIBRARY_PATH=$(dir $(EMULATOR)) BRISANCE_PTX=build/gpu/emulated.ptx $(B)/tests/gpu/run -x build/log/emulated.xml $(ARGS)
+	LD_LIBRARY_PATH=$(dir $(EMULATOR)) BRISANCE_PTX=build/gpu/emulated.ptx $(B)/tests/gpu/run $(PF_XML) build/log/emulated.xml $(ARGS)
 $(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%.o,$(wildcard tests/gpu/gpu_*.f90)) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)

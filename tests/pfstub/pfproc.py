@@ -12,6 +12,8 @@ import re
 import sys
 from pathlib import Path
 
+from pf_names import ModuleNames
+
 # name of the assertion: number of positional arguments, keywords
 COMPARE = (2, {"message"})
 ASSERTS = {
@@ -89,6 +91,7 @@ class Translator:
         self.fixture = {"before": "", "after": ""}
         self.module = ""
         self.mark, self.condition, self.disabled = "", "", False
+        self.names, self.open_statement, self.opened_at = ModuleNames(), "", 0
 
     def run(self):
         lines = self.path.read_text(encoding="utf-8").splitlines()
@@ -97,6 +100,8 @@ class Translator:
                 self.line(line, number)
             except Refused as reason:
                 sys.exit(f"{self.path}:{number}: {reason}")
+            if fault := self.statement(line, number):
+                sys.exit(f"{self.path}:{self.opened_at}: {fault}")
         if self.mark:
             sys.exit(f"{self.path}:{len(lines)}: no subroutine follows the last @{self.mark}")
         if self.module != self.path.stem.lower():
@@ -105,6 +110,19 @@ class Translator:
             sys.exit(f"{self.path}:1: no @test in this file")
         self.suite()
         return "\n".join(self.out) + "\n"
+
+    def statement(self, line, number):
+        """What is wrong with the names of the statement that ends on this line."""
+        bare = without_strings(line)[0].strip()
+        if not bare or bare.startswith(("@", "#")):
+            return ""
+        if not self.open_statement:
+            self.opened_at = number
+        self.open_statement += bare.removeprefix("&").removesuffix("&")
+        if bare.endswith("&"):
+            return ""
+        whole, self.open_statement = self.open_statement, ""
+        return self.names.clash(whole)
 
     def line(self, line, number):
         found = DIRECTIVE.match(line)
@@ -180,11 +198,10 @@ class Translator:
             raise Refused(
                 f"@{name} takes {count} argument(s), then keywords; here are {positional}"
             )
-        file = self.path.name
+        place = f"SourceLocation('{self.path.name}', {number})"
         self.out += [
             f'#line {number} "{self.path.as_posix()}"',
-            f"    call {name}({', '.join(given)}, &",
-            f"        location=SourceLocation('{file}', {number}))",
+            f"    call {name}({', '.join([*given, f'location={place}'])})",
             "    if (anyExceptions()) return",
             f'#line {number + 1} "{self.path.as_posix()}"',
         ]

@@ -159,3 +159,71 @@ def test_set_up_without_root_names_the_command(tmp_path):
     assert "sudo apt-get install -y --no-install-recommends gfortran" in done.stdout
     assert " gcc " not in done.stdout
     assert not (tmp_path / "touched").exists()
+
+
+# What an installed pFUnit looks like to make: the real one is in no package registry. Its
+# preprocessor, modules and library are those of the stand-in; its driver says who it is.
+FAKE_MK = """PFUNIT_EXTRA_FFLAGS := -I{home}/include
+PFUNIT_LIBRARIES := -L{home}/lib -lfunit -lfake_argparse
+"""
+FAKE_PROC = '#!/bin/sh\nexec python3 "{root}/tests/pfstub/pfproc.py" "$@"\n'
+SMALL_TEST = """! SPDX-License-Identifier: MIT
+module test_small
+    use funit
+    implicit none
+contains
+    @test
+    subroutine one_is_one()
+        @assertEqual(1, 1)
+    end subroutine one_is_one
+end module test_small
+"""
+
+
+def fake_pfunit(folder, name, project):
+    """A folder as PFUNIT_DIR names one; programs linked with it print `name`."""
+    home = folder / "PFUNIT-4.99"
+    for part in ("include", "bin", "lib"):
+        (home / part).mkdir(parents=True)
+    (home / "include/PFUNIT.mk").write_text(FAKE_MK.format(home=home))
+    (home / "bin/funitproc").write_text(FAKE_PROC.format(root=project))
+    (home / "bin/funitproc").chmod(0o755)
+    driver = (project / "tests/pfstub/driver.F90").read_text()
+    driver = driver.replace("allocate (tests(0))", f"print '(a)', 'made with {name}'\n&", 1)
+    driver = driver.replace("\n&", "\n    call parse_nothing()\n    allocate (tests(0))", 1)
+    (home / "include/driver.F90").write_text(driver)
+    stub = project / "tests/pfstub"
+    text = run("python3", stub / "write_funit.py", cwd=home).stdout
+    (home / "lib/funit.f90").write_text(text)
+    (home / "lib/none.f90").write_text("subroutine parse_nothing()\nend subroutine\n")
+    sources = [stub / "pf_core.f90", "funit.f90", stub / "pf_run.f90", stub / "pf_report.f90"]
+    done = run("gfortran", "-c", "-J../include", *sources, "none.f90", cwd=home / "lib")
+    assert done.returncode == 0, done.stderr
+    objects = ["pf_core.o", "funit.o", "pf_run.o", "pf_report.o"]
+    run("ar", "rc", "libfunit.a", *objects, cwd=home / "lib")
+    run("ar", "rc", "libfake_argparse.a", "none.o", cwd=home / "lib")
+    return folder
+
+
+def test_another_pfunit_is_not_the_one_before(project):
+    (project / "tests/unit").mkdir()
+    (project / "tests/unit/test_small.pf").write_text(SMALL_TEST)
+    first = fake_pfunit(project / "first", "pFUnit one", project)
+    second = fake_pfunit(project / "second", "pFUnit two", project)
+    said = []
+    for options in ((), (f"PFUNIT_DIR={first}",), (f"PFUNIT_DIR={second}",), ()):
+        done = run("make", "QUICK=1", "build/cpu-quick/tests/unit/run", *options, cwd=project)
+        assert done.returncode == 0, done.stdout + done.stderr
+        done = run("build/cpu-quick/tests/unit/run", cwd=project)
+        said.append(done.stdout.splitlines()[0] if "made with" in done.stdout else "")
+        assert "OK\n (1 tests)" in done.stdout
+    assert said == ["", "made with pFUnit one", "made with pFUnit two", ""]
+    again = run("make", "QUICK=1", "build/cpu-quick/tests/unit/run", cwd=project)
+    assert "test_small" not in again.stdout
+    assert not list(project.glob("*.mod"))
+
+
+def test_a_pfunit_that_is_not_there_is_named(project):
+    done = run("make", "QUICK=1", "unit", "PFUNIT_DIR=/nowhere", cwd=project)
+    assert done.returncode == 2
+    assert "/nowhere holds no PFUNIT-*/include/PFUNIT.mk" in done.stderr

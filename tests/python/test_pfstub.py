@@ -106,6 +106,50 @@ REFUSED = [
     (BODY.replace("module sample", "module other"), 1, "must be called sample"),
     (BODY.replace("    @test\n", ""), 1, "no @test"),
 ]
+# Names of genuine pFUnit: in the module (line 3), from another one, as a test, in the suite.
+PUBLIC = "is a public name of pFUnit"
+SUITE = "is a name of the suite"
+OUTSIDE = BODY.format("@assertTrue(.true.)")
+LOCAL = OUTSIDE.replace("one()\n", "one()\n    integer :: run, t, suite, throw\n", 1)
+REFUSED += [
+    (OUTSIDE.replace("contains", "integer, parameter :: n = size([1, 2]), &\n t(2) = 0"), 3, SUITE),
+    (OUTSIDE.replace("contains", "type :: near\nend type near"), 3, f"'near' {PUBLIC}"),
+    (OUTSIDE.replace("contains", "use tools, only: g, Catch => h"), 3, f"'catch' {PUBLIC}"),
+    (OUTSIDE.replace("contains", "interface is\nend interface is"), 3, f"'is' {PUBLIC}"),
+    (OUTSIDE.replace(" one()", " throw()"), 5, f"'throw' {PUBLIC}"),
+    (
+        LOCAL.replace("end module", "pure real function run(x)\nend function run\nend module"),
+        9,
+        f"'run' {PUBLIC}",
+    ),
+]
+
+
+def test_names_inside_procedures_are_free(tmp_path):
+    file = tmp_path / "sample.pf"
+    file.write_text(
+        LOCAL.replace("contains", "type :: a_t\ninteger :: run\nend type a_t\ncontains")
+    )
+    done = run(sys.executable, STUB / "pfproc.py", file, tmp_path / "sample.F90")
+    assert done.returncode == 0, done.stderr
+
+
+RANKS = [
+    ("@assertIsFinite([1.0, 2.0])", "assertisfinite"),
+    ("@assertIsNan([1.0, 2.0])", "assertisnan"),
+    ("@assertAll(reshape([.true., .true.], [1, 2]))", "assertall"),
+]
+
+
+@pytest.mark.parametrize(("directive", "name"), RANKS)
+def test_ranks_that_pfunit_lacks_are_refused(kit, directive, name):
+    (kit / "sample.pf").write_text(BODY.format(directive))
+    done = run(sys.executable, STUB / "pfproc.py", "sample.pf", "sample.F90", cwd=kit)
+    assert done.returncode == 0, done.stderr
+    done = run("gfortran", "-ffree-line-length-none", "-c", "sample.F90", cwd=kit)
+    assert done.returncode != 0
+    assert "sample.pf:6" in done.stderr
+    assert f"generic '{name}'" in done.stderr.lower().replace("‘", "'").replace("’", "'")
 
 
 @pytest.mark.parametrize(("text", "line", "reason"), REFUSED)
