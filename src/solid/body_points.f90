@@ -4,28 +4,34 @@
 !> A body that cuts another takes the places of that body's particles. The volume of a particle is
 !> that of its shape over the number of particles, so that every mass is exact.
 module brz_body_points
-    use brz_body_shape, only: exact_volume, inside, lay_shape, modelled_share, point_of, shape_t, &
-                              take_lattice
+    use brz_body_shape, only: axis_of, bar_weight, exact_volume, inside, lay_shape, &
+                              modelled_share, overlap, point_of, shape_t, take_lattice
     use brz_case, only: body_case_t, case_t, label
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, real32
     use brz_particle_file, only: read_particles
     use brz_stl, only: is_inside, mesh_t, read_stl
+    use brz_text, only: to_text
     implicit none
     private
     public :: points_t, place_points
 
     real(dp), parameter :: same_spacing = 0.02_dp !! relative difference that lattices may have
+    real(dp), parameter :: same_place = 0.1_dp !! of layers, in spacings
+    real(dp), parameter :: same_length = 0.01_dp !! relative, of a cylinder and its layers
+    real(dp), parameter :: scales(2) = [0.7_dp, 1.3_dp] !! that a volume may have over its cell
+
+    character(*), parameter :: axes = 'xyz'
 
     !> The particles of one body.
     type :: points_t
         type(shape_t) :: shape
         real(dp), allocatable :: x(:, :) !! (3, n) [m]
-        real(dp), allocatable :: volumes(:) !! (n) where the particles have their own [m3]
+        real(dp), allocatable :: volume(:) !! (n) of each particle, relative until all are laid [m3]
         type(mesh_t) :: mesh !! shape='stl'
         real(dp) :: exact = 0 !! volume of what is modelled, 0: not known [m3]
-        real(dp) :: volume = 0 !! of a particle [m3]
-        real(dp) :: scale = 1 !! volume of a particle over that of its cell of the lattice
+        real(dp) :: scale = 1 !! mean volume of a particle over that of its cell of the lattice
+        character(:), allocatable :: notes !! warnings, a line each
     end type points_t
 
 contains
@@ -41,6 +47,7 @@ contains
 
         do b = 1, size(points)
             if (failed(err)) return
+            points(b)%notes = ''
             select case (case%bodies(b)%shape)
             case ('stl', 'particles')
                 call from_file(case%bodies(b), mirror, depth, middle, points(b), err)
@@ -52,14 +59,14 @@ contains
         if (failed(err)) return
         do b = 1, size(points)
             if (case%bodies(b)%shape == 'particles') cycle
-            c = lender(case%bodies, b)
-            if (c > 0) call take_lattice(points(c)%shape, points(b)%shape)
+            call share_lattice(case%bodies, points, b)
             if (case%bodies(b)%shape == 'stl') then
                 call mark_lattice(points(b))
             else
                 points(b)%exact = exact_volume(case%bodies(b), points(b)%shape)
             end if
             call fill_lattice(case%bodies(b), points(b))
+            call judge_length(case%bodies(b), points(b))
         end do
         do b = 1, size(points)
             call settle_volume(case%bodies, points, b, err)
@@ -90,9 +97,18 @@ contains
             label('body', bodies(b)%id, bodies(b)%place)// &
             'holds no particle: it lies beyond a symmetry plane, or is smaller than its '// &
             'spacing, or another body cuts all of it away')
-        points(b)%volume = volume/max(1, size(points(b)%x, 2))
-        points(b)%scale = points(b)%volume/cell
-        if (bodies(b)%shape == 'particles') points(b)%scale = 1
+        associate (p => points(b))
+            p%volume = volume*p%volume/max(tiny(volume), sum(p%volume))
+            if (bodies(b)%shape == 'particles') return
+            p%scale = volume/cell/max(1, size(p%volume))
+            if (bodies(b)%shape == 'bars' .or. &
+                (p%scale >= scales(1) .and. p%scale <= scales(2))) return
+            call raise(err, exit_deck, label('body', bodies(b)%id, bodies(b)%place)//'its '// &
+                       to_text(size(p%volume))//' particles would each have '// &
+                       to_text(real(p%scale, real32))//' times the volume of a cell of their '// &
+                       'lattice: the shape is not resolved; use a smaller spacing, and let it '// &
+                       'cut (cuts) all bodies that it goes through')
+        end associate
     end subroutine settle_volume
 
     !> A body from a file: its surface, or its particles themselves.
@@ -109,7 +125,7 @@ contains
         if (body%shape == 'stl') then
             call read_stl(trim(body%file), points%mesh, fault)
         else
-            call read_particles(trim(body%file), points%x, points%volumes, fault)
+            call read_particles(trim(body%file), points%x, points%volume, fault)
         end if
         if (failed(fault)) then
             call raise(err, fault%code, label('body', body%id, body%place)//fault%text)
@@ -150,13 +166,13 @@ contains
             if (mirror(a)) stay = stay .and. points%x(a, :) > 0
         end do
         kept = pack([(i, i=1, size(stay))], stay)
-        if (size(points%volumes) == 0) then
-            points%volumes = spread(body%spacing**3, 1, size(kept))
+        if (size(points%volume) == 0) then
+            points%volume = spread(body%spacing**3, 1, size(kept))
         else
-            points%volumes = points%volumes(kept)*body%scale**3
+            points%volume = points%volume(kept)*body%scale**3
         end if
         points%x = points%x(:, kept)
-        points%exact = sum(points%volumes)
+        points%exact = sum(points%volume)
     end subroutine move_particles
 
     !> Find the points of the lattice that lie within the surface.
@@ -182,19 +198,61 @@ contains
         cell_volume = product(s%spacing(:s%dimension))*s%depth
     end function cell_volume
 
-    !> The box whose lattice a body uses: the first one that it cuts, if the spacings agree.
-    pure integer function lender(bodies, b)
+    !> Let a body use the lattice of the boxes that it cuts, where the spacings agree: of the one in
+    !> which most of it lies. Their lattices should be one.
+    subroutine share_lattice(bodies, points, b)
         type(body_case_t), intent(in) :: bodies(:)
+        type(points_t), intent(inout) :: points(:)
         integer, intent(in) :: b
-        integer :: c
+        real(dp) :: shared(size(bodies)), beside
+        integer :: a, c, from
 
+        shared = 0
         do c = 1, size(bodies)
-            lender = c
             if (cuts(bodies(b), bodies(c)) .and. bodies(c)%shape == 'box' .and. &
-                abs(bodies(b)%spacing - bodies(c)%spacing) <= same_spacing*bodies(c)%spacing) return
+                abs(bodies(b)%spacing - bodies(c)%spacing) <= same_spacing*bodies(c)%spacing) &
+                shared(c) = overlap(points(c)%shape, points(b)%shape)
         end do
-        lender = 0
-    end function lender
+        from = maxloc(shared, 1)
+        if (.not. maxval(shared) > 0) return
+        call take_lattice(points(from)%shape, points(b)%shape)
+        do c = 1, size(bodies)
+            if (c == from .or. .not. shared(c) > 0) cycle
+            associate (s => points(b)%shape, t => points(c)%shape)
+                do a = 1, s%dimension
+                    beside = (t%start(a) - s%start(a))/s%spacing(a)
+                    if (abs(beside - anint(beside)) <= same_place) cycle
+                    points(b)%notes = points(b)%notes//label('body', bodies(b)%id, &
+                        bodies(b)%place)//"warning: it cuts '"//trim(bodies(from)%id)//"' and '"// &
+                        trim(bodies(c)%id)//"', whose layers along "//axes(a:a)//' do not go '// &
+                        "on in each other: its particles do not take the places of those of '"// &
+                        trim(bodies(c)%id)//"'; put their sides a whole number of spacings "// &
+                        'apart'//new_line('a')
+                    exit
+                end do
+            end associate
+        end do
+    end subroutine share_lattice
+
+    !> A cylinder on the lattice of a box has whole layers of it.
+    subroutine judge_length(body, points)
+        type(body_case_t), intent(in) :: body
+        type(points_t), intent(inout) :: points
+        real(dp) :: length, laid
+        integer :: a
+
+        a = axis_of(body)
+        if (body%shape /= 'cylinder' .or. a > points%shape%dimension) return
+        if (size(points%x, 2) == 0) return
+        length = points%shape%hi(a) - points%shape%lo(a)
+        laid = maxval(points%x(a, :)) - minval(points%x(a, :)) + points%shape%spacing(a)
+        if (abs(laid - length) <= same_length*length) return
+        points%notes = points%notes//label('body', body%id, body%place)// &
+            'warning: whole layers along '//body%axis//' make it '// &
+            to_text(real(laid, real32))//' m long, not '//to_text(real(length, real32))// &
+            ' m (its mass is right); choose a length that is whole layers of the box that it '// &
+            'cuts'//new_line('a')
+    end subroutine judge_length
 
     !> The points of the lattice that lie in the body.
     subroutine fill_lattice(body, points)
@@ -216,6 +274,11 @@ contains
             end do
             if (pass == 1) allocate (points%x(3, n))
         end do
+        if (body%shape == 'bars') then
+            points%volume = bar_weight(body, points%shape, points%x)
+        else
+            points%volume = spread(1.0_dp, 1, n)
+        end if
     end subroutine fill_lattice
 
     !> Take the particles of body b away where body c is, and so much of its volume.
@@ -224,29 +287,28 @@ contains
         type(points_t), intent(inout) :: points(:)
         integer, intent(in) :: b, c
         real(dp), intent(inout) :: volume !! of b [m3]
-        real(dp), allocatable :: left(:, :)
+        logical, allocatable :: stay(:)
+        integer, allocatable :: left(:)
         real(dp) :: gap(3)
-        integer :: d, i, n, before
+        integer :: d, i
 
-        before = size(points(b)%x, 2)
-        allocate (left(3, before))
-        n = 0
-        do i = 1, before
-            if (inside(bodies(c), points(c)%shape, points(b)%x(:, i), 0.0_dp)) cycle
-            n = n + 1
-            left(:, n) = points(b)%x(:, i)
-        end do
-        d = points(b)%shape%dimension
-        associate (s => points(c)%shape, t => points(b)%shape)
+        associate (p => points(b), s => points(c)%shape, t => points(b)%shape)
+            allocate (stay(size(p%x, 2)))
+            do i = 1, size(stay)
+                stay(i) = .not. inside(bodies(c), s, p%x(:, i), 0.0_dp)
+            end do
+            left = pack([(i, i=1, size(stay))], stay)
+            d = t%dimension
             gap = 1e-6_dp*t%spacing
             if (bodies(b)%shape == 'box' .and. points(c)%exact > 0 .and. &
                 all(s%lo(:d) >= t%lo(:d) - gap(:d) .and. s%hi(:d) <= t%hi(:d) + gap(:d))) then
                 volume = volume - points(c)%exact
-            else if (before > 0) then
-                volume = volume*n/before
+            else
+                volume = volume*sum(p%volume(left))/max(tiny(volume), sum(p%volume))
             end if
+            p%x = p%x(:, left)
+            p%volume = p%volume(left)
         end associate
-        points(b)%x = left(:, :n)
     end subroutine cut_out
 
     !> Particles of b inside c, more than rounding: two bodies in one place.

@@ -4,18 +4,20 @@
 !> `set_up_solid` fills everything but the neighbour list and the accelerations; `start_solid`
 !> (brz_solid_step) does that.
 module brz_body_setup
+    use brz_bar_layers, only: layers_across
     use brz_body_points, only: place_points, points_t
-    use brz_body_shape, only: bar_layers, shape_t
-    use brz_case, only: body_case_t, case_t
+    use brz_body_shape, only: shape_t
+    use brz_case, only: body_case_t, case_t, label
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation, only: settle_formulation
     use brz_interaction_setup, only: set_up_interactions
-    use brz_kinds, only: dp, int16, int8, rk
+    use brz_kinds, only: dp, int16, int8, real32, rk
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
     use brz_rigid_setup, only: set_up_rigid
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: body_t, solid_t
+    use brz_text, only: to_text
     implicit none
     private
     public :: meeting_speed, set_up_solid
@@ -110,11 +112,11 @@ contains
             solid%bodies(b)%first = n + 1
             n = n + size(points(b)%x, 2)
             solid%bodies(b)%last = n
+            solid%notes = solid%notes//points(b)%notes
             call judge_spacing(case%bodies(b), points(b)%shape, solid%notes)
             solid%bodies(b)%volume_scale = points(b)%scale
-            if (case%bodies(b)%shape == 'bars') solid%bodies(b)%across = &
-                bar_layers(case%bodies(b), points(b)%shape, &
-                           merge(2, 1, case%bodies(b)%axis == 'x'))
+            if (case%bodies(b)%shape == 'bars') &
+                call judge_bars(case%bodies(b), solid%bodies(b)%across, solid%notes)
         end do
         solid%n = n
     end subroutine lay_bodies
@@ -163,9 +165,24 @@ contains
         s = shape%spacing(:shape%dimension)
         if (maxval(s) <= (1 + anisotropy)*minval(s)) return
         write (d, '(es12.5)') shape%spacing
-        notes = notes//"body '"//trim(input%id)//"': sides are no whole number of spacings; "// &
-            'layers are '//d(1)//', '//d(2)//', '//d(3)//' m apart'//new_line('a')
+        notes = notes//label('body', input%id, input%place)//'warning: sides are no whole '// &
+            'number of spacings; layers are '//d(1)//', '//d(2)//', '//d(3)//' m apart'// &
+            new_line('a')
     end subroutine judge_spacing
+
+    !> Particles across a bar; one alone has the right area but not the right stiffness.
+    subroutine judge_bars(input, across, notes)
+        type(body_case_t), intent(in) :: input
+        integer, intent(out) :: across
+        character(:), allocatable, intent(inout) :: notes
+
+        across = layers_across(input, input%spacing)
+        if (across > 1) return
+        notes = notes//label('body', input%id, input%place)//'warning: one particle across a '// &
+            'bar is too stiff along it (by half in steel); two at least are right: use a '// &
+            'spacing of at most '//to_text(real(input%diameter/1.5_dp, real32))//' m'// &
+            new_line('a')
+    end subroutine judge_bars
 
     !> Place the particles of a body, unloaded and at rest.
     subroutine fill_body(input, points, solid, body)
@@ -182,8 +199,7 @@ contains
             solid%id(n) = n
             solid%x(:, n) = points%x(:, n - body%first + 1)
             solid%x_ref(:, n) = solid%x(:, n)
-            volume = points%volume
-            if (allocated(points%volumes)) volume = points%volumes(n - body%first + 1)
+            volume = points%volume(n - body%first + 1)
             solid%volume(n) = real(volume, rk)
             solid%mass(n) = real(volume*solid%materials(body%material)%density, rk)
             solid%ply(n) = ply_of(input, points%shape, solid%x(:, n))

@@ -3,12 +3,13 @@
 !>
 !> Symmetry planes cut a body to the positive side; the first layer is half a spacing off a plane.
 module brz_body_shape
+    use brz_bar_layers, only: bar_at, bar_count, bar_offset, bar_span, bars_modelled, span_t
     use brz_case, only: body_case_t
     use brz_kinds, only: dp
     implicit none
     private
     public :: shape_t, lay_shape, take_lattice, point_of, inside, exact_volume, modelled_share, &
-              bar_layers
+              axis_of, bar_weight, overlap
 
     real(dp), parameter :: pi = acos(-1.0_dp)
 
@@ -59,9 +60,14 @@ contains
             if (s%on_plane(a)) s%lo(a) = 0
             side = s%hi(a) - s%lo(a)
             s%start(a) = s%lo(a)
-            if (body%shape == 'box' .or. (body%shape == 'bars' .and. a == axis_of(body))) then
+            if (body%shape == 'box' .or. &
+                (a == axis_of(body) .and. any(body%shape == [character(8) :: 'bars', &
+                                                             'cylinder']))) then
                 s%n(a) = max(1, nint(side/body%spacing))
                 s%spacing(a) = side/s%n(a)
+            else if (body%shape == 'bars') then
+                if (.not. s%on_plane(a)) s%start(a) = bar_offset(body, a, body%spacing)
+                s%n(a) = ceiling((s%hi(a) - s%start(a))/body%spacing) + 1
             else if (s%on_plane(a)) then
                 s%n(a) = ceiling(side/body%spacing)
             else
@@ -71,21 +77,32 @@ contains
         end do
     end subroutine lay_shape
 
-    !> Let a body use the layers of the box that it cuts: its particles then take the places of
-    !> particles of the box.
+    !> Let a body use the layers of a box that it cuts: its particles then take the places of
+    !> particles of the box. Where it goes beyond the box the layers go on.
     pure subroutine take_lattice(box, s)
         type(shape_t), intent(in) :: box
         type(shape_t), intent(inout) :: s
         integer :: a, first, last
 
         do a = 1, s%dimension
-            first = max(0, floor((s%lo(a) - box%start(a))/box%spacing(a)) - 1)
-            last = min(box%n(a), ceiling((s%hi(a) - box%start(a))/box%spacing(a)) + 1)
+            if (s%on_plane(a) .and. .not. box%on_plane(a)) cycle ! the plane has the first layer
+            first = floor((s%lo(a) - box%start(a))/box%spacing(a)) - 1
+            if (box%on_plane(a)) first = max(0, first)
+            last = ceiling((s%hi(a) - box%start(a))/box%spacing(a)) + 1
             s%spacing(a) = box%spacing(a)
             s%start(a) = box%start(a) + first*box%spacing(a)
             s%n(a) = max(0, last - first)
         end do
     end subroutine take_lattice
+
+    !> Volume that the boxes around two bodies have in common; 0 where they do not meet.
+    pure real(dp) function overlap(a, b)
+        type(shape_t), intent(in) :: a, b
+
+        associate (d => a%dimension)
+            overlap = product(max(0.0_dp, min(a%hi(:d), b%hi(:d)) - max(a%lo(:d), b%lo(:d))))
+        end associate
+    end function overlap
 
     !> Corners of the box around a body.
     pure subroutine extent(body, lo, hi)
@@ -135,13 +152,16 @@ contains
         end if
         n = s%dimension
         within = x > s%full_lo + margin .and. x < s%full_hi - margin
-        if (body%shape == 'bars') then ! which may stand half a spacing beside their box
+        if (body%shape == 'bars') then ! which may stand a quarter of a spacing beside their box
+            inside = within(axis_of(body)) .and. all(abs(x - (s%full_lo + s%full_hi)/2) < &
+                                                     (s%full_hi - s%full_lo)/2 + s%spacing)
             do a = 1, 3
-                if (a /= axis_of(body)) within(a) = in_bar(body, s, a, x(a), margin)
+                if (a /= axis_of(body) .and. inside) inside = in_bar(body, s, a, x(a), margin)
             end do
+            return
         end if
         inside = all(within(:n))
-        if (.not. inside .or. body%shape == 'box' .or. body%shape == 'bars') return
+        if (.not. inside .or. body%shape == 'box') return
         d = x - body%centre
         d(n + 1:) = 0
         if (body%shape == 'cylinder') d(axis_of(body)) = 0
@@ -170,40 +190,50 @@ contains
         type(shape_t), intent(in) :: s
         integer, intent(in) :: a !! direction across the bars
         real(dp), intent(in) :: x, margin !! [m]
-        real(dp) :: first
-        integer :: k, layers
+        type(span_t) :: span
+        real(dp) :: depth
+        integer :: k
 
         in_bar = .false.
-        layers = bar_layers(body, s, a)
-        do k = 1, body%bars(merge(1, 2, a == mod(axis_of(body), 3) + 1))
-            first = anint((bar_centre(body, a, k) - s%start(a))/s%spacing(a) - 0.5_dp*layers)
-            first = s%start(a) + first*s%spacing(a)
-            in_bar = in_bar .or. (x > first + margin .and. &
-                                  x < first + layers*s%spacing(a) - margin)
+        depth = x - s%start(a)
+        do k = 1, bar_count(body, a)
+            span = bar_span(body, a, k, s%start(a), s%spacing(a), s%on_plane(a))
+            in_bar = in_bar .or. (depth > (span%first - 1)*s%spacing(a) + margin .and. &
+                                  depth < span%last*s%spacing(a) - margin)
         end do
     end function in_bar
 
-    !> Layers of particles across a bar.
-    pure integer function bar_layers(body, s, a)
+    !> Volumes of the particles of bars, relative to each other: every bar, and the half of one
+    !> on a plane, has its own area over the layers that it takes.
+    pure function bar_weight(body, s, x) result(weight)
         type(body_case_t), intent(in) :: body
         type(shape_t), intent(in) :: s
-        integer, intent(in) :: a !! direction across the bars
+        real(dp), intent(in) :: x(:, :) !! (3, n) [m]
+        real(dp) :: weight(size(x, 2))
+        integer :: a, i, k, n
 
-        bar_layers = max(1, nint(body%diameter/s%spacing(a)))
-    end function bar_layers
+        weight = 1
+        do a = 1, 3
+            if (a == axis_of(body)) cycle
+            n = bar_count(body, a)
+            block
+                type(span_t) :: spans(n)
+                integer :: layers(0:n)
 
-    !> Centre of bar k of a row: the outer ones touch the sides of the box, one alone is in its
-    !> middle [m].
-    pure real(dp) function bar_centre(body, a, k)
-        type(body_case_t), intent(in) :: body
-        integer, intent(in) :: a, k
-        integer :: n
-
-        n = body%bars(merge(1, 2, a == mod(axis_of(body), 3) + 1))
-        bar_centre = (body%lo(a) + body%hi(a))/2
-        if (n > 1) bar_centre = body%lo(a) + body%diameter/2 &
-                                + (body%hi(a) - body%lo(a) - body%diameter)*(k - 1)/(n - 1)
-    end function bar_centre
+                spans = [(bar_span(body, a, k, s%start(a), s%spacing(a), s%on_plane(a)), k=1, n)]
+                layers = 0
+                do i = 1, s%n(a)
+                    k = bar_at(spans, i)
+                    layers(k) = layers(k) + 1
+                end do
+                do i = 1, size(weight)
+                    k = bar_at(spans, nint((x(a, i) - s%start(a))/s%spacing(a) + 0.5_dp))
+                    if (k > 0) weight(i) = weight(i)*spans(k)%share/max(1, layers(k))
+                end do
+            end block
+        end do
+        if (size(weight) > 0) weight = weight/maxval(weight)
+    end function bar_weight
 
     !> True where a plane of symmetry goes through the body, at the middle of it if `middle`.
     pure logical function is_cut(s, a, middle)
@@ -233,7 +263,8 @@ contains
             area = pi*body%diameter**2/4
             volume = area*(s%hi(axis_of(body)) - s%lo(axis_of(body)))
             do a = 1, 3
-                if (a /= axis_of(body)) volume = volume*bars_modelled(body, s, a)
+                if (a /= axis_of(body)) volume = volume* &
+                    bars_modelled(body, a, s%start(a), s%spacing(a), s%on_plane(a))
             end do
             return
         case ('sphere')
@@ -274,23 +305,4 @@ contains
         case default; ball = 4*pi/3*radius**3
         end select
     end function ball
-
-    !> Number of bars of a row on the positive side; one on the plane is half a bar.
-    pure real(dp) function bars_modelled(body, s, a) result(n)
-        type(body_case_t), intent(in) :: body
-        type(shape_t), intent(in) :: s
-        integer, intent(in) :: a
-        real(dp) :: c
-        integer :: k
-
-        n = 0
-        do k = 1, body%bars(merge(1, 2, a == mod(axis_of(body), 3) + 1))
-            c = bar_centre(body, a, k)
-            if (s%on_plane(a) .and. abs(c) < 1e-6_dp*body%diameter) then
-                n = n + 0.5_dp
-            else if (c > 0 .or. .not. s%on_plane(a)) then
-                n = n + 1
-            end if
-        end do
-    end function bars_modelled
 end module brz_body_shape
