@@ -4,7 +4,7 @@
 !> Forces are equal and opposite pair by pair and do not depend on the number of threads.
 module brz_solid_contact
     use brz_contact, only: contact_drag, contact_normal, contact_push, crossing_share, &
-                           drag_stiffness, meeting_t, spring_share
+                           drag_stiffness, in_core, meeting_t, spring_share
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int64, real32, rk
     use brz_pair_force, only: viscous_force
@@ -13,7 +13,7 @@ module brz_solid_contact
     use brz_solid_state, only: pair_linear, pair_quadratic, solid_t, worth_threads
     implicit none
     private
-    public :: contact_pass, find_touch
+    public :: contact_pass, find_touch, is_pressed
 
     !> What the links of one particle add up to.
     type :: sums_t
@@ -39,7 +39,9 @@ contains
         do k = 1, size(solid%block, 2)
             if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
-                if (solid%links%row(i) > 0) call press(solid, i)
+                associate (row => solid%links%row(i))
+                    if (row > 0) call press(solid, i, solid%links%press(:, row))
+                end associate
             end do
         end do
         limit = solid%dt_limit
@@ -87,20 +89,44 @@ contains
     end subroutine find_touch
 
     !> Pressure of contact of particle i, and the sum of V F x_ij that shows its normal.
-    subroutine press(solid, i)
-        type(solid_t), intent(inout) :: solid
+    pure subroutine press(solid, i, p)
+        type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
+        real(rk), intent(out) :: p(5) !! as links%press
         real(rk) :: s, stiffness
 
-        associate (p => solid%links%press(:, solid%links%row(i)))
-            call kernel_sum(solid, i, .false., s, stiffness, p)
-            p(1) = stiffness*max(s - solid%links%touch(i), 0.0_rk)
-            p(5) = stiffness
-        end associate
+        call kernel_sum(solid, i, .false., s, stiffness, p)
+        p(1) = stiffness*max(s - solid%links%touch(i), 0.0_rk)
+        p(5) = stiffness
     end subroutine press
 
+    !> True where contact at the present positions pushes particle i.
+    pure logical function is_pressed(solid, i)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        real(rk) :: own(5), other(5), distance
+        integer(int64) :: k
+        integer :: j
+
+        is_pressed = .false.
+        if (.not. solid%links%present) return
+        call press(solid, i, own)
+        do k = first_link(solid%links, i), last_link(solid%links, i)
+            j = solid%links%list(k)
+            if (is_bonded(solid%links, i, j)) cycle
+            associate (m => solid%links%table(link_body(solid%links, i), link_body(solid%links, j)))
+                distance = real(norm2(solid%x(:, i) - signs(int(solid%links%mask(k))) &
+                                      *solid%x(:, j)), rk)
+                if (distance > 2*m%h) cycle
+                call press(solid, j, other)
+                is_pressed = own(1) + other(1) > 0 .or. in_core(m, distance)
+            end associate
+            if (is_pressed) return
+        end do
+    end function is_pressed
+
     !> Kernel sum over the particles of other bodies, 1 at a flat surface one spacing away.
-    subroutine kernel_sum(solid, i, all, s, stiffness, normal)
+    pure subroutine kernel_sum(solid, i, all, s, stiffness, normal)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
         logical, intent(in) :: all !! bonded partners as well

@@ -6,6 +6,7 @@
 !> it. Lists are built without it, so particles go when lists are built anew.
 module brz_solid_leaving
     use brz_kinds, only: dp
+    use brz_solid_contact, only: is_pressed
     use brz_solid_state, only: form_rigid, form_total, is_free, is_gone, solid_t
     implicit none
     private
@@ -14,7 +15,8 @@ module brz_solid_leaving
 contains
 
     !> Take out what has left the region since the start. What is held, rigid or total Lagrangian
-    !> stays, and for the time being what presses on another body: contact holds energy.
+    !> stays, and for the time being what presses on another body: contact holds energy. Asked are
+    !> the places and the lists alone, which a restart has too, never the forces of the last step.
     subroutine remove_left(solid)
         type(solid_t), intent(inout) :: solid
         integer :: b, i
@@ -25,7 +27,7 @@ contains
                                                 == [form_rigid, form_total])) cycle
             do i = solid%bodies(b)%first, solid%bodies(b)%last
                 if (solid%fixed(i) /= is_free .or. is_inside(solid, solid%x(:, i))) cycle
-                if (.not. is_inside(solid, solid%x_ref(:, i)) .or. presses(solid, i)) cycle
+                if (.not. is_inside(solid, solid%x_ref(:, i)) .or. is_pressed(solid, i)) cycle
                 solid%fixed(i) = is_gone
                 solid%a(:, i) = 0
                 if (allocated(solid%load)) solid%load(:, i) = 0
@@ -39,13 +41,4 @@ contains
 
         is_inside = all(x >= solid%region(:, 1) .and. x <= solid%region(:, 2))
     end function is_inside
-
-    !> True where a particle of another body pushes particle i.
-    pure logical function presses(solid, i)
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: i
-
-        presses = .false.
-        if (solid%links%present) presses = any(abs(solid%links%push(:, solid%links%row(i))) > 0)
-    end function presses
 end module brz_solid_leaving

@@ -13,7 +13,7 @@ module brz_contact
     private
     public :: spring_share, crossing_share
     public :: meeting_t, law_none, law_contact, law_bonded
-    public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort
+    public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort, in_core
 
     integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2
     real(rk), parameter :: hard_core = 0.5_rk !! closer than this many spacings a pair is a spring
@@ -79,6 +79,16 @@ contains
         energy = m%core*gap*gap/(2*hard_core*m%spacing)
         u = w*pressure + m%core*gap/(hard_core*m%spacing)/max(distance, 1e-6_rk*m%spacing)
     end subroutine contact_push
+
+    !> True for a pair that is so close that its hard core acts.
+    !@cuf attributes(host,device) &
+    pure function in_core(m, distance) result(inside)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: distance !! |x_ij| [m]
+        logical :: inside
+
+        inside = distance < hard_core*m%spacing
+    end function in_core
 
     !> Damping on approach, and Coulomb's friction, of a pair that is pressed together.
     !>

@@ -38,6 +38,7 @@ module brz_outputs
         real(dp) :: reserve = 0 !! wall-clock time that a checkpoint has taken at most [s]
         real(dp) :: energy_error = 0 !! of the last history row, relative
         integer :: saved_cycle = -1 !! cycle of the last checkpoint
+        logical :: resumed = .false. !! the run goes on from a checkpoint
         logical :: outside = .false. !! it was told that particles have left the region
     end type outputs_t
 
@@ -51,10 +52,11 @@ contains
         type(error_t), intent(inout) :: err
         integer :: use
 
+        outputs%resumed = options%restart /= ''
         outputs%folder = options%out
         if (outputs%folder == '') outputs%folder = 'out/'//trim(sim%case%run%job)
         use = merge(folder_replace, folder_fresh, options%replace)
-        if (options%restart /= '') then
+        if (outputs%resumed) then
             use = folder_resume
             call restart(options%restart, sim, outputs, err)
             if (failed(err)) return
@@ -62,8 +64,8 @@ contains
         call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, use, err)
         if (failed(err)) return
         call set_up_gauges(sim%case, sim%solid, outputs%gauges, err)
-        call open_histories(sim, outputs, use == folder_resume, err)
-        if (use /= folder_resume .and. sim%early%rows > 0) call write_early(sim, outputs, err)
+        call open_histories(sim, outputs, err)
+        if (.not. outputs%resumed .and. sim%early%rows > 0) call write_early(sim, outputs, err)
     end subroutine open_outputs
 
     !> What the gauges saw while the blast was one-dimensional.
@@ -104,10 +106,9 @@ contains
     end subroutine restart
 
     !> Open the histories, cut back to the time of the checkpoint on a restart.
-    subroutine open_histories(sim, outputs, resume, err)
+    subroutine open_histories(sim, outputs, err)
         type(simulation_t), intent(in) :: sim
         type(outputs_t), intent(inout) :: outputs
-        logical, intent(in) :: resume
         type(error_t), intent(inout) :: err
         character(64), allocatable :: names(:)
 
@@ -122,7 +123,7 @@ contains
             allocate (outputs%gauge_values(size(names)))
             call open_one('gauges', names, outputs%gauge_history)
         end if
-        if (resume) then
+        if (outputs%resumed) then
             call start_dumps(outputs%dumps, outputs%folder, err, sim%clock%time)
         else
             call start_dumps(outputs%dumps, outputs%folder, err)
@@ -134,7 +135,7 @@ contains
             character(*), intent(in) :: name, columns(:)
             type(history_t), intent(inout) :: history
 
-            if (resume) then
+            if (outputs%resumed) then
                 call open_history(history, outputs%folder//'/'//name//'.csv', columns, err, &
                                   sim%clock%time)
             else

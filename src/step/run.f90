@@ -116,7 +116,7 @@ contains
 
         call start_progress(sim%progress, sim%clock%time, sim%clock%cycle)
         next_report = wall_seconds() + sim%case%output%report_every
-        if (sim%clock%cycle == 0) call write_due(sim, outputs, err)
+        if (.not. outputs%resumed) call write_due(sim, outputs, err)
         do while (sim%clock%time < sim%case%run%t_end .and. .not. failed(err))
             if (sim%clock%cycle >= sim%case%run%max_steps) exit
             call advance(sim, err)

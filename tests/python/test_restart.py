@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: MIT
+"""A run in pieces leaves the bytes of a run in one go, in scenes that are drawn at random.
+
+Some scenes by default; `BRISANCE_SCENES=0:500` draws those. Without removal by what a checkpoint
+holds, or with a first row written again after a restart at step 0, some of the default ones fail.
+"""
+
+import os
+import random
+import subprocess
+
+import pytest
+from random_scenes import draw
+from test_run import BRISANCE, arrays, tables
+
+FEW = "160:200"
+ALONE = {**os.environ, "OMP_NUM_THREADS": "1"}
+
+
+def seeds():
+    first, last = os.environ.get("BRISANCE_SCENES", FEW).split(":")
+    return range(int(first), int(last))
+
+
+def run(folder, *args):
+    """Exit code and words of a run; the scene may well be one that cannot go on."""
+    done = subprocess.run([BRISANCE, "run", "scene.nml", *args], cwd=folder, env=ALONE,
+                          capture_output=True, text=True, timeout=100)  # fmt: skip
+    return done.returncode, done.stderr
+
+
+def state(folder, code):
+    """Histories, dumps and the last checkpoint in a folder, name by name."""
+    last = sorted(folder.glob("chk_*.h5"))[-1:] if code == 0 else []
+    found = {"series": [p.read_text() for p in sorted(folder.glob("*.series"))], **tables(folder)}
+    for file in [*folder.glob("*.vtkhdf"), *last]:
+        for path, values in arrays(file).items():
+            found[f"{file.name}: {path}"] = values.dtype, values.shape, values.tobytes()
+    return found
+
+
+@pytest.mark.parametrize("seed", seeds())
+def test_pieces_leave_the_bytes_of_the_whole(seed, tmp_path):
+    (tmp_path / "scene.nml").write_text(draw(seed))
+    rng = random.Random(seed)
+    steps = rng.randint(20, 100)
+    code, words = run(tmp_path, "--out", "whole", "--set", f"run.max_steps={steps}")
+    assert code in (0, 3), words
+    begin = []
+    for last in [*sorted(rng.sample(range(steps), rng.choice([1, 1, 2, 3]))), steps]:
+        again, words = run(tmp_path, "--out", "parts", "--set", f"run.max_steps={last}", *begin)
+        begin = ["--restart", "latest"]
+        if again:
+            break
+    assert again == code, words
+    whole, parts = (state(tmp_path / name, code) for name in ("whole", "parts"))
+    assert whole.keys() == parts.keys()
+    assert not [name for name in whole if whole[name] != parts[name]]
+
+
+REMOVAL = """\
+&run t_end=3e-6, dimension=2 /
+&material id='s', preset='al2024' /
+&body id='a', box=-0.004,0,-0.004,0.004,0,1, spacing=5e-4, material='s', velocity=1500,0,0 /
+&body id='b', box=0.0005,0.004,-0.004,0.004,0,1, spacing=5e-4, material='s' /
+&interaction law='contact' /
+&solid region=-0.0045,0.003,-0.0045,0.0045,-1,1, leave='remove' /
+"""
+
+
+def test_what_presses_is_left_in_after_a_restart_too(tmp_path):
+    """Two bodies that collide are cut at the border of the region while they press."""
+    (tmp_path / "scene.nml").write_text(REMOVAL)
+    run(tmp_path, "--out", "whole")
+    for last in (35, 37, 39, 41):
+        run(tmp_path, "--out", f"{last}", "--set", f"run.max_steps={last}")
+        run(tmp_path, "--out", f"{last}", "--restart", "latest")
+        assert tables(tmp_path / f"{last}") == tables(tmp_path / "whole")
