@@ -137,6 +137,8 @@ class Scene:
             shape = "box"
             keys["plies"] = rng.choice(["'0'", "'0/90'", "'[0/45]s'"])
             keys["ply_axis"] = f"'{rng.choice(self.axes)}'"
+        if shape == "sphere":
+            body["end"] = low + 5 * d
         body["half"] = half = (body["end"] - low) / 2
         if shape == "sphere":
             keys.update(shape="'sphere'", radius=f"{half:.8g}", centre=numbers([low + half, 0, 0]))

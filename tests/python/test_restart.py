@@ -35,7 +35,8 @@ def state(folder, code):
     found = {"series": [p.read_text() for p in sorted(folder.glob("*.series"))], **tables(folder)}
     for file in [*folder.glob("*.vtkhdf"), *last]:
         for path, values in arrays(file).items():
-            found[f"{file.name}: {path}"] = values.dtype, values.shape, values.tobytes()
+            same = values.tolist() if values.dtype == object else values.tobytes()
+            found[f"{file.name}: {path}"] = values.dtype, values.shape, same
     return found
 
 
