@@ -121,7 +121,7 @@ contains
                 call fill_body(deck, g, case%bodies(bodies))
             case ('gauge')
                 gauges = gauges + 1
-                call fill_gauge(deck%groups(g), case%gauges(gauges))
+                call fill_gauge(deck, deck%groups(g), case%gauges(gauges))
             end select
         end do
     end subroutine fill_groups

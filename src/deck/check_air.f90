@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Geometry of the air, of boxes of gas and of charges.
 module brz_check_air
-    use brz_case, only: case_t, charge_case_t
+    use brz_case, only: case_t, charge_case_t, gas_case_t
     use brz_check_start, only: check_geometry, check_start, is_radial
-    use brz_deck, only: add_warning, complain, deck_t, find_group, group_label, &
+    use brz_deck, only: add_warning, complain, deck_t, entry_line, find_group, group_label, &
                         may_be_misspelt
     use brz_get, only: is_usable
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, real32
     use brz_text, only: to_text
     implicit none
     private
@@ -69,10 +69,49 @@ contains
             if (is_radial(case)) cycle
             call check_corners(deck, g, case%gas(k)%lo, case%gas(k)%hi)
             if (deck%groups(g)%bad .or. air_bad(deck)) cycle
-            if (any(case%gas(k)%hi <= case%air%lo .or. case%gas(k)%lo >= case%air%hi)) &
+            if (any(case%gas(k)%hi <= case%air%lo .or. case%gas(k)%lo >= case%air%hi)) then
                 call complain(deck, g, 'box', 'the box lies outside the air, '//air_text(case))
+            else
+                call judge_box(deck, g, case, case%gas(k))
+            end if
         end do
     end subroutine check_gas
+
+    !> A box of gas is whole cells: those whose middle lies in it. Say where that is not the box.
+    subroutine judge_box(deck, g, case, gas)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(gas_case_t), intent(in) :: gas
+        real(dp), dimension(3) :: dx, low, high, first, last
+        logical :: inside
+        integer :: i
+
+        inside = .false.
+        dx = (case%air%hi - case%air%lo)/case%air%cells
+        low = max((gas%lo - case%air%lo)/dx, 0.0_dp)
+        high = min((gas%hi - case%air%lo)/dx, real(case%air%cells, dp))
+        first = real(ceiling(low - 0.5_dp), dp)
+        last = real(floor(high + 0.5_dp), dp)
+        do i = 1, 3
+            if (case%air%cells(i) == 1) cycle
+            if (last(i) > first(i)) then
+                inside = inside .or. max(abs(low(i) - first(i)), abs(high(i) - last(i))) > 1e-6_dp
+                cycle
+            end if
+            call add_warning(deck, entry_line(deck%groups(g), 'box'), &
+                             group_label(deck%groups(g))//'the box changes nothing: it holds '// &
+                             'the middle of no cell along '//axes(i:i)//', where they are '// &
+                             to_text(real(dx(i), real32))//' m long; make it larger or the '// &
+                             'cells smaller')
+            return
+        end do
+        if (inside) call add_warning(deck, entry_line(deck%groups(g), 'box'), &
+            group_label(deck%groups(g))//'the box ends inside cells; in effect it is '// &
+            box_text(real(real(case%air%lo + first*dx, real32), dp), &
+                     real(real(case%air%lo + last*dx, real32), dp))// &
+            ' (the cells whose middle it holds); end it on their faces')
+    end subroutine judge_box
 
     subroutine check_charges(deck, case)
         type(deck_t), intent(inout) :: deck

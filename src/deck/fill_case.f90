@@ -287,10 +287,12 @@ contains
         if (message /= '') call complain(deck, g, 'plies', 'plies: '//message)
     end subroutine fill_plies
 
-    subroutine fill_gauge(group, gauge)
+    subroutine fill_gauge(deck, group, gauge)
+        type(deck_t), intent(in) :: deck
         type(group_t), intent(in) :: group
         type(gauge_case_t), intent(inout) :: gauge
 
+        gauge%place = place(deck, group%line)
         gauge%id = group%id
         call get(group, 'at', gauge%at)
         call get(group, 'quantity', gauge%quantity)

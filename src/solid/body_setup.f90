@@ -6,7 +6,7 @@
 module brz_body_setup
     use brz_bar_layers, only: layers_across
     use brz_body_points, only: place_points, points_t
-    use brz_body_shape, only: shape_t
+    use brz_body_shape, only: inside, shape_t
     use brz_case, only: body_case_t, case_t, label
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation, only: settle_formulation
@@ -119,7 +119,30 @@ contains
                 call judge_bars(case%bodies(b), solid%bodies(b)%across, solid%notes)
         end do
         solid%n = n
+        if (allocated(case%gauges)) call judge_gauges(case, points, solid%notes)
     end subroutine lay_bodies
+
+    !> A gauge of the air within a body measures nothing of its own.
+    subroutine judge_gauges(case, points, notes)
+        type(case_t), intent(in) :: case
+        type(points_t), intent(in) :: points(:)
+        character(:), allocatable, intent(inout) :: notes
+        integer :: b, g
+
+        do g = 1, size(case%gauges)
+            if (case%gauges(g)%body_index > 0) cycle
+            do b = 1, size(points)
+                associate (body => case%bodies(b), gauge => case%gauges(g))
+                    if (.not. inside(body, points(b)%shape, gauge%at, 1e-6_dp*body%spacing)) cycle
+                    notes = notes//label('gauge', gauge%id, gauge%place)//"warning: it lies "// &
+                        "in the body '"//trim(body%id)//"' and shows the nearest gas, if there "// &
+                        'is any; move it out of the body, by half a cell of the air or more'// &
+                        new_line('a')
+                    exit
+                end associate
+            end do
+        end do
+    end subroutine judge_gauges
 
     !> Largest speed of a body at the start, or of two bodies against each other, or of a body
     !> against its mirror image [m/s].

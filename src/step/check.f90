@@ -27,6 +27,7 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: dt, dumps
         character(:), allocatable :: notes
+        integer :: i, n
 
         write (output_unit, '(a)') 'check of '//trim(sim%case%run%job)//': '//sim%case%run%title
         if (sim%air%present) call check_air(sim)
@@ -44,8 +45,10 @@ contains
             1e-6_dp*dumps*(merge(real(air_dump_bytes, dp)*product(real(sim%air%n, dp)), 0.0_dp, &
                                  sim%air%present) + real(solid_dump_bytes, dp)*sim%solid%n), ' MB'
         notes = 'the deck is sound'
-        if (size(sim%case%warnings) > 0) &
-            notes = to_text(size(sim%case%warnings))//' warning(s), see above'
+        n = size(sim%case%warnings)
+        if (sim%solid%present) &
+            n = n + count([(sim%solid%notes(i:i) == new_line('a'), i=1, len(sim%solid%notes))])
+        if (n > 0) notes = to_text(n)//' warning(s) on the error unit'
         write (output_unit, '(a)') 'verdict      '//notes
     end subroutine print_check
 
