@@ -108,8 +108,8 @@ contains
         end do
         if (inside) call add_warning(deck, entry_line(deck%groups(g), 'box'), &
             group_label(deck%groups(g))//'the box ends inside cells; in effect it is '// &
-            box_text(real(real(case%air%lo + first*dx, real32), dp), &
-                     real(real(case%air%lo + last*dx, real32), dp))// &
+            box_text(anint(1e9_dp*(case%air%lo + first*dx))/1e9_dp, &
+                     anint(1e9_dp*(case%air%lo + last*dx))/1e9_dp)// &
             ' (the cells whose middle it holds); end it on their faces')
     end subroutine judge_box
 
