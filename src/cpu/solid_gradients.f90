@@ -67,6 +67,7 @@ contains
             associate (ledger => solid%bodies(solid%block(1, k))%ledger)
                 ledger%plastic = ledger%plastic + solid%search%sums(1, k)
                 ledger%damage = ledger%damage + solid%search%sums(2, k)
+                ledger%clamped = ledger%clamped + solid%search%sums(3, k)
             end associate
         end do
     end subroutine book_work
@@ -375,7 +376,8 @@ contains
         point%work = 0
         point%hist(:solid%n_hist) = solid%hist(:, i)
         call update_material(solid%materials(body%material), dt, body%h, l, point, status)
-        if (status /= 0 .and. solid%search%bad(k) == 0) solid%search%bad(k) = i
+        if (status > 0 .and. solid%search%bad(k) == 0) solid%search%bad(k) = i
+        if (status < 0) solid%search%sums(3, k) = solid%search%sums(3, k) + 1
         solid%mu(i) = point%mu
         solid%energy(i) = point%energy
         solid%stress(:, i) = point%stress

@@ -34,7 +34,7 @@ contains
         do g = 1, deck%n
             if (deck%groups(g)%name /= 'segment') cycle
             k = k + 1
-            call fill_segment(deck, g, point%segments(k))
+            call fill_segment(deck, g, point%steps, point%segments(k))
         end do
         call take_warnings(deck, point%warnings)
         call report_errors(deck, err)
@@ -95,29 +95,78 @@ contains
     end function known_materials
 
     !> One segment; its control decides which keys it needs.
-    subroutine fill_segment(deck, g, segment)
+    subroutine fill_segment(deck, g, steps, segment)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
+        integer, intent(in) :: steps !! of a segment that does not say
         type(segment_case_t), intent(inout) :: segment
         real(dp) :: rows(9)
 
         rows = 0
-        call get(deck%groups(g), 'duration', segment%duration)
+        segment%steps = steps
+        call get(deck%groups(g), 'steps', segment%steps)
         call get(deck%groups(g), 'control', segment%control)
         call get(deck%groups(g), 'l', rows)
         call get(deck%groups(g), 'axis', segment%axis)
         call get(deck%groups(g), 'rate', segment%rate)
+        call get(deck%groups(g), 'lateral_stress', segment%lateral_stress)
+        call get(deck%groups(g), 'pressure', segment%pressure)
         segment%l = transpose(reshape(rows, [3, 3]))
         if (.not. is_usable(deck%groups(g), 'control')) return
-        if (segment%control == 'strain') then
-            call need(deck, g, 'l', segment%control)
-            call refuse(deck, g, 'rate', segment%control)
-            call refuse(deck, g, 'axis', segment%control)
-        else
-            call need(deck, g, 'rate', segment%control)
-            call refuse(deck, g, 'l', segment%control)
-        end if
+        associate (control => segment%control)
+            call belongs(deck, g, 'l', control, control == 'strain')
+            call belongs(deck, g, 'rate', control, control == 'uniaxial_stress' .or. &
+                         control == 'triaxial')
+            call belongs(deck, g, 'lateral_stress', control, control == 'triaxial')
+            call belongs(deck, g, 'pressure', control, control == 'pressure')
+            if (control == 'strain' .or. control == 'pressure') then
+                call refuse(deck, g, 'axis', control)
+                call refuse(deck, g, 'strain', control)
+            end if
+        end associate
+        call find_duration(deck, g, segment)
     end subroutine fill_segment
+
+    !> The duration as given, or as strain over rate.
+    subroutine find_duration(deck, g, segment)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(segment_case_t), intent(inout) :: segment
+        real(dp) :: strain
+
+        strain = 0
+        call get(deck%groups(g), 'duration', segment%duration)
+        call get(deck%groups(g), 'strain', strain)
+        if (is_given(deck%groups(g), 'duration') .neqv. is_given(deck%groups(g), 'strain')) then
+            if (.not. is_usable(deck%groups(g), 'strain')) return
+            if (strain*segment%rate > 0) then
+                segment%duration = strain/segment%rate
+            else if (is_usable(deck%groups(g), 'rate')) then
+                call complain(deck, g, 'strain', "'strain' and 'rate' need the same sign: the "// &
+                              'rate leads away from that strain')
+            end if
+        else if (is_given(deck%groups(g), 'duration')) then
+            call complain(deck, g, 'strain', "'duration' and 'strain' are both given; take one out")
+        else
+            call complain(deck, g, 'duration', "key 'duration' [s] is missing"// &
+                          trim(merge(", or 'strain' in place of it", repeat(' ', 28), &
+                                     is_given(deck%groups(g), 'rate'))))
+        end if
+    end subroutine find_duration
+
+    !> A key that one control needs and every other refuses.
+    subroutine belongs(deck, g, key, control, mine)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        character(*), intent(in) :: key, control
+        logical, intent(in) :: mine !! the control needs it
+
+        if (mine) then
+            call need(deck, g, key, control)
+        else
+            call refuse(deck, g, key, control)
+        end if
+    end subroutine belongs
 
     subroutine need(deck, g, key, control)
         type(deck_t), intent(inout) :: deck

@@ -203,17 +203,20 @@ module brz_case
     !> &segment: a part of the path of a material point
     type :: segment_case_t
         real(dp) :: duration = 0 !! [s]
-        character(name_len) :: control = 'strain' !! or 'uniaxial_stress'
+        integer :: steps = 1000
+        character(name_len) :: control = 'strain' !! 'uniaxial_stress', 'triaxial', 'pressure'
         real(dp) :: l(3, 3) = 0 !! velocity gradient dv_i/dx_j [1/s]
-        character(1) :: axis = 'x' !! of the uniaxial stress
+        character(1) :: axis = 'x' !! along it the rate is given
         real(dp) :: rate = 0 !! rate of deformation along that axis [1/s]
+        real(dp) :: lateral_stress = 0 !! normal stress across that axis [Pa]
+        real(dp) :: pressure = 0 !! at the end [Pa]
     end type segment_case_t
 
     !> &point with its material and its path: what `brisance mat` is asked for
     type :: point_case_t
         character(name_len) :: job = '' !! name of the deck without folder and ending
         type(material_case_t) :: material
-        integer :: steps = 1000 !! per segment
+        integer :: steps = 1000 !! of a segment that has no number of its own
         integer :: output_every = 1 !! steps between rows
         real(dp) :: rotation = 0 !! of the ply about its normal [deg]
         character(1) :: ply_axis = 'z' !! normal of the ply

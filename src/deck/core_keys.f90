@@ -273,7 +273,7 @@ contains
                 key_t(group=p, key='material', kind=kind_text, default=required, &
                       meaning='Id of its &material.'), &
                 key_t(group=p, key='steps', kind=kind_integer, default='1000', lower=one, &
-                      upper=1e8_dp, meaning='Steps per segment.'), &
+                      upper=1e8_dp, meaning='Steps of a segment.'), &
                 key_t(group=p, key='output_every', kind=kind_integer, default='1', lower=one, &
                       upper=1e8_dp, &
                       meaning='Steps between rows of the table; ends of segments are always '// &
@@ -289,17 +289,28 @@ contains
                       'the order of the deck.'), &
                 key_t(group=s, key='id', kind=kind_text, &
                       meaning='Name, where --set has to tell segments apart.'), &
-                key_t(group=s, key='duration', unit='s', default=required, lower=zero, &
-                      open_lower=.true., meaning='Time that it takes.'), &
+                key_t(group=s, key='duration', unit='s', lower=zero, open_lower=.true., &
+                      meaning='Time that it takes; strain may be given instead.'), &
+                key_t(group=s, key='strain', &
+                      meaning='uniaxial_stress, triaxial: strain along the axis at the end '// &
+                      'less that at the start; with the rate it gives the duration.'), &
+                key_t(group=s, key='steps', kind=kind_integer, lower=one, upper=1e8_dp, &
+                      meaning='Steps of this segment; absent: those of &point.'), &
                 key_t(group=s, key='control', kind=kind_text, default='strain', &
-                      choices='strain|uniaxial_stress', &
-                      meaning='strain: l is given; uniaxial_stress: rate is given, all other '// &
-                      'stresses are held at zero.'), &
+                      choices='strain|uniaxial_stress|triaxial|pressure', &
+                      meaning='What is given: l; rate, no other stress; rate and '// &
+                      'lateral_stress; pressure alone.'), &
                 key_t(group=s, key='l', n_min=9, n_max=9, unit='1/s', &
                       meaning='strain: velocity gradient dv_i/dx_j, row by row.'), &
                 key_t(group=s, key='axis', kind=kind_text, default='x', choices='x|y|z', &
-                      meaning='uniaxial_stress: axis of the stress.'), &
+                      meaning='uniaxial_stress, triaxial: axis along which the rate is given.'), &
                 key_t(group=s, key='rate', unit='1/s', &
-                      meaning='uniaxial_stress: rate of deformation along the axis.')]
+                      meaning='uniaxial_stress, triaxial: rate of deformation along the axis.'), &
+                key_t(group=s, key='lateral_stress', unit='Pa', &
+                      meaning='triaxial: both normal stresses across the axis, negative in '// &
+                      'compression, held.'), &
+                key_t(group=s, key='pressure', unit='Pa', &
+                      meaning='pressure: reached evenly in time from that at the start, '// &
+                      'without shear stress.')]
     end subroutine point_keys
 end module brz_core_keys

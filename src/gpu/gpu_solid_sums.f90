@@ -4,7 +4,8 @@ module brz_gpu_solid_sums
     use brz_artificial_stress, only: artificial_none
     use brz_device, only: arguments_t, copy_out, launch
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: book_ahead, book_contact, book_contact_heat, book_damage, &
+    use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
+        book_contact_heat, book_damage, &
         book_force, book_friction, book_hold, book_load, book_plastic, book_rub, book_viscous, &
         n_book, n_total
     use brz_gpu_solid_state, only: fold_threads, gpu_solid_t, sum_threads, total_threads
@@ -105,6 +106,7 @@ contains
             ledger%hourglass_heat = before%hourglass_heat + book(book_friction)
             ledger%plastic = before%plastic + book(book_plastic)
             ledger%damage = before%damage + book(book_damage)
+            ledger%clamped = before%clamped + book(book_clamped)
             if (.not. gpu%bodies(b)%rigid) ledger%load = before%load + book(book_load)
             ledger%ahead = book(book_ahead)
             if (gpu%linked) ledger%contact = book(book_contact)

@@ -8,7 +8,8 @@
 !> History: plastic strain [-]; the damage of the point is plastic over failure strain
 module brz_bilinear_j2
     use brz_equation_of_state, only: eos_linear, k_a1, k_density, k_kind, n_block
-    use brz_isotropic, only: begin_step, end_step, no_cutoff, on_surface, refine_root, step_t
+    use brz_isotropic, only: begin_step, end_step, fail_step, no_cutoff, on_surface, &
+                             refine_root, step_t
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t, point_t, n_par
@@ -90,6 +91,7 @@ contains
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
         type(step_t) :: step
+        type(point_t) :: before
         real(rk) :: keep, strain, least
         logical :: failed
 
@@ -105,12 +107,12 @@ contains
             if (strain > 0) keep = max(0.0_rk, 1 - 3*material%shear*strain/step%mises)
             least = no_cutoff
         end if
+        before = point
         call end_step(material, material%par(p_block), least, keep, step, point, status)
         if (status > 0) return
         point%hist(h_strain) = point%hist(h_strain) + strain
         if (failed) then
-            point%work(2) = point%work(1)
-            point%work(1) = 0
+            call fail_step(material, material%par(p_block), before, step, point)
         else
             point%damage = min(1.0_rk, point%hist(h_strain)/material%par(p_failure))
         end if

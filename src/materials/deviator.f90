@@ -40,6 +40,10 @@ contains
     end subroutine trial_deviator
 
     !> Keep a part of the trial, turn it to the end of the step, and account for the work.
+    !>
+    !> Plastic work is never negative: elastic energy that a fall of the strength lets go, then the
+    !> work of the flow at the stress of the end. (With the mean stress of the step, as in `work`,
+    !> flow that starts or turns round within a step would count half of it or less than nothing.)
     !@cuf attributes(host,device) &
     pure subroutine return_deviator(g, keep, de, trial, q, s, work, plastic)
         real(rk), intent(in) :: g !! shear modulus [Pa]
@@ -47,15 +51,24 @@ contains
         real(rk), intent(in) :: de(6), trial(6), q(3, 3) !! of trial_deviator
         real(rk), intent(inout) :: s(6) !! deviator, at mid-step in, at the end out [Pa]
         real(rk), intent(out) :: work !! done by it, per volume, stress after the return [J/m3]
-        real(rk), intent(out) :: plastic !! the part of `work` that is plastic [J/m3]
+        real(rk), intent(out) :: plastic !! plastic work [J/m3]
+        real(rk) :: start, last, fall
         integer :: i
 
+        plastic = 0
+        if (g > 0 .and. keep < 1) then
+            start = double_dot(s, s)
+            last = keep**2*double_dot(trial, trial)
+            fall = 0
+            if (start > last) fall = 1 - sqrt(last/start)
+            plastic = (keep*(1 - keep)*double_dot(trial, trial) &
+                       - keep*fall*double_dot(trial, s))/(2*g)
+            plastic = max(plastic, 0.0_rk) + max(start - last, 0.0_rk)/(4*g)
+        end if
         do i = 1, 6
             s(i) = (s(i) + keep*trial(i))/2
         end do
         work = double_dot(s, de)
-        plastic = 0
-        if (g > 0) plastic = double_dot(s, trial)*(1 - keep)/(2*g)
         do i = 1, 6
             s(i) = keep*trial(i)
         end do

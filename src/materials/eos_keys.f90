@@ -7,7 +7,7 @@ module brz_eos_keys
     use brz_key, only: key_t, none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: n_par
-    use brz_mie_gruneisen, only: hugoniot_limit, eos_c0, eos_s1, eos_mu_max
+    use brz_mie_gruneisen, only: hugoniot_limit, eos_c0, eos_mu_max, n_eos
     use brz_model, only: real_key, text_key
     implicit none
     private
@@ -78,13 +78,14 @@ contains
     pure function gruneisen_block(density, par) result(block)
         real(rk), intent(in) :: density, par(n_gruneisen)
         real(rk) :: block(n_block)
-        integer, parameter :: c0 = k_density + eos_c0 - 1, s1 = k_density + eos_s1 - 1
+        integer, parameter :: c0 = k_density + eos_c0 - 1
 
         block = 0
         block(k_kind) = eos_gruneisen
         block(k_density) = density
         block(c0:c0 + n_gruneisen - 1) = par
-        block(k_density + eos_mu_max - 1) = hugoniot_limit(block(s1), block(s1 + 1), block(s1 + 2))
+        block(k_density + eos_mu_max - 1) = &
+            hugoniot_limit(block(k_density:k_density + n_eos - 1))
     end function gruneisen_block
 
     !> Block of the polynomial; refuses one that does not rise at small strains.

@@ -11,12 +11,13 @@ module brz_hjc
     use brz_kinds, only: dp, rk
     use brz_algebra, only: double_dot
     use brz_deviator, only: mises_stress, return_deviator, trial_deviator
-    use brz_hjc_pressure, only: crushing_strain, dense_curve, densest, full_modulus, hjc_pressure, &
-                                unloading_modulus, loading_curve, unload_reversible, n_keys, &
-                                p_density, p_shear, p_a, p_b, p_n, p_c, p_fc, p_t, p_rate, &
-                                p_efmin, p_smax, p_p_crush, p_mu_crush, p_p_lock, p_mu_lock, &
-                                p_d1, p_d2, p_k1, p_k2, p_k3, p_floor, p_unload, p_erosion, &
-                                p_limit, p_k_el, p_k_tran, p_mu_plock, p_full
+    use brz_hjc_pressure, only: crushing_strain, crushing_work, dense_curve, densest, &
+                                full_modulus, hjc_pressure, opening, unloading_modulus, &
+                                loading_curve, unload_reversible, n_keys, p_density, p_shear, &
+                                p_a, p_b, p_n, p_c, p_fc, p_t, p_rate, p_efmin, p_smax, &
+                                p_p_crush, p_mu_crush, p_p_lock, p_mu_lock, p_d1, p_d2, p_k1, &
+                                p_k2, p_k3, p_floor, p_unload, p_erosion, p_limit, p_k_el, &
+                                p_k_tran, p_mu_plock, p_full
     use brz_key, only: key_t, none, required
     use brz_kinematics, only: volume_step
     use brz_material, only: fails_by_degrees, material_t, point_t, material_ok, &
@@ -236,7 +237,7 @@ contains
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
         real(rk) :: s(6), q(3, 3), de(6), trial(6), mu, mu_max, mu_old, dv, v_mid, p_old, p_eos, p
-        real(rk) :: stiffest, damage, mises, yield, keep, work, plastic, strain, crushed
+        real(rk) :: stiffest, damage, mises, yield, keep, work, plastic, strain, crushed, released
         integer :: i
 
         damage = min(max(point%damage, 0.0_rk), 1.0_rk)
@@ -270,6 +271,7 @@ contains
         call add_damage(material%par, (p_old + p)/2, strain + crushed, damage)
         p = max(p_eos, -material%par(p_t)*(1 - damage))
         if (point%hist(h_eroded) > 0) p = max(p, 0.0_rk)
+        call release_tension(material%par, point, mu, mu_max, p_eos, p, damage, released)
         point%hist(h_plastic) = point%hist(h_plastic) + strain
         point%hist(h_mu_max) = mu_max
         call erode(material%par, p_eos, damage, point%hist(h_plastic), point%hist(h_eroded))
@@ -277,11 +279,14 @@ contains
             point%stress(i) = s(i) - p
             point%stress(i + 3) = s(i + 3)
         end do
+        point%work(1) = crushing_work(material%par, mu_old, mu_max) &
+                        /(material%density*(1 + point%mu)*(1 + mu))
+        point%work(2) = released
+        ! flow under tension is cracking; under pressure it is friction
+        point%work(merge(1, 2, p > 0)) = point%work(merge(1, 2, p > 0)) + plastic*v_mid
         point%mu = mu
         point%energy = point%energy + work*v_mid - (p_old + p)/2*dv
         point%damage = damage
-        point%work(1) = plastic*v_mid + max(p_old + p, 0.0_rk)/2*crushed*material%density*v_mid**2
-        point%work(2) = 0
         point%c_bulk = sqrt(stiffest/material%density)
         point%c_wave = sqrt((stiffest + 4*material%par(p_shear)/(3*max(1 + mu, 0.5_rk))) &
                             /material%density)
@@ -289,6 +294,33 @@ contains
         if (mu > material%par(p_mu_lock) + densest*(1 + material%par(p_mu_lock))) &
             status = material_clamped
     end subroutine update_hjc
+
+    !> Energy of the mean tension that a falling cut-off lets go: the fall over the opening.
+    !>
+    !> At constant damage an opening gives back what it took, as the pressure is a function of mu.
+    !@cuf attributes(host,device) &
+    pure subroutine release_tension(par, before, mu, mu_max, p_eos, p, damage, released)
+        real(rk), intent(in) :: par(n_par)
+        type(point_t), intent(in) :: before !! the point at the start of the step
+        real(rk), intent(in) :: mu, mu_max !! at the end
+        real(rk), intent(in) :: p_eos, p !! pressure of the curve and with the cut-off, at the end
+        real(rk), intent(in) :: damage !! at the end
+        real(rk), intent(out) :: released !! [J/kg]
+        real(rk) :: fall, last, p_old, p_start, stiffest
+
+        released = 0
+        last = before%hist(h_mu_max)
+        p_old = -(before%stress(1) + before%stress(2) + before%stress(3))/3
+        if (before%hist(h_eroded) > 0) then
+            fall = max(-p_old, 0.0_rk)
+        else
+            fall = par(p_t)*(damage - min(max(before%damage, 0.0_rk), 1.0_rk))
+        end if
+        if (.not. fall > 0) return
+        call hjc_pressure(par, before%mu, last, p_start, stiffest)
+        released = fall/2*(opening(par, before%mu, last, p_start, p_old) &
+                           + opening(par, mu, mu_max, p_eos, p))
+    end subroutine release_tension
 
     !> Yield stress: by pressure, damage and rate, at most SMAX; to zero at the cut-off in tension.
     !@cuf attributes(host,device) &

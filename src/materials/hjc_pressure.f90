@@ -11,7 +11,7 @@ module brz_hjc_pressure
     implicit none
     private
     public :: hjc_pressure, loading_curve, dense_curve, unloading_modulus, crushing_strain, &
-              full_modulus
+              full_modulus, crushing_work, opening
 
     ! Slots of `material%par`. First the keys of the deck ...
     integer, parameter, public :: p_density = 1, p_shear = 2, p_a = 3, p_b = 4, p_n = 5, p_c = 6, &
@@ -136,6 +136,64 @@ contains
             mu_p = mu_max - p/unloading_modulus(par, mu_max)
         end if
     end function crushing_strain
+
+    !> Work that crushing from one largest compression to another takes and does not give back.
+    !>
+    !> On the way there p d(mu) goes into the elastic energy p^2/(2 K_u) of the way back, and the
+    !> rest is lost: the mean of p times the change of what stays behind, and p^2/2 times that of
+    !> 1/K_u. Along straight lines this is exact for steps of any size.
+    !@cuf attributes(host,device) &
+    pure function crushing_work(par, mu_old, mu_new) result(work)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: mu_old, mu_new !! largest compression at the start, at the end
+        real(rk) :: work !! [J/m3], over (1 + mu) at both ends of the step
+        real(rk) :: m, p0, p1, c0, c1, rest0, rest1
+
+        work = 0
+        if (.not. mu_new > max(mu_old, par(p_mu_crush))) return
+        call way_back(par, max(mu_old, par(p_mu_crush)), p0, c0, rest0)
+        m = mu_new
+        if (int(par(p_unload)) == unload_reversible) m = min(m, par(p_mu_plock))
+        call way_back(par, m, p1, c1, rest1)
+        work = max(0.0_rk, (p0 + p1)/2*(rest1 - rest0) + p0*p1/2*(c1 - c0))
+    end function crushing_work
+
+    !> The line on which a point unloads: pressure and compliance at its top, and where it ends.
+    !@cuf attributes(host,device) &
+    pure subroutine way_back(par, mu_max, p, compliance, rest)
+        real(rk), intent(in) :: par(n_par), mu_max
+        real(rk), intent(out) :: p, compliance !! [Pa], [1/Pa]
+        real(rk), intent(out) :: rest !! compression that stays
+        real(rk) :: slope, m
+
+        m = mu_max
+        if (int(par(p_unload)) == unload_reversible .and. m >= par(p_mu_plock)) then
+            p = par(p_p_lock)
+            rest = par(p_mu_lock)
+            compliance = (par(p_mu_plock) - rest)/p
+            return
+        end if
+        call loading_curve(par, m, p, slope)
+        compliance = 1/unloading_modulus(par, m)
+        rest = m - p*compliance
+    end subroutine way_back
+
+    !> Volume per mass by which a point is open beyond its elastic expansion in tension [m3/kg].
+    !@cuf attributes(host,device) &
+    pure function opening(par, mu, mu_max, p_eos, p) result(volume)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: mu, mu_max
+        real(rk), intent(in) :: p_eos, p !! pressure of the curve, and as it is cut off [Pa]
+        real(rk) :: volume, excess
+
+        volume = 0
+        if (.not. p > p_eos) return
+        excess = unloading_modulus(par, mu_max)
+        if (int(par(p_unload)) == unload_reversible .and. mu_max >= par(p_mu_plock)) &
+            excess = par(p_k1)/(1 + par(p_mu_lock))
+        excess = (p - p_eos)/excess
+        volume = excess/(par(p_density)*(1 + mu)*(1 + mu + excess))
+    end function opening
 
     !> K1, or the slope of the dense curve at p_lock where that is steeper.
     pure function full_modulus(par) result(k)

@@ -14,7 +14,7 @@ module brz_isotropic
     use brz_mie_gruneisen, only: pressure_step
     implicit none
     private
-    public :: step_t, begin_step, end_step, refine_root, no_cutoff, on_surface
+    public :: step_t, begin_step, end_step, fail_step, refine_root, no_cutoff, on_surface
 
     real(rk), parameter :: no_cutoff = -1e15_rk !! least pressure where tension has no limit [Pa]
     !> A returned stress that is off the yield stress by this part of it is good enough.
@@ -91,6 +91,30 @@ contains
         point%work(2) = 0
         call wave_speeds(material, terms, step%p, point)
     end subroutine end_step
+
+    !> Book what material that fails in this step lets go: its shear stress, and its mean tension.
+    !>
+    !> The tension holds the energy of the elastic expansion, and at the cut-off that of the opening
+    !> beyond it, which closing would give back.
+    !@cuf attributes(host,device) &
+    pure subroutine fail_step(material, eos, before, step, point)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: eos(n_block)
+        type(point_t), intent(in) :: before !! at the start of the step
+        type(step_t), intent(in) :: step
+        type(point_t), intent(inout) :: point !! at its end
+        type(eos_terms_t) :: terms
+        real(rk) :: curve, opening
+
+        point%work(1) = 0
+        point%work(2) = step%plastic
+        if (.not. step%p_old < 0) return
+        call eos_terms(eos, before%mu, terms)
+        curve = terms%a + terms%b*material%density*before%energy
+        opening = max(step%p_old - curve, 0.0_rk)
+        point%work(2) = point%work(2) - step%p_old*(opening - step%p_old/2) &
+                        /(max(terms%a_slope, material%bulk/4)*material%density*(1 + before%mu))
+    end subroutine fail_step
 
     !> Wave speeds; never below half of the unloaded one, which acts again when a cut-off ends.
     !@cuf attributes(host,device) &

@@ -12,7 +12,8 @@ module brz_johnson_cook
     use brz_eos_keys, only: chosen_block, choice_keys, cutoff_key, n_choice
     use brz_equation_of_state, only: n_block, unloaded_bulk
     use brz_isentrope, only: isentrope_step, isentrope_temperature
-    use brz_isotropic, only: begin_step, end_step, no_cutoff, on_surface, refine_root, step_t
+    use brz_isotropic, only: begin_step, end_step, fail_step, no_cutoff, on_surface, &
+                             refine_root, step_t
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: fails_at_once, material_t, point_t, n_par
@@ -149,7 +150,8 @@ contains
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
         type(step_t) :: step
-        real(rk) :: keep, strain, least, hot, mu_old
+        type(point_t) :: before
+        real(rk) :: keep, strain, least, hot
         logical :: failed
 
         call begin_step(material, dt, l, point, step)
@@ -162,15 +164,12 @@ contains
             call plastic_return(material, dt, step, point%hist(h_strain), hot, strain, keep)
             least = material%par(p_cutoff)
         end if
-        mu_old = point%mu
+        before = point
         call end_step(material, material%par(p_block), least, keep, step, point, status)
         if (status > 0) return
-        if (failed) then
-            point%work(2) = step%plastic
-            point%work(1) = 0
-        end if
+        if (failed) call fail_step(material, material%par(p_block), before, step, point)
         point%hist(h_strain) = point%hist(h_strain) + strain
-        call heat(material, mu_old, step, point)
+        call heat(material, before%mu, step, point)
         if (material%par(p_fails) > 0 .and. strain > 0) &
             call add_damage(material%par, dt, strain, keep*step%mises, step%p, hot, point%damage)
     end subroutine update_johnson_cook

@@ -18,12 +18,13 @@ module brz_mie_gruneisen
     integer, parameter :: eos_c0 = 2 !! [m/s]
     integer, parameter :: eos_s1 = 3, eos_s2 = 4, eos_s3 = 5
     integer, parameter :: eos_gamma = 6, eos_a = 7 !! Grueneisen's gamma0, and its first correction
-    integer, parameter :: eos_mu_max = 8 !! A is evaluated at this compression at most
+    integer, parameter :: eos_mu_max = 8 !! end of the range: A goes on straight beyond
     integer, parameter :: n_eos = 8
 
 contains
 
-    !> The terms A and B, and the slope dA/dmu.
+    !> The terms A and B, and the slope dA/dmu. Beyond its range A follows its tangent, or is held
+    !> where that would fall: the pressure of heated material rises on.
     !@cuf attributes(host,device) &
     pure subroutine mie_gruneisen(eos, mu, a, b, slope, clamped)
         real(rk), intent(in) :: eos(n_eos) !! slots above
@@ -49,6 +50,10 @@ contains
                     - m*(eos(eos_s2) + 2*x*eos(eos_s3))/(1 + m)**2
             a = k*m*num/den**2
             slope = k*(num + m*d_num - 2*m*num*d_den/den)/den**2
+            if (clamped) then
+                slope = max(slope, 0.0_rk)
+                a = a + slope*(mu - m)
+            end if
         end if
     end subroutine mie_gruneisen
 
@@ -57,10 +62,11 @@ contains
     !> The linear law is rho0 c0^2 ln(1 + mu). The excess acts in compression only; heat counts
     !> from a compression of `warm` on, and less below, so that nothing jumps at mu = 0.
     !@cuf attributes(host,device) &
-    pure subroutine hugoniot_excess(eos, mu, a, b, slope, clamped)
+    pure subroutine hugoniot_excess(eos, mu, a, b, slope, b_slope, clamped)
         real(rk), intent(in) :: eos(n_eos) !! slots above
         real(rk), intent(in) :: mu
-        real(rk), intent(out) :: a, b, slope !! [Pa], [-], da/dmu [Pa]
+        real(rk), intent(out) :: a, b !! [Pa], [-]
+        real(rk), intent(out) :: slope, b_slope !! da/dmu [Pa], db/dmu [-]
         logical, intent(out) :: clamped
         real(rk) :: bulk
         real(rk), parameter :: warm = 0.01_rk
@@ -68,12 +74,17 @@ contains
         a = 0
         b = 0
         slope = 0
+        b_slope = 0
         clamped = .false.
         if (.not. mu > 0) return
         bulk = eos(eos_density)*eos(eos_c0)**2
         call mie_gruneisen(eos, mu, a, b, slope, clamped)
         a = a - bulk*log(1 + mu)
-        b = b*min(1.0_rk, mu/warm)
+        b_slope = eos(eos_a)
+        if (mu < warm) then
+            b_slope = (b + mu*b_slope)/warm
+            b = b*mu/warm
+        end if
         slope = slope - bulk/(1 + mu)
     end subroutine hugoniot_excess
 
@@ -99,20 +110,47 @@ contains
         energy = energy - dv/2*(p_old + p)
     end subroutine pressure_step
 
-    !> Compression that the Hugoniot cannot pass: 95 % of the first pole of A, or 10 without one.
-    pure function hugoniot_limit(s1, s2, s3) result(mu)
-        real(rk), intent(in) :: s1, s2, s3
+    !> Compression up to which the pressure rises along the isentrope of the unloaded material.
+    !>
+    !> A falls from some compression on, since gamma does not follow mu/(1 + mu) there, and no heat
+    !> of the isentrope outweighs it further on. At most 95 % of the first pole of A, or 10.
+    pure function hugoniot_limit(eos) result(mu)
+        real(rk), intent(in) :: eos(n_eos) !! slots above; eos_mu_max is not read
+        real(rk) :: mu, m, a, b, slope, energy, p, p_old, wide(n_eos)
+        integer :: i
+        logical :: clamped, ok
+        real(rk), parameter :: most = 10
+        integer, parameter :: steps = 10000
+
+        wide = eos
+        wide(eos_mu_max) = 2*most
+        energy = 0
+        p = 0
+        mu = 0
+        do i = 1, steps
+            m = most*real(i, rk)/steps
+            if (m >= 0.95_rk*first_pole(eos)) return
+            call mie_gruneisen(wide, m, a, b, slope, clamped)
+            p_old = p
+            call pressure_step(a, b*eos(eos_density), -huge(p), &
+                               (mu - m)/(eos(eos_density)*(1 + m)*(1 + mu)), p_old, energy, p, ok)
+            if (.not. slope + eos(eos_a)*eos(eos_density)*energy + b*p/(1 + m)**2 > 0) return
+            mu = m
+        end do
+    end function hugoniot_limit
+
+    !> First compression at which A is infinite, or more than anything.
+    pure function first_pole(eos) result(mu)
+        real(rk), intent(in) :: eos(n_eos)
         real(rk) :: mu, x
         integer :: i
         integer, parameter :: steps = 2000
 
         do i = 1, steps
-            mu = 10*real(i, rk)/steps
+            mu = 11*real(i, rk)/steps
             x = mu/(1 + mu)
-            if (1 - mu*(s1 - 1 + x*(s2 + x*s3)) <= 0) then
-                mu = 0.95_rk*mu
-                return
-            end if
+            if (1 - mu*(eos(eos_s1) - 1 + x*(eos(eos_s2) + x*eos(eos_s3))) <= 0) return
         end do
-    end function hugoniot_limit
+        mu = huge(mu)
+    end function first_pole
 end module brz_mie_gruneisen

@@ -13,16 +13,16 @@ module brz_orthotropic_ply
     use brz_material, only: fails_by_degrees, material_t, point_t, material_ok, material_clamped, &
                             material_step_too_large, n_hist, n_par
     use brz_mie_gruneisen, only: hugoniot_excess, pressure_step, hugoniot_limit, eos_density, &
-                                 eos_c0, eos_s1, eos_gamma, eos_mu_max
+                                 eos_c0, eos_s1, eos_gamma, eos_mu_max, n_eos
     use brz_model, only: derived_t, model_t
     use brz_ply_axes, only: axes_matrix, axes_of_matrix, axes_spin, turn_ply
-    use brz_ply_failure, only: ply_stress, fail, total_damage, n_modes, fibre_tension, &
-                               fibre_compression, matrix_cracking, matrix_crushing, &
-                               delamination, p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, &
-                               p_nu23, p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, p_yc, p_zt, &
-                               p_woven, p_axes, &
-                               p_limit, p_pressure, p_slope, p_gamma, p_energy, p_c11, p_c22, &
-                               p_c33, p_c12, p_c23, p_c13, p_bulk, p_rubble, p_inverse, p_eos
+    use brz_ply_failure, only: carried_stress, retain_bulk, fail, total_damage, n_modes, &
+                               fibre_tension, fibre_compression, matrix_cracking, &
+                               matrix_crushing, delamination, p_density, p_e1, p_e2, p_e3, &
+                               p_nu12, p_nu13, p_nu23, p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, &
+                               p_yc, p_zt, p_woven, p_axes, p_limit, p_pressure, p_slope, &
+                               p_gamma, p_energy, p_c11, p_c22, p_c33, p_c12, p_c23, p_c13, &
+                               p_bulk, p_rubble, p_inverse, p_eos
     use brz_ply_keys, only: ply_keys
     implicit none
     private
@@ -80,13 +80,13 @@ contains
         material%axial = [material%par(p_e1), material%par(p_e2), material%par(p_e3)]
         material%across = min(material%par(p_g13), material%par(p_g23))
         material%c_wave = sqrt(maxval(material%par(p_c11:p_c33))/material%density)
-        material%par(p_eos:p_eos + 7) = 0
+        material%par(p_eos:p_eos + n_eos - 1) = 0
         material%par(p_eos + eos_density - 1) = material%density
         material%par(p_eos + eos_c0 - 1) = sqrt(material%bulk/material%density)
         material%par(p_eos + eos_s1 - 1) = material%par(p_slope)
         material%par(p_eos + eos_gamma - 1) = material%par(p_gamma)
         material%par(p_eos + eos_mu_max - 1) = &
-            hugoniot_limit(material%par(p_slope), 0.0_rk, 0.0_rk)
+            hugoniot_limit(material%par(p_eos:p_eos + n_eos - 1))
     end subroutine derive
 
     !> The six normal stiffnesses and the two bulk moduli; refuses what is not positive definite.
@@ -179,7 +179,7 @@ contains
         real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
-        real(rk) :: axes(3), last(3, 3), e0(6), e1(6), d(6), s0(6), s1(6)
+        real(rk) :: axes(3), last(3, 3), e0(6), e1(6), d(6), s0(6), s1(6), carried(6)
         real(rk) :: damage(n_modes), mu, dv, v_mid, work, loss
         integer :: i
 
@@ -189,9 +189,12 @@ contains
             e1(i) = e0(i) + d(i)*dt
             e1(i + 3) = e0(i + 3) + 2*d(i + 3)*dt
         end do
-        call ply_stress(material%par, e0, damage, s0)
-        call ply_stress(material%par, e1, damage, s1)
-        call fail(material%par, dt, h, e1, s0, s1, damage)
+        call carried_stress(material%par, e0, damage, s0)
+        call carried_stress(material%par, e1, damage, s1)
+        carried = s0
+        call retain_bulk(material%par, e0, damage, s0)
+        call fail(material%par, dt, h, e1, carried, s1, damage)
+        call retain_bulk(material%par, e1, damage, s1)
         mu = point%mu
         call volume_step(material%density, l, dt, mu, dv, v_mid)
         if (debris(material, point%mu)) call clear(s0)
@@ -276,16 +279,16 @@ contains
         real(rk), intent(inout) :: s(6) !! stress in the axes of the ply [Pa]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
-        real(rk) :: a, b, slope, p_old, p, energy, stiffest, crushed
+        real(rk) :: a, b, slope, b_slope, p_old, p, energy, stiffest, crushed
         logical :: clamped, ok
 
         status = material_ok
         energy = point%energy + work
         slope = 0
         if (int(material%par(p_pressure)) == pressure_anderson) then
-            call hugoniot_excess(material%par(p_eos), point%mu, a, b, slope, clamped)
+            call hugoniot_excess(material%par(p_eos), point%mu, a, b, slope, b_slope, clamped)
             p_old = a + b*material%density*point%energy
-            call hugoniot_excess(material%par(p_eos), mu, a, b, slope, clamped)
+            call hugoniot_excess(material%par(p_eos), mu, a, b, slope, b_slope, clamped)
             call pressure_step(a, b*material%density, -huge(a), dv, p_old, energy, p, ok)
             if (clamped) status = material_clamped
             if (.not. ok) status = material_step_too_large
@@ -293,6 +296,8 @@ contains
             s(1) = s(1) - p
             s(2) = s(2) - p
             s(3) = s(3) - p
+            slope = slope + b_slope*material%density*energy &
+                    + b*max(-s(1), -s(2), -s(3), 0.0_rk)/(1 + mu)**2
         end if
         point%mu = mu
         point%energy = energy

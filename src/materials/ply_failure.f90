@@ -9,7 +9,7 @@ module brz_ply_failure
     use brz_material, only: n_par
     implicit none
     private
-    public :: ply_stress, fail, grow_damage, criterion, total_damage
+    public :: ply_stress, carried_stress, retain_bulk, fail, grow_damage, criterion, total_damage
 
     integer, parameter, public :: n_modes = 5
     integer, parameter, public :: fibre_tension = 1, fibre_compression = 2, matrix_cracking = 3, &
@@ -52,7 +52,18 @@ contains
         real(rk), intent(in) :: par(n_par)
         real(rk), intent(in) :: strain(6), damage(n_modes)
         real(rk), intent(out) :: stress(6) !! [Pa]
-        real(rk) :: pull(3), push(3), shear(3), crushed
+
+        call carried_stress(par, strain, damage, stress)
+        call retain_bulk(par, strain, damage, stress)
+    end subroutine ply_stress
+
+    !> What fibres and matrix carry: the stress without what crushed material retains.
+    !@cuf attributes(host,device) &
+    pure subroutine carried_stress(par, strain, damage, stress)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: strain(6), damage(n_modes)
+        real(rk), intent(out) :: stress(6) !! [Pa]
+        real(rk) :: pull(3), push(3), shear(3)
 
         call intact_stress(par, strain, stress)
         if (damage(1) + damage(2) + damage(3) + damage(4) + damage(5) <= 0) return
@@ -67,14 +78,23 @@ contains
         stress(4) = stress(4)*shear(1)
         stress(5) = stress(5)*shear(2)
         stress(6) = stress(6)*shear(3)
-        if (par(p_retain) > 0) then
-            crushed = 1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))
-            crushed = crushed*par(p_rubble)*max(0.0_rk, -(strain(1) + strain(2) + strain(3)))
-            stress(1) = stress(1) - crushed
-            stress(2) = stress(2) - crushed
-            stress(3) = stress(3) - crushed
-        end if
-    end subroutine ply_stress
+    end subroutine carried_stress
+
+    !> Add the pressure with which crushed material still resists a loss of volume.
+    !@cuf attributes(host,device) &
+    pure subroutine retain_bulk(par, strain, damage, stress)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: strain(6), damage(n_modes)
+        real(rk), intent(inout) :: stress(6) !! [Pa]
+        real(rk) :: pressure
+
+        if (.not. par(p_retain) > 0) return
+        pressure = (1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))) &
+                   *par(p_rubble)*max(0.0_rk, -(strain(1) + strain(2) + strain(3)))
+        stress(1) = stress(1) - pressure
+        stress(2) = stress(2) - pressure
+        stress(3) = stress(3) - pressure
+    end subroutine retain_bulk
 
     !> Stress of the undamaged ply.
     !@cuf attributes(host,device) &
@@ -204,34 +224,63 @@ contains
 
     !> Damage at the end of a step, and the stress with it.
     !>
-    !> Crushing that would raise the stored energy waits: where a ply is held on all sides, the bulk
-    !> that crushed material retains is worth more than what it would let go.
+    !> Crushed material that resists a loss of volume stores energy. Crushing stops where it would
+    !> store more than it lets go: a ply that is held on all sides does not crush.
     !@cuf attributes(host,device) &
     pure subroutine fail(par, dt, h, strain, s_old, s, damage)
         real(rk), intent(in) :: par(n_par)
         real(rk), intent(in) :: dt, h !! time step [s], smoothing length [m]
-        real(rk), intent(in) :: strain(6), s_old(6) !! strain at the end, stress at the start [Pa]
-        real(rk), intent(inout) :: s(6) !! with the damage of the start in, with the new one out
+        real(rk), intent(in) :: strain(6) !! at the end
+        real(rk), intent(in) :: s_old(6) !! carried stress at the start [Pa]
+        real(rk), intent(inout) :: s(6) !! the same at the end, damage of the start in, new one out
         real(rk), intent(inout) :: damage(n_modes)
-        real(rk) :: before(n_modes), after(6), gain
-        integer :: i
-        logical :: grown
+        real(rk) :: fibres(2), matrix(2), low, high, part
+        integer :: k
+        logical :: grown, lets_go
+        integer, parameter :: halvings = 2 + digits(1.0_rk)
 
-        before = damage
+        fibres(1) = damage(fibre_compression)
+        matrix(1) = damage(matrix_crushing)
         call grow_damage(par, dt, h, s_old, s, damage, grown)
         if (.not. grown) return
-        call ply_stress(par, strain, damage, after)
-        gain = 0
-        do i = 1, 6
-            gain = gain + (after(i) - s(i))*strain(i)
+        call carried_stress(par, strain, damage, s)
+        if (.not. par(p_retain) > 0) return
+        fibres(2) = damage(fibre_compression) - fibres(1)
+        matrix(2) = damage(matrix_crushing) - matrix(1)
+        if (.not. fibres(2) + matrix(2) > 0) return
+        low = 0
+        high = 1
+        do k = 1, halvings
+            part = (low + high)/2
+            if (k <= 2) part = k - 1 ! before the first bit, with all of it
+            damage(fibre_compression) = fibres(1) + part*fibres(2)
+            damage(matrix_crushing) = matrix(1) + part*matrix(2)
+            call carried_stress(par, strain, damage, s)
+            lets_go = release(par, strain, s, fibres(2), matrix(2), damage) >= 0
+            if ((k == 1 .and. .not. lets_go) .or. (k == 2 .and. lets_go)) return
+            if (lets_go) then
+                low = part
+            else
+                high = part
+            end if
         end do
-        if (gain > 0) then
-            damage(fibre_compression) = before(fibre_compression)
-            damage(matrix_crushing) = before(matrix_crushing)
-            call ply_stress(par, strain, damage, after)
-        end if
-        s = after
     end subroutine fail
+
+    !> Energy that small increments of crushing let go, less what they store as retained bulk.
+    !@cuf attributes(host,device) &
+    pure function release(par, strain, s, fibres, matrix, damage) result(energy)
+        real(rk), intent(in) :: par(n_par), strain(6)
+        real(rk), intent(in) :: s(6) !! carried stress [Pa]
+        real(rk), intent(in) :: fibres, matrix !! increments of their damage
+        real(rk), intent(in) :: damage(n_modes)
+        real(rk) :: energy, f, m, volume !! [J/m3]
+
+        f = 1 - damage(fibre_compression)
+        m = 1 - damage(matrix_crushing)
+        volume = max(0.0_rk, -(strain(1) + strain(2) + strain(3)))
+        energy = fibres/2*((min(s(1), 0.0_rk)/f)**2/par(p_e1) - m*par(p_rubble)*volume**2) &
+                 + matrix/2*((min(s(2), 0.0_rk)/m)**2/par(p_e2) - f*par(p_rubble)*volume**2)
+    end function release
 
     !> Damage at the end of a step.
     !>
@@ -279,7 +328,7 @@ contains
         real(rk), intent(in) :: s_old(6), s_new(6)
         real(rk) :: x, low, high, s(6)
         integer :: i, k
-        integer, parameter :: halvings = 24
+        integer, parameter :: halvings = digits(1.0_rk)
 
         low = 0
         high = 1

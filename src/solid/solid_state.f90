@@ -59,6 +59,7 @@ module brz_solid_state
         real(dp) :: contact_heat = 0 !! heat of damping, and of shared pressure, in contact
         real(dp) :: friction = 0 !! heat of friction
         real(dp) :: drive = 0 !! work of prescribed motion
+        real(dp) :: clamped = 0 !! no energy: particle steps at the edge of the material's range
     end type ledger_t
 
     !> One body: particles first..last, one material, one formulation.

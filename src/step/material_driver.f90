@@ -19,7 +19,7 @@ module brz_material_driver
     use brz_point_table, only: columns_t, point_columns, point_row
     use brz_scanner, only: read_deck
     use brz_text, only: to_text
-    use brz_uniaxial_stress, only: stretch, uniaxial_t
+    use brz_stress_control, only: controlled_step, stress_control_t
     implicit none
     private
     public :: drive_material
@@ -32,8 +32,10 @@ module brz_material_driver
         type(history_t) :: table
         type(columns_t) :: columns
         real(dp) :: time = 0, start = 0 !! now, and when the segment began [s]
+        real(dp) :: work(2) = 0 !! plastic work, work of damage so far [J/kg]
         real(dp) :: strain(6) = 0 !! integral of the rate of deformation, xx yy zz xy yz xz
-        real(rk) :: free_rates(5) = 0 !! uniaxial stress: rates of the last step [1/s]
+        real(rk) :: rates(6) = 0 !! of deformation in the last step [1/s]
+        real(rk) :: pressed = 0 !! pressure when the segment began [Pa]
         integer :: segment = 0, step = 0 !! where it is
         integer :: clamped = 0 !! steps in which a limit of the model acted
     end type drive_t
@@ -94,7 +96,7 @@ contains
             write (output_unit, '(a, 3(es10.3, a))') 'unloaded    ', m%density, ' kg/m3, K ', &
                 m%bulk, ' Pa, waves ', m%c_wave, ' m/s'
             write (output_unit, '(a, i0, a, i0, a)') 'path         ', size(case%segments), &
-                ' segments of ', case%steps, ' steps'
+                ' segments, ', sum(case%segments%steps), ' steps'
         end associate
     end subroutine print_material
 
@@ -129,16 +131,19 @@ contains
         call write_row(drive, err)
         do while (drive%segment < size(drive%case%segments))
             drive%segment = drive%segment + 1
-            drive%free_rates = 0
-            drive%start = drive%time
-            do while (.not. failed(err))
-                if (drive%step == drive%case%steps) exit
-                drive%step = drive%step + 1
-                call advance(drive, drive%case%segments(drive%segment), err)
-                if (failed(err)) return
-                if (modulo(drive%step, drive%case%output_every) == 0 .or. &
-                    drive%step == drive%case%steps) call write_row(drive, err)
-            end do
+            associate (segment => drive%case%segments(drive%segment))
+                drive%rates = 0
+                drive%start = drive%time
+                drive%pressed = -sum(drive%point%stress(:3))/3
+                do while (.not. failed(err))
+                    if (drive%step == segment%steps) exit
+                    drive%step = drive%step + 1
+                    call advance(drive, segment, err)
+                    if (failed(err)) return
+                    if (modulo(drive%step, drive%case%output_every) == 0 .or. &
+                        drive%step == segment%steps) call write_row(drive, err)
+                end do
+            end associate
             drive%step = 0
         end do
     end subroutine follow_path
@@ -148,41 +153,58 @@ contains
         type(drive_t), intent(inout) :: drive
         type(segment_case_t), intent(in) :: segment
         type(error_t), intent(inout) :: err
-        type(uniaxial_t) :: problem
-        real(rk) :: l(3, 3), d(6), left
+        type(stress_control_t) :: control
+        real(rk) :: l(3, 3), left
         real(dp) :: dt
         integer :: status
 
-        dt = segment%duration/drive%case%steps
+        dt = segment%duration/segment%steps
         left = 0
         if (segment%control == 'strain') then
             l = real(segment%l, rk)
-            call to_voigt(l, d)
+            call to_voigt(l, drive%rates)
             call update_material(drive%material, real(dt, rk), &
                                  real(drive%case%smoothing_length, rk), l, drive%point, status)
         else
-            problem%axis = index('xyz', segment%axis)
-            problem%rate = real(segment%rate, rk)
-            problem%dt = real(dt, rk)
-            problem%h = real(drive%case%smoothing_length, rk)
-            call stretch(drive%material, problem, drive%free_rates, drive%point, left, status)
-            d(problem%free) = drive%free_rates
-            d(problem%axis) = problem%rate
+            control = control_of(drive, segment)
+            call controlled_step(drive%material, control, drive%rates, drive%point, left, status)
         end if
         if (status > material_ok .or. left > 0) then
             call raise_refusal(drive, status, left, err)
             return
         end if
         if (status < material_ok) drive%clamped = drive%clamped + 1
-        drive%strain = drive%strain + d*dt
+        drive%strain = drive%strain + drive%rates*dt
+        drive%work = drive%work + drive%point%work
         drive%time = drive%start + drive%step*dt
     end subroutine advance
+
+    !> The stresses that a segment asks for at the end of the step.
+    pure function control_of(drive, segment) result(control)
+        type(drive_t), intent(in) :: drive
+        type(segment_case_t), intent(in) :: segment
+        type(stress_control_t) :: control
+        real(dp) :: part
+
+        control%dt = real(segment%duration/segment%steps, rk)
+        control%h = real(drive%case%smoothing_length, rk)
+        control%axis = index('xyz', segment%axis)
+        control%rate = real(segment%rate, rk)
+        select case (segment%control)
+        case ('triaxial')
+            control%stress(:3) = real(segment%lateral_stress, rk)
+        case ('pressure')
+            part = real(drive%step, dp)/segment%steps
+            control%stress(:3) = real((part - 1)*drive%pressed - part*segment%pressure, rk)
+            control%axis = 0
+        end select
+    end function control_of
 
     !> Say where the path ended, why, and in what state the point was.
     subroutine raise_refusal(drive, status, left, err)
         type(drive_t), intent(in) :: drive
         integer, intent(in) :: status
-        real(rk), intent(in) :: left !! lateral stress that would not vanish [Pa]
+        real(rk), intent(in) :: left !! distance from a wanted stress [Pa]
         type(error_t), intent(inout) :: err
         character(:), allocatable :: why, strain, stress
         integer :: i
@@ -193,8 +215,8 @@ contains
         case (material_step_too_large)
             why = 'the strain of this step is too large for the model; take more steps'
         case (:material_ok)
-            why = 'no lateral rates give zero lateral stress (nearest '//to_text(left)// &
-                  ' Pa); take more steps, or the material cannot carry this'
+            why = 'no rates give the stresses that are to be held (off by '//to_text(left)// &
+                  ' Pa at least); take more steps, or the material cannot carry this'
         case default
             why = 'status '//to_text(status)//' of the model'
         end select
@@ -216,7 +238,8 @@ contains
         type(error_t), intent(inout) :: err
         real(dp), allocatable :: row(:)
 
-        call point_row(drive%material, drive%columns, drive%point, drive%time, drive%strain, row)
+        call point_row(drive%material, drive%columns, drive%point, [drive%time, &
+                       drive%work], drive%strain, row)
         call append_row(drive%table, row, err)
     end subroutine write_row
 end module brz_material_driver

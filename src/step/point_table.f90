@@ -11,10 +11,11 @@ module brz_point_table
 
     ! xx, yy, zz, yz, xz, xy in a table; xx, yy, zz, xy, yz, xz in a point
     integer, parameter :: order(6) = [1, 2, 3, 5, 6, 4]
-    character(*), parameter :: shared(20) = [character(16) :: 'time[s]', 'rho[kg/m3]', 'e[J/kg]', &
+    character(*), parameter :: shared(22) = [character(16) :: 'time[s]', 'rho[kg/m3]', 'e[J/kg]', &
         'p[Pa]', 'q[Pa]', 'sxx[Pa]', 'syy[Pa]', 'szz[Pa]', 'syz[Pa]', 'sxz[Pa]', 'sxy[Pa]', &
         'eps_xx[-]', 'eps_yy[-]', 'eps_zz[-]', 'eps_yz[-]', 'eps_xz[-]', 'eps_xy[-]', &
-        'eps_p[-]', 'damage[-]', 'T[K]']
+        'eps_p[-]', 'damage[-]', 'T[K]', &
+        'plastic[J/kg]', 'damage[J/kg]']
     ! history that has a column of its own among them
     character(*), parameter :: strain_name = 'plastic_strain', temperature_name = 'temperature'
 
@@ -58,11 +59,11 @@ contains
     end subroutine point_columns
 
     !> One row. Plastic strain and temperature are 0 where the model has none.
-    pure subroutine point_row(material, columns, point, time, strain, row)
+    pure subroutine point_row(material, columns, point, passed, strain, row)
         type(material_t), intent(in) :: material
         type(columns_t), intent(in) :: columns
         type(point_t), intent(in) :: point
-        real(dp), intent(in) :: time !! [s]
+        real(dp), intent(in) :: passed(3) !! time [s], plastic work and work of damage so far [J/kg]
         real(dp), intent(in) :: strain(6) !! in the order of a point
         real(dp), allocatable, intent(out) :: row(:)
         real(dp) :: plastic, temperature
@@ -72,9 +73,9 @@ contains
         if (columns%strain > 0) plastic = point%hist(columns%strain)
         if (columns%temperature > 0) temperature = point%hist(columns%temperature)
         allocate (row(size(shared) + columns%n))
-        row = [time, material%density*(1 + real(point%mu, dp)), real(point%energy, dp), &
+        row = [passed(1), material%density*(1 + real(point%mu, dp)), real(point%energy, dp), &
                pressure(point), mises(point), real(point%stress(order), dp), strain(order), &
-               plastic, real(point%damage, dp), temperature, &
+               plastic, real(point%damage, dp), temperature, passed(2:3), &
                real(point%hist(columns%own(:columns%n)), dp)]
     end subroutine point_row
 

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> What a run prints at its end: balances, gauges, and what it cost.
 module brz_summary
-    use, intrinsic :: iso_fortran_env, only: output_unit
+    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp
     use brz_ledger, only: ledger_t, take_stock
@@ -33,12 +33,29 @@ contains
             write (output_unit, '(a, es10.2)') 'momentum error ', ledger%momentum_error
             write (output_unit, '(a, i0)') 'fallback faces  ', sim%air%fallback_faces
         end if
+        call print_clamped(sim)
         if (outputs%gauges%n > 0) then
             call gauge_summary(outputs%gauges, outputs%folder//'/gauges.csv', text, err)
             if (.not. failed(err)) write (output_unit, '(/, a)') text
         end if
         call print_cost(sim)
     end subroutine print_summary
+
+    !> Bodies that were compressed beyond the range of their materials.
+    subroutine print_clamped(sim)
+        type(simulation_t), intent(in) :: sim
+        integer :: b
+
+        if (.not. sim%solid%present) return
+        do b = 1, size(sim%solid%bodies)
+            associate (body => sim%solid%bodies(b))
+                if (body%ledger%clamped > 0) write (error_unit, '(3a, es8.1, a)') &
+                    "warning: body '", trim(body%id), "' was compressed beyond the range of "// &
+                    'its material in', body%ledger%clamped, ' particle steps: its pressure '// &
+                    'there is continued, not measured'
+            end associate
+        end do
+    end subroutine print_clamped
 
     !> Wall-clock time and throughput.
     subroutine print_cost(sim)

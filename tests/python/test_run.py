@@ -411,3 +411,15 @@ def test_orthotropic_beam_rings_with_the_converged_period(layers, bound, ply, tm
     y = tip["tip:displacement_y[m]"]
     crossings = tip["time[s]"][1:][(y[:-1] < 0) != (y[1:] < 0)]
     assert (crossings[3] - crossings[0]) * 2 / 3 == pytest.approx(0.305, rel=bound)
+
+
+def test_a_material_beyond_its_range_is_told(tmp_path):
+    """This pressure stops rising at mu = 0.25: the run goes on, and says so."""
+    (tmp_path / "fast.nml").write_text("""\
+&run t_end=4e-7, dimension=2 /
+&material id='m', model='polynomial', density=1000, bulk_modulus=1e10, a2=-2e10 /
+&body id='a', box=-0.004,0,0,0.002,0,1, spacing=2.5e-4, material='m', velocity=2000,0,0 /
+&body id='b', box=0,0.004,0,0.002,0,1, spacing=2.5e-4, material='m', velocity=-2000,0,0 /
+""")
+    done = run("run", "fast.nml", cwd=tmp_path)
+    assert "warning: body 'a' was compressed beyond the range of its material" in done.stderr
