@@ -18,7 +18,7 @@ module brz_air_state
     !! lines of cells that are swept together, the vector dimension
     integer, parameter :: air_ok = 0 !! status of a step: done
     integer, parameter :: air_unphysical = 1
-    !! a density that is not positive, or NaN, in spite of the fallback
+    !! a density or pressure that is not positive, or NaN, in spite of the fallback
 
     !> Buffers of one thread for a block of lines.
     type :: sweep_work_t
@@ -66,6 +66,8 @@ module brz_air_state
         !! du/dt of the stage (ghosts unused: all three alike, so that one index serves)
         integer(int64) :: fallback_faces = 0
         !! faces that fell back to first order, all stages of all steps
+        integer(int64) :: held_cells = 0
+        !! cells held because first order did not save them, all stages of all steps
         real(dp) :: outflow(5) = 0
         !! mass, momentum, energy that left through the outer faces, all steps
         real(dp) :: outflow_products = 0 !! mass of products that left likewise [kg]
@@ -84,9 +86,9 @@ module brz_air_state
         integer, allocatable :: suspect(:)
         !! (blocks) cells of a block whose next state looks unphysical
         integer(int8), allocatable :: lowered(:, :, :)
-        !! (0:n1, 0:n2, 0:n3) bit d-1: the face above fell back
+        !! (0:n1, 0:n2, 0:n3) bit d-1: the face above fell back; d+2: it is closed
         integer, allocatable :: repair(:, :)
-        !! (4, grows) faces that fell back in this stage: i, j, k below the face, direction
+        !! (4, grows) faces lowered or closed in this stage: i, j, k below the face, direction
         integer, allocatable :: bad(:, :)
         !! (3, grows) cells of this stage that are unphysical: i, j, k
     end type air_t

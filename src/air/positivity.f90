@@ -5,35 +5,76 @@ module brz_positivity
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: is_sound, is_physical, stray, lost_mark
+    public :: floors_of, is_sound, is_kept, is_physical, stray, margin
+    public :: lost_mark, new_mark, hold_step, most_holds, is_lowered, is_held
 
-    integer, parameter :: lost_mark = 100 !! of a cell of which nothing can be saved
+    integer, parameter :: lost_mark = 127 !! of a cell of which nothing can be saved
+    integer, parameter :: new_mark = 7 !! of a cell found bad after the last pass that lowers faces
+    integer, parameter :: hold_step = 8 !! times the pass that held a cell, in its mark
+    integer, parameter :: most_holds = 14 !! passes that hold cells
     real(rk), parameter :: stray = 1e3_rk*epsilon(1.0_rk) !! allowed of a mass fraction beyond 0..1
+    real(rk), parameter :: margin = 32*epsilon(1.0_rk)
+    !! least internal over total energy: rounding in a stage is a few epsilon of the total
+    real(rk), parameter :: least_ratio = 1e-3_rk
+    !! of new to old density or pressure of an Euler step, before a fallback
+    real(rk), parameter :: vacuum(2) = [1e-8_rk, 1e-11_rk]
+    !! least density and pressure over those at rest, so that products stay within range
 
 contains
 
-    !> True if a step leaves more than a part of density and pressure, and mass fractions in 0..1.
+    !> What the Euler step must leave of a cell: part of its density and pressure, density
+    !> [kg/m3], internal energy [J/m3].
+    pure function floors_of(fallback, gamma, rho_rest, p_rest) result(floors)
+        logical, intent(in) :: fallback
+        real(rk), intent(in) :: gamma !! ratio of specific heats of the air [-]
+        real(rk), intent(in) :: rho_rest, p_rest !! undisturbed air
+        real(rk) :: floors(3)
+
+        floors = 0
+        if (fallback) floors = [least_ratio, vacuum(1)*rho_rest, vacuum(2)*p_rest/(gamma - 1)]
+    end function floors_of
+
+    !> True if a step leaves more than the floors, and mass fractions in 0..1.
     !>
     !> Divisions are avoided by multiplying with densities. False for what is no number.
     !@cuf attributes(host,device) &
-    pure function is_sound(n_var, floor, old, new) result(sound)
+    pure function is_sound(n_var, floors, old, new) result(sound)
         integer, intent(in) :: n_var !! conserved variables, 5 or 6
-        real(rk), intent(in) :: floor !! least ratio of new to old density and pressure
+        real(rk), intent(in) :: floors(3) !! see floors_of
         real(rk), intent(in) :: old(max_var), new(max_var) !! conserved variables
         logical :: sound
+        real(rk) :: e
 
-        sound = new(1) > floor*old(1) .and. inner(new)*old(1) > floor*inner(old)*new(1)
+        e = inner(new)
+        sound = new(1) > floors(1)*old(1) .and. new(1) > floors(2) &
+                .and. e*old(1) > floors(1)*inner(old)*new(1) &
+                .and. e > (floors(3) + margin*new(5))*new(1)
         if (n_var == 6) sound = sound .and. new(6) >= -stray*new(1) .and. &
             new(6) <= (1 + stray)*new(1)
     end function is_sound
 
-    !> True if a state has a positive density and is a number.
+    !> True if a step leaves a gas above the floors of a vacuum, or no less of one than there was.
+    !>
+    !> A cell that does not change is kept if it is physical.
+    !@cuf attributes(host,device) &
+    pure function is_kept(floors, old, new) result(kept)
+        real(rk), intent(in) :: floors(3) !! see floors_of
+        real(rk), intent(in) :: old(max_var), new(max_var) !! conserved variables
+        logical :: kept
+        real(rk) :: e
+
+        e = inner(new)
+        kept = is_physical(new) .and. (new(1) > floors(2) .or. new(1) >= old(1)) &
+               .and. (e > (floors(3) + margin*new(5))*new(1) .or. e*old(1) >= inner(old)*new(1))
+    end function is_kept
+
+    !> True if a state has a positive density and internal energy and is a number.
     !@cuf attributes(host,device) &
     pure function is_physical(q) result(physical)
         real(rk), intent(in) :: q(max_var) !! conserved variables
         logical :: physical
 
-        physical = q(1) > 0 .and. abs(inner(q)) <= huge(1.0_rk)
+        physical = q(1) > 0 .and. inner(q) > 0 .and. inner(q) <= huge(1.0_rk)
     end function is_physical
 
     !> Internal energy per volume times density.
@@ -44,4 +85,28 @@ contains
 
         energy = q(5)*q(1) - 0.5_rk*(q(2)*q(2) + q(3)*q(3) + q(4)*q(4))
     end function inner
+
+    !> True if a mark says that the faces of a cell are lowered: it was made in a pass up to this.
+    !>
+    !> A mark is the number of the pass that lowered the faces of a cell, and hold_step times that
+    !> of the pass that held it; so is the pass up to which marks count. What a pass marks is not
+    !> seen in that pass, whatever the order of the threads.
+    !@cuf attributes(host,device) &
+    pure function is_lowered(pass, mark) result(lowered)
+        integer, intent(in) :: pass
+        integer, intent(in) :: mark !! of a cell; 0: none
+        logical :: lowered
+
+        lowered = mod(mark, hold_step) >= 1 .and. mod(mark, hold_step) <= mod(pass, hold_step)
+    end function is_lowered
+
+    !> True if a mark says that a cell is held, in the same way.
+    !@cuf attributes(host,device) &
+    pure function is_held(pass, mark) result(held)
+        integer, intent(in) :: pass
+        integer, intent(in) :: mark !! of a cell; 0: none
+        logical :: held
+
+        held = mark/hold_step >= 1 .and. mark/hold_step <= pass/hold_step
+    end function is_held
 end module brz_positivity

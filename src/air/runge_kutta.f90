@@ -6,14 +6,12 @@ module brz_runge_kutta
     use brz_kinds, only: dp, rk
     implicit none
     private
-    public :: new_weight, share_of, least_ratio, repair_passes
+    public :: new_weight, share_of, repair_passes
 
     real(rk), parameter :: new(3, 2:3) = reshape([1.0_rk, 0.5_rk, 0.0_rk, &
         1.0_rk, 0.25_rk, 2/3.0_rk], [3, 2])
     real(dp), parameter :: share(3, 2:3) = reshape([0.5_dp, 0.5_dp, 0.0_dp, &
         1/6.0_dp, 1/6.0_dp, 2/3.0_dp], [3, 2])
-    real(rk), parameter :: least_ratio = 1e-3_rk
-    !! of new to old density or pressure of an Euler step, before a fallback
     integer, parameter :: repair_passes = 3
     !! of the fallback: a repaired cell may push its neighbour over the edge
 

@@ -7,6 +7,7 @@
 module brz_ledger_rules
     use brz_gas, only: to_conserved
     use brz_kinds, only: rk
+    use brz_positivity, only: is_kept
     implicit none
     private
     public :: fresh_gas, ledger_ratio, ledger_excess, release_debt
@@ -79,8 +80,11 @@ contains
     end function ledger_excess
 
     !> Hand part of a debt to the gas of its cell: a twentieth, or less where that would be a jolt.
+    !>
+    !> The gas stays gas: what would leave less than the floors waits.
     !@cuf attributes(host,device) &
-    pure subroutine release_debt(u, debt)
+    pure subroutine release_debt(floors, u, debt)
+        real(rk), intent(in) :: floors(3) !! see floors_of
         real(rk), intent(inout) :: u(6) !! gas
         real(rk), intent(inout) :: debt(6)
         real(rk) :: part, inner, changed, v(6), d(6)
@@ -92,18 +96,17 @@ contains
         inner = u(5) - (u(2)*u(2) + u(3)*u(3) + u(4)*u(4))/(2*u(1))
         if (abs(debt(1)) <= crumb*u(1) .and. abs(debt(5)) <= crumb*inner) part = 1
         do halvings = 1, 60
-            do i = 1, 5
+            do i = 1, 6
                 v(i) = u(i) + part*debt(i)
             end do
             if (v(1) > 0) then
                 changed = v(5) - (v(2)*v(2) + v(3)*v(3) + v(4)*v(4))/(2*v(1)) - inner
-                if (abs(changed) < jolt*inner) exit
+                if (abs(changed) < jolt*inner .and. is_kept(floors, u, v)) exit
             end if
             part = part/2
         end do
         if (halvings > 60) return
         ! products only as far as their share stays within 0..1
-        v(6) = u(6) + part*debt(6)
         paid = part == 1 .and. v(6) >= 0 .and. v(6) <= v(1)
         v(6) = max(0.0_rk, min(v(1), v(6)))
         ! the debt loses exactly what the gas gains

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> A-posteriori fallback: the faces of a cell that would lose nearly all its density or pressure
-!> take the first-order flux.
+!> take the first-order flux. Where there are bodies, a cell that this does not save is held.
 !>
 !> It runs after the rates of a stage are complete and before they are used, in the order of the
 !> grid and by one thread: few faces fall back, and the result must not depend on threads. A flux is
@@ -12,12 +12,14 @@ module brz_air_repair
     use brz_air_sweep, only: stage_t
     use brz_air_walls, only: image_of
     use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
-    use brz_positivity, only: is_physical, is_sound
+    use brz_positivity, only: is_kept, is_physical, is_sound, most_holds
     use brz_runge_kutta, only: repair_passes
     use brz_scheme, only: first_order, max_var, scheme_t
     implicit none
     private
     public :: repair
+
+    integer, parameter :: bit_lowered = -1, bit_closed = 2 !! plus the direction, in air%lowered
 
 contains
 
@@ -39,18 +41,47 @@ contains
                     call lower_faces(air, wall, stage, air%bad(:, m), n_faces)
                 end do
                 if (n_faces == before) exit
-                call find_bad_neighbours(air, wall, stage, stage%floor, n_faces, n_bad)
+                call find_bad_neighbours(air, wall, stage, n_faces, n_bad)
             end do
         end if
-        if (n_faces > 0) call find_bad_neighbours(air, wall, stage, 0.0_rk, n_faces, n_bad)
+        air%fallback_faces = air%fallback_faces + n_faces
+        if (air%fallback .and. wall%present) call hold_cells(air, wall, stage, n_bad, n_faces)
         do m = 1, n_bad
             if (status == air_ok) call judge(air, stage, air%bad(:, m), status)
         end do
         do m = 1, n_faces
             air%lowered(air%repair(1, m), air%repair(2, m), air%repair(3, m)) = 0
         end do
-        air%fallback_faces = air%fallback_faces + n_faces
     end subroutine repair
+
+    !> Close the faces of the cells that no flux of first order saves: nothing passes in this stage,
+    !> and the cell keeps its state. That may leave a neighbour too little, which is then held too;
+    !> a wall beside a held cell feels no push from it.
+    subroutine hold_cells(air, wall, stage, n_bad, n_faces)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        type(stage_t), intent(in) :: stage
+        integer, intent(inout) :: n_bad !! cells that are bad
+        integer, intent(inout) :: n_faces !! faces whose flux is not that of the scheme
+        real(rk) :: old(max_var), new(max_var)
+        integer :: m, n, pass
+
+        do pass = 1, most_holds
+            n = 0
+            do m = 1, n_bad
+                call euler_step(air, stage, air%bad(:, m), old, new)
+                if (is_kept(stage%floors, old, new)) cycle
+                n = n + 1
+                air%bad(:, n) = air%bad(:, m)
+            end do
+            do m = 1, n
+                call close_faces(air, wall, stage, air%bad(:, m), n_faces)
+            end do
+            air%held_cells = air%held_cells + n
+            if (n == 0) exit
+            call find_bad_neighbours(air, wall, stage, n_faces, n_bad)
+        end do
+    end subroutine hold_cells
 
     !> List the bad gas cells in the blocks that have suspects.
     subroutine find_suspects(air, wall, last, stage, n_bad)
@@ -68,19 +99,18 @@ contains
                 call first_cell_of(air%n, last, line, cell)
                 do i = 1, air%n(last)
                     cell(last) = i
-                    call add_if_bad(air, wall, stage, stage%floor, cell, n_bad)
+                    call add_if_bad(air, wall, stage, cell, n_bad)
                 end do
             end do
         end do
     end subroutine find_suspects
 
-    !> List the bad gas cells next to the faces that fell back.
-    subroutine find_bad_neighbours(air, wall, stage, floor, n_faces, n_bad)
+    !> List the bad gas cells next to the faces that are not as the scheme has them.
+    subroutine find_bad_neighbours(air, wall, stage, n_faces, n_bad)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(in) :: wall
         type(stage_t), intent(in) :: stage
-        real(rk), intent(in) :: floor !! least ratio of new to old
-        integer, intent(in) :: n_faces !! faces that fell back
+        integer, intent(in) :: n_faces !! their number
         integer, intent(out) :: n_bad
         integer :: d, m, s, cell(3)
 
@@ -92,17 +122,16 @@ contains
                 cell(d) = cell(d) + s
                 if (air%bc(1, d) == bc_periodic) cell(d) = image_of(air, d, cell(d))
                 if (cell(d) < 1 .or. cell(d) > air%n(d)) cycle
-                call add_if_bad(air, wall, stage, floor, cell, n_bad)
+                call add_if_bad(air, wall, stage, cell, n_bad)
             end do
         end do
     end subroutine find_bad_neighbours
 
     !> Add a gas cell to the list of bad ones if its Euler step is.
-    subroutine add_if_bad(air, wall, stage, floor, cell, n_bad)
+    subroutine add_if_bad(air, wall, stage, cell, n_bad)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(in) :: wall
         type(stage_t), intent(in) :: stage
-        real(rk), intent(in) :: floor !! least ratio of new to old
         integer, intent(in) :: cell(3)
         integer, intent(inout) :: n_bad
         real(rk) :: old(max_var), new(max_var)
@@ -110,24 +139,35 @@ contains
         if (wall%present) then
             if (wall%solid(cell(1), cell(2), cell(3)) == 1) return
         end if
-        old(:air%n_var) = air%u(cell(1), cell(2), cell(3), :)
-        new(:air%n_var) = old(:air%n_var) + stage%dt*air%rate(cell(1), cell(2), cell(3), :)
-        if (is_sound(air%n_var, floor, old, new)) return
+        call euler_step(air, stage, cell, old, new)
+        if (is_sound(air%n_var, stage%floors, old, new)) return
         n_bad = n_bad + 1
         call grow(air%bad, n_bad)
         air%bad(:, n_bad) = cell
     end subroutine add_if_bad
 
-    !> Give up on a cell that still has no positive density, or is not a number.
+    !> State of a cell and its Euler step.
+    pure subroutine euler_step(air, stage, cell, old, new)
+        type(air_t), intent(in) :: air
+        type(stage_t), intent(in) :: stage
+        integer, intent(in) :: cell(3)
+        real(rk), intent(out) :: old(max_var), new(max_var)
+
+        old = 0
+        new = 0
+        old(:air%n_var) = air%u(cell(1), cell(2), cell(3), :)
+        new(:air%n_var) = old(:air%n_var) + stage%dt*air%rate(cell(1), cell(2), cell(3), :)
+    end subroutine euler_step
+
+    !> Give up on a cell whose density or internal energy is still not positive, or not a number.
     subroutine judge(air, stage, cell, status)
         type(air_t), intent(inout) :: air
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: cell(3)
         integer, intent(inout) :: status
-        real(rk) :: new(max_var)
+        real(rk) :: old(max_var), new(max_var)
 
-        new(1:5) = air%u(cell(1), cell(2), cell(3), 1:5) &
-            + stage%dt*air%rate(cell(1), cell(2), cell(3), 1:5)
+        call euler_step(air, stage, cell, old, new)
         if (is_physical(new)) return
         status = air_unphysical
         air%bad_cell = cell
@@ -141,33 +181,82 @@ contains
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: cell(3)
         integer, intent(inout) :: n_faces
-        integer :: d, s, low(3), bits
+        integer :: d, s, low(3)
+        logical :: done
 
         do d = 1, 3
             if (air%n(d) == 1) cycle
             do s = -1, 0
-                low = cell
-                low(d) = low(d) + s
-                if (low(d) == 0 .and. air%bc(1, d) == bc_periodic) low(d) = air%n(d)
-                bits = air%lowered(low(1), low(2), low(3))
-                if (btest(bits, d - 1)) cycle
-                air%lowered(low(1), low(2), low(3)) = int(ibset(bits, d - 1), int8)
-                n_faces = n_faces + 1
-                call grow(air%repair, n_faces)
-                air%repair(:, n_faces) = [low, d]
-                call lower_face(air, wall, stage, d, low)
+                low = face_of(air, d, s, cell)
+                call mark_face(air, d, low, bit_lowered, n_faces, done)
+                if (.not. done) call replace_flux(air, wall, stage, d, low, .false.)
             end do
         end do
     end subroutine lower_faces
 
-    !> Replace the flux through one face in the rates, the impulses and the outflow.
-    subroutine lower_face(air, wall, stage, d, low)
+    !> Let nothing pass the faces of a cell; its rates are then exactly zero.
+    subroutine close_faces(air, wall, stage, cell, n_faces)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        type(stage_t), intent(in) :: stage
+        integer, intent(in) :: cell(3)
+        integer, intent(inout) :: n_faces
+        integer :: d, s, low(3)
+        logical :: done
+
+        do d = 1, 3
+            if (air%n(d) == 1) cycle
+            do s = -1, 0
+                low = face_of(air, d, s, cell)
+                call mark_face(air, d, low, bit_closed, n_faces, done)
+                if (.not. done) call replace_flux(air, wall, stage, d, low, .true.)
+            end do
+        end do
+        air%rate(cell(1), cell(2), cell(3), :) = 0
+    end subroutine close_faces
+
+    !> Cell below a face of a cell: its lower (s = -1) or upper (0) one in direction d.
+    pure function face_of(air, d, s, cell) result(low)
+        type(air_t), intent(in) :: air
+        integer, intent(in) :: d, s
+        integer, intent(in) :: cell(3)
+        integer :: low(3)
+
+        low = cell
+        low(d) = low(d) + s
+        if (low(d) == 0 .and. air%bc(1, d) == bc_periodic) low(d) = air%n(d)
+    end function face_of
+
+    !> Note that a face is lowered or closed; `done` if it is already.
+    subroutine mark_face(air, d, low, bit, n_faces, done)
+        type(air_t), intent(inout) :: air
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: low(3) !! cell below the face
+        integer, intent(in) :: bit !! bit_lowered or bit_closed
+        integer, intent(inout) :: n_faces
+        logical, intent(out) :: done
+        integer :: bits
+
+        bits = air%lowered(low(1), low(2), low(3))
+        done = btest(bits, bit + d)
+        if (done) return
+        air%lowered(low(1), low(2), low(3)) = int(ibset(bits, bit + d), int8)
+        if (btest(bits, bit_lowered + d)) return ! it is in the list
+        n_faces = n_faces + 1
+        call grow(air%repair, n_faces)
+        air%repair(:, n_faces) = [low, d]
+    end subroutine mark_face
+
+    !> Replace the flux through one face in the rates, the impulses and the outflow: by that of
+    !> first order, or by none.
+    subroutine replace_flux(air, wall, stage, d, low, shut)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: d !! direction
         integer, intent(in) :: low(3) !! cell below the face
-        type(scheme_t) :: lower
+        logical, intent(in) :: shut !! by none
+        type(scheme_t) :: scheme, lower
         real(rk) :: f(max_var), df(max_var), p, dp_star, speed
         real(dp) :: area, out
         integer :: m, high(3)
@@ -175,10 +264,14 @@ contains
         high = low
         high(d) = high(d) + 1
         if (air%bc(1, d) == bc_periodic) high(d) = image_of(air, d, high(d))
-        call flux_at(air, wall, air%scheme, d, low, f, p, speed)
         lower = air%scheme
         lower%reconstruction = first_order
-        call flux_at(air, wall, lower, d, low, df, dp_star, speed)
+        scheme = air%scheme
+        if (shut .and. btest(air%lowered(low(1), low(2), low(3)), bit_lowered + d)) scheme = lower
+        call flux_at(air, wall, scheme, d, low, f, p, speed)
+        df = 0
+        dp_star = 0
+        if (.not. shut) call flux_at(air, wall, lower, d, low, df, dp_star, speed)
         df = df - f
         dp_star = dp_star - p
         area = product(air%dx)/air%dx(d)
@@ -193,7 +286,7 @@ contains
             air%outflow(turned(m, d)) = air%outflow(turned(m, d)) + out*df(m)
         end do
         air%outflow_products = air%outflow_products + out*df(6)
-    end subroutine lower_face
+    end subroutine replace_flux
 
     !> Add a change of flux into a cell to its rate; the load of a wall is not kept in the ledger.
     subroutine change(air, wall, d, cell, df, push, speed)

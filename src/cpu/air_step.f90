@@ -10,8 +10,9 @@ module brz_air_step
     use brz_air_repair, only: repair
     use brz_air_sweep, only: stage_t, sweep
     use brz_grid_lines, only: n_blocks
+    use brz_positivity, only: floors_of
+    use brz_runge_kutta, only: new_weight, share_of
     use brz_scheme, only: max_var
-    use brz_runge_kutta, only: least_ratio, new_weight, share_of
     use omp_lib, only: omp_get_max_threads
     implicit none
     private
@@ -51,7 +52,7 @@ contains
         call make_buffers(air)
         if (wall%present) wall%impulse(1:wall%n_faces) = 0
         stage%dt = real(dt, rk)
-        stage%floor = merge(least_ratio, 0.0_rk, air%fallback)
+        stage%floors = floors_of(air%fallback, air%scheme%gamma, air%rho_rest, air%p_rest)
         call set_scale(air)
         call find_awake(air, wall)
     end subroutine begin_step

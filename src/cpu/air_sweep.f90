@@ -10,7 +10,7 @@ module brz_air_sweep
     use brz_air_state, only: air_t, brick, lines_per_block, n_ghost, sweep_work_t, wall_t
     use brz_grid_lines, only: first_cell_of, line_of, n_blocks, n_lines, turned
     use brz_gas, only: pressure
-    use brz_positivity, only: stray
+    use brz_positivity, only: margin, stray
     use brz_scheme, only: max_var
     use brz_air_faces, only: flux_at
     use brz_air_lines, only: line_fluxes
@@ -26,7 +26,7 @@ module brz_air_sweep
     type :: stage_t
         real(rk) :: dt = 0 !! time step, for the test of the Euler step [s]
         real(rk) :: share = 0 !! dt times the weight of the stage in the whole step [s]
-        real(rk) :: floor = 0 !! least ratio of new to old density and pressure
+        real(rk) :: floors(3) = 0 !! of a new state, see floors_of
         logical :: first = .true. !! first direction: the rates start from zero
         logical :: last = .true. !! last direction: the rates are complete
     end type stage_t
@@ -275,7 +275,7 @@ contains
 
     !> Count the cells whose Euler step loses nearly all density or pressure, or is not a number.
     !>
-    !> Divisions are avoided by multiplying with densities. Solid cells may be among those counted.
+    !> As is_sound, for the lines of a block. Solid cells may be among those counted.
     pure subroutine count_suspects(n, nv, stage, q, f, suspects)
         integer, intent(in) :: n !! cells on a line
         integer, intent(in) :: nv !! conserved variables
@@ -294,11 +294,12 @@ contains
                 m2 = q(l, 3, i) + stage%dt*f(l, 3, i - 1)
                 m3 = q(l, 4, i) + stage%dt*f(l, 4, i - 1)
                 e = q(l, 5, i) + stage%dt*f(l, 5, i - 1)
-                new = (e*r - 0.5_rk*(m1*m1 + m2*m2 + m3*m3))*q(l, 1, i)
+                new = e*r - 0.5_rk*(m1*m1 + m2*m2 + m3*m3)
                 old = (q(l, 5, i)*q(l, 1, i) - 0.5_rk*(q(l, 2, i)*q(l, 2, i) &
                     + q(l, 3, i)*q(l, 3, i) + q(l, 4, i)*q(l, 4, i)))*r
-                bad(l) = bad(l) + merge(0, 1, &
-                    r > stage%floor*q(l, 1, i) .and. new > stage%floor*old)
+                bad(l) = bad(l) + merge(0, 1, r > stage%floors(1)*q(l, 1, i) &
+                    .and. r > stage%floors(2) .and. new*q(l, 1, i) > stage%floors(1)*old &
+                    .and. new > (stage%floors(3) + margin*e)*r)
             end do
             if (nv < 6) cycle
             do l = 1, nb

@@ -6,6 +6,7 @@ module brz_coupling_debts
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: int32, rk
     use brz_ledger_rules, only: ledger_excess, ledger_ratio, release_debt
+    use brz_positivity, only: floors_of
     use brz_scheme, only: max_var
     use brz_solid_state, only: worth_threads
     implicit none
@@ -126,10 +127,11 @@ contains
     subroutine release_debts(air, coupling)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
-        real(rk) :: u(max_var), debt(max_var)
+        real(rk) :: u(max_var), debt(max_var), floors(3)
         integer :: c(3), e
 
         if (coupling%n_debts == 0) return
+        floors = floors_of(.true., air%scheme%gamma, air%rho_rest, air%p_rest)
         !$omp parallel do if(coupling%n_debts >= worth_threads) schedule(static) private(c, u, debt)
         do e = 1, coupling%n_debts
             c = cell_at(air%n, coupling%debt_cell(e))
@@ -137,7 +139,7 @@ contains
             debt(6) = 0
             u(:air%n_var) = air%u(c(1), c(2), c(3), :)
             debt(:air%n_var) = coupling%debt(:, e)
-            call release_debt(u, debt)
+            call release_debt(floors, u, debt)
             air%u(c(1), c(2), c(3), :) = u(:air%n_var)
             coupling%debt(:, e) = debt(:air%n_var)
         end do

@@ -9,8 +9,8 @@ module brz_gpu_air_step
     use brz_gpu_air_state, only: add_grid, bytes_of_real, gpu_air_t
     use brz_gpu_air_sums, only: sum_of
     use brz_kinds, only: dp, int64, rk
-    use brz_positivity, only: lost_mark
-    use brz_runge_kutta, only: least_ratio, new_weight, repair_passes, share_of
+    use brz_positivity, only: floors_of, hold_step, lost_mark, most_holds
+    use brz_runge_kutta, only: new_weight, repair_passes, share_of
     use brz_scheme, only: first_order
     implicit none
     private
@@ -69,7 +69,7 @@ contains
 
         stage%dt = real(dt, rk)
         stage%weight = new_weight(m, air%n_stages)
-        stage%floor = merge(least_ratio, 0.0_rk, air%fallback)
+        stage%floors = floors_of(air%fallback, air%scheme%gamma, air%rho_rest, air%p_rest)
         stage%leaves = share_of(m, air%n_stages)*dt*product(air%dx)/air%dx
         stage%push = real(stage%leaves, rk)
         where (air%bc(1, :) == bc_periodic) stage%leaves = 0
@@ -209,13 +209,36 @@ contains
                 if (.not. found_bad(gpu, err)) exit
             end do
             pass = min(pass, repair_passes)
-            call count_lowered(gpu, air, pass, err)
+            call add_count(gpu, air, pass, air%fallback_faces, err)
         end if
+        if (air%fallback .and. gpu%grid%walls == 1) &
+            call hold_cells(gpu, air, states, stage, pass, err)
         call redo(gpu, air, states, stage, pass, 1, err)
         lost = found_bad(gpu, err)
         if (lost) call find_lost_cell(gpu, air, states%new, err)
         call clear_buffer(gpu%bad, err)
     end subroutine repair
+
+    !> Close the faces of the cells that no flux of first order saves.
+    subroutine hold_cells(gpu, air, states, stage, pass, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(inout) :: air
+        type(states_t), intent(in) :: states
+        type(stage_t), intent(in) :: stage
+        integer, intent(inout) :: pass !! marks up to this one count
+        type(error_t), intent(inout) :: err
+        integer :: m
+        logical :: bad
+
+        do m = 1, most_holds
+            call redo(gpu, air, states, stage, pass, 2, err)
+            if (.not. found_bad(gpu, err)) exit
+            pass = pass + hold_step
+            call redo(gpu, air, states, stage, pass, 0, err)
+            bad = found_bad(gpu, err) ! whether cells must be held is asked again
+        end do
+        if (pass >= hold_step) call add_count(gpu, air, pass, air%held_cells, err)
+    end subroutine hold_cells
 
     !> Compute marked cells and their neighbours again, in pass 0 those near walls.
     subroutine redo(gpu, air, states, stage, pass, judge, err)
@@ -224,7 +247,7 @@ contains
         type(states_t), intent(in) :: states
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: pass !! marks up to this one count
-        integer, intent(in) :: judge !! 1: find the cells that are lost
+        integer, intent(in) :: judge !! 1: find the cells that are lost, 2: those to be held
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
@@ -243,11 +266,12 @@ contains
         call launch(gpu%redo, air%n, arguments, err)
     end subroutine redo
 
-    !> Count the faces that took the first-order flux.
-    subroutine count_lowered(gpu, air, pass, err)
+    !> Count the faces that took the first-order flux, or, in a pass that holds, the cells held.
+    subroutine add_count(gpu, air, pass, total, err)
         type(gpu_air_t), intent(in) :: gpu
-        type(air_t), intent(inout) :: air
+        type(air_t), intent(in) :: air
         integer, intent(in) :: pass !! marks up to this one count
+        integer(int64), intent(inout) :: total !! the number is added
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         real(dp) :: n
@@ -258,8 +282,8 @@ contains
         call arguments%add(gpu%part)
         call launch(gpu%lowered, [air%n(1:2), 1], arguments, err)
         call sum_of(gpu, gpu%part, air%n(1)*air%n(2), n, err)
-        air%fallback_faces = air%fallback_faces + nint(n, int64)
-    end subroutine count_lowered
+        total = total + nint(n, int64)
+    end subroutine add_count
 
     !> Where the first lost cell is, and what it would have become.
     subroutine find_lost_cell(gpu, air, new, err)

@@ -42,6 +42,7 @@ module brz_gpu_coupling_layout
         logical :: wraps(3) !! periodic directions
         real(rk) :: spread !! depth over which a load is spread, in cells
         real(rk) :: reference !! pressure that is taken off [Pa]
+        real(rk) :: floors(3) !! of the gas, see floors_of
         real(dp) :: lo(3), dx(3) !! low corner, sides of a cell [m]
         real(dp) :: area(3) !! of the faces normal to each direction [m2]
     end type box_gpu_t

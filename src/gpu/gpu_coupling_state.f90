@@ -15,6 +15,7 @@ module brz_gpu_coupling_state
     use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
     use brz_gpu_solid_layout, only: scan_chunk
     use brz_kinds, only: dp, int64, rk
+    use brz_positivity, only: floors_of
     use brz_scheme, only: max_var
     implicit none
     private
@@ -78,6 +79,7 @@ contains
         gpu%box%layers = ceiling(coupling%spread)
         gpu%box%bc = air%bc
         gpu%box%wraps = coupling%wraps
+        gpu%box%floors = floors_of(.true., air%scheme%gamma, air%rho_rest, air%p_rest)
         gpu%box%spread = coupling%spread
         gpu%box%reference = coupling%reference_pressure
         gpu%box%lo = air%lo

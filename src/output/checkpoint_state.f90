@@ -43,6 +43,7 @@ contains
         call carry(file, 'air/outflow', air%outflow, err)
         call carry(file, 'air/outflow_products', air%outflow_products, err)
         call carry(file, 'air/fallback_faces', air%fallback_faces, err)
+        call carry(file, 'air/held_cells', air%held_cells, err)
     end subroutine carry_air
 
     subroutine carry_solid(file, solid, err)

@@ -16,7 +16,7 @@ module brz_ledger
     public :: ledger_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
     public :: body_names, body_row
 
-    integer, parameter :: n_energy = 35, n_body = 14
+    integer, parameter :: n_energy = 36, n_body = 14
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
@@ -30,7 +30,8 @@ module brz_ledger
                                 'momentum_error[-]', 'fallback_faces[-]', &
                                 'products[kg]', 'products_out[kg]', &
                                 'contact[J]', 'contact_heat[J]', 'friction[J]', 'drive_work[J]', &
-                                'outside[kg]', 'removed[kg]', 'removed[J]']
+                                'outside[kg]', 'removed[kg]', 'removed[J]', &
+                                'held_cells[-]']
 
     !> Columns of bodies.csv, for every body.
     character(20), parameter :: body_columns(n_body) = [character(20) :: &
@@ -60,6 +61,7 @@ module brz_ledger
         real(dp) :: products = 0 !! mass of products of explosives in gas, ledgers and debts [kg]
         real(dp) :: products_out = 0 !! what of it left through the outer faces so far [kg]
         real(dp) :: fallback_faces = 0 !! faces that fell back to first order so far
+        real(dp) :: held_cells = 0 !! cells of gas that were held so far
         real(dp) :: energy_error = 0, mass_error = 0, momentum_error = 0 !! relative
     end type ledger_t
 
@@ -93,6 +95,7 @@ contains
             ledger%outflow = air%outflow
             ledger%products_out = air%outflow_products
             ledger%fallback_faces = real(air%fallback_faces, dp)
+            ledger%held_cells = real(air%held_cells, dp)
         end if
         if (solid%present) then
             call stock_of_solid(backend, solid, 0, sums, err)
@@ -171,7 +174,8 @@ contains
         row(19:28) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
                       ledger%mass_error, ledger%momentum_error, ledger%fallback_faces, &
                       ledger%products, ledger%products_out]
-        row(29:35) = [ledger%contact, ledger%drive, ledger%outside, ledger%removed]
+        row(29:36) = [ledger%contact, ledger%drive, ledger%outside, ledger%removed, &
+                      ledger%held_cells]
     end function ledger_row
 
     !> Columns of bodies.csv.

@@ -40,6 +40,7 @@ module brz_outputs
         integer :: saved_cycle = -1 !! cycle of the last checkpoint
         logical :: resumed = .false. !! the run goes on from a checkpoint
         logical :: outside = .false. !! it was told that particles have left the region
+        logical :: held = .false. !! it was told that cells of gas were held
     end type outputs_t
 
 contains
@@ -237,6 +238,7 @@ contains
             call append_row(outputs%gauge_history, outputs%gauge_values, err)
         end if
         call watch_region(sim, ledger%outside, outputs%outside, err)
+        call watch_held(sim, outputs%held)
         if (.not. (is_balanced(ledger) .or. sim%coupling%paper)) call raise(err, exit_numerical, &
             'mass or momentum of the air is lost at t = '//to_text(sim%clock%time)// &
             ' s: errors '//to_text(ledger%mass_error)//' and '//to_text(ledger%momentum_error)// &
@@ -269,6 +271,19 @@ contains
                 'energy.csv)'
         end if
     end subroutine watch_region
+
+    !> Cells of gas that even fluxes of first order would have emptied: told once.
+    subroutine watch_held(sim, told)
+        type(simulation_t), intent(in) :: sim
+        logical, intent(inout) :: told
+
+        if (told .or. sim%air%held_cells == 0) return
+        told = .true.
+        write (error_unit, '(a)') 'warning: until t = '//to_text(sim%clock%time)//' s '// &
+            to_text(int(sim%air%held_cells))//' cells of gas were held for a stage, as no flux '// &
+            'would have left density and pressure positive (held_cells[-] in energy.csv); '// &
+            'nothing is lost, but the gas beside bodies is coarse there: a smaller cfl may help'
+    end subroutine watch_held
 
     !> A progress line, with all histories on the disk.
     subroutine report(sim, outputs, err)

@@ -32,6 +32,8 @@ contains
             write (output_unit, '(a, es10.2)') 'mass error     ', ledger%mass_error
             write (output_unit, '(a, es10.2)') 'momentum error ', ledger%momentum_error
             write (output_unit, '(a, i0)') 'fallback faces  ', sim%air%fallback_faces
+            if (sim%air%held_cells > 0) write (output_unit, '(a, i0)') 'held cells      ', &
+                sim%air%held_cells
         end if
         call print_clamped(sim)
         if (outputs%gauges%n > 0) then

@@ -131,22 +131,26 @@ contains
         sim%progress%cell_steps = sim%progress%cell_steps + product(int(sim%air%n, int64))
     end subroutine step_air
 
-    !> Say where the air became unphysical, and from what.
+    !> Say where the air became unphysical, from what, and what may help.
     subroutine report_lost_cell(sim, err)
         type(simulation_t), intent(in) :: sim
         type(error_t), intent(inout) :: err
-        character(:), allocatable :: state
+        character(:), allocatable :: remedy, state
         integer :: d
 
         state = ''
         do d = 1, 5
             state = state//' '//to_text(sim%air%bad_state(d))
         end do
+        remedy = 'a smaller cfl or finer cells'
+        if (sim%clock%cycle < max(20, 2*sim%case%air%ramp_steps)) &
+            remedy = 'a larger ramp_steps or a smaller cfl'
+        if (.not. sim%air%fallback) remedy = 'fallback = .true., or '//remedy
         call raise(err, exit_numerical, 'the air is lost at t = '//to_text(sim%clock%time)// &
                    ' s (cycle '//to_text(sim%clock%cycle)//'): cell '// &
                    to_text(sim%air%bad_cell(1))//', '//to_text(sim%air%bad_cell(2))//', '// &
                    to_text(sim%air%bad_cell(3))//' would have density, momentum and energy'// &
-                   state//'; try a smaller cfl or finer cells, or a larger ramp_steps')
+                   state//', without positive density and pressure; try '//remedy)
     end subroutine report_lost_cell
 
     !> Hand the impulse of this step to the particles, and wake the bodies that feel it.
