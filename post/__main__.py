@@ -43,7 +43,7 @@ def _parser() -> argparse.ArgumentParser:
         "--time", type=float, metavar="T", help="time [s]; the nearest dump is drawn"
     )
     frame.add_argument("--view", choices=VIEWS, default="blast", help="what is drawn")
-    hole = commands.add_parser("hole", help="the hole in a plate that was hit")
+    hole = commands.add_parser("hole", help="the holes in a plate that was hit")
     hole.set_defaults(command=_hole)
     hole.add_argument("folder", metavar="OUTDIR", help="folder that a run has written")
     hole.add_argument("--time", type=float, metavar="T", help="time [s] (default: the last dump)")
@@ -101,8 +101,8 @@ def _hole(options: argparse.Namespace) -> int:
     print(as_text(hole_table(found)))
     folder = Path(options.folder) / "report"
     folder.mkdir(exist_ok=True)
-    picture = draw_perforation(found, folder)
-    print(f"{picture.path}: {picture.caption}")
+    for picture in draw_perforation(found, folder):
+        print(f"{picture.path}: {picture.caption}")
     return 0
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from post.balance import whole_factor
 from post.blast import Pulse
 from post.errors import USAGE, PostError
 from post.gauges import PRESSURES, Gauge, expect, list_gauges, measure, pressure_gauges
@@ -26,7 +27,8 @@ class Reference:
     """One row of a reference file, in SI units."""
 
     quantity: str
-    gauge: str  # id of a gauge, or a column of a history such as 'plate:damage_mean'
+    gauge: str  # id of a gauge, or a column of a history such as 'plate:damage_mean', or
+    # 'whole:' and such a column: of the whole scene where a part is modelled
     value: float
     unit: str  # SI
     source: str
@@ -145,10 +147,12 @@ def _measured(run: Run, reference: Reference) -> tuple[str, float, str]:
         if reference.quantity != "final" and _still_growing(values):
             name += " (so far)"
         return name, *_extreme(reference.quantity, run.gauges.time, values, gauge.unit)
+    label = reference.gauge.removeprefix("whole:")
     for history in (run.history("bodies"), run.history("energy")):
-        if history is not None and reference.gauge in history:
-            values, unit = history[reference.gauge], history.unit(reference.gauge)
-            return name, *_extreme(reference.quantity, history.time, values, unit)
+        if history is not None and label in history:
+            values, unit = history[label], history.unit(label)
+            factor = whole_factor(run, label, unit) if label != reference.gauge else 1.0
+            return name, *_extreme(reference.quantity, history.time, factor * values, unit)
     return name, math.nan, reference.unit
 
 

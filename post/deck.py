@@ -25,6 +25,7 @@ class Body:
     low: np.ndarray  # (3) [m]
     high: np.ndarray  # (3) [m]
     spacing: float  # [m]
+    material: str = ""
 
 
 class Deck:
@@ -84,6 +85,13 @@ class Deck:
             sides[d] = (box[2 * d + 1] - box[2 * d]) / cells[d]
         return sides
 
+    def model_of(self, material: str) -> str:
+        """Model of a material, or an empty text."""
+        for group in self.groups("material"):
+            if group.get("id") == material:
+                return str(group.get("model", ""))
+        return ""
+
     def bodies(self) -> list[Body]:
         """The bodies in the order of the deck."""
         return [_body(group, i + 1) for i, group in enumerate(self.groups("body"))]
@@ -108,4 +116,5 @@ def _body(group: dict[str, Any], number: int) -> Body:
             half[AXES.index(group.get("axis", "z"))] = float(group.get("length") or 0.0) / 2
         low, high = centre - half, centre + half
     spacing = float(group.get("spacing") or math.nan)
-    return Body(str(group.get("id", number)), number, shape, low, high, spacing)
+    material = str(group.get("material", ""))
+    return Body(str(group.get("id", number)), number, shape, low, high, spacing, material)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
-"""The hole in a plate that was hit: how wide it is through all plies, in each of them, and how far
-around it the plate is damaged.
+"""The holes in a plate that was hit: how wide they are through all plies, in each of them, and how
+far around them the plate is damaged.
 
-The hole is what one can see through along the normal of the plate once everything that came loose
+A hole is what one can see through along the normal of the plate once everything that came loose
 has been taken away: particles that no longer hang together with the largest piece of the body over
 neighbours on its lattice (`surface.TORN` says when two neighbours still hold). Each particle that
 stays covers the box that its neighbours leave it, at its displaced place. Its diameter is that of
@@ -22,10 +22,11 @@ import numpy as np
 from post.deck import Body
 from post.errors import USAGE, PostError
 from post.fragments import largest_piece
-from post.raster import FINE, Opening, Raster, region_of, regions, widest_opening
+from post.raster import FINE, Opening, Raster, openings, region_of, regions
 from post.reader import Frame, Run
 from post.surface import Lattice, edges_of, find_lattice
 
+LEAST = 3  # spacings: a few particles that came loose are no hole
 BROKEN = 0.5  # damage from which a particle counts as broken
 FIBRES = ("damage_fibre_tension", "damage_fibre_compression")
 MODES = {
@@ -67,15 +68,39 @@ class Hole:
 
 
 @dataclass(frozen=True)
-class Perforation:
-    """A hole and what is around it."""
+class HoleAround:
+    """One hole of a plate and what is around it."""
 
-    plate: Plate
-    raster: Raster
     through: Hole
     layers: list[Hole]  # from the low side up
     damaged: dict[str, Opening]  # projected region around the hole by kind of damage
+    copies: int  # how many there are of it in the whole plate, with its mirror images
+
+    @property
+    def middle(self) -> np.ndarray:
+        """Its centre of area (2) in the plane of the plate [m]; not a number without a hole."""
+        return (self.through.seen if self.through.seen.area > 0 else self.through.pushed).middle
+
+    @property
+    def size(self) -> float:
+        """Diameter of the hole, or of what broken fibres would leave open [m]."""
+        seen, pushed = self.through.seen, self.through.pushed
+        return seen.diameter if seen.area > 0 else pushed.diameter
+
+
+@dataclass(frozen=True)
+class Perforation:
+    """The holes of a plate, of the part that is modelled; the widest first, and at least one."""
+
+    plate: Plate
+    raster: Raster  # of the whole plate
+    holes: list[HoleAround]
     loose: float  # share of the particles that came loose
+
+    @property
+    def widest(self) -> HoleAround:
+        """The widest hole; its openings have the area 0 if there is none."""
+        return self.holes[0]
 
 
 def load_plate(run: Run, frame: Frame, name: str | None = None) -> Plate:
@@ -119,24 +144,54 @@ def _layers(field: dict, lattice: Lattice, normal: int) -> np.ndarray:
 
 
 def measure_perforation(plate: Plate) -> Perforation:
-    """All measurements of a plate. A plate without a hole has openings of area 0."""
+    """All holes of a plate wider than `LEAST` spacings, and the widest in any case.
+
+    A plate without a hole has one with openings of area 0. Of holes that are mirror images of each
+    other the one in the modelled part is given.
+    """
     raster = _raster_of(plate)
     half = 0.5 * np.abs(plate.edges).sum(axis=1)[:, plate.plane]
     half = np.minimum(half, plate.lattice.step[list(plate.plane)] * 0.75)
 
-    def opening(rows: np.ndarray) -> Opening:
+    def look(rows: np.ndarray) -> list[Opening]:
         dark = raster.shadow(plate.points[rows][:, plate.plane], half[rows])
-        whole, picture = _mirrored(raster, dark, plate.mirrors)
-        return widest_opening(whole, picture)
+        return openings(*_mirrored(raster, dark, plate.mirrors))
 
-    def hole(some: np.ndarray) -> Hole:
-        return Hole(opening(some & plate.stays), opening(some & plate.sound))
+    def both(some: np.ndarray) -> tuple[list[Opening], list[Opening]]:
+        return look(some & plate.stays), look(some & plate.sound)
 
-    through = hole(np.ones(len(plate.points), bool))
-    layers = [hole(plate.layer == k) for k in np.unique(plate.layer)]
-    whole, _ = _mirrored(raster, np.zeros(raster.shape, bool), plate.mirrors)
-    around = _damage_around(plate, through.seen)
-    return Perforation(plate, whole, through, layers, around, 1 - float(plate.stays.mean()))
+    whole, nothing = _mirrored(raster, np.zeros(raster.shape, bool), plate.mirrors)
+    none = region_of(whole, nothing)
+    through = both(np.ones(len(plate.points), bool))
+    layers = [both(plate.layer == k) for k in np.unique(plate.layer)]
+    holes = []
+    for number, (place, copies) in enumerate(_places(plate, whole, through, none)):
+        if number and place.diameter < LEAST * plate.body.spacing:
+            continue
+        at = [Hole(*(_over(some, place, none) for some in pair)) for pair in (through, *layers)]
+        holes.append(HoleAround(at[0], at[1:], _damage_around(plate, at[0].seen), copies))
+    return Perforation(plate, whole, holes, 1 - float(plate.stays.mean()))
+
+
+def _places(plate: Plate, whole: Raster, through: tuple, none: Opening):
+    """Openings in the modelled part, each with the number of its mirror images and itself.
+
+    First what one sees through, then what is open only without broken fibres; at least one.
+    """
+    seen, pushed = through
+    hidden = [one for one in pushed if not any((one.pixels & s.pixels).any() for s in seen)]
+    found = []
+    for opening in [*seen, *hidden]:
+        beside = [d for d in range(2) if plate.mirrors[d] and abs(opening.middle[d]) > whole.pixel]
+        if all(opening.middle[d] > 0 for d in beside):
+            found.append((opening, 2 ** len(beside)))
+    return found or [(none, 1)]
+
+
+def _over(some: list[Opening], place: Opening, none: Opening) -> Opening:
+    """The opening that covers most of another one, or none."""
+    shared = [(one.pixels & place.pixels).sum() for one in some]
+    return some[int(np.argmax(shared))] if any(shared) else none
 
 
 def _raster_of(plate: Plate) -> Raster:

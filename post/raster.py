@@ -11,6 +11,7 @@ import numpy as np
 from post.fragments import pieces
 
 FINE = 4  # pixels along one spacing
+MOST = 40  # openings that are looked at
 
 
 @dataclass(frozen=True)
@@ -50,19 +51,20 @@ class Opening:
         return math.sqrt(4 * self.area / math.pi)
 
 
-def widest_opening(raster: Raster, dark: np.ndarray) -> Opening:
-    """The largest region without shadow that does not reach the rim of the raster; area 0 if none.
+def openings(raster: Raster, dark: np.ndarray) -> list[Opening]:
+    """Regions without shadow that do not reach the rim of the raster, the largest first.
 
-    Gaps narrower than three pixels are not opened.
+    Gaps narrower than three pixels are not opened, regions smaller than a particle left out, and
+    at most `MOST` are given.
     """
     light = _opened(~dark)
     name = regions(light)
     rim = np.concatenate([name[0], name[-1], name[:, 0], name[:, -1]])
-    size = np.bincount(name[light], minlength=name.size)
+    size = np.bincount(name[light], minlength=1)
     size[np.unique(rim[rim >= 0])] = 0
-    best = int(np.argmax(size))
-    chosen = (name == best) if size[best] else np.zeros_like(dark)
-    return region_of(raster, chosen)
+    found = np.flatnonzero(size >= FINE**2)
+    order = found[np.argsort(-size[found], kind="stable")][:MOST]
+    return [region_of(raster, name == number) for number in order]
 
 
 def region_of(raster: Raster, pixels: np.ndarray) -> Opening:

@@ -5,25 +5,25 @@ from __future__ import annotations
 
 import base64
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from html import escape
 from pathlib import Path
 
-import numpy as np
-
+from post.balance import balance_table, body_table, totals_table
 from post.compare import Comparison, compare, find_references, read_references
 from post.deflection import displacement_table
+from post.energy_picture import draw_energy
 from post.errors import PostError
-from post.figures import Picture, draw_energy, draw_gauges, draw_motion
+from post.gauge_picture import draw_gauges
 from post.gauges import measure, pressure_gauges
 from post.hole_picture import draw_perforation, hole_table
+from post.motion_picture import draw_motion
 from post.page import PAGE
-from post.perforation import load_plate, measure_perforation
-from post.reader import History, Run
-from post.tables import Row, Table, as_text
+from post.perforation import LEAST, load_plate, measure_perforation
+from post.reader import Run
+from post.style import Picture
+from post.tables import Table, as_text
 from post.units import show
-
-LEAST_HOLE = 3  # spacings: a few particles that came loose are no hole
 
 
 def make_report(run: Run, given_references: str | Path | None = None) -> tuple[Path, str]:
@@ -42,6 +42,7 @@ def make_report(run: Run, given_references: str | Path | None = None) -> tuple[P
     tables = [
         comparison_table(compare(run, references), path),
         balance_table(run),
+        totals_table(run),
         *holes,
         gauge_table(run),
         displacement_table(run),
@@ -95,9 +96,9 @@ def _holes(run: Run, folder: Path) -> tuple[list[Table], list[Picture]]:
         if plate.stays.all():
             continue
         found = measure_perforation(plate)
-        if found.through.seen.diameter > LEAST_HOLE * body.spacing:
+        if found.widest.through.seen.diameter > LEAST * body.spacing:
             tables.append(hole_table(found))
-            pictures.append(draw_perforation(found, folder))
+            pictures += draw_perforation(found, folder)
     return tables, pictures
 
 
@@ -114,52 +115,6 @@ def comparison_table(rows: list[Comparison], path: Path | None) -> Table:
     if path is not None:
         note += f" References beside Kingery-Bulmash: {path.name}."
     return Table("Comparison", heads, found, note)
-
-
-def balance_table(run: Run) -> Table:
-    """What is not accounted for in energy, mass and momentum."""
-    history = run.history("energy")
-    if history is None or not len(history):
-        return Table("Balance", (), [])
-    rows = [
-        ("energy, total over initial less one", *_worst(history, "error", "ratio")),
-        ("mass of the air over initial less one", *_worst(history, "mass_error")),
-        ("momentum, air and what it gave, relative", *_worst(history, "momentum_error")),
-    ]
-    rows = [row for row in rows if row[1] != "–"]
-    rows += _coupling_rows(history)
-    if "air_internal" in history or "air_internal[J]" in history:
-        counts = [f"{history[name][-1]:.0f}" for name in history.find(r".*fallback.*")]
-        rows.append(("faces that fell back to first order", "", *(counts or ["not recorded"])[:1]))
-    return Table("Balance", ("quantity", "largest", "at the end"), rows)
-
-
-def _worst(history: History, *names: str) -> tuple[str, str]:
-    """Largest magnitude and last value of the first of some columns that exists."""
-    for name in names:
-        if name in history:
-            values = history[name] - (1 if name == "ratio" else 0)
-            return f"{np.nanmax(np.abs(values)):.1e}", f"{values[-1]:+.1e}"
-    return "–", "–"
-
-
-def _coupling_rows(history: History) -> Iterable[Row]:
-    """Parts of the energy that are numerical, over what the bodies were given."""
-    if "load_work" not in history:
-        return
-    given = float(np.max(np.abs(history["load_work"])))
-    if given <= 0:
-        return
-    parts = {
-        "coupling": "work lost between air and bodies, of the work on the bodies",
-        "hourglass": "hourglass energy, of the work on the bodies",
-        "viscous": "artificial viscosity of the bodies, of the work on the bodies",
-    }
-    for name, label in parts.items():
-        if name in history:
-            values = history[name] / given
-            largest = f"{100 * np.max(np.abs(values)):.2g} %"
-            yield label, largest, f"{100 * values[-1]:.2g} %"
 
 
 def gauge_table(run: Run) -> Table:
@@ -184,44 +139,15 @@ def gauge_table(run: Run) -> Table:
     return Table("Pressure gauges", heads, rows, note)
 
 
-def body_table(run: Run) -> Table:
-    """State of each body at the end."""
-    history = run.history("bodies")
-    if history is None or not len(history):
-        return Table("Bodies", (), [])
-    wanted = {
-        "mass": "mass",
-        "velocity_x": "velocity x",
-        "velocity_y": "velocity y",
-        "velocity_z": "velocity z",
-        "kinetic": "kinetic energy",
-        "internal": "internal energy",
-        "damage_mean": "mean damage",
-        "load_work": "work of the air",
-    }
-    there = [n for n in wanted if any(f"{b}:{n}" in history for b in history.owners())]
-    rows = []
-    for body in history.owners():
-        cells = []
-        for name in there:
-            column = f"{body}:{name}"
-            has = column in history
-            cells.append(show(history[column][-1], history.unit(column)) if has else "–")
-        rows.append((body, *cells))
-    part = f"1/{run.deck.images} of" if run.deck.images > 1 else "all of"
-    note = f"At t = {show(history.time[-1], 's')}; of what is modelled, {part} the scene."
-    return Table("Bodies at the end", ("body", *(wanted[n] for n in there)), rows, note)
-
-
 def _html(run: Run, pictures: list[Picture], tables: list[Table], problems: list[str]) -> str:
     title = run.deck.title or run.job
     body = [_facts(run)]
     if problems:
         items = "".join(f"<li>{escape(text)}</li>" for text in problems)
         body.insert(0, f'<div class="problems"><b>Please note</b><ul>{items}</ul></div>')
-    body += [_html_table(table) for table in tables[:2]]
+    body += [_html_table(table) for table in tables[:3]]
     body += [_html_picture(picture) for picture in pictures]
-    body += [_html_table(table) for table in tables[2:]]
+    body += [_html_table(table) for table in tables[3:]]
     body.append(
         "<h2>Deck</h2><p>Complete, with all defaults; it runs as it stands.</p>"
         f"<pre>{escape(run.deck.text)}</pre>"

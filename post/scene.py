@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -13,8 +13,8 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 
 from post import rendering
+from post.deck import Deck, as_list
 from post.errors import PostError
-from post.figures import Picture
 from post.reader import AirGrid, Frame, Run
 from post.space import (
     Cut,
@@ -25,11 +25,25 @@ from post.space import (
     mirrored,
     whole_air,
 )
-from post.style import DAMAGE_COLOURS, DPI, WIDTH, linear_bar, pressure_bar, pressure_colours, save
+from post.style import (
+    DAMAGE_COLOURS,
+    DPI,
+    WIDTH,
+    Picture,
+    linear_bar,
+    pressure_bar,
+    pressure_colours,
+    save,
+)
 from post.surface import skin_of
+from post.tints import tints_of
 
 TALL, WIDE = (1200, 1200), (1500, 1150)  # pixels
 MOST_CELLS = 4_000_000  # of the air that is contoured; a larger grid is thinned out
+# seen from the camera: places and strengths. With AMBIENT and DIFFUSE below no face gets brighter
+# than its colour, whichever way it looks: a white face would look like a hole
+LIGHTS = (((0, 0, 1), 0.45), ((-0.5, 0.9, 0.4), 0.5), ((-0.5, -0.9, 0.4), 0.5))
+AMBIENT, DIFFUSE = 0.5, 0.5
 LITTLE_DAMAGE = 0.02
 MOVE = "displacement [mm]"
 AXES = "xyz"
@@ -40,14 +54,19 @@ class Solids:
     """What is drawn of the bodies: faces with damage, and points of those without a lattice."""
 
     corners: np.ndarray  # (m, 4, 3) [m]
-    damage: np.ndarray  # (m)
+    face: np.ndarray  # (m) row of the particle that a face belongs to
     points: np.ndarray  # (k, 3) [m]
-    point_damage: np.ndarray  # (k)
-    move: np.ndarray  # (m) displacement [m]
-    point_move: np.ndarray  # (k) [m]
+    point: np.ndarray  # (k) row of the particle
+    damage: np.ndarray  # (n) of all particles
+    body: np.ndarray  # (n) number of their bodies
+    distance: np.ndarray  # (n) displacement [m]
     size: float  # of a point [m]
     magnification: float
-    largest: float  # displacement [m]
+
+    @property
+    def largest(self) -> float:
+        """Largest displacement [m]."""
+        return float(self.distance.max(initial=0.0))
 
 
 def draw_blast(run: Run, folder: Path, frame: Frame | None = None) -> Picture:
@@ -61,7 +80,10 @@ def draw_blast(run: Run, folder: Path, frame: Frame | None = None) -> Picture:
     cut = choose_cut(run.deck, air.cells)
     solids = gather_solids(run, frame, 1.0) if frame.solid_path else None
     colours = pressure_colours(run.deck.ambient, float(air.field["pressure"].max()))
-    image, level = _render_blast(air, cut, solids, colours, run.deck.ambient)
+    tints = tints_of(run.deck)
+    paint = None if solids is None else tints.paint(solids.damage, solids.body)
+    pressure = (colours, run.deck.ambient)
+    image, level = _render_blast(air, cut, (solids, paint), pressure, _elevation(run.deck))
     plane = f"{AXES[cut.normal]} = {1e3 * cut.level:g} mm"
     caption = (
         f"t = {1e3 * frame.time:.3f} ms. Pressure of the air in the plane {plane} where it is "
@@ -72,10 +94,12 @@ def draw_blast(run: Run, folder: Path, frame: Frame | None = None) -> Picture:
         caption += "The scene is mirrored over its planes of symmetry. "
     if solids is not None:
         caption += "Bodies at true scale, coloured by damage."
-    figure, axes = _compose([image], [f"Blast at {1e3 * frame.time:.3f} ms"])
+    room = 0.0 if solids is None else tints.height
+    figure, axes = _compose([image], [f"Blast at {1e3 * frame.time:.3f} ms"], room)
     place = {"fraction": 0.04, "pad": 0.01, "shrink": 0.8}
     if solids is not None:
         linear_bar(figure, DAMAGE_COLOURS, axes[0], "damage [-]", **place)
+        tints.legend(figure)
     pressure_bar(figure, colours, axes[0], **place)
     path = save(figure, folder / "blast.png")
     return Picture(path, "Blast and bodies", caption)
@@ -87,15 +111,20 @@ def draw_bodies(run: Run, folder: Path, frame: Frame | None = None) -> Picture:
         raise PostError("the run has no dumps of the solid")
     frame = frame or _frame_of_largest_displacement(run)
     solids = gather_solids(run, frame)
-    if float(solids.damage.max(initial=0.0)) < LITTLE_DAMAGE and solids.largest > 0:
+    tints, little = tints_of(run.deck), float(solids.damage.max(initial=0.0)) < LITTLE_DAMAGE
+    if little and solids.largest > 0:
         colours, label = ScalarMappable(Normalize(0, 1e3 * solids.largest), "viridis"), MOVE
-        shown = replace(solids, damage=1e3 * solids.move, point_damage=1e3 * solids.point_move)
+        paint = colours.to_rgba(1e3 * solids.distance)[:, :3]
     else:
-        colours, label, shown = DAMAGE_COLOURS, "damage [-]", solids
-    images = [_render_bodies(shown, colours, elevation) for elevation in (28, -28)]
+        colours, label = DAMAGE_COLOURS, "damage [-]"
+        paint = tints.paint(solids.damage, solids.body)
+    images = [_render_bodies(solids, paint, elevation) for elevation in (28, -28)]
     when = f"{1e3 * frame.time:.3f} ms"
-    figure, axes = _compose(images, [f"Bodies at {when}, from above", "From below"])
+    room = tints.height if colours is DAMAGE_COLOURS else 0.0
+    figure, axes = _compose(images, [f"Bodies at {when}, from above", "From below"], room)
     linear_bar(figure, colours, axes, label, fraction=0.03, pad=0.01, shrink=0.6)
+    if colours is DAMAGE_COLOURS:
+        tints.legend(figure)
     scale = solids.magnification
     how = "true scale" if scale == 1 else f"displacements magnified {scale:g} times"
     caption = f"t = {when}, {how}; largest displacement {1e3 * solids.largest:.3g} mm, "
@@ -114,37 +143,34 @@ def gather_solids(run: Run, frame: Frame, magnification: float | None = None) ->
     """
     solid = frame.solid("displacement", "body", "damage")
     move, mirrors = solid.field["displacement"].astype(float), run.deck.mirrors
-    largest = float(np.linalg.norm(move, axis=1).max(initial=0.0))
+    distance = np.linalg.norm(move, axis=1)
     if magnification is None:
         extent = np.ptp(mirrored(solid.points, mirrors), axis=0)
-        magnification = magnification_for(float(extent.max(initial=0.0)), largest)
-    parts = {name: [] for name in ("faces", "damage", "points", "point_damage")}
-    moves, point_moves, size = [], [], 0.0
-    distance = np.linalg.norm(move, axis=1)
+        magnification = magnification_for(
+            float(extent.max(initial=0.0)), float(distance.max(initial=0.0))
+        )
+    corners, face, points, point, size = [np.zeros((0, 4, 3))], [], [np.zeros((0, 3))], [], 0.0
     for body in run.deck.bodies():
         own = np.flatnonzero(solid.field["body"] == body.number)
-        damage, copies = solid.field["damage"][own], run.deck.images
         skin = skin_of(solid.points[own], move[own], body.spacing, mirrors, magnification)
         if skin is not None:
-            parts["faces"].append(mirrored(skin.corners, mirrors))
-            parts["damage"].append(np.tile(damage[skin.particle], copies))
-            moves.append(np.tile(distance[own][skin.particle], copies))
+            corners.append(mirrored(skin.corners, mirrors))
+            face.append(np.tile(own[skin.particle], run.deck.images))
         else:
             moved = solid.points[own] + (magnification - 1) * move[own]
-            parts["points"].append(mirrored(moved, mirrors))
-            parts["point_damage"].append(np.tile(damage, copies))
-            point_moves.append(np.tile(distance[own], copies))
+            points.append(mirrored(moved, mirrors))
+            point.append(np.tile(own, run.deck.images))
             size = max(size, body.spacing)
     return Solids(
-        np.concatenate([np.zeros((0, 4, 3)), *parts["faces"]]),
-        np.concatenate([np.zeros(0), *parts["damage"]]),
-        np.concatenate([np.zeros((0, 3)), *parts["points"]]),
-        np.concatenate([np.zeros(0), *parts["point_damage"]]),
-        np.concatenate([np.zeros(0), *moves]),
-        np.concatenate([np.zeros(0), *point_moves]),
+        np.concatenate(corners),
+        np.concatenate([np.zeros(0, int), *face]),
+        np.concatenate(points),
+        np.concatenate([np.zeros(0, int), *point]),
+        solid.field["damage"],
+        solid.field["body"],
+        distance,
         size,
         magnification,
-        largest,
     )
 
 
@@ -161,23 +187,32 @@ def _frame_of_largest_displacement(run: Run) -> Frame:
     return max(frames, key=lambda f: np.abs(f.solid("displacement").field["displacement"]).max())
 
 
-def _render_blast(air: AirGrid, cut: Cut, solids: Solids | None, colours, ambient: float):
+def _elevation(deck: Deck) -> float:
+    """From where a blast is seen [deg]: from below if its charges lie below the bodies."""
+    charges = [(as_list(group.get("at")) + [0.0] * 3)[2] for group in deck.groups("charge")]
+    bodies = [(body.low[2] + body.high[2]) / 2 for body in deck.bodies()]
+    below = charges and bodies and max(charges) < min(bodies)
+    return -18.0 if below else 22.0
+
+
+def _render_blast(air: AirGrid, cut: Cut, bodies: tuple, pressure: tuple, elevation: float):
     """The picture as an array, and the pressure of the surface [Pa]."""
+    colours, ambient = pressure
     plotter = _plotter(TALL)
     level = ambient + max(0.12 * (colours.norm.vmax - ambient), 0.2 * ambient)
     _add_front(plotter, air, cut, (level, colours.to_rgba(level)[:3]))
     _add_slice(plotter, air, cut, colours, ambient)
-    if solids is not None:
-        _add_solids(plotter, solids, DAMAGE_COLOURS)
+    if bodies[0] is not None:
+        _add_solids(plotter, *bodies)
     plotter.add_mesh(_outline(air), color="#8a929b", line_width=1.5)
     low, high = air.low, air.low + air.cells * air.spacing
-    _look(plotter, low, high, azimuth=-62, elevation=22, zoom=0.98)
+    _look(plotter, low, high, azimuth=-62, elevation=elevation, zoom=0.98)
     return _shoot(plotter), level
 
 
-def _render_bodies(solids: Solids, colours, elevation: float) -> np.ndarray:
+def _render_bodies(solids: Solids, paint: np.ndarray, elevation: float) -> np.ndarray:
     plotter = _plotter(WIDE)
-    _add_solids(plotter, solids, colours)
+    _add_solids(plotter, solids, paint)
     every = np.concatenate([solids.corners.reshape(-1, 3), solids.points])
     if not len(every):
         raise PostError("there are no particles to draw")
@@ -189,7 +224,10 @@ def _plotter(pixels: tuple[int, int]):
     rendering.prepare()
     import pyvista  # noqa: PLC0415 (the environment must be set before)
 
-    plotter = pyvista.Plotter(off_screen=True, window_size=pixels, lighting="three lights")
+    plotter = pyvista.Plotter(off_screen=True, window_size=pixels, lighting="none")
+    for place, strength in LIGHTS:
+        light = pyvista.Light(position=place, intensity=strength, light_type="camera light")
+        plotter.add_light(light)
     plotter.background_color = "white"
     plotter.enable_anti_aliasing("ssaa")
     return plotter
@@ -262,32 +300,30 @@ def _add_front(plotter, air: AirGrid, cut: Cut, front: tuple) -> None:
         )
 
 
-def _add_solids(plotter, solids: Solids, colours) -> None:
+def _add_solids(plotter, solids: Solids, paint: np.ndarray) -> None:
+    """Faces and points in the colours (n, 3) of the particles."""
     import pyvista  # noqa: PLC0415
 
-    limits = (colours.norm.vmin, colours.norm.vmax)
-    paint = {"cmap": colours.cmap, "clim": limits, "show_scalar_bar": False}
+    paint = (255 * paint).astype("u1")
+    options = {"scalars": "colour", "rgb": True, "show_scalar_bar": False}
     if len(solids.corners):
         count = len(solids.corners)
         cells = np.concatenate([np.full((count, 1), 4), np.arange(4 * count).reshape(-1, 4)], 1)
         mesh = pyvista.PolyData(solids.corners.reshape(-1, 3), cells.ravel())
-        mesh.cell_data["damage"] = solids.damage
-        plotter.add_mesh(mesh, scalars="damage", ambient=0.3, diffuse=0.8, specular=0.1, **paint)
+        mesh.cell_data["colour"] = paint[solids.face]
+        plotter.add_mesh(mesh, ambient=AMBIENT, diffuse=DIFFUSE, **options)
     if len(solids.points):
         cloud = pyvista.PolyData(solids.points)
-        cloud.point_data["damage"] = solids.point_damage
-        plotter.add_mesh(
-            cloud,
-            scalars="damage",
-            style="points_gaussian",
-            emissive=False,
-            point_size=solids.size,
-            **paint,
-        )
+        cloud.point_data["colour"] = paint[solids.point]
+        shape = {"style": "points_gaussian", "emissive": False, "point_size": solids.size}
+        plotter.add_mesh(cloud, **shape, **options)
 
 
-def _compose(images: list[np.ndarray], titles: list[str]):
-    """Figure and axes with rendered pictures above each other, each without its empty rim."""
+def _compose(images: list[np.ndarray], titles: list[str], room: float):
+    """Figure and axes with rendered pictures above each other, each without its empty rim.
+
+    `room` [inch] is left for a legend below.
+    """
     images = [_trim(image) for image in images]
     heights = [(WIDTH - 1.2) * image.shape[0] / image.shape[1] for image in images]
     shrink = min(1.0, 6.0 / sum(heights))
@@ -295,7 +331,7 @@ def _compose(images: list[np.ndarray], titles: list[str]):
     figure, axes = plt.subplots(
         len(images),
         1,
-        figsize=(WIDTH, sum(heights)),
+        figsize=(WIDTH, sum(heights) + room),
         gridspec_kw={"height_ratios": heights},
         squeeze=False,
         dpi=DPI,

@@ -8,25 +8,25 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import PolyCollection
-from matplotlib.colors import Normalize
 
 from post.errors import PostError
-from post.figures import Picture
 from post.reader import AirGrid, Frame, Run
 from post.space import Cut, air_in, choose_cut, particles_in, pick_frames, whole_air
 from post.style import (
-    DAMAGE,
     DAMAGE_COLOURS,
     DPI,
     GREY,
     WIDTH,
+    Picture,
     linear_bar,
     pressure_bar,
     pressure_colours,
     save,
 )
+from post.tints import Tints, tints_of
 
 AXES = "xyz"
+WIDE = 0.75  # height over width of a scene whose times stand below each other
 DARK = "#2b3138"  # of bodies over the air
 
 
@@ -42,43 +42,59 @@ def draw_sheet(run: Run, folder: Path, frame: Frame | None = None, count: int = 
     if all(air is not None and min(sorted(air.cells)[1:]) == 1 for air in airs):
         raise PostError("a scene of one dimension has no cut")
     cut = choose_cut(run.deck, airs[0].cells if airs[0] else None)
-    bodies = [_cut_bodies(run, one, cut) for one in frames]
+    tints = tints_of(run.deck)
+    bodies = [_cut_bodies(run, one, cut, tints) for one in frames]
     view = _view(run, airs[0], bodies, cut)
     top = max((float(a.field["pressure"].max()) for a in airs if a), default=0.0)
     colours = pressure_colours(run.deck.ambient, top)
-    strips = any(len(quads) for quads, _ in bodies)
-    figure, axes = _layout(len(frames), view, strips)
-    for column, shown in enumerate(frames):
-        axis = axes[0, column]
-        if airs[column]:
-            _draw_air(axis, airs[column], cut, colours)
-        _draw_bodies(axis, bodies[column][0])
-        _dress(axis, view, cut, column)
+    strips = any(len(quads) for quads, *_ in bodies)
+    figure, axes = _layout(len(frames), view, tints if strips else None)
+    for number, shown in enumerate(frames):
+        axis = axes[0, number]
+        if airs[number]:
+            _draw_air(axis, airs[number], cut, colours)
+        _draw_bodies(axis, bodies[number][0])
+        _dress(axis, view, cut)
         axis.set_title(f"{1e3 * shown.time:.3f} ms", loc="center", fontweight="normal")
         if strips:
-            axis.set_xlabel("")
-            axis.set_xticklabels([])
-            _draw_strip(axes[1, column], bodies, column, view, cut)
-    _colour_bars(figure, axes, colours if airs[0] else None, strips)
-    return Picture(
-        save(figure, folder / "sheet.png"),
-        "Blast and bodies in a vertical cut",
-        _caption(run, cut, strips),
-    )
+            _draw_strip(axes[1, number], bodies, number, view, cut)
+    _clear_inner_labels(axes)
+    _colour_bars(figure, axes, colours if airs[0] else None)
+    stretch = None
+    if strips:
+        tints.legend(figure)
+        stretch = _label_strips(figure, axes[1], cut)
+    caption = _caption(run, cut, stretch)
+    title = "Blast and bodies in a vertical cut"
+    return Picture(save(figure, folder / "sheet.png"), title, caption)
 
 
-def _caption(run: Run, cut: Cut, strips: bool) -> str:
+def _caption(run: Run, cut: Cut, stretch: float | None) -> str:
     plane = f"{AXES[cut.normal]} = {1e3 * cut.level:g} mm"
     text = f"Pressure of the air in the plane {plane}, on one logarithmic scale (blue: suction)"
+    if not any(frame.air_path for frame in run.frames):
+        text = f"Section in the plane {plane}"
     if any(run.deck.mirrors):
         text += ", mirrored over the planes of symmetry"
     text += ". The bodies are drawn at true scale."
-    if strips:
+    if stretch is not None:
         text += (
-            " Below: the same section of the bodies alone, coloured by damage, with the vertical "
-            "axis stretched."
+            " Beside or below: the same section of the bodies alone, coloured by damage, with the "
+            f"vertical axis stretched {stretch:.2g} times, over the height of what is wide."
         )
     return text
+
+
+def _label_strips(figure, axes, cut: Cut) -> float:
+    """Write onto the strips how far they are stretched; the factor."""
+    figure.draw_without_rendering()
+    axis = axes[0]
+    box, across, up = axis.get_window_extent(), np.ptp(axis.get_xlim()), np.ptp(axis.get_ylim())
+    stretch = float(box.height / up / (box.width / across))
+    for axis in axes:
+        if axis.get_ylabel():
+            axis.set_ylabel(f"{AXES[cut.up]} [mm], {stretch:.2g} : 1", fontsize=8.5)
+    return stretch
 
 
 def _cut_air(run: Run, frame: Frame) -> AirGrid | None:
@@ -87,24 +103,26 @@ def _cut_air(run: Run, frame: Frame) -> AirGrid | None:
     return whole_air(frame.air("pressure", "solid"), run.deck.mirrors)
 
 
-def _cut_bodies(run: Run, frame: Frame, cut: Cut) -> tuple[np.ndarray, np.ndarray]:
-    """Boxes (m, 4, 2) [m] of the particles in the cut, and their damage (m)."""
+def _cut_bodies(run: Run, frame: Frame, cut: Cut, tints: Tints) -> tuple[np.ndarray, ...]:
+    """Boxes (m, 4, 2) [m] of the particles in the cut, their colours (m, 3) and bodies (m)."""
     if frame.solid_path is None:
-        return np.zeros((0, 4, 2)), np.zeros(0)
+        return np.zeros((0, 4, 2)), np.zeros((0, 3)), np.zeros(0, int)
     solid = frame.solid("displacement", "body", "damage")
     rows = particles_in(cut, run, solid)
     size = {body.number: body.spacing for body in run.deck.bodies()}
-    half = np.array([size.get(b, 0.0) for b in solid.field["body"][rows]]) * 0.56
+    body = solid.field["body"][rows]
+    half = np.array([size.get(b, 0.0) for b in body]) * 0.56
     centre = solid.points[rows][:, [cut.across, cut.up]]
     ring = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
     quads = centre[:, None, :] + half[:, None, None] * ring
-    damage = solid.field["damage"][rows]
+    paint = tints.paint(solid.field["damage"][rows], body)
     for place, axis in enumerate((cut.across, cut.up)):
         if run.deck.mirrors[axis]:
             image = quads.copy()
             image[..., place] *= -1
-            quads, damage = np.concatenate([quads, image]), np.concatenate([damage, damage])
-    return quads, damage
+            quads, paint = np.concatenate([quads, image]), np.concatenate([paint, paint])
+            body = np.concatenate([body, body])
+    return quads, paint, body
 
 
 def _view(run: Run, air: AirGrid | None, bodies: list, cut: Cut) -> np.ndarray:
@@ -112,7 +130,7 @@ def _view(run: Run, air: AirGrid | None, bodies: list, cut: Cut) -> np.ndarray:
     if air is not None:
         low, high = air.low, air.low + air.cells * air.spacing
         return np.array([[low[d], high[d]] for d in (cut.across, cut.up)])
-    points = np.concatenate([quads.reshape(-1, 2) for quads, _ in bodies])
+    points = np.concatenate([quads.reshape(-1, 2) for quads, *_ in bodies])
     if not len(points):
         raise PostError("there is neither air nor a body in the cut")
     low, high = points.min(0), points.max(0)
@@ -120,20 +138,33 @@ def _view(run: Run, air: AirGrid | None, bodies: list, cut: Cut) -> np.ndarray:
     return np.stack([low - margin, high + margin], 1)
 
 
-def _layout(count: int, view: np.ndarray, strips: bool):
-    """Figure with a row of true-scale panels, and a row of strips below."""
-    width = (WIDTH - 1.2) / count
-    height = min(width * np.ptp(view[1]) / np.ptp(view[0]), 6.0)
-    ratios = [height, 0.9] if strips else [height]
-    figure, axes = plt.subplots(
-        len(ratios),
+def _layout(count: int, view: np.ndarray, tints: Tints | None):
+    """Figure and axes [true scale, strips][time]: one column for each time, or, where the scene is
+    wide, one row with the strip on the right.
+    """
+    kinds = 1 if tints is None else 2
+    legend = 0.0 if tints is None else tints.height
+    slope = float(np.ptp(view[1]) / np.ptp(view[0]))
+    if slope < WIDE and count > 1:
+        height = max((WIDTH - 1.6) / kinds * slope, 0.6) + 0.35
+        figure, axes = plt.subplots(
+            count,
+            kinds,
+            figsize=(WIDTH, height * count + 1.2 + legend),
+            squeeze=False,
+            dpi=DPI,
+        )
+        return figure, axes.T
+    height = min((WIDTH - 1.2) / count * slope, 6.0)
+    ratios = [height, 0.9][:kinds]
+    return plt.subplots(
+        kinds,
         count,
-        figsize=(WIDTH, sum(ratios) + 0.9),
+        figsize=(WIDTH, sum(ratios) + 0.9 + legend),
         gridspec_kw={"height_ratios": ratios},
         squeeze=False,
         dpi=DPI,
     )
-    return figure, axes
 
 
 def _draw_air(axis, air: AirGrid, cut: Cut, colours) -> None:
@@ -150,50 +181,77 @@ def _draw_air(axis, air: AirGrid, cut: Cut, colours) -> None:
     )
 
 
-def _draw_bodies(axis, quads: np.ndarray, damage: np.ndarray | None = None) -> None:
-    """Boxes of the particles in the colour of their damage, or dark."""
+def _draw_bodies(axis, quads: np.ndarray, paint: np.ndarray | None = None) -> None:
+    """Boxes of the particles in their colours, or dark."""
     if not len(quads):
         return
-    if damage is None:
+    if paint is None:
         boxes = PolyCollection(quads, facecolor=DARK, edgecolor=DARK, lw=0.4)
     else:
-        boxes = PolyCollection(
-            quads, array=damage, cmap=DAMAGE, norm=Normalize(0, 1), edgecolor="face", lw=0
-        )
+        boxes = PolyCollection(quads, facecolor=paint, edgecolor="face", lw=0)
     axis.add_collection(boxes)
 
 
-def _dress(axis, view: np.ndarray, cut: Cut, column: int) -> None:
-    """Limits, ticks in mm, labels on the left panel alone."""
+def _dress(axis, view: np.ndarray, cut: Cut) -> None:
+    """Limits, ticks and labels in mm."""
     axis.set_aspect("equal")
     axis.set_xlim(view[0])
     axis.set_ylim(view[1])
     axis.grid(False)
     axis.xaxis.set_major_locator(plt.MaxNLocator(3))
+    axis.yaxis.set_major_locator(plt.MaxNLocator(5))
     for one in (axis.xaxis, axis.yaxis):
         one.set_major_formatter(lambda value, _: f"{1e3 * value:g}")
     axis.tick_params(labelsize=8)
     axis.set_xlabel(f"{AXES[cut.across]} [mm]", fontsize=8.5)
-    if column == 0:
-        axis.set_ylabel(f"{AXES[cut.up]} [mm]", fontsize=8.5)
-    else:
-        axis.set_yticklabels([])
+    axis.set_ylabel(f"{AXES[cut.up]} [mm]", fontsize=8.5)
 
 
-def _draw_strip(axis, bodies: list, column: int, view: np.ndarray, cut: Cut) -> None:
-    """The bodies alone; the vertical range is that of all times."""
-    points = np.concatenate([quads.reshape(-1, 2) for quads, _ in bodies])
-    low, high = points.min(0), points.max(0)
-    margin = 0.08 * (high[1] - low[1])
-    _draw_bodies(axis, *bodies[column])
-    _dress(axis, np.array([view[0], [low[1] - margin, high[1] + margin]]), cut, column)
+def _clear_inner_labels(axes) -> None:
+    """Labels along x on the lowest panels alone, along y on the first of each row of a kind."""
+    for axis in axes.ravel():
+        place = axis.get_subplotspec()
+        if not place.is_last_row():
+            axis.set_xlabel("")
+            axis.set_xticklabels([])
+    for kind in axes:
+        for axis in kind:
+            if axis is not kind[0] and _row(axis) == _row(kind[0]):
+                axis.set_ylabel("")
+                axis.set_yticklabels([])
+
+
+def _draw_strip(axis, bodies: list, number: int, view: np.ndarray, cut: Cut) -> None:
+    """The bodies alone; the vertical range is that of what is wide, at all times."""
+    low, high = _range_of_strips(bodies)
+    margin = 0.08 * (high - low)
+    _draw_bodies(axis, *bodies[number][:2])
+    _dress(axis, np.array([view[0], [low - margin, high + margin]]), cut)
     axis.set_aspect("auto")
     axis.axhline(0, color=GREY, lw=0.4, zorder=0)
 
 
-def _colour_bars(figure, axes, colours, strips: bool) -> None:
+def _range_of_strips(bodies: list) -> tuple[float, float]:
+    """Lowest and highest place [m] of the bodies that are at least half as wide as the widest."""
+    first = next(cut for cut in bodies if len(cut[0]))
+    number = np.unique(first[2])
+    width = [np.ptp(first[0][first[2] == n][..., 0]) for n in number]
+    wide = number[np.array(width) >= 0.5 * max(width)]
+    places = np.concatenate([quads[np.isin(body, wide)][..., 1] for quads, _, body in bodies])
+    return float(places.min()), float(places.max())
+
+
+def _row(axis) -> int:
+    """Row of a panel."""
+    return axis.get_subplotspec().rowspan.start
+
+
+def _colour_bars(figure, axes, colours) -> None:
+    """Bars on the right of the rows, or below the two columns of a wide scene."""
     place = {"fraction": 0.03, "pad": 0.01}
+    if _row(axes[0, 0]) != _row(axes[0, -1]):
+        place = {"location": "bottom", "fraction": 0.02, "pad": 0.01, "shrink": 0.8}
     if colours is not None:
         pressure_bar(figure, colours, axes[0].tolist(), **place)
-    if strips:
-        linear_bar(figure, DAMAGE_COLOURS, axes[-1].tolist(), "damage [-]", **place)
+    if len(axes) > 1:
+        linear_bar(figure, DAMAGE_COLOURS, axes[1].tolist(), "damage [-]", **place)

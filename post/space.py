@@ -11,7 +11,9 @@ from post.deck import Deck, as_list
 from post.errors import PostError
 from post.gauges import measure, pressure_gauges
 from post.reader import AirGrid, Frame, Particles, Run
+from post.surface import layer_step
 
+REACH = 0.55  # of a layer: how far from a plane particles are still drawn in it
 NICE = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
@@ -78,15 +80,19 @@ def air_in(cut: Cut, grid: AirGrid, name: str) -> np.ndarray:
 
 
 def particles_in(cut: Cut, run: Run, solid: Particles) -> np.ndarray:
-    """Rows of the particles whose unloaded place is in the layer at the cut."""
-    rest = solid.points[:, cut.normal] - solid.field["displacement"][:, cut.normal]
-    near = np.zeros(len(rest), bool)
+    """Rows of the particles that the plane of a cut goes through, body by body.
+
+    A particle reaches half a step of its lattice to both sides, and a little more.
+    """
+    away = np.abs(solid.points[:, cut.normal] - cut.level)
+    rest = solid.points - solid.field["displacement"]
+    found = []
     for body in run.deck.bodies():
-        own = solid.field["body"] == body.number
-        if own.any():
-            gap = np.abs(rest[own] - cut.level)
-            near[np.flatnonzero(own)] = gap < max(gap.min() + 0.25 * body.spacing, 1e-12)
-    return np.flatnonzero(near)
+        own = np.flatnonzero(solid.field["body"] == body.number)
+        if len(own):
+            step = layer_step(rest[own, cut.normal], body.spacing)
+            found.append(own[away[own] <= REACH * step])
+    return np.concatenate([np.zeros(0, int), *found])
 
 
 def first_arrival(run: Run) -> float | None:
@@ -113,19 +119,51 @@ def _try_measure(run: Run, gauge):
 
 
 def pick_frames(run: Run, count: int) -> list[Frame]:
-    """Frames that tell the story: two before the blast arrives, one just after, then evenly.
+    """Frames that tell the story: equal parts of what happens lie between them.
 
-    Without an arrival they are spread evenly over the run; a frame at the start is left out.
+    With a blast that arrives at a body, the first is before and the second just after the
+    arrival. The last frame is always shown, one at the start is left out.
     """
     frames = [frame for frame in run.frames if frame.time > 0] or run.frames
+    if len(frames) <= count:
+        return frames
     end, arrival = frames[-1].time, first_arrival(run)
-    if arrival is None or not 0.1 * end < arrival < 0.9 * end or count < 4:
-        times = np.linspace(end / count, end, count)
+    time, share = happenings(run)
+    if arrival is None or not 0.05 * end < arrival < 0.9 * end or count < 4:
+        early, levels = [], np.arange(1, count + 1) / count
     else:
-        after = np.linspace(1.12 * arrival, end, count - 2)
-        times = np.concatenate([[0.35 * arrival, 0.8 * arrival], after])
-    chosen = {frame.number: frame for frame in (run.frame_at(t) for t in times)}
-    return sorted(chosen.values(), key=lambda frame: frame.time)
+        early = [0.6 * arrival, 1.08 * arrival]
+        levels = np.linspace(np.interp(early[1], time, share), 1, count - 1)[1:]
+    chosen = [frames[-1]]
+    for wanted in [*early, *np.interp(levels[:-1], share, time)]:
+        left = [frame for frame in frames if frame not in chosen]
+        chosen.append(min(left, key=lambda frame: abs(frame.time - wanted)))
+    return sorted(chosen, key=lambda frame: frame.time)
+
+
+def happenings(run: Run) -> tuple[np.ndarray, np.ndarray]:
+    """Times [s], and the share of what happens in the run until then, from 0 to 1, both (n).
+
+    What happens: how far the energies of the bodies and the impulse on them have gone up and down
+    (those of the air in a run without bodies), and time itself, each as a part of its total.
+    """
+    history = run.history("energy")
+    time, parts = np.array([0.0, run.end]), []
+    if history is not None and len(history) > 1 and run.end > 0:
+        time = history.time
+        names = history.find("(solid_(kinetic|internal)|impulse_[xyz])") or []
+        ways = [_way(history[name]) for name in names]
+        if not any(way is not None for way in ways):
+            ways = [_way(history[name]) for name in history.find("air_(kinetic|internal)")]
+        parts = [way for way in ways if way is not None]
+    clock = (time - time[0]) / max(time[-1] - time[0], 1e-300)
+    return time, np.mean([clock, *parts], axis=0)
+
+
+def _way(values: np.ndarray) -> np.ndarray | None:
+    """How far a history has gone up and down, over its whole way; None if it stays put."""
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(np.nan_to_num(values))))])
+    return way / way[-1] if np.isfinite(way[-1]) and way[-1] > 0 else None
 
 
 def magnification_for(size: float, displacement: float) -> float:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib as mpl
@@ -15,8 +16,11 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, LogNorm, Normalize
 from matplotlib.ticker import LogLocator
 
+from post.labels import settle
+
 WIDTH = 7.5  # of a picture [inch]; a page shows it 900 pixels wide
 DPI = 200
+LETTERS = 105  # of a legend that go beside each other
 BLUE, RED, GREEN, ORANGE, PURPLE, GREY = (
     "#1f5a93",
     "#b3312c",
@@ -25,6 +29,7 @@ BLUE, RED, GREEN, ORANGE, PURPLE, GREY = (
     "#6b4c9a",
     "#6f7780",
 )
+INK = "#20242a"
 CYCLE = (BLUE, RED, GREEN, ORANGE, PURPLE, "#2a8c98", "#8c564b", GREY)
 STYLE = {
     "font.size": 9.5,
@@ -60,6 +65,15 @@ BLAST = ("#fdfcf6", "#fae0a2", "#f5b254", "#e5762f", "#bb3a35", "#75193f", "#260
 SUCTION = ("#6d9cc7", "#b3cfe5", "#fdfcf6")
 
 
+@dataclass(frozen=True)
+class Picture:
+    """A PNG file and what an engineer sees in it."""
+
+    path: Path
+    title: str
+    caption: str
+
+
 def pressure_colours(ambient: float, top: float) -> ScalarMappable:
     """Logarithmic colours from a tenth of the ambient pressure to the largest shown [Pa]."""
     norm = LogNorm(0.1 * ambient, max(top, 1.5 * ambient))
@@ -74,9 +88,9 @@ def pressure_bar(figure, colours: ScalarMappable, axes, **options):
     bar = figure.colorbar(colours, ax=axes, **options)
     bar.set_label("pressure [MPa]", fontsize=8.5)
     few = colours.norm.vmax < 300 * colours.norm.vmin
-    bar.ax.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,)))
-    bar.ax.yaxis.set_major_formatter(lambda value, _: f"{value / 1e6:g}")
-    bar.ax.yaxis.set_minor_formatter(lambda value, _: "")
+    bar.long_axis.set_major_locator(LogLocator(subs=(1, 2, 5) if few else (1,)))
+    bar.long_axis.set_major_formatter(lambda value, _: f"{value / 1e6:g}")
+    bar.long_axis.set_minor_formatter(lambda value, _: "")
     bar.ax.tick_params(labelsize=8)
     return bar
 
@@ -94,19 +108,23 @@ def new_figure(rows: int = 1, height: float = 3.0, **options):
     return plt.subplots(rows, 1, figsize=(WIDTH, height * rows + 0.3), **options)
 
 
-def legend_above(axis, columns: int = 3) -> None:
-    """A legend in one line between title and axes, where it hides no curve."""
+def legend_above(axis) -> None:
+    """A legend between title and axes, where it hides no curve; as many columns as have room."""
     handles, labels = axis.get_legend_handles_labels()
-    if handles:
-        place = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.985), "borderaxespad": 0.2}
-        axis.legend(handles, labels, ncols=columns, columnspacing=1.2, handlelength=1.8, **place)
-        axis.set_title(
-            axis.get_title(loc="left"), loc="left", pad=20 if len(labels) <= columns else 34
-        )
+    if not handles:
+        return
+    longest = max(len(label) for label in labels) + 7
+    columns = max(1, min(len(labels), LETTERS // longest))
+    place = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.985), "borderaxespad": 0.2}
+    axis.legend(handles, labels, ncols=columns, columnspacing=1.2, handlelength=1.8, **place)
+    rows = -(-len(labels) // columns)
+    axis.figure.set_figheight(axis.figure.get_figheight() + 0.18 * (rows - 1))
+    axis.set_title(axis.get_title(loc="left"), loc="left", pad=6 + 14 * rows)
 
 
 def save(figure, path: Path) -> Path:
-    """Write a figure as PNG and close it."""
+    """Write a figure as PNG and close it; its labels are put where there is room."""
+    settle(figure)
     figure.savefig(path)
     plt.close(figure)
     return path

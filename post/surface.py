@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 TORN = 1.5, 0.3  # neighbours further apart or closer than this many spacings do not hold together
+APART = 1.6  # spacings between layers that are no neighbours, such as those of bars
 # corners of a face as signs along the two other axes, in an order that goes round it
 RING = ((-1, -1), (1, -1), (1, 1), (-1, 1))
 
@@ -75,15 +76,20 @@ def skin_of(
 
 
 def find_lattice(rest: np.ndarray, spacing: float) -> Lattice | None:
-    """Lattice of the unloaded particles; None if two of them share a place."""
+    """Lattice of the unloaded particles; None if two of them share a place.
+
+    Parts of a body that stand apart, such as bars, have empty places between them.
+    """
     low, step = np.empty(3), np.empty(3)
     place = np.empty(rest.shape, int)
     for d in range(3):
-        levels = np.sort(rest[:, d])
-        starts = levels[np.concatenate([[True], np.diff(levels) > 0.4 * spacing])]
-        low[d] = levels[0]
-        step[d] = np.median(np.diff(starts)) if len(starts) > 1 else spacing
-        place[:, d] = np.rint((rest[:, d] - low[d]) / step[d]).astype(int) + 1
+        starts = _levels(rest[:, d], spacing)
+        gaps = np.diff(starts)
+        beside = gaps < APART * spacing
+        low[d], step[d] = starts[0], layer_step(rest[:, d], spacing)
+        jumps = np.maximum(np.rint(gaps / step[d]).astype(int), np.where(beside, 1, 2))
+        number = 1 + np.concatenate([[0], np.cumsum(jumps)])
+        place[:, d] = number[np.searchsorted(starts, rest[:, d], side="right") - 1]
     shape = place.max(axis=0) + 2
     if np.prod(shape.astype(float)) > max(50 * len(rest), 1e6):
         return None
@@ -92,6 +98,19 @@ def find_lattice(rest: np.ndarray, spacing: float) -> Lattice | None:
     if np.count_nonzero(grid >= 0) < len(rest):
         return None
     return Lattice(grid, place, step, low)
+
+
+def _levels(places: np.ndarray, spacing: float) -> np.ndarray:
+    """First coordinate of each layer of particles along an axis."""
+    places = np.sort(places)
+    return places[np.concatenate([[True], np.diff(places) > 0.4 * spacing])]
+
+
+def layer_step(places: np.ndarray, spacing: float) -> float:
+    """Distance of neighbouring layers along an axis [m]: the spacing where there are none."""
+    gaps = np.diff(_levels(places, spacing))
+    gaps = gaps[gaps < APART * spacing]
+    return float(np.median(gaps)) if len(gaps) else spacing
 
 
 def neighbour(lattice: Lattice, axis: int, side: int) -> np.ndarray:

@@ -50,7 +50,8 @@ def record(folders):
         heads += [f"{name}[J]" for name in SHARES] + ["error[-]"]
         append(ENERGIES, heads, rows)
         found = measure_perforation(load_plate(run, run.frames[-1], "plate"))
-        holes = [found.through, found.layers[-1], found.layers[0]]
+        widest = found.widest
+        holes = [widest.through, widest.layers[-1], widest.layers[0]]
         values = [f"{1e3 * o.diameter:.3f}" for h in holes for o in (h.seen, h.pushed)]
         heads = ["spacing[mm]", "time[us]", "through[mm]", "through_pushed[mm]"]
         heads += ["front[mm]", "front_pushed[mm]", "back[mm]", "back_pushed[mm]"]

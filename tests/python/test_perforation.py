@@ -3,6 +3,7 @@
 
 import json
 import math
+import re
 import sys
 from pathlib import Path
 
@@ -18,9 +19,11 @@ from post.__main__ import main  # noqa: E402
 from post.deflection import displacement_table, measure_deflection  # noqa: E402
 from post.errors import PostError  # noqa: E402
 from post.fragments import pieces  # noqa: E402
+from post.hole_picture import draw_cut, draw_perforation  # noqa: E402
 from post.perforation import load_plate, measure_perforation  # noqa: E402
 from post.reader import Run  # noqa: E402
 from post.report import make_report  # noqa: E402
+from post.style import plt  # noqa: E402
 
 SIDE, THICK, SPACING = 0.03, 0.0024, 4e-4
 
@@ -97,11 +100,11 @@ def test_round_hole(tmp_path, radius):
     made = Made()
     made.fling(made.within(radius))
     found = made.measure(tmp_path)
-    hole = found.through.seen
+    hole = found.widest.through.seen
     assert hole.area == pytest.approx(area_of(radius, made), rel=1e-9)
     assert hole.diameter == pytest.approx(2 * radius, abs=0.5 * SPACING)
     assert hole.middle == pytest.approx([0, 0], abs=1e-6)
-    assert found.through.pushed.area == hole.area
+    assert found.widest.through.pushed.area == hole.area
     assert found.loose == pytest.approx(made.within(radius).mean())
 
 
@@ -110,7 +113,7 @@ def test_hole_converges_with_the_spacing(tmp_path, spacing):
     made = Made(spacing=spacing)
     centre = (1.31e-3, -0.77e-3)
     made.fling(made.within(3e-3, centre))
-    hole = made.measure(tmp_path).through.seen
+    hole = made.measure(tmp_path).widest.through.seen
     assert hole.diameter == pytest.approx(6e-3, abs=0.5 * spacing)
     assert hole.middle == pytest.approx(centre, abs=0.5 * spacing)
 
@@ -121,7 +124,7 @@ def test_hole_in_a_bent_and_stretched_plate(tmp_path):
     x, y, z = made.x.T
     made.move = np.stack([0.03 * x - 40 * z * x, 0.02 * y + 0.01 * x, 20 * (x**2 + y**2)], 1)
     made.fling(gone)
-    hole = made.measure(tmp_path).through.seen
+    hole = made.measure(tmp_path).widest.through.seen
     stretched = area_of(3e-3, made) * 1.03 * 1.02
     assert hole.area == pytest.approx(stretched, rel=0.06)  # the bending narrows it on one side
     assert hole.diameter == pytest.approx(6e-3 * math.sqrt(1.03 * 1.02), abs=0.5 * SPACING)
@@ -132,7 +135,7 @@ def test_particles_cover_what_their_neighbours_leave_them(tmp_path):
     gone = made.within(3e-3)
     made.move[:, 0] = 0.3 * made.x[:, 0]
     made.fling(gone)
-    hole = made.measure(tmp_path).through.seen
+    hole = made.measure(tmp_path).widest.through.seen
     assert hole.area == pytest.approx(area_of(3e-3, made) * 1.3, rel=0.015)
 
 
@@ -144,10 +147,52 @@ def test_quarter_is_the_whole(tmp_path):
         made.fling(made.within(3.1e-3))
         found.append(made.measure(tmp_path / str(quarter)))
     whole, part = found
-    assert part.through.seen.area == pytest.approx(whole.through.seen.area, rel=1e-9)
-    assert part.through.pushed.area == pytest.approx(whole.through.pushed.area, rel=1e-9)
-    for name, region in whole.damaged.items():
-        assert part.damaged[name].area == pytest.approx(region.area, rel=1e-5)
+    assert part.widest.through.seen.area == pytest.approx(whole.widest.through.seen.area, rel=1e-9)
+    assert part.widest.through.pushed.area == pytest.approx(
+        whole.widest.through.pushed.area, rel=1e-9
+    )
+    for name, region in whole.widest.damaged.items():
+        assert part.widest.damaged[name].area == pytest.approx(region.area, rel=1e-5)
+
+
+@pytest.mark.parametrize("quarter", [False, True])
+def test_every_hole_is_found(tmp_path, quarter):
+    """One hole in the middle, four that are images of each other, and one that is cut in halves."""
+    made = Made(quarter, 4e-4)
+    places = {(0.0, 0.0): 3.1e-3, (8e-3, 8e-3): 2.4e-3, (9e-3, 0.0): 1.7e-3}
+    for (x, y), radius in places.items():
+        for sx in (1, -1):
+            for sy in (1, -1):
+                made.fling(made.within(radius, (sx * x, sy * y)))
+    holes = made.measure(tmp_path).holes
+    found = {tuple(np.round(hole.middle, 5) + 0.0): hole for hole in holes}
+    images = {(0.0, 0.0): 1, (8e-3, 8e-3): 4, (9e-3, 0.0): 2}
+    assert len(holes) == (3 if quarter else 7)
+    for place, radius in places.items():
+        near = min(found, key=lambda at: math.dist(at, place))
+        assert math.dist(near, place) < 2e-4
+        assert found[near].through.seen.diameter == pytest.approx(2 * radius, abs=2e-4)
+        assert all(layer.seen.area > 0 for layer in found[near].layers)
+        assert found[near].copies == (images[place] if quarter else 1)
+
+
+def test_the_cut_goes_through_the_hole_it_names(tmp_path):
+    made = Made(quarter=True)
+    made.fling(made.within(2e-3, (8e-3, 8e-3)))
+    found = made.measure(tmp_path)
+    x, y = found.widest.middle
+    (picture,) = draw_perforation(found, tmp_path)
+    assert (
+        f"at ({1e3 * x:.3g}, {1e3 * y:.3g}) mm in x, y (4 of them in the whole)" in picture.caption
+    )
+    axis = plt.figure().add_subplot()
+    draw_cut(axis, found, (found.widest.middle, 4e-3))
+    drawn = np.concatenate([dots.get_offsets() for dots in axis.collections])
+    here = np.abs(drawn[:, 1]) < 3  # on the plate [mm]
+    assert not (np.abs(drawn[here, 0] - 1e3 * x) < 1.8).any() and here.sum() > 100
+    level = float(re.search(r"at y = (\S+) mm", axis.get_title(loc="left"))[1])
+    assert level == pytest.approx(1e3 * y, abs=0.21)
+    plt.close(axis.figure)
 
 
 def test_debris_in_the_hole_hides_nothing(tmp_path):
@@ -157,7 +202,7 @@ def test_debris_in_the_hole_hides_nothing(tmp_path):
     made.fling(hole)
     made.move[piece] = [0, 0, -2.5 * THICK]  # a plug that hangs together, seen through the hole
     found = made.measure(tmp_path)
-    assert found.through.seen.area == pytest.approx(area_of(3e-3, made), rel=1e-9)
+    assert found.widest.through.seen.area == pytest.approx(area_of(3e-3, made), rel=1e-9)
 
 
 def test_broken_fibres_count_apart(tmp_path):
@@ -165,17 +210,19 @@ def test_broken_fibres_count_apart(tmp_path):
     made.broken = made.within(5e-3)
     made.fling(made.within(3e-3))
     found = made.measure(tmp_path)
-    assert found.through.seen.area == pytest.approx(area_of(3e-3, made), rel=1e-9)
-    assert found.through.pushed.area == pytest.approx(area_of(5e-3, made), rel=1e-9)
-    assert found.damaged["fibres broken"].area == pytest.approx(area_of(5e-3, made), rel=1e-5)
+    assert found.widest.through.seen.area == pytest.approx(area_of(3e-3, made), rel=1e-9)
+    assert found.widest.through.pushed.area == pytest.approx(area_of(5e-3, made), rel=1e-9)
+    assert found.widest.damaged["fibres broken"].area == pytest.approx(
+        area_of(5e-3, made), rel=1e-5
+    )
 
 
 def test_hole_by_ply(tmp_path):
     made = Made()
     made.fling(made.within(2e-3 + 4e-4 * np.abs(made.layer - 3)))
     found = made.measure(tmp_path)
-    assert found.through.seen.area == pytest.approx(area_of(2e-3, made), rel=1e-9)
-    for k, hole in enumerate(found.layers):
+    assert found.widest.through.seen.area == pytest.approx(area_of(2e-3, made), rel=1e-9)
+    for k, hole in enumerate(found.widest.layers):
         radius = 2e-3 + 4e-4 * abs(k - 2)
         assert hole.seen.area == pytest.approx(area_of(radius, made), rel=1e-9)
 
@@ -187,9 +234,11 @@ def test_no_hole(tmp_path):
     made.move[:, 0] = np.sign(x) * crack * SPACING  # open by 0.7 of a spacing in the middle
     made.broken = made.within(1e-3) & (made.layer == 1)
     found = made.measure(tmp_path)
-    assert found.through.seen.area == 0 and found.through.pushed.area == 0
+    assert found.widest.through.seen.area == 0 and found.widest.through.pushed.area == 0
     assert found.loose == 0
-    assert found.damaged["fibres broken"].area == pytest.approx(area_of(1e-3, made), rel=1e-5)
+    assert found.widest.damaged["fibres broken"].area == pytest.approx(
+        area_of(1e-3, made), rel=1e-5
+    )
 
 
 def test_command_and_report(tmp_path, capsys):
@@ -201,7 +250,7 @@ def test_command_and_report(tmp_path, capsys):
     assert "through the plate" in text and (tmp_path / "report" / "hole_plate.png").is_file()
     assert main(["hole", str(tmp_path), "--body", "absent"]) == 2
     page, text = make_report(run)
-    assert "Hole in plate" in text and "Hole in plate" in page.read_text()
+    assert "Holes in plate" in text and "Hole in plate" in page.read_text()
 
 
 def test_plate_must_be_a_box_on_a_lattice(tmp_path):

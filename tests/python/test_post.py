@@ -3,6 +3,7 @@
 
 import csv
 import math
+import re
 import sys
 from decimal import Decimal
 from pathlib import Path
@@ -419,7 +420,8 @@ def test_the_plate_is_seen_whole_and_damaged(report):
 def test_the_page_needs_nothing_else(report):
     page = (report / "report.html").read_text()
     assert page.count("data:image/png;base64,") == len(PICTURES)
-    assert "<script" not in page and "http" not in page.replace("http-equiv", "")
+    text = re.sub(r"data:image/png;base64,[^\"]*", "", page)
+    assert "<script" not in text and "http" not in text.replace("http-equiv", "")
     for text in ("Synthetic blast on a plate", "Kingery-Bulmash", "Chen et al.", "&amp;charge"):
         assert text in page
 
