@@ -36,6 +36,8 @@ class Deck:
             parsed = f90nml.reads(text)
         except Exception as error:  # the parser has no exception of its own
             raise PostError(f"{name}: is not a namelist deck: {error}", USAGE) from error
+        if not any(key.lower() == "run" for key in parsed):
+            raise PostError(f"{name}: is not a namelist deck: it has no group &run", USAGE)
         self.text = text
         self._groups: dict[str, list[dict[str, Any]]] = {}
         for key, value in parsed.items():

@@ -12,3 +12,7 @@ class PostError(Exception):
     def __init__(self, message: str, code: int = INPUT_OUTPUT):
         super().__init__(message)
         self.code = code
+
+
+class DamagedError(PostError):
+    """A dump that cannot be read: cut off, overwritten, or no HDF5 at all."""

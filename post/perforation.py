@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from post.deck import Body
-from post.errors import USAGE, PostError
+from post.errors import NUMERICAL, USAGE, PostError
 from post.fragments import largest_piece
 from post.raster import FINE, Opening, Raster, openings, region_of, regions
 from post.reader import Frame, Run
@@ -110,6 +110,8 @@ def load_plate(run: Run, frame: Frame, name: str | None = None) -> Plate:
     own = np.flatnonzero(solid.field["body"] == body.number)
     if not len(own):
         raise PostError(f"body '{body.id}' has no particles in this dump")
+    if not solid.known[own].all():
+        raise PostError(f"body '{body.id}': places of particles are not finite", NUMERICAL)
     points = solid.points[own]
     field = {key: values[own] for key, values in solid.field.items()}
     lattice = find_lattice(points - field["displacement"], body.spacing)

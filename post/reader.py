@@ -23,10 +23,11 @@ import h5py
 import numpy as np
 
 from post.deck import Deck
-from post.errors import NUMERICAL, USAGE, PostError
+from post.errors import INPUT_OUTPUT, NUMERICAL, USAGE, DamagedError, PostError
 from post.history import History, read_history
 
 SCHEMA = 1  # newest layout of the HDF5 files that this reader knows
+SEEN = {"air": ("pressure",), "solid": ("displacement", "damage")}  # what pictures need
 HISTORIES = ("energy", "gauges", "bodies")
 
 
@@ -52,6 +53,14 @@ class Particles:
     time: float  # [s]
     points: np.ndarray
     field: dict[str, np.ndarray]
+
+    @property
+    def known(self) -> np.ndarray:
+        """Whether places and displacements, if they were read, are finite, shape (n)."""
+        known = np.isfinite(self.points).all(axis=1)
+        if "displacement" in self.field:
+            known &= np.isfinite(self.field["displacement"]).all(axis=1)
+        return known
 
 
 @dataclass(frozen=True)
@@ -108,6 +117,9 @@ class Run:
         self.frames = _list_frames(self.folder)
         if not self._history and not self.frames:
             raise PostError(f"{self.folder}: holds no results of a run (no dumps, no histories)")
+        self.damaged: list[str] = []  # dumps that were left out, one sentence for each
+        self._wild: list[str] = []
+        self._notes: list[str] = []
         self.about = self._read_about()
         self.deck = self._read_deck()
         self.job = str(self.about.get("job") or self._echo_name() or self.folder.name)
@@ -156,12 +168,12 @@ class Run:
                     found.append(f"{history.path.name}: '{name}' is not finite at t = {when:g} s")
         if self.frames:
             found += _not_finite_in(self.frames[-1])
-        return found
+        return list(dict.fromkeys(found + self._wild))
 
     @cached_property
     def problems(self) -> list[str]:
         """What is not as it should be, as sentences for the user."""
-        found = list(self.not_finite)
+        found = self.not_finite + self.damaged + self._notes
         for name in HISTORIES:
             if name not in self._history and name in self._expected():
                 found.append(f"{name}.csv is missing")
@@ -177,7 +189,24 @@ class Run:
     @property
     def exit_code(self) -> int:
         """0, or the code of the worst thing that was found in the results."""
-        return NUMERICAL if self.not_finite else 0
+        return NUMERICAL if self.not_finite else INPUT_OUTPUT if self.damaged else 0
+
+    def leave_out_damaged(self) -> None:
+        """Look at every dump: those that cannot be read, or that hold zeros, are left out of
+        `frames` and named in `damaged`; values that are not finite become problems.
+        """
+        sound = []
+        for frame in self.frames:
+            try:
+                faults = _zeros_in(frame)
+                self._wild += _not_finite_in(frame, SEEN)
+            except DamagedError as error:
+                faults = [str(error)]
+            self.damaged += [f"{fault}; it is left out" for fault in faults]
+            sound += [] if faults else [frame]
+        self.frames = sound
+        self.__dict__.pop("not_finite", None)  # found again when asked for
+        self.__dict__.pop("problems", None)
 
     def _expected(self) -> set[str]:
         """Histories that a run with this deck writes."""
@@ -201,13 +230,16 @@ class Run:
         return echoes[0].name.removesuffix(".echo.nml") if len(echoes) == 1 else ""
 
     def _read_about(self) -> dict:
-        """Attributes of the last dump: version, commit, deck, schema and so on."""
-        if not self.frames:
-            return {}
-        frame = self.frames[-1]
-        path = frame.solid_path or frame.air_path
-        with _open(path, "dump") as file:
-            return _about(file)
+        """Attributes of the last dump that can be read: version, commit, deck, schema and so on."""
+        for frame in reversed(self.frames):
+            try:
+                with _open(frame.solid_path or frame.air_path, "dump") as file:
+                    return _about(file)
+            except DamagedError as error:
+                fault = error
+        if self.frames:
+            raise fault
+        return {}
 
     def _read_deck(self) -> Deck:
         """The complete deck, from the echo of this run, or else from a dump."""
@@ -216,7 +248,13 @@ class Run:
         if own in echoes:
             echoes = [own]
         if len(echoes) == 1:
-            return Deck(echoes[0].read_text(encoding="utf-8"), str(echoes[0]))
+            try:
+                text = echoes[0].read_text(encoding="utf-8", errors="replace")
+                return Deck(text, str(echoes[0]))
+            except (OSError, PostError) as error:
+                if not self.about.get("deck"):
+                    raise PostError(f"{echoes[0]}: cannot be read: {error}", USAGE) from error
+                self._notes.append(f"{echoes[0].name} cannot be read: the deck is that of a dump")
         if self.about.get("deck"):
             return Deck(self.about["deck"], "the deck in the dumps")
         if echoes:
@@ -225,14 +263,32 @@ class Run:
         raise PostError(f"{self.folder}: the deck of the run (<job>.echo.nml) is missing")
 
 
-def _not_finite_in(frame: Frame) -> list[str]:
+def _not_finite_in(frame: Frame, some: dict[str, tuple] | None = None) -> list[str]:
+    """Fields that are not finite, among all or among `some` of 'air' and of 'solid'."""
     found = []
-    for path, load in ((frame.air_path, frame.air), (frame.solid_path, frame.solid)):
+    for kind, path in (("air", frame.air_path), ("solid", frame.solid_path)):
         if path is None:
             continue
-        for name, values in load().field.items():
+        load = frame.air if kind == "air" else frame.solid
+        dump = load(*(some[kind] if some else ()))
+        fields = dump.field | ({"Points": dump.points} if kind == "solid" else {})
+        for name, values in fields.items():
             if not np.isfinite(values).all():
                 found.append(f"{path.name}: '{name}' is not finite at t = {frame.time:g} s")
+    return found
+
+
+def _zeros_in(frame: Frame) -> list[str]:
+    """Dumps of a time that hold nothing but zeros where there must be something."""
+    found = []
+    for path, load, name in (
+        (frame.air_path, frame.air, "pressure"),
+        (frame.solid_path, frame.solid, "id"),
+    ):
+        if path is not None:
+            values = load(name).field[name]
+            if values.size and not values.any():
+                found.append(f"{path}: '{name}' is zero throughout")
     return found
 
 
@@ -290,7 +346,7 @@ def _open(path: Path | None, kind: str) -> Iterator[h5py.File]:
                 )
             yield file
     except (KeyError, OSError) as error:
-        raise PostError(f"{path}: is damaged or not HDF5: {error}") from error
+        raise DamagedError(f"{path}: is damaged or not HDF5: {error}") from error
 
 
 def _about(file: h5py.File) -> dict:

@@ -32,6 +32,7 @@ def make_report(run: Run, given_references: str | Path | None = None) -> tuple[P
     Returns the path of the page and the tables as text for the terminal. A picture that cannot be
     made is replaced by the reason; only an unreadable run or reference file is a PostError.
     """
+    run.leave_out_damaged()
     path = find_references(run, given_references)
     references = read_references(path) if path else []
     folder = run.folder / "report"
@@ -78,6 +79,9 @@ def _draw_all(run: Run, references: list, folder: Path) -> tuple[list[Picture], 
             drawn = draw()
         except PostError as error:
             failures.append(f"no picture of the {name}: {error}")
+            continue
+        except (ArithmeticError, LookupError, ValueError) as error:
+            failures.append(f"no picture of the {name}: {type(error).__name__}: {error}")
             continue
         if drawn is not None:
             pictures += drawn if isinstance(drawn, list) else [drawn]

@@ -30,6 +30,7 @@ from post.style import (
     DPI,
     WIDTH,
     Picture,
+    highest,
     linear_bar,
     pressure_bar,
     pressure_colours,
@@ -79,7 +80,7 @@ def draw_blast(run: Run, folder: Path, frame: Frame | None = None) -> Picture:
         raise PostError("a scene of one or two dimensions is not rendered")
     cut = choose_cut(run.deck, air.cells)
     solids = gather_solids(run, frame, 1.0) if frame.solid_path else None
-    colours = pressure_colours(run.deck.ambient, float(air.field["pressure"].max()))
+    colours = pressure_colours(run.deck.ambient, highest(air.field["pressure"]))
     tints = tints_of(run.deck)
     paint = None if solids is None else tints.paint(solids.damage, solids.body)
     pressure = (colours, run.deck.ambient)
@@ -143,15 +144,16 @@ def gather_solids(run: Run, frame: Frame, magnification: float | None = None) ->
     """
     solid = frame.solid("displacement", "body", "damage")
     move, mirrors = solid.field["displacement"].astype(float), run.deck.mirrors
-    distance = np.linalg.norm(move, axis=1)
+    known = solid.known
+    distance = np.where(known, np.linalg.norm(move, axis=1), 0.0)
     if magnification is None:
-        extent = np.ptp(mirrored(solid.points, mirrors), axis=0)
+        extent = np.ptp(mirrored(solid.points[known], mirrors), axis=0)
         magnification = magnification_for(
             float(extent.max(initial=0.0)), float(distance.max(initial=0.0))
         )
     corners, face, points, point, size = [np.zeros((0, 4, 3))], [], [np.zeros((0, 3))], [], 0.0
     for body in run.deck.bodies():
-        own = np.flatnonzero(solid.field["body"] == body.number)
+        own = np.flatnonzero((solid.field["body"] == body.number) & known)
         skin = skin_of(solid.points[own], move[own], body.spacing, mirrors, magnification)
         if skin is not None:
             corners.append(mirrored(skin.corners, mirrors))
@@ -184,7 +186,13 @@ def _frame_of_reflection(run: Run) -> Frame:
 
 def _frame_of_largest_displacement(run: Run) -> Frame:
     frames = [frame for frame in run.frames if frame.solid_path]
-    return max(frames, key=lambda f: np.abs(f.solid("displacement").field["displacement"]).max())
+    return max(frames, key=_farthest)
+
+
+def _farthest(frame: Frame) -> float:
+    """Largest component of a displacement [m]."""
+    solid = frame.solid("displacement")
+    return float(np.abs(solid.field["displacement"][solid.known]).max(initial=0.0))
 
 
 def _elevation(deck: Deck) -> float:

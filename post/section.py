@@ -18,6 +18,7 @@ from post.style import (
     GREY,
     WIDTH,
     Picture,
+    highest,
     linear_bar,
     pressure_bar,
     pressure_colours,
@@ -45,7 +46,7 @@ def draw_sheet(run: Run, folder: Path, frame: Frame | None = None, count: int = 
     tints = tints_of(run.deck)
     bodies = [_cut_bodies(run, one, cut, tints) for one in frames]
     view = _view(run, airs[0], bodies, cut)
-    top = max((float(a.field["pressure"].max()) for a in airs if a), default=0.0)
+    top = max((highest(a.field["pressure"]) for a in airs if a), default=0.0)
     colours = pressure_colours(run.deck.ambient, top)
     strips = any(len(quads) for quads, *_ in bodies)
     figure, axes = _layout(len(frames), view, tints if strips else None)

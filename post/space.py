@@ -85,10 +85,10 @@ def particles_in(cut: Cut, run: Run, solid: Particles) -> np.ndarray:
     A particle reaches half a step of its lattice to both sides, and a little more.
     """
     away = np.abs(solid.points[:, cut.normal] - cut.level)
-    rest = solid.points - solid.field["displacement"]
+    rest, known = solid.points - solid.field["displacement"], solid.known
     found = []
     for body in run.deck.bodies():
-        own = np.flatnonzero(solid.field["body"] == body.number)
+        own = np.flatnonzero((solid.field["body"] == body.number) & known)
         if len(own):
             step = layer_step(rest[own, cut.normal], body.spacing)
             found.append(own[away[own] <= REACH * step])

@@ -74,6 +74,12 @@ class Picture:
     caption: str
 
 
+def highest(values: np.ndarray) -> float:
+    """Largest finite value; 0 if there is none."""
+    finite = values[np.isfinite(values)]
+    return float(finite.max(initial=0.0))
+
+
 def pressure_colours(ambient: float, top: float) -> ScalarMappable:
     """Logarithmic colours from a tenth of the ambient pressure to the largest shown [Pa]."""
     norm = LogNorm(0.1 * ambient, max(top, 1.5 * ambient))

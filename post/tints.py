@@ -16,6 +16,7 @@ from post.deck import Body, Deck
 from post.style import DAMAGE
 
 TINTS = ("#d5dbe1", "#e9cf95", "#b5d3a6", "#e6b3a6", "#c5b8e0", "#a9d6df", "#e0c3d4", "#cfd08f")
+UNKNOWN = "#ff00ff"  # damage that is not finite
 FADED = 0.25  # damage from which the scale alone is shown
 
 
@@ -31,8 +32,11 @@ class Tints:
         place = np.array([self.of_body.get(int(b), 0) for b in np.unique(body)], int)
         pale = np.array([to_rgb(tint) for tint in TINTS])[place]
         pale = pale[np.searchsorted(np.unique(body), body)]
+        known = np.isfinite(damage)
+        damage = np.clip(np.where(known, damage, 0.0), 0, 1)
         rest = np.clip(1 - damage / FADED, 0, 1)[:, None]
-        return rest * pale + (1 - rest) * DAMAGE(np.clip(damage, 0, 1))[:, :3]
+        mixed = rest * pale + (1 - rest) * DAMAGE(damage)[:, :3]
+        return np.where(known[:, None], mixed, to_rgb(UNKNOWN))
 
     @property
     def height(self) -> float:
