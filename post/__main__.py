@@ -43,6 +43,13 @@ def _parser() -> argparse.ArgumentParser:
         "--time", type=float, metavar="T", help="time [s]; the nearest dump is drawn"
     )
     frame.add_argument("--view", choices=VIEWS, default="blast", help="what is drawn")
+    frame.add_argument("--body", metavar="ID", help="map of a field on the faces of this body")
+    frame.add_argument(
+        "--face", metavar="FACE", help="x-, x+, y-, y+, z- or z+ (default: both of the thin side)"
+    )
+    frame.add_argument(
+        "--field", metavar="NAME", default="damage", help="such as damage, stress:xx, velocity:z"
+    )
     hole = commands.add_parser("hole", help="the holes in a plate that was hit")
     hole.set_defaults(command=_hole)
     hole.add_argument("folder", metavar="OUTDIR", help="folder that a run has written")
@@ -78,6 +85,10 @@ def _frame(options: argparse.Namespace) -> int:
     from post.section import draw_sheet  # noqa: PLC0415
 
     run = Run(options.folder)
+    if options.body is not None:
+        return _faces(run, options)
+    if options.face is not None:
+        raise PostError("--face: name the body too (--body ID)", USAGE)
     frame = _frame_of(run, options.time)
     draw = {"blast": draw_blast, "bodies": draw_bodies, "cut": draw_sheet}[options.view]
     folder = Path(options.folder) / "report"
@@ -87,16 +98,37 @@ def _frame(options: argparse.Namespace) -> int:
     return 0
 
 
+def _faces(run: Run, options: argparse.Namespace) -> int:
+    """A field on one face of a body, or on the two across its thinnest side."""
+    from post.face import draw_faces, face_map, thin_faces  # noqa: PLC0415
+
+    frame = _solid_frame(run, options)
+    faces = (options.face,) if options.face else thin_faces(run, options.body)
+    maps = [face_map(run, frame, options.body, face, options.field) for face in faces]
+    folder = Path(options.folder) / "report"
+    folder.mkdir(exist_ok=True)
+    end = f"_{options.face}" if options.face else ""
+    name = f"face_{options.body}{end}_{options.field.replace(':', '_')}.png"
+    picture = draw_faces(maps, folder / name)
+    print(f"{picture.path}: {picture.caption}")
+    return 0
+
+
+def _solid_frame(run: Run, options: argparse.Namespace) -> Frame:
+    """The dump of the solid nearest to --time, or the last one."""
+    frames = [frame for frame in run.frames if frame.solid_path]
+    if not frames:
+        raise PostError(f"{options.folder}: there are no dumps of the solid")
+    return _frame_of(run, options.time) or frames[-1]
+
+
 def _hole(options: argparse.Namespace) -> int:
     from post.hole_picture import draw_perforation, hole_table  # noqa: PLC0415
     from post.perforation import load_plate, measure_perforation  # noqa: PLC0415
     from post.report import as_text  # noqa: PLC0415
 
     run = Run(options.folder)
-    frames = [frame for frame in run.frames if frame.solid_path]
-    if not frames:
-        raise PostError(f"{options.folder}: there are no dumps of the solid")
-    frame = _frame_of(run, options.time) or frames[-1]
+    frame = _solid_frame(run, options)
     found = measure_perforation(load_plate(run, frame, options.body))
     print(as_text(hole_table(found)))
     folder = Path(options.folder) / "report"

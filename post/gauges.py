@@ -40,14 +40,18 @@ class Expected:
     angle: float  # of incidence on the surface [rad]; 0 if not reflected
     peak: float  # [Pa]
     impulse: float  # [Pa s]
+    shape: str = "sphere"  # of the charge; the curves are those of a sphere of the same mass
 
     @property
     def label(self) -> str:
-        """'reflected' or 'incident', with the angle where the blast does not arrive squarely."""
-        if not self.reflected:
-            return "incident"
+        """'reflected' or 'incident', with the angle where the blast does not arrive squarely, and
+        a word where the charge is no sphere.
+        """
         degrees = math.degrees(self.angle)
-        return "reflected" if degrees < 1 else f"reflected at {degrees:.0f} deg"
+        text = "incident"
+        if self.reflected:
+            text = "reflected" if degrees < 1 else f"reflected at {degrees:.0f} deg"
+        return text if self.shape == "sphere" else f"{text}, sphere of equal mass"
 
 
 def list_gauges(run: Run) -> list[Gauge]:
@@ -90,14 +94,16 @@ def measure(run: Run, gauge: Gauge) -> Pulse:
 def expect(deck: Deck, gauge: Gauge) -> Expected | None:
     """Kingery-Bulmash values for a pressure gauge.
 
-    None where they do not apply: not exactly one spherical charge of TNT at sea level, a gauge
-    behind a body, a scaled distance outside the curves. A gauge within two cells of the face of a
-    box-shaped body or of a wall that looks at the charge gets the reflected values of that face.
+    None where they do not apply: not exactly one charge of TNT at sea level, a gauge behind a
+    body, a scaled distance outside the curves. A charge that is no sphere gets the values of a
+    sphere of the same mass about the same centre, and the label says so. A gauge within two cells
+    of the face of a box-shaped body or of a wall that looks at the charge gets the reflected
+    values of that face.
     """
     charge = _only_charge(deck)
     if charge is None or gauge.at is None or gauge.quantity not in PRESSURES:
         return None
-    mass, centre = charge
+    mass, centre, shape = charge
     place, angle = gauge.at, 0.0
     surface = _surface_near(deck, gauge.at, centre)
     if surface is not None:
@@ -112,13 +118,13 @@ def expect(deck: Deck, gauge: Gauge) -> Expected | None:
     peak, impulse = blast.incident_overpressure, blast.incident_impulse
     if surface is not None:
         peak, impulse = blast.on_surface(angle)
-    return Expected(blast, distance, mass, surface is not None, angle, peak, impulse)
+    return Expected(blast, distance, mass, surface is not None, angle, peak, impulse, shape)
 
 
-def _only_charge(deck: Deck) -> tuple[float, np.ndarray] | None:
-    """Mass [kg] and centre [m] of a charge to which the curves apply."""
+def _only_charge(deck: Deck) -> tuple[float, np.ndarray, str] | None:
+    """Mass [kg], centre [m] and shape of a charge to which the curves apply."""
     charges = deck.groups("charge")
-    if len(charges) != 1 or charges[0].get("shape", "sphere") != "sphere":
+    if len(charges) != 1:
         return None
     charge = charges[0]
     centre = np.array((as_list(charge.get("at")) + [0.0] * 3)[:3], float)
@@ -127,7 +133,7 @@ def _only_charge(deck: Deck) -> tuple[float, np.ndarray] | None:
     sea_level = abs(deck.ambient / 101325.0 - 1) < 0.05
     if not (on_planes and three and sea_level) or charge.get("explosive", "tnt") != "tnt":
         return None
-    return float(charge.get("mass") or math.nan), centre
+    return float(charge.get("mass") or math.nan), centre, str(charge.get("shape", "sphere"))
 
 
 def _surface_near(deck: Deck, at: np.ndarray, centre: np.ndarray):

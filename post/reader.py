@@ -92,6 +92,15 @@ class Frame:
             field = _fields(root, "PointData", names, self.solid_path)
         return Particles(self.time, points, field)
 
+    def unit_of(self, kind: str, name: str) -> str:
+        """Unit of a field of the dump 'air' or 'solid', '-' where the dump does not say."""
+        path, place = (
+            (self.air_path, "CellData") if kind == "air" else (self.solid_path, "PointData")
+        )
+        with _open(path, kind) as file:
+            unit = file["VTKHDF"][place][name].attrs.get("units", b"-")
+        return unit.decode() if isinstance(unit, bytes) else str(unit)
+
     def mesh(self, kind: str):
         """The dump 'air' or 'solid' as pyvista reads it."""
         import pyvista  # noqa: PLC0415 (takes a second, and only pictures need it)

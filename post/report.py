@@ -14,16 +14,20 @@ from post.compare import Comparison, compare, find_references, read_references
 from post.deflection import displacement_table
 from post.energy_picture import draw_energy
 from post.errors import PostError
+from post.face import draw_damaged_faces
 from post.gauge_picture import draw_gauges
 from post.gauges import measure, pressure_gauges
 from post.hole_picture import draw_perforation, hole_table
 from post.motion_picture import draw_motion
 from post.page import PAGE
 from post.perforation import LEAST, load_plate, measure_perforation
-from post.reader import Run
+from post.reader import Frame, Run
 from post.style import Picture
 from post.tables import Table, as_text
 from post.units import show
+
+
+MOST_BODIES = 12  # that are described one by one
 
 
 def make_report(run: Run, given_references: str | Path | None = None) -> tuple[Path, str]:
@@ -58,7 +62,7 @@ def make_report(run: Run, given_references: str | Path | None = None) -> tuple[P
 
 def _draw_all(run: Run, references: list, folder: Path) -> tuple[list[Picture], list[str]]:
     """All pictures, and a sentence for each that could not be made."""
-    from post.scene import draw_blast, draw_bodies  # noqa: PLC0415 (renders, slow to load)
+    from post.scene import LITTLE_DAMAGE, draw_blast, draw_bodies  # noqa: PLC0415 (renders, slow to load)
     from post.section import draw_sheet  # noqa: PLC0415
 
     has_air = any(frame.air_path for frame in run.frames)
@@ -67,6 +71,7 @@ def _draw_all(run: Run, references: list, folder: Path) -> tuple[list[Picture], 
         ("blast", has_air, lambda: draw_blast(run, folder)),
         ("cut", has_air or has_solid, lambda: draw_sheet(run, folder)),
         ("bodies", has_solid, lambda: draw_bodies(run, folder)),
+        ("faces", has_solid, lambda: draw_damaged_faces(run, folder, LITTLE_DAMAGE)),
         ("gauges", run.history("gauges") is not None, lambda: draw_gauges(run, references, folder)),
         ("motion", has_solid, lambda: draw_motion(run, references, folder)),
         ("energy", run.history("energy") is not None, lambda: draw_energy(run, folder)),
@@ -175,8 +180,7 @@ def _facts(run: Run) -> str:
         facts["air"] = f"{math.prod(cells):,} cells of {sides} mm".replace(",", " ")
     frame = next((f for f in reversed(run.frames) if f.solid_path), None)
     if frame is not None:
-        count = f"{len(frame.solid('id').points):,}".replace(",", " ")
-        facts["bodies"] = f"{count} particles in " + ", ".join(b.id for b in deck.bodies())
+        facts |= _facts_of_bodies(run, frame)
     for group in deck.groups("charge"):
         facts[f"charge {group.get('id', '')}"] = (
             f"{float(group['mass']):g} kg {group.get('explosive', 'tnt')}, {group.get('shape')}, "
@@ -187,6 +191,23 @@ def _facts(run: Run) -> str:
         facts["symmetry"] = f"planes normal to {planes}: 1/{deck.images} of the scene is modelled"
     rows = "".join(f"<tr><th>{escape(k)}</th><td>{escape(v)}</td></tr>" for k, v in facts.items())
     return f'<table class="facts">{rows}</table>'
+
+
+def _facts_of_bodies(run: Run, frame: Frame) -> dict[str, str]:
+    """What the bodies are made of and how finely; particles of the modelled part."""
+    number = frame.solid("body").field["body"]
+    bodies = run.deck.bodies()
+    facts = {"bodies": f"{len(number):,} particles in {len(bodies)}".replace(",", " ")}
+    for body in bodies[:MOST_BODIES]:
+        model = run.deck.model_of(body.material) or "unknown model"
+        count = f"{int((number == body.number).sum()):,}".replace(",", " ")
+        facts[f"body {body.id}"] = (
+            f"{body.material} ({model}), {1e3 * body.spacing:.3g} mm between particles, {count} of "
+            "them"
+        )
+    if len(bodies) > MOST_BODIES:
+        facts["further bodies"] = ", ".join(body.id for body in bodies[MOST_BODIES:])
+    return facts
 
 
 def _html_table(table: Table) -> str:
