@@ -54,7 +54,7 @@ def draw_material(files: list[Path], picture: Path | None = None) -> Path:
         if panel.get_xscale() == "linear":
             panel.locator_params(axis="x", nbins=5)
         if len(files) == 1 or panel is panels[0, 0]:
-            legend_above(panel, columns=3 if len(files) == 1 else 2)
+            legend_above(panel)
     return save(figure, picture or files[0].with_suffix(".png"))
 
 

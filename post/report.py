@@ -26,7 +26,6 @@ from post.style import Picture
 from post.tables import Table, as_text
 from post.units import show
 
-
 MOST_BODIES = 12  # that are described one by one
 
 

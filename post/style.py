@@ -20,7 +20,7 @@ from post.labels import settle
 
 WIDTH = 7.5  # of a picture [inch]; a page shows it 900 pixels wide
 DPI = 200
-LETTERS = 105  # of a legend that go beside each other
+LETTERS, FULL = 105, 0.775  # letters of a legend beside each other in a panel of this width
 BLUE, RED, GREEN, ORANGE, PURPLE, GREY = (
     "#1f5a93",
     "#b3312c",
@@ -120,7 +120,8 @@ def legend_above(axis) -> None:
     if not handles:
         return
     longest = max(len(label) for label in labels) + 7
-    columns = max(1, min(len(labels), LETTERS // longest))
+    room = LETTERS * axis.get_position().width / FULL
+    columns = max(1, min(len(labels), int(room // longest)))
     place = {"loc": "lower left", "bbox_to_anchor": (-0.01, 0.985), "borderaxespad": 0.2}
     axis.legend(handles, labels, ncols=columns, columnspacing=1.2, handlelength=1.8, **place)
     rows = -(-len(labels) // columns)
