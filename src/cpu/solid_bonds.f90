@@ -4,13 +4,15 @@
 module brz_solid_bonds
     use brz_contact, only: bond_effort, law_bonded
     use brz_gradient, only: moment_terms, outer_terms
-    use brz_solid_gradient_sums, only: at_g, at_x, at_y, n_sum => n_terms
+    use brz_solid_gradient_sums, only: at_g, at_s, at_x, at_y, n_sum => n_terms
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: int64, rk
-    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, viscous_force
+    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, &
+                              most_bent, viscous_force
     use brz_solid_links, only: first_link, is_bonded, last_link, link_body
-    use brz_solid_mirror, only: mirrored, mirrored_row, signs
+    use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, n_terms
+    use brz_solid_single_pairs, only: add_hold
     use brz_solid_state, only: bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
                                n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
                                pair_quadratic, pair_stress, pair_tilt, pair_volume, solid_t, &
@@ -57,7 +59,7 @@ contains
         real(rk), intent(in) :: normal(3) !! of the plies of its body
         real(rk), intent(inout) :: sums(n_sum) !! see brz_solid_gradient_sums
         type(pair_t) :: p
-        real(rk) :: y(3), m(6), g(9), a(9), b(9), w
+        real(rk) :: y(3), m(6), g(9), w
         integer(int64) :: k
 
         do k = first_link(solid%links, i), last_link(solid%links, i)
@@ -66,13 +68,15 @@ contains
             w = solid%volume(p%j)*p%slope
             call tilted_arm(solid%pair(pair_tilt, i), normal, p%dx, p%r, y)
             call moment_terms(w, p%r, m)
-            call outer_terms(w, p%dv, y, g)
-            call outer_terms(w, p%dx, p%r, a)
             sums(:at_g) = sums(:at_g) + m
+            call outer_terms(w, p%dv, y, g)
             sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
-            sums(at_x + 1:at_y) = sums(at_x + 1:at_y) + a
-            call outer_terms(w, p%r, y, b)
-            sums(at_y + 1:) = sums(at_y + 1:) + b
+            call outer_terms(w, p%dx, p%r, g)
+            sums(at_x + 1:at_s) = sums(at_x + 1:at_s) + g
+            call moment_terms(w, p%dx, m)
+            sums(at_s + 1:at_y) = sums(at_s + 1:at_y) + m
+            call outer_terms(w, p%r, y, g)
+            sums(at_y + 1:) = sums(at_y + 1:) + g
         end do
     end subroutine add_bonded_gradients
 
@@ -112,7 +116,7 @@ contains
                                              solid%hold(:, p%j)), own(pair_affine + 1), &
                                              other(pair_affine + 1), p%dx, r, d)
                     else
-                        call hourglass_stiff(y, own(pair_hold) + other(pair_hold), &
+                        call hourglass_stiff(most_bent, y, own(pair_hold) + other(pair_hold), &
                                              own(pair_affine + 1), other(pair_affine + 1), p%dx, &
                                              r, d)
                     end if
@@ -123,6 +127,8 @@ contains
                                            d, heat)
                     drag = drag + d
                     f(at_friction) = f(at_friction) + heat
+                    if (allocated(solid%held)) call add_hold(y, solid%held(:, i), &
+                        mirrored_hold(p%s, solid%held(:, p%j)), p%dx, r, f)
                 end if
             end associate
         end do

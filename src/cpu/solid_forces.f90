@@ -3,24 +3,28 @@
 module brz_solid_forces
     use brz_air_force, only: air_force
     use brz_artificial_stress, only: artificial_none
-    use brz_kernel, only: kernel_scale, kernel_shape, kernel_slope, pair_kernel, smoothing_length
+    use brz_kernel, only: kernel_scale, smoothing_length
     use brz_kinds, only: dp, int32, int64, real32, rk
-    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, stress_force
     use brz_solid_bonds, only: add_bonded_forces
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
                                place_group, place_images
-    use brz_solid_mirror, only: mirrored, mirrored_row, signs
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, &
-                                   n_terms, sum_axial, sum_plain, sum_stiff, sum_viscous, &
-                                   viscosity
+    use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, n_terms, sum_axial, &
+                                   sum_held, sum_plain, sum_stiff, sum_viscous
+    use brz_solid_single_pairs, only: add_artificial, add_pair, visit_pairs
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, is_gone, lanes, n_pair, pair_affine, pair_hold, &
-                               pair_keep, pair_stress, pair_tilt, pair_volume, solid_t, &
-                               worth_threads
-    use brz_tilted_arm, only: tilted_arm, tilted_force
+                               form_total, held_energy, held_stiffness, is_gone, lanes, n_held, &
+                               n_pair, pair_tilt, solid_t, worth_threads
     implicit none
     private
     public :: force_pass, update_sizes
+
+    !> What pass 1 left of particles, as their images have it.
+    type :: rows_t
+        real(rk) :: pair(n_pair, most_images) = 0
+        real(rk) :: held(n_held, most_images) = 0
+        real(real32) :: hold(6, most_images) = 0
+    end type rows_t
 
 contains
 
@@ -42,7 +46,10 @@ contains
         end if
         do k = 1, size(solid%bodies)
             associate (ledger => solid%bodies(k)%ledger)
-                if (solid%bodies(k)%artificial == artificial_none) then
+                if (solid%bodies(k)%tension_hold > 0 .and. .not. (solid%bodies(k)%asleep &
+                                                                  .and. dt > 0)) then
+                    ledger%hourglass = 0 ! what the blocks hold now
+                else if (solid%bodies(k)%artificial == artificial_none) then
                     ledger%hourglass = ledger%hourglass + ledger%ahead
                 else
                     ledger%artificial = ledger%artificial + ledger%ahead
@@ -54,6 +61,7 @@ contains
             associate (body => solid%bodies(solid%block(1, k)), sums => solid%search%sums(:, k))
                 body%ledger%viscous = body%ledger%viscous + sums(1)
                 body%ledger%hourglass_heat = body%ledger%hourglass_heat + sums(7)
+                if (body%tension_hold > 0) body%ledger%hourglass = body%ledger%hourglass + sums(8)
                 if (body%artificial == artificial_none) then
                     body%ledger%hourglass = body%ledger%hourglass + sums(2)
                 else
@@ -89,7 +97,7 @@ contains
                 if (solid%fixed(i) == is_gone) cycle
                 f = group(i - first + 1, :)
                 call add_rest(solid, body, i, p%centre_t, f)
-                call accelerate(solid, real(dt, rk), i, k, f)
+                call accelerate(solid, body, real(dt, rk), i, k, f)
             end do
         end do
         call update_volumes(solid, body, k)
@@ -103,62 +111,99 @@ contains
         real(rk), intent(out) :: f(lanes, n_terms)
         real(rk) :: part(lanes, n_terms)
         type(images_t) :: images
-        real(rk) :: row(n_pair, most_images)
-        real(real32) :: hold(6, most_images)
+        type(rows_t) :: rows
         integer(int64) :: k, last
         integer :: g
 
-        call take_rows(solid, p)
-        call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%pair, solid%list(p%list), f, &
-                        solid%hold)
+        call take_rows(solid, body, p)
+        if (p%held) then
+            call sum_held(p, solid%x, solid%v, solid%x_ref, solid%held, solid%pair, &
+                          solid%list(p%list), f)
+        else
+            call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%pair, solid%list(p%list), f, &
+                            solid%hold)
+        end if
         if (.not. any(solid%mirror)) return
         g = group_of(body, p%i)
         do k = solid%image_first(g), solid%image_first(g + 1) - 1, most_images
             last = min(k + most_images, solid%image_first(g + 1)) - 1
             call place_images(solid, k, last, images)
-            call mirror_rows(solid, p, k, last, row, hold)
+            call mirror_rows(solid, p, k, last, rows)
             p%count = int(last - k) + 1
-            call sum_direct(p, images%x, images%v, images%x_ref, row, in_turn, part, hold)
+            if (p%held) then
+                call sum_held(p, images%x, images%v, images%x_ref, rows%held, rows%pair, in_turn, &
+                              part)
+            else
+                call sum_direct(p, images%x, images%v, images%x_ref, rows%pair, in_turn, part, &
+                                rows%hold)
+            end if
             f = f + part
         end do
     end subroutine sum_group
 
     !> What pass 1 left of the members of a group.
-    subroutine take_rows(solid, p)
+    subroutine take_rows(solid, body, p)
         type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
         type(group_t), intent(inout) :: p
         integer :: i, l
 
+        p%held = .false.
+        if (body%drawn) p%held = some_pair_held(solid, body, p)
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)
             p%row(l, :) = solid%pair(:, i)
             if (p%directional) p%hold(l, :) = real(solid%hold(:, i), rk)
+            if (p%held) p%own(l, :) = solid%held(:, i)
         end do
     end subroutine take_rows
 
+    !> True where the hold acts on some pair of a group, the members of which are in its list.
+    pure logical function some_pair_held(solid, body, p) result(yes)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        type(group_t), intent(in) :: p
+        integer(int64) :: k
+        integer :: g
+
+        g = group_of(body, p%i)
+        yes = .true.
+        do k = solid%first(g), solid%first(g + 1) - 1
+            if (solid%held(held_stiffness, solid%list(k)) > 0) return
+        end do
+        if (any(solid%mirror)) then
+            do k = solid%image_first(g), solid%image_first(g + 1) - 1
+                if (solid%held(held_stiffness, solid%image(k)) > 0) return
+            end do
+        end if
+        yes = .false.
+    end function some_pair_held
+
     !> What pass 1 left of particles, as the images k..last have it. Where a plane turns the normal
     !> of the plies round, a tilt changes sign.
-    subroutine mirror_rows(solid, p, k, last, row, hold)
+    subroutine mirror_rows(solid, p, k, last, rows)
         type(solid_t), intent(in) :: solid
         type(group_t), intent(in) :: p
         integer(int64), intent(in) :: k, last
-        real(rk), intent(inout) :: row(n_pair, most_images)
-        real(real32), intent(inout) :: hold(6, most_images)
+        type(rows_t), intent(inout) :: rows
         real(rk) :: s(3)
         integer(int64) :: e
-        integer :: j
+        integer :: j, n
 
         do e = k, last
+            n = int(e - k) + 1
             j = solid%image(e)
             s = signs(int(solid%mask(e)))
-            row(:, e - k + 1) = mirrored_row(s, solid%pair(:, j))
+            rows%pair(:, n) = mirrored_row(s, solid%pair(:, j))
+            if (p%held) rows%held(:, n) = mirrored_hold(s, solid%held(:, j))
             if (.not. p%directional) cycle
-            row(pair_tilt, e - k + 1) = dot_product(s, p%normal)*solid%pair(pair_tilt, j)
-            hold(:, e - k + 1) = real(mirrored(s, solid%hold(:, j)), real32)
+            rows%pair(pair_tilt, n) = dot_product(s, p%normal)*solid%pair(pair_tilt, j)
+            rows%hold(:, n) = real(mirrored(s, solid%hold(:, j)), real32)
         end do
     end subroutine mirror_rows
 
-    !> Sum over particles of a list, in the loop that has just the forces of this body.
+    !> Sum over particles of a list without the hold, in the loop that has just the forces of this
+    !> body.
     subroutine sum_direct(p, x, v, x_ref, pair, list, f, hold)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
@@ -207,27 +252,6 @@ contains
             call visit_pairs(solid, body, q, add_artificial, f)
     end subroutine add_rest
 
-    !> Add the force of one neighbour, and of one image, after the other. This is slower than the
-    !> loops over the lanes.
-    subroutine visit_pairs(solid, body, p, add, f)
-        type(solid_t), intent(in) :: solid
-        type(body_t), intent(in) :: body
-        type(centre_t), intent(in) :: p
-        procedure(add_pair) :: add
-        real(rk), intent(inout) :: f(n_terms)
-        integer(int64) :: k
-        integer :: g
-
-        g = group_of(body, p%i)
-        do k = solid%first(g), solid%first(g + 1) - 1
-            call add(solid, body, p, solid%list(k), 0, f)
-        end do
-        if (.not. any(solid%mirror)) return
-        do k = solid%image_first(g), solid%image_first(g + 1) - 1
-            call add(solid, body, p, solid%image(k), int(solid%mask(k)), f)
-        end do
-    end subroutine visit_pairs
-
     !> Volumes and smoothing lengths of a block as its compression says.
     subroutine update_sizes(solid, body, k)
         type(solid_t), intent(inout) :: solid
@@ -265,15 +289,18 @@ contains
 
     !> Use the sums of particle i: acceleration, heat, ledger of its block.
     !>
+    !> The hold is no potential, as its stiffness follows the tension: work against it that it does
+    !> not hold becomes heat (less than none while the tension rises).
     !> The heat of the pairs is that of the velocity before the kick. A force works with the mean of
     !> the velocities before and after it, so the drag takes dt/2 of its power on the acceleration
     !> back: then the energy of the drag is closed to rounding.
-    subroutine accelerate(solid, dt, i, k, f)
+    subroutine accelerate(solid, body, dt, i, k, f)
         type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
         real(rk), intent(in) :: dt
         integer, intent(in) :: i, k
         real(rk), intent(in) :: f(n_terms)
-        real(rk) :: force(3), load(3), kick(3), heat, held
+        real(rk) :: force(3), load(3), kick(3), heat, friction, held, before, after
 
         load = air_force(solid, i)
         force = f(1:3) + f(at_drag + 1:at_drag + 3) + f(at_hold + 1:at_hold + 3)
@@ -281,101 +308,27 @@ contains
         solid%a(:, i) = (1 - held)*force/solid%mass(i)
         kick = (1 - held)*dt*(solid%a(:, i) + load/solid%mass(i))
         heat = f(at_heat) - dot_product(f(at_drag + 1:at_drag + 3), kick)/2
-        solid%energy(i) = solid%energy(i) + dt*(heat + f(at_friction))/solid%mass(i)
-        associate (sums => solid%search%sums(:, k), hold => f(at_hold + 1:at_hold + 3))
+        friction = dt*f(at_friction)
+        before = -dt/2*dot_product(f(at_hold + 1:at_hold + 3), solid%v(:, i))
+        after = -dt/2*dot_product(f(at_hold + 1:at_hold + 3), solid%v(:, i) + kick)
+        associate (sums => solid%search%sums(:, k))
+            if (body%tension_hold > 0) then
+                associate (energy => solid%held(held_energy, i), owed => solid%owed(i))
+                    friction = friction + (owed + before - energy)
+                    owed = energy + after
+                    sums(8) = sums(8) + energy
+                end associate
+            else
+                sums(2) = sums(2) + before
+                sums(6) = sums(6) + after
+            end if
             sums(1) = sums(1) + dt*heat
-            sums(7) = sums(7) + dt*f(at_friction)
-            sums(2) = sums(2) - dt/2*dot_product(hold, solid%v(:, i))
-            sums(6) = sums(6) - dt/2*dot_product(hold, solid%v(:, i) + kick)
+            sums(7) = sums(7) + friction
             sums(3:5) = sums(3:5) + dt*held*(force + load)
         end associate
+        solid%energy(i) = solid%energy(i) + (dt*heat + friction)/solid%mass(i)
         if (.not. (dot_product(f, f) <= huge(dt)) .or. solid%mu(i) <= -1) then
             if (solid%search%bad(k) == 0) solid%search%bad(k) = i
         end if
     end subroutine accelerate
-
-    !> In a body of variable smoothing length: add the pair of p with j, or with its image, of which
-    !> components of the mirrored axes change sign, tensors in both indices.
-    subroutine add_pair(solid, body, p, j, mask, f)
-        type(solid_t), intent(in) :: solid
-        type(body_t), intent(in) :: body
-        type(centre_t), intent(in) :: p
-        integer, intent(in) :: j, mask !! mirrored axes, bits 0..2
-        real(rk), intent(inout) :: f(n_terms)
-        real(rk) :: s(3), r(3), dv(3), dx(3), arm(3), arm_j(3), own(n_pair), other(n_pair), g(3)
-        type(centre_t) :: q
-        real(rk) :: w, u, r2
-
-        q = p
-        s = signs(mask)
-        r = real(solid%x(:, p%i) - s*solid%x(:, j), rk)
-        dx = real(solid%x_ref(:, p%i) - s*solid%x_ref(:, j), rk)
-        dv = solid%v(:, p%i) - s*solid%v(:, j)
-        call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, q%scale, q%half_over_h)
-        w = solid%pair(pair_volume, p%i)*solid%pair(pair_volume, j) &
-            *kernel_slope(q%scale, q%half_over_h, norm2(r))
-        if (w == 0) return
-        own = solid%pair(:, p%i)
-        other = mirrored_row(s, solid%pair(:, j))
-        if (body%directional) then
-            call tilted_arm(own(pair_tilt), p%normal, dx, r, arm)
-            call tilted_arm(-other(pair_tilt), s*p%normal, dx, r, arm_j)
-            call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
-        else
-            call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), r, g)
-        end if
-        r2 = dot_product(r, r)
-        u = viscosity(q%h, own, other, w, r2, dot_product(r, dv))
-        f(1:3) = f(1:3) + g
-        f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + u*r
-        f(at_heat) = f(at_heat) - u*dot_product(r, dv)/2
-        w = w*own(pair_keep)*other(pair_keep)
-        select case (body%formulation)
-        case (form_corrected_hourglass)
-            call hourglass_viscous(w*own(pair_hold), w*other(pair_hold), own(pair_affine + 1), &
-                                   other(pair_affine + 1), dv, r, g, u)
-            f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + g
-            f(at_friction) = f(at_friction) + u
-        case (form_bending)
-            if (body%directional) then
-                call hourglass_axial(w, real(solid%hold(:, p%i), rk) &
-                                     + mirrored(s, solid%hold(:, j)), own(pair_affine + 1), &
-                                     other(pair_affine + 1), dx, r, g)
-            else
-                call hourglass_stiff(w, own(pair_hold) + other(pair_hold), own(pair_affine + 1), &
-                                     other(pair_affine + 1), dx, r, g)
-            end if
-            f(at_hold + 1:) = f(at_hold + 1:) + g
-        end select
-    end subroutine add_pair
-
-    !> Add the artificial stress of such a pair, if either is in tension.
-    subroutine add_artificial(solid, body, p, j, mask, f)
-        type(solid_t), intent(in) :: solid
-        type(body_t), intent(in) :: body
-        type(centre_t), intent(in) :: p
-        integer, intent(in) :: j, mask !! mirrored axes, bits 0..2
-        real(rk), intent(inout) :: f(n_terms)
-        type(centre_t) :: q
-        real(rk) :: s(3), r(3), own(9), other(9), g(3), w, shape, distance
-        integer :: t
-
-        own = solid%pair(pair_affine + 1:pair_affine + 9, p%i)
-        other = solid%pair(pair_affine + 1:pair_affine + 9, j)
-        if (own(1) + own(5) + own(9) + other(1) + other(5) + other(9) <= 0) return
-        q = p
-        s = signs(mask)
-        r = real(solid%x(:, p%i) - s*solid%x(:, j), rk)
-        do t = 1, 3
-            other(3*t - 2:3*t) = s(t)*s*other(3*t - 2:3*t)
-        end do
-        if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, &
-                                            q%scale, q%half_over_h)
-        distance = norm2(r)
-        w = solid%mass(p%i)*solid%mass(j)*kernel_slope(q%scale, q%half_over_h, distance)
-        if (w == 0) return
-        shape = kernel_shape(q%half_over_h, distance)/body%shape_at_spacing
-        call stress_force(-w*shape**body%artificial_power, own, other, r, g)
-        f(at_hold + 1:) = f(at_hold + 1:) + g
-    end subroutine add_artificial
 end module brz_solid_forces

@@ -11,13 +11,15 @@ module brz_solid_gradient_sums
     use brz_tilted_arm, only: tilted_arm
     implicit none
     private
-    public :: sum_plain, sum_bending, sum_tilted, n_moment, n_outer, n_terms, at_g, at_x, at_y
+    public :: sum_plain, sum_bending, sum_drawn, sum_tilted
+    public :: n_moment, n_outer, n_terms, at_g, at_x, at_s, at_y
 
-    ! slots of the sums: moments of x_ij (x) x_ij, then v_ij (x) x_ij, then X_ij (x) x_ij; with a
-    ! tilt v_ij (x) y_ij in place of the second, and x_ij (x) y_ij after all
+    ! slots of the sums: moments of x_ij (x) x_ij, then v_ij (x) x_ij, then X_ij (x) x_ij, then
+    ! moments of X_ij (x) X_ij; with a tilt v_ij (x) y_ij in place of the second, and
+    ! x_ij (x) y_ij after all
     integer, parameter :: n_moment = 6, n_outer = 9
     integer, parameter :: at_g = n_moment, at_x = n_moment + n_outer
-    integer, parameter :: at_y = n_moment + 2*n_outer, n_terms = at_y + n_outer
+    integer, parameter :: at_s = at_x + n_outer, at_y = at_s + n_moment, n_terms = at_y + n_outer
 
 contains
 
@@ -64,7 +66,7 @@ contains
         real(rk), intent(in) :: v(3, *), volume(*)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: sums(lanes, n_terms)
-        real(rk) :: acc(lanes, at_y), r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w
+        real(rk) :: acc(lanes, at_s), r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w
         integer :: k, l, j, t
 
         acc = 0
@@ -91,11 +93,52 @@ contains
                 end do
             end do
         end do
-        sums(:, :at_y) = acc
-        sums(:, at_y + 1:) = 0
+        sums(:, :at_s) = acc
+        sums(:, at_s + 1:) = 0
     end subroutine sum_bending
 
-    !> The same for a group in which some have a tilt.
+    !> The same with the moments of the reference position, for the hold.
+    subroutine sum_drawn(p, x, v, x_ref, volume, list, sums)
+        type(group_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, *), x_ref(3, *)
+        real(rk), intent(in) :: v(3, *), volume(*)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: sums(lanes, n_terms)
+        real(rk) :: acc(lanes, at_y), r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer)
+        real(rk) :: s(n_moment), w
+        integer :: k, l, j, t
+
+        acc = 0
+        do k = 1, p%count
+            j = list(k)
+            !GCC$ unroll 1
+            do l = 1, lanes
+                do t = 1, 3
+                    r(t) = real(p%x(l, t) - x(t, j), rk)
+                    dx(t) = real(p%x_ref(l, t) - x_ref(t, j), rk)
+                    dv(t) = p%v(l, t) - v(t, j)
+                end do
+                w = volume(j)*kernel_slope(p%scale, p%half_over_h, &
+                                           sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
+                call moment_terms(w, r, m)
+                call outer_terms(w, dv, r, g)
+                call outer_terms(w, dx, r, a)
+                call moment_terms(w, dx, s)
+                do t = 1, n_moment
+                    acc(l, t) = acc(l, t) + m(t)
+                    acc(l, at_s + t) = acc(l, at_s + t) + s(t)
+                end do
+                do t = 1, n_outer
+                    acc(l, at_g + t) = acc(l, at_g + t) + g(t)
+                    acc(l, at_x + t) = acc(l, at_x + t) + a(t)
+                end do
+            end do
+        end do
+        sums(:, :at_y) = acc
+        sums(:, at_y + 1:) = 0
+    end subroutine sum_drawn
+
+    !> All of it, for a group in which some have a tilt.
     subroutine sum_tilted(p, x, v, x_ref, volume, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
@@ -103,7 +146,7 @@ contains
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: sums(lanes, n_terms)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), y(3), m(n_moment), g(n_outer)
-        real(rk) :: a(n_outer), b(n_outer), w
+        real(rk) :: a(n_outer), b(n_outer), s(n_moment), w
         integer :: k, l, j, t
 
         acc = 0
@@ -123,8 +166,10 @@ contains
                 call outer_terms(w, dv, y, g)
                 call outer_terms(w, dx, r, a)
                 call outer_terms(w, r, y, b)
+                call moment_terms(w, dx, s)
                 do t = 1, n_moment
                     acc(l, t) = acc(l, t) + m(t)
+                    acc(l, at_s + t) = acc(l, at_s + t) + s(t)
                 end do
                 do t = 1, n_outer
                     acc(l, at_g + t) = acc(l, at_g + t) + g(t)

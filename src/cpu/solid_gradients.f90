@@ -4,25 +4,24 @@
 !> Reads the neighbours' positions, velocities and volumes; writes the particle's own state and,
 !> for pass 2, its row of `pair`.
 module brz_solid_gradients
-    use brz_algebra, only: inverse3, to_matrix, multiply3
-    use brz_artificial_stress, only: artificial_none, artificial_stress
+    use brz_algebra, only: multiply3, to_matrix
     use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms, piola, &
-                            shear_limiter, stable_step, total_gradient
+                            stable_step, total_gradient
     use brz_kernel, only: kernel_scale, kernel_slope, pair_kernel
-    use brz_kinds, only: dp, int32, int64, int8, real32, rk
+    use brz_kinds, only: dp, int32, int64, rk
     use brz_material, only: point_t, strength_left
     use brz_materials, only: unloaded_speed, update_material
-    use brz_pair_force, only: axial_stiffness
     use brz_solid_bonds, only: add_bonded_gradients
-    use brz_solid_gradient_sums, only: at_g, at_x, at_y, n_moment, n_outer, n_terms, sum_bending, &
-                                       sum_plain, sum_tilted
+    use brz_solid_gradient_sums, only: at_g, at_s, at_x, at_y, n_moment, n_outer, n_terms, &
+                                       sum_bending, sum_drawn, sum_plain, sum_tilted
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
                                place_group, place_images
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, form_uncorrected, intact_share, is_gone, lanes, &
-                               pair_affine, pair_hold, pair_keep, pair_linear, pair_quadratic, &
-                               pair_stress, pair_tilt, pair_volume, solid_t, worth_threads
+    use brz_solid_rows, only: fill_hold, fill_row
+    use brz_solid_state, only: body_t, form_bending, form_rigid, form_total, form_uncorrected, &
+                               held_stiffness, intact_share, is_gone, lanes, pair_stress, &
+                               pair_tilt, solid_t, worth_threads
+    use brz_tension_hold, only: may_be_drawn
     use brz_tilted_arm, only: tilted_arm, tilted_correction
     implicit none
     private
@@ -45,13 +44,16 @@ contains
                 solid%search%bad(k) = 0
                 if (body%asleep .and. dt > 0) cycle
                 solid%search%limit(k) = huge(dt)
+                solid%search%drawn(k) = .false.
                 call gradient_block(solid, body, dt, k, solid%search%limit(k))
             end associate
         end do
         solid%bodies%dt_limit = huge(dt)
+        solid%bodies%drawn = .false.
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)))
                 body%dt_limit = min(body%dt_limit, solid%search%limit(k))
+                body%drawn = body%drawn .or. solid%search%drawn(k)
             end associate
         end do
         solid%dt_limit = minval(solid%bodies%dt_limit)
@@ -93,6 +95,7 @@ contains
             if (solid%fixed(first) == is_gone) exit ! and so are all that follow
             call place_group(solid, body, first, p)
             call tilt_group(solid, body, p)
+            call find_drawn(solid, body, p)
             group = 0
             if (.not. body%variable) call sum_group(solid, body, p, group)
             do i = first, p%last
@@ -101,7 +104,7 @@ contains
                 solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
                 if (body%variable) call add_pairs(solid, body, i, p%centre_t, sums)
                 if (solid%links%bonds) call add_bonded_gradients(solid, i, body%normal, sums)
-                call advance(solid, body, dt, i, k, sums, limit)
+                call advance(solid, body, dt, i, k, p%drawn(i - first + 1), sums, limit)
             end do
         end do
     end subroutine gradient_block
@@ -122,6 +125,20 @@ contains
                 p%tilt(l) = solid%tilt(i)
         end do
     end subroutine tilt_group
+
+    !> Which of a group may need the hold: what was in tension before the step.
+    pure subroutine find_drawn(solid, body, p)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        type(group_t), intent(inout) :: p
+        integer :: l
+
+        p%drawn = .false.
+        if (.not. body%tension_hold > 0) return
+        do l = 1, p%last - p%i + 1
+            p%drawn(l) = may_be_drawn(solid%stress(:, p%i + l - 1))
+        end do
+    end subroutine find_drawn
 
     !> Sums over the neighbours of a group and over their images.
     subroutine sum_group(solid, body, p, sums)
@@ -156,21 +173,20 @@ contains
         real(rk), intent(out) :: sums(lanes, n_terms)
         type(group_t) :: q
 
-        select case (p%formulation)
-        case (form_bending)
-            if (any(abs(p%tilt) > 0)) then
-                call sum_tilted(p, x, v, x_ref, volume, list, sums)
-            else
-                call sum_bending(p, x, v, x_ref, volume, list, sums)
-            end if
-        case (form_total)
+        if (any(abs(p%tilt) > 0)) then
+            call sum_tilted(p, x, v, x_ref, volume, list, sums)
+        else if (p%formulation == form_bending) then
+            call sum_bending(p, x, v, x_ref, volume, list, sums)
+        else if (p%formulation == form_total) then
             q = p
             q%x = p%x_ref
             q%x_ref = p%x
             call sum_bending(q, x_ref, v, x, volume, list, sums)
-        case default
+        else if (any(p%drawn)) then
+            call sum_drawn(p, x, v, x_ref, volume, list, sums)
+        else
             call sum_plain(p, x, v, volume, list, sums)
-        end select
+        end if
     end subroutine sum_direct
 
     !> In a body of variable smoothing length: add one neighbour of particle i, and one image, after
@@ -202,7 +218,7 @@ contains
         integer, intent(in) :: i, j, mask !! mirrored axes, bits 0..2
         type(centre_t), intent(in) :: p
         real(rk), intent(inout) :: sums(n_terms)
-        real(rk) :: r(3), dv(3), dx(3), y(3), s(3), m(n_moment), g(n_outer), a(n_outer), w, h
+        real(rk) :: r(3), dv(3), dx(3), y(3), s(3), m(n_moment), g(n_outer), w, h
         type(centre_t) :: q
 
         q = p
@@ -215,21 +231,24 @@ contains
         if (w == 0) return
         call tilted_arm(solid%pair(pair_tilt, i), body%normal, dx, r, y)
         call moment_terms(w, r, m)
+        sums(:at_g) = sums(:at_g) + m
         call outer_terms(w, dv, y, g)
-        call outer_terms(w, dx, r, a)
-        sums(1:at_g) = sums(1:at_g) + m
         sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
-        sums(at_x + 1:at_y) = sums(at_x + 1:at_y) + a
+        call outer_terms(w, dx, r, g)
+        sums(at_x + 1:at_s) = sums(at_x + 1:at_s) + g
+        call moment_terms(w, dx, m)
+        sums(at_s + 1:at_y) = sums(at_s + 1:at_y) + m
         call outer_terms(w, r, y, g)
         sums(at_y + 1:) = sums(at_y + 1:) + g
     end subroutine add_pair
 
     !> From the sums to the new state of particle i and its row of `pair`.
-    subroutine advance(solid, body, dt, i, k, sums, limit)
+    subroutine advance(solid, body, dt, i, k, drawn, sums, limit)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: dt
         integer, intent(in) :: i, k !! particle and its block
+        logical, intent(in) :: drawn !! it was in tension
         real(rk), intent(inout) :: sums(n_terms)
         real(dp), intent(inout) :: limit
         real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), c_wave, c_bulk, rho
@@ -239,6 +258,7 @@ contains
         do c = solid%dimension + 1, 3
             sums(c) = 1
             sums(at_x + 4*c - 3) = 1
+            sums(at_s + c) = 1
             sums(at_y + 4*c - 3) = 1
         end do
         if (body%formulation == form_uncorrected) then
@@ -274,88 +294,14 @@ contains
         end if
         if (abs(solid%pair(pair_tilt, i)) > 0) b = transpose(b)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
-        if (weak /= 0 .and. (body%formulation == form_bending .or. &
+        if (weak /= 0 .and. (body%formulation == form_bending .or. body%tension_hold > 0 .or. &
                              body%formulation == form_total)) solid%cut(i) = 1
         call fill_row(solid, body, i, h, a, rho, c_bulk)
+        if (.not. body%tension_hold > 0) return
+        call fill_hold(solid, body, i, drawn, a, sums(at_s + 1:at_y), &
+                       sum(sums(:solid%dimension)))
+        if (solid%held(held_stiffness, i) > 0) solid%search%drawn(k) = .true.
     end subroutine advance
-
-    !> What pass 2 needs of particle i, but for its stress.
-    subroutine fill_row(solid, body, i, h, a, rho, c_bulk)
-        type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-        integer, intent(in) :: i
-        real(rk), intent(in) :: h(3, 3) !! velocity gradient [1/s]
-        real(rk), intent(in) :: a(3, 3) !! 'bending': dX/dx; 'total_lagrangian': dx/dX
-        real(rk), intent(in) :: rho !! density [kg/m3]
-        real(rk), intent(in) :: c_bulk !! sound speed in the viscosity [m/s]
-        real(rk) :: q(3, 3), z
-
-        z = 1
-        if (body%balsara) z = shear_limiter(h, c_bulk/body%h)
-        solid%pair(pair_volume, i) = solid%volume(i)
-        solid%pair(pair_linear, i) = z*body%alpha*rho*c_bulk/2
-        solid%pair(pair_quadratic, i) = z*body%beta*rho/2
-        select case (body%formulation)
-        case (form_bending, form_total)
-            q = a
-            if (body%formulation == form_bending) call invert_or_cut(a, q, solid%cut(i))
-            call stiffen(solid, body, i, q, z)
-        case (form_corrected_hourglass)
-            z = body%zeta_viscous*body%h*rho*c_bulk
-            q = h
-        case default
-            z = 0
-            q = h
-            if (body%artificial /= artificial_none) call artificial_stress(body%artificial, &
-                body%artificial_strength, rho, solid%stress(:, i), q)
-        end select
-        solid%pair(pair_hold, i) = z
-        call copy_matrix(q, solid%pair(pair_affine + 1, i))
-        solid%pair(pair_keep, i) = (1 - solid%cut(i)) &
-            *strength_left(solid%materials(body%material)%fails, solid%damage(i))
-    end subroutine fill_row
-
-    !> Stiffness of the hourglass force, and what it makes of the deformation f.
-    subroutine stiffen(solid, body, i, f, z)
-        type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-        integer, intent(in) :: i
-        real(rk), intent(inout) :: f(3, 3) !! dx/dX in; stiffness times it out [Pa]
-        real(rk), intent(out) :: z !! stiffness without axes [Pa]
-        real(rk) :: along(6), k(3, 3), g(3, 3)
-
-        associate (material => solid%materials(body%material))
-            z = body%zeta*material%shear
-            if (body%directional) then
-                call axial_stiffness(body%axes(:, 4, solid%ply(i)), &
-                                     body%axes(:, :3, solid%ply(i)), f, along)
-                solid%hold(:, i) = real(along, real32)
-                call to_matrix(real(solid%hold(:, i), rk), k) ! as the pairs see it: no torque
-                call multiply3(k, f, g)
-                f = g
-            else
-                f = z*f
-            end if
-        end associate
-    end subroutine stiffen
-
-    pure subroutine copy_matrix(a, b)
-        real(rk), intent(in) :: a(3, 3)
-        real(rk), intent(out) :: b(3, 3)
-
-        b = a
-    end subroutine copy_matrix
-
-    !> Deformation dx/dX from dX/dx. Where that is singular the hourglass support ends.
-    subroutine invert_or_cut(a, f, cut)
-        real(rk), intent(in) :: a(3, 3)
-        real(rk), intent(out) :: f(3, 3)
-        integer(int8), intent(inout) :: cut
-        logical :: ok
-
-        call inverse3(a, f, ok)
-        if (.not. ok) cut = 1
-    end subroutine invert_or_cut
 
     !> Material update of particle i; its work goes to the sums of the block.
     subroutine update_particle(solid, body, dt, l, i, k, c_wave, c_bulk)

@@ -8,7 +8,7 @@
 module brz_solid_lanes
     use brz_kinds, only: dp, int32, int64, rk
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: body_t, lanes, n_pair, solid_t
+    use brz_solid_state, only: body_t, lanes, n_held, n_pair, solid_t
     implicit none
     private
     public :: centre_t, group_t, group_of, place_group
@@ -36,7 +36,10 @@ module brz_solid_lanes
         real(dp) :: x(lanes, 3) = 0, x_ref(lanes, 3) = 0 !! [m]
         real(rk) :: v(lanes, 3) = 0 !! [m/s]
         real(rk) :: tilt(lanes) = 0 !! for pass 1 [1/m]
+        logical :: drawn(lanes) = .false. !! for pass 1: was in tension
+        logical :: held = .false. !! for pass 2: some pair has the hold
         real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_solid_state
+        real(rk) :: own(lanes, n_held) = 0 !! the same, the hold
         real(rk) :: hold(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
     end type group_t
 

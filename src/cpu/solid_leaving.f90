@@ -30,10 +30,21 @@ contains
                 if (.not. is_inside(solid, solid%x_ref(:, i)) .or. is_pressed(solid, i)) cycle
                 solid%fixed(i) = is_gone
                 solid%a(:, i) = 0
+                call let_go(solid, i)
                 if (allocated(solid%load)) solid%load(:, i) = 0
             end do
         end do
     end subroutine remove_left
+
+    !> What the hold owes to a particle becomes heat.
+    subroutine let_go(solid, i)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: i
+
+        if (.not. allocated(solid%owed)) return
+        solid%energy(i) = solid%energy(i) + solid%owed(i)/solid%mass(i)
+        solid%owed(i) = 0
+    end subroutine let_go
 
     pure logical function is_inside(solid, x)
         type(solid_t), intent(in) :: solid

@@ -2,10 +2,10 @@
 !> Particles as their images in planes of symmetry have them: signs, tensors, rows of `pair`.
 module brz_solid_mirror
     use brz_kinds, only: real32, rk
-    use brz_solid_state, only: n_pair, pair_affine, pair_stress
+    use brz_solid_state, only: held_affine, n_held, n_pair, pair_affine, pair_stress
     implicit none
     private
-    public :: signs, mirrored, mirrored_row
+    public :: signs, mirrored, mirrored_row, mirrored_hold
 
 contains
 
@@ -44,4 +44,18 @@ contains
             end associate
         end do
     end function mirrored_row
+
+    !> The same for its hold.
+    pure function mirrored_hold(s, row) result(m)
+        real(rk), intent(in) :: s(3), row(n_held)
+        real(rk) :: m(n_held)
+        integer :: t
+
+        m = row
+        do t = 1, 3
+            associate (a => held_affine + 3*t)
+                m(a - 2:a) = s(t)*s*row(a - 2:a)
+            end associate
+        end do
+    end function mirrored_hold
 end module brz_solid_mirror

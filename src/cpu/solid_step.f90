@@ -24,6 +24,7 @@ module brz_solid_step
     use brz_solid_state, only: form_bending, form_rigid, intact_share, is_free, solid_t, &
                                worth_threads
     use brz_solid_tilts, only: find_tilts
+    use brz_tension_hold, only: may_be_drawn
     implicit none
     private
     public :: start_solid, resume_solid, solid_time_step, solid_step, velocity_at_step
@@ -192,14 +193,18 @@ contains
 
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(fails, i)
         do k = 1, size(solid%block, 2)
-            if (solid%bodies(solid%block(1, k))%formulation /= form_bending) cycle
-            fails = solid%materials(solid%bodies(solid%block(1, k))%material)%fails
-            do i = solid%block(2, k), solid%block(3, k)
-                if (solid%cut(i) == 1) cycle
-                if (count_intact(solid, solid%block(1, k), i, fails) &
-                    < intact_share*solid%support(i)) &
-                    solid%cut(i) = 1_int8
-            end do
+            associate (body => solid%bodies(solid%block(1, k)))
+                if (body%formulation /= form_bending .and. .not. body%tension_hold > 0) cycle
+                fails = solid%materials(body%material)%fails
+                do i = solid%block(2, k), solid%block(3, k)
+                    if (solid%cut(i) == 1) cycle
+                    if (body%tension_hold > 0) then ! no hold that could end
+                        if (.not. may_be_drawn(solid%stress(:, i))) cycle
+                    end if
+                    if (count_intact(solid, solid%block(1, k), i, fails) &
+                        < intact_share*solid%support(i)) solid%cut(i) = 1_int8
+                end do
+            end associate
         end do
     end subroutine end_support
 end module brz_solid_step

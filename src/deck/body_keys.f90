@@ -131,6 +131,10 @@ contains
                       'laminate; F: that of an isotropic plate.'), &
                 key_t(group=g, key='zeta_viscous', default='0.05', lower=zero, upper=one, &
                       meaning='corrected_hourglass: strength of the viscous hourglass force.'), &
+                key_t(group=g, key='tension_hold', lower=zero, upper=12*one, &
+                      meaning='corrected_hourglass: stiffness of the hourglass force in '// &
+                      'tension over the largest principal tension; if absent 3, in fluids 0. '// &
+                      'Below 1.25 bodies tear by themselves.'), &
                 key_t(group=g, key='smoothing', default='1.2', lower=one, upper=2*one, &
                       meaning='Smoothing length over spacing.'), &
                 key_t(group=g, key='variable_h', kind=kind_logical, default='F', &

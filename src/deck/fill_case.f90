@@ -210,6 +210,7 @@ contains
             call get(group, 'variable_h', body%variable_h)
             call get(group, 'h_range', body%h_range)
             call get(group, 'zeta_viscous', body%zeta_viscous)
+            call get(group, 'tension_hold', body%tension_hold)
             call get(group, 'smoothing', body%smoothing)
             call get(group, 'cfl', body%cfl)
         end associate

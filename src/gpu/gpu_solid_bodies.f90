@@ -15,7 +15,7 @@ module brz_gpu_solid_bodies
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: int64, rk
     use brz_linear_elastic, only: linear_elastic
-    use brz_material, only: material_t
+    use brz_material, only: class_elastic, material_t
     use brz_orthotropic_ply, only: orthotropic_ply
     use brz_polynomial_eos, only: polynomial_eos
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
@@ -50,7 +50,7 @@ contains
 
         call put_axes(solid, gpu, err)
         do b = 1, size(solid%bodies)
-            call open_body(device, solid, b, gpu%bodies(b), err)
+            call open_body(device, solid, b, gpu%owed, gpu%bodies(b), err)
         end do
     end subroutine open_gpu_bodies
 
@@ -86,10 +86,11 @@ contains
     end function axes_before
 
     !> What one body needs.
-    subroutine open_body(device, solid, b, gpu, err)
+    subroutine open_body(device, solid, b, owed, gpu, err)
         type(device_t), intent(in) :: device
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
+        integer, intent(in) :: owed !! see body_gpu_t
         type(gpu_solid_body_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         type(body_gpu_t) :: params
@@ -99,12 +100,15 @@ contains
         material = solid%materials(solid%bodies(b)%material)
         params = params_of(solid%bodies(b), solid%dimension, axes_before(solid, b))
         params%fails = material%fails
+        params%springs = merge(1, 0, material%class == class_elastic)
+        params%owed = owed
         gpu%first = params%first
         gpu%last = params%last
         gpu%slices = (gpu%last - gpu%first)/slice_width + 1
         gpu%total = params%formulation == form_total
         gpu%rigid = params%formulation == form_rigid
-        gpu%held = gpu%total .or. params%formulation == form_bending
+        gpu%drawn = params%tension_hold > 0
+        gpu%held = gpu%total .or. gpu%drawn .or. params%formulation == form_bending
         bytes = storage_size(params)/8
         call allocate_buffer(gpu%params, bytes, err)
         call copy_in(params, gpu%params, bytes, err)
@@ -136,6 +140,8 @@ contains
         p%h_range = body%h_range
         p%axes = axes
         p%fails = 0
+        p%springs = 0
+        p%owed = 0
         p%keep_force = merge(0, 1, body%motion%n > 0)
         p%h = body%h
         p%scale = kernel_scale(body%h, dimension)
@@ -144,6 +150,7 @@ contains
         p%beta = body%beta
         p%zeta = body%zeta
         p%zeta_viscous = body%zeta_viscous
+        p%tension_hold = body%tension_hold
         p%cfl = body%cfl
         p%artificial_strength = body%artificial_strength
         p%artificial_power = body%artificial_power
@@ -158,6 +165,7 @@ contains
 
         name = 'solid_moments'
         if (gpu%held) name = 'solid_moments_held'
+        if (gpu%drawn) name = 'solid_moments_drawn'
         if (gpu%tilted) name = 'solid_moments_tilted'
     end function moment_name
 
@@ -172,6 +180,7 @@ contains
             if (p%directional == 1) name = 'axial'
         case (form_corrected_hourglass)
             name = 'viscous'
+            if (p%tension_hold > 0) name = 'drawn'
         case default
             name = 'plain'
             if (p%artificial /= artificial_none) name = 'artificial'

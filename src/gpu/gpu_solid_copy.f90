@@ -107,6 +107,7 @@ contains
         do c = 1, merge(3, 0, gpu%load > 0)
             call put(gpu%load + c, solid%load(c, :))
         end do
+        if (gpu%owed > 0) call put(gpu%owed, solid%owed)
         if (.not. gpu%linked) return
         call put(gpu%touch, real(solid%links%touch, rk))
         call put_tag(tag_bond, int(solid%links%bond, int32))
@@ -264,6 +265,7 @@ contains
         solid%fixed = int(marks, int8)
         call fetch_tag(gpu, tag_cut, marks, err)
         solid%cut = int(marks, int8)
+        if (gpu%owed > 0) call fetch(gpu%owed, solid%owed)
         if (.not. gpu%linked) return
         call fetch(gpu%touch, x)
         solid%links%touch = real(x, real32)

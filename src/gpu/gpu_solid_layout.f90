@@ -7,6 +7,8 @@
 !>     motion(4, n)     velocity [m/s], volume [m3]
 !>     row(n_pair, n)   what pass 2 needs, slots of brz_solid_state
 !>     hold(6, n)       hourglass stiffness along axes [Pa]
+!>     held(n_held, n)  the hold, where bodies have it, slots of brz_solid_state; in pass 1 the sums
+!>                      S of brz_tension_hold in 1..6, then F in held_affine and what is named below
 !> What only the particle itself reads lies column by column: state(n, ...), tag(n, ...), and
 !> book(n, ...), whose sums over a body are its ledger.
 module brz_gpu_solid_layout
@@ -22,7 +24,8 @@ module brz_gpu_solid_layout
               book_force, book_contact, book_contact_heat, book_rub, book_load, n_book, n_total
     public :: pose_centre, pose_x, pose_velocity, pose_spin, pose_turn, pose_half, n_pose
     public :: at_heat, at_friction, at_drag, at_hold, n_terms
-    public :: flag_far, flag_bad, n_flag, slice_width, mask_unit, scan_chunk
+    public :: pass_drawn, pass_deviation, pass_trace
+    public :: flag_far, flag_bad, flag_drawn, n_flag, slice_width, mask_unit, scan_chunk
 
     ! columns of `state`
     integer, parameter :: at_mu = 1, at_energy = 2
@@ -40,7 +43,8 @@ module brz_gpu_solid_layout
     ! columns of `book`, since the GPU took over [J, N s]; the place of a particle, not the
     ! particle, keeps them
     integer, parameter :: book_viscous = 1, book_friction = 2
-    integer, parameter :: book_hold = 3 !! held by the hourglass or artificial force, with ahead
+    integer, parameter :: book_hold = 3 !! held by the hourglass or artificial force, with ahead;
+                                        !! by the hold now
     integer, parameter :: book_ahead = 4 !! the part of the half step to come
     integer, parameter :: book_plastic = 5, book_damage = 6
     integer, parameter :: book_force = 6 !! + 1..3: impulse on held particles
@@ -63,7 +67,12 @@ module brz_gpu_solid_layout
 
     integer, parameter :: flag_far = 1 !! a particle has moved more than half the skin
     integer, parameter :: flag_bad = 2 !! a particle has an impossible state
-    integer, parameter :: n_flag = 2
+    integer, parameter :: flag_drawn = 3 !! the hold acts on a particle
+    integer, parameter :: n_flag = 3
+
+    ! `held` in pass 1: 1 beside S if the particle was in tension, else 0; then what it deviates,
+    ! and the trace of M
+    integer, parameter :: pass_drawn = 7, pass_deviation = 1, pass_trace = 11
 
     ! Lists: entry k of particle t of a body, both from 1, is entry
     ! (slice((t - 1)/w + 1) + k - 1)*w + mod(t - 1, w) + 1, w = slice_width: threads side by side
@@ -80,9 +89,11 @@ module brz_gpu_solid_layout
         integer :: fails !! how the material may fail
         integer :: axes !! place before the axes of ply 0 among those of all bodies
         integer :: variable !! 1: the smoothing length follows the density
+        integer :: springs !! 1: back from any expansion
+        integer :: owed !! column of `state` with what the hold owes, see brz_solid_state
         integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step
         real(rk) :: h_range(2) !! bounds of a smoothing length that varies, over h
-        real(rk) :: h, scale, half_over_h, alpha, beta, zeta, zeta_viscous, cfl
+        real(rk) :: h, scale, half_over_h, alpha, beta, zeta, zeta_viscous, cfl, tension_hold
         real(rk) :: artificial_strength, artificial_power, shape_at_spacing
         real(rk) :: normal(3) !! of the plies, 0: no tilted gradients
     end type body_gpu_t
@@ -99,6 +110,7 @@ module brz_gpu_solid_layout
     type :: link_gpu_t
         integer :: bodies
         integer :: touch !! column of `state` with the kernel sum at which contact begins
+        integer :: holds !! 1: some body has the hold
         real(rk) :: depth !! of directions that are not modelled [m or m2]
     end type link_gpu_t
 end module brz_gpu_solid_layout

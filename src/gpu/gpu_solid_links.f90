@@ -37,6 +37,7 @@ contains
             call put(size(solid%links%cell)*bytes_of_real, solid%links%cell, links%cell)
             params%bodies = size(solid%bodies)
             params%touch = gpu%touch
+            params%holds = merge(1, 0, gpu%owed > 0)
             params%depth = real(solid%depth, rk)
             call allocate_buffer(links%params, int(storage_size(params)/8, int64), err)
             call copy_in(params, links%params, int(storage_size(params)/8, int64), err)
@@ -144,7 +145,7 @@ contains
         associate (links => gpu%links)
             call arguments%add([links%params, links%owner, links%table, gpu%place, gpu%reference, &
                                 gpu%motion, gpu%tag, links%slice, links%count, links%list, &
-                                gpu%row, gpu%grad, gpu%hold])
+                                gpu%row, gpu%grad, gpu%hold, gpu%held])
             call launch_awake(gpu, links%moments, arguments, err)
         end associate
     end subroutine add_bond_moments
@@ -178,8 +179,8 @@ contains
         type(arguments_t) :: arguments
 
         call begin_bonds(gpu, arguments)
-        call arguments%add([gpu%hold, gpu%tag, gpu%links%slice, gpu%links%count, gpu%links%list, &
-                            gpu%extra])
+        call arguments%add([gpu%hold, gpu%held, gpu%tag, gpu%links%slice, gpu%links%count, &
+                            gpu%links%list, gpu%extra])
         call launch_awake(gpu, gpu%links%forces, arguments, err)
     end subroutine add_bond_forces
 

@@ -4,13 +4,13 @@
 !> All arrays of the particles stay on the GPU, see brz_gpu_solid_layout. The host arrays of
 !> `solid_t` are a mirror that brz_gpu_solid_copy refreshes before a dump or a checkpoint.
 module brz_gpu_solid_state
-    use brz_device, only: allocate_buffer, buffer_t, copy_in, device_t, find_kernel, free_buffer, &
-        kernel_t
+    use brz_device, only: allocate_buffer, buffer_t, clear_buffer, copy_in, device_t, find_kernel, &
+        free_buffer, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
     use brz_gpu_solid_layout, only: at_hist, grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
-    use brz_solid_state, only: ledger_t, n_pair, solid_t
+    use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
     use brz_text, only: to_text
     implicit none
     private
@@ -29,6 +29,7 @@ module brz_gpu_solid_state
         logical :: total = .false. !! total-Lagrangian
         logical :: rigid = .false.
         logical :: held = .false. !! uses reference positions
+        logical :: drawn = .false. !! has the hold
         logical :: tilted = .false. !! gradients of its outermost layers are tilted
         logical :: asleep = .false. !! left out of the steps
         type(buffer_t) :: params, material, drive, slice, list
@@ -52,13 +53,14 @@ module brz_gpu_solid_state
         integer :: n = 0, n_state = 0 !! particles, columns of `state`
         ! columns of `state` that not every scene has, 0: none
         integer :: touch = 0 !! kernel sum at which contact begins
+        integer :: owed = 0 !! energy that the hold owes [J]
         integer :: load = 0 !! + 1..3: force of the air [N]
         integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
-        type(buffer_t) :: place, reference, built, motion, state, tag, book, row, grad, hold
+        type(buffer_t) :: place, reference, built, motion, state, tag, book, row, grad, hold, held
         type(buffer_t) :: rate, flags, axes, region, extra
         type(buffer_t) :: count, cell, order, start, code, grid, box, part
         type(gpu_scan_t) :: scan
@@ -100,6 +102,9 @@ contains
         call allocate_buffer(gpu%row, n_pair*bytes_of_real*n, err)
         call allocate_buffer(gpu%grad, 9*bytes_of_real*n, err)
         call allocate_buffer(gpu%hold, merge(24*n, 8_int64, any(solid%bodies%directional)), err)
+        call allocate_buffer(gpu%held, merge(n_held*bytes_of_real*n, 8_int64, &
+                                             allocated(solid%held)), err)
+        if (allocated(solid%held)) call clear_buffer(gpu%held, err)
         call allocate_buffer(gpu%rate, 8*n, err)
         call allocate_buffer(gpu%flags, 4_int64*n_flag, err)
         call allocate_buffer(gpu%region, 48_int64, err)
@@ -129,6 +134,10 @@ contains
             gpu%n_state = gpu%n_state + 1
             gpu%touch = gpu%n_state
         end if
+        if (allocated(solid%owed)) then
+            gpu%n_state = gpu%n_state + 1
+            gpu%owed = gpu%n_state
+        end if
         if (.not. in_air) return
         gpu%load = gpu%n_state
         gpu%before = gpu%load + 3
@@ -145,7 +154,8 @@ contains
 
         bytes = solid%n*(bytes_of_real*(4 + n_state + n_pair + 9) + 8*n_book &
                          + 4*n_tag + 3*32 + 8 + 3*4 + 8 + 4*neighbours_guess &
-                         + merge(20*bytes_of_real, 0_int64, solid%links%present))
+                         + merge(20*bytes_of_real, 0_int64, solid%links%present) &
+                         + merge(n_held*bytes_of_real, 0_int64, allocated(solid%held)))
         if (bytes > device%free_bytes) call raise(err, exit_device, 'the bodies need about '// &
             to_text(int(bytes/2**20))//' MiB on the GPU, but only '// &
             to_text(int(device%free_bytes/2**20))//' MiB are free: use fewer particles, a '// &
@@ -206,15 +216,15 @@ contains
     !> Give the memory back.
     subroutine close_gpu_solid(gpu)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(buffer_t) :: all(34)
+        type(buffer_t) :: all(35)
         integer :: b
 
         all = [gpu%place, gpu%reference, gpu%built, gpu%motion, gpu%state, gpu%tag, gpu%book, &
-               gpu%row, gpu%grad, gpu%hold, gpu%rate, gpu%flags, gpu%axes, gpu%region, gpu%extra, &
-               gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, gpu%scan%levels, &
-               gpu%part, gpu%folded, gpu%box, gpu%links%params, gpu%links%owner, gpu%links%table, &
-               gpu%links%cell, gpu%links%press, gpu%links%slice, gpu%links%count, gpu%links%list, &
-               gpu%links%met]
+               gpu%row, gpu%grad, gpu%hold, gpu%held, gpu%rate, gpu%flags, gpu%axes, gpu%region, &
+               gpu%extra, gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
+               gpu%scan%levels, gpu%part, gpu%folded, gpu%box, gpu%links%params, gpu%links%owner, &
+               gpu%links%table, gpu%links%cell, gpu%links%press, gpu%links%slice, &
+               gpu%links%count, gpu%links%list, gpu%links%met]
         do b = 1, size(all)
             call free_buffer(all(b))
         end do

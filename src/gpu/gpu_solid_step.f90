@@ -154,6 +154,7 @@ contains
         if (body%held .and. .not. body%total) call arguments%add(gpu%reference)
         call arguments%add([gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad])
         if (body%tilted) call arguments%add([gpu%state, gpu%tag, gpu%hold])
+        if (body%drawn) call arguments%add([gpu%state, gpu%held])
         call launch(body%moments, threads_of(body), arguments, err)
     end subroutine sum_moments
 
@@ -164,7 +165,7 @@ contains
         type(arguments_t) :: arguments
 
         call begin(gpu, body, arguments)
-        call arguments%add([gpu%row, gpu%grad, gpu%tag, gpu%hold])
+        call arguments%add([gpu%row, gpu%grad, gpu%tag, gpu%hold, gpu%held])
         call launch(gpu%gradients, threads_of(body), arguments, err)
     end subroutine find_gradients
 
@@ -190,7 +191,7 @@ contains
 
         call begin(gpu, body, arguments)
         call arguments%add([body%material, gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, &
-                            gpu%row, gpu%rate, gpu%axes, gpu%hold])
+                            gpu%row, gpu%rate, gpu%axes, gpu%hold, gpu%held, gpu%flags])
         call launch(gpu%rows, threads_of(body), arguments, err)
     end subroutine fill_rows
 
@@ -211,8 +212,8 @@ contains
                 call arguments%add(merge(1, 0, gpu%linked))
                 call arguments%add(gpu%load)
                 call arguments%add([body%params, gpu%place, gpu%motion, gpu%row, gpu%reference, &
-                                    gpu%hold, body%slice, gpu%count, body%list, gpu%extra, &
-                                    gpu%state, gpu%tag, gpu%book, gpu%flags])
+                                    gpu%hold, gpu%held, body%slice, gpu%count, body%list, &
+                                    gpu%extra, gpu%state, gpu%tag, gpu%book, gpu%flags])
                 call launch(body%forces, threads_of(body), arguments, err)
             end associate
         end do
@@ -227,7 +228,7 @@ contains
         integer :: b
 
         do b = 1, size(gpu%bodies)
-            if (solid%bodies(b)%formulation /= form_bending) cycle
+            if (solid%bodies(b)%formulation /= form_bending .and. .not. gpu%bodies(b)%drawn) cycle
             associate (body => gpu%bodies(b))
                 call begin(gpu, body, arguments)
                 call arguments%add(intact_share)

@@ -112,7 +112,9 @@ contains
             if (gpu%linked) ledger%contact = book(book_contact)
             ledger%contact_heat = before%contact_heat + book(book_contact_heat)
             ledger%friction = before%friction + book(book_rub)
-            if (solid%bodies(b)%artificial == artificial_none) then
+            if (gpu%bodies(b)%drawn) then
+                ledger%hourglass = book(book_hold)
+            else if (solid%bodies(b)%artificial == artificial_none) then
                 ledger%hourglass = before%hourglass + before%ahead + book(book_hold) - ledger%ahead
             else
                 ledger%artificial = before%artificial + before%ahead + book(book_hold) &

@@ -12,7 +12,7 @@ module brz_bilinear_j2
                              refine_root, step_t
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
-    use brz_material, only: material_t, point_t, n_par
+    use brz_material, only: class_metal, fails_at_once, material_t, point_t, n_par
     use brz_model, only: model_t, real_key
     implicit none
     private
@@ -32,6 +32,7 @@ contains
         type(model_t), intent(inout) :: model
 
         model%code = bilinear_j2
+        model%class = class_metal
         model%name = name
         allocate (model%keys(n_keys))
         model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
@@ -67,7 +68,7 @@ contains
                 return
             end if
             if (.not. given(p_rate)) par(p_rate) = 0
-            material%fails = merge(1, 0, given(p_failure))
+            material%fails = merge(fails_at_once, 0, given(p_failure))
             if (.not. given(p_failure)) par(p_failure) = huge(1.0_rk)
             par(p_hardening) = par(p_tangent)*par(p_young)/(par(p_young) - par(p_tangent))
             par(p_power) = 1/par(p_exponent)

@@ -10,7 +10,8 @@ module brz_detonation_products
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_kinematics, only: volume_step
-    use brz_material, only: material_t, point_t, material_ok, material_step_too_large, n_par
+    use brz_material, only: class_fluid, material_t, point_t, material_ok, &
+                            material_step_too_large, n_par
     use brz_mie_gruneisen, only: pressure_step
     use brz_model, only: model_t, real_key
     implicit none
@@ -29,6 +30,7 @@ contains
         type(model_t), intent(inout) :: model
 
         model%code = detonation_products
+        model%class = class_fluid
         model%name = name
         allocate (model%keys(8))
         model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &

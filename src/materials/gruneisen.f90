@@ -12,7 +12,7 @@ module brz_gruneisen
     use brz_isotropic, only: begin_step, end_step, no_cutoff, step_t
     use brz_key, only: required
     use brz_kinds, only: dp, rk
-    use brz_material, only: material_t, point_t
+    use brz_material, only: class_metal, material_t, point_t
     use brz_model, only: model_t, real_key
     implicit none
     private
@@ -30,6 +30,7 @@ contains
         type(model_t), intent(inout) :: model
 
         model%code = gruneisen
+        model%class = class_metal
         model%name = name
         allocate (model%keys(10))
         model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &

@@ -20,7 +20,7 @@ module brz_hjc
                                 p_k_tran, p_mu_plock, p_full
     use brz_key, only: key_t, none, required
     use brz_kinematics, only: volume_step
-    use brz_material, only: fails_by_degrees, material_t, point_t, material_ok, &
+    use brz_material, only: class_crumbling, fails_by_degrees, material_t, point_t, material_ok, &
                             material_clamped, n_par
     use brz_model, only: derived_t, model_t, real_key, text_key
     use brz_text, only: to_text
@@ -39,6 +39,7 @@ contains
         type(model_t), intent(inout) :: model
 
         model%code = hjc
+        model%class = class_crumbling
         model%name = name
         allocate (model%keys(n_keys))
         call describe_strength(model)

@@ -9,7 +9,7 @@ module brz_ideal_gas
     use brz_jwl, only: jwl_t
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
-    use brz_material, only: material_t, point_t, n_par
+    use brz_material, only: class_fluid, material_t, point_t, n_par
     use brz_model, only: model_t, real_key
     implicit none
     private
@@ -26,6 +26,7 @@ contains
         type(model_t), intent(inout) :: model
 
         model%code = ideal_gas
+        model%class = class_fluid
         model%name = name
         allocate (model%keys(4))
         model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &

@@ -16,7 +16,7 @@ module brz_johnson_cook
                              refine_root, step_t
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
-    use brz_material, only: fails_at_once, material_t, point_t, n_par
+    use brz_material, only: class_metal, fails_at_once, material_t, point_t, n_par
     use brz_model, only: model_t, real_key, text_key
     implicit none
     private
@@ -39,6 +39,7 @@ contains
         type(model_t), intent(inout) :: model
 
         model%code = johnson_cook
+        model%class = class_metal
         model%name = name
         allocate (model%keys(n_keys))
         call describe_strength(model)

@@ -10,7 +10,7 @@ module brz_linear_elastic
     use brz_algebra, only: double_dot, rotate_voigt, rotation_exp, to_voigt
     use brz_key, only: key_t, none, required
     use brz_kinematics, only: volume_step
-    use brz_material, only: material_t, point_t, material_ok
+    use brz_material, only: class_elastic, material_t, point_t, material_ok
     use brz_model, only: model_t, real_key
     implicit none
     private
@@ -26,6 +26,7 @@ contains
         type(model_t), intent(inout) :: model
 
         model%code = linear_elastic
+        model%class = class_elastic
         model%name = name
         allocate (model%keys(5))
         model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &

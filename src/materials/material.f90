@@ -9,6 +9,7 @@ module brz_material
     implicit none
     private
     public :: material_t, point_t, n_par, n_hist, strength_left, fails_by_degrees, fails_at_once
+    public :: class_elastic, class_metal, class_crumbling, class_fluid
     public :: material_ok, material_clamped, material_not_finite, material_step_too_large, &
               material_unknown
 
@@ -25,8 +26,13 @@ module brz_material
     ! How a material fails: it may not (0), by and by as damage grows, or all at once at damage 1.
     integer, parameter :: fails_by_degrees = 1, fails_at_once = 2
 
+    ! What a material does when it is strained far: it springs back until it breaks, it flows and
+    ! stays together, it crumbles, or it has no shape at all.
+    integer, parameter :: class_elastic = 1, class_metal = 2, class_crumbling = 3, class_fluid = 4
+
     type, bind(c) :: material_t
         integer(c_int) :: model !! code of the model, see the registry
+        integer(c_int) :: class !! of the model, class_elastic, ...
         integer(c_int) :: n_hist !! history variables that the model uses
         integer(c_int) :: fails !! how it may lose its strength for good, 0: never
         real(rk) :: density !! unloaded [kg/m3]

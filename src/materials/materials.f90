@@ -183,6 +183,7 @@ contains
         type(material_t), intent(out) :: material
 
         material%model = 0
+        material%class = 0
         material%n_hist = 0
         material%density = 0
         material%fails = 0

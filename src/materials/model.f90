@@ -22,6 +22,7 @@ module brz_model
 
     type :: model_t
         integer :: code = 0 !! what `material%model` holds
+        integer :: class = 0 !! what the material does when it is strained far, see brz_material
         character(24) :: name = '' !! what the deck calls it
         type(key_t), allocatable :: keys(:)
         integer :: n_hist = 0 !! history in use
@@ -116,6 +117,7 @@ contains
         integer :: i, j
 
         material%model = model%code
+        material%class = model%class
         material%n_hist = model%n_hist
         do i = 1, size(model%keys)
             j = place_of(model%keys(i)%key, input)

@@ -10,8 +10,8 @@ module brz_orthotropic_ply
     use brz_kinds, only: dp, rk
     use brz_algebra, only: rotate_voigt
     use brz_kinematics, only: volume_step
-    use brz_material, only: fails_by_degrees, material_t, point_t, material_ok, material_clamped, &
-                            material_step_too_large, n_hist, n_par
+    use brz_material, only: class_elastic, fails_by_degrees, material_t, point_t, material_ok, &
+                            material_clamped, material_step_too_large, n_hist, n_par
     use brz_mie_gruneisen, only: hugoniot_excess, pressure_step, hugoniot_limit, eos_density, &
                                  eos_c0, eos_s1, eos_gamma, eos_mu_max, n_eos
     use brz_model, only: derived_t, model_t
@@ -42,6 +42,7 @@ contains
         type(model_t), intent(inout) :: model
 
         model%code = orthotropic_ply
+        model%class = class_elastic
         model%name = name
         call ply_keys(name, model%keys)
         model%n_hist = h_damage + n_modes

@@ -10,7 +10,7 @@ module brz_polynomial_eos
     use brz_isotropic, only: begin_step, end_step, no_cutoff, step_t
     use brz_key, only: required
     use brz_kinds, only: dp, rk
-    use brz_material, only: material_t, point_t
+    use brz_material, only: class_fluid, material_t, point_t
     use brz_model, only: model_t, real_key
     implicit none
     private
@@ -27,6 +27,7 @@ contains
         type(model_t), intent(inout) :: model
 
         model%code = polynomial_eos
+        model%class = class_fluid
         model%name = name
         allocate (model%keys(p_cutoff))
         model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &

@@ -74,6 +74,7 @@ contains
         call carry(file, 'solid/fixed', solid%fixed, err)
         call carry(file, 'solid/cut', solid%cut, err)
         if (allocated(solid%tilt)) call carry(file, 'solid/tilt', solid%tilt, err)
+        if (allocated(solid%owed)) call carry(file, 'solid/owed', solid%owed, err)
         call carry_bodies(file, solid, err)
         if (.not. solid%links%present) return
         call carry(file, 'solid/touch', solid%links%touch, err)

@@ -106,8 +106,8 @@ contains
         do b = 1, size(points)
             if (failed(err)) return
             associate (m => case%bodies(b)%material_index)
-                call settle(case%bodies(b), trim(case%materials(m)%model), solid%materials(m), &
-                            solid%dimension, speed, solid%bodies(b), err)
+                call settle(case%bodies(b), solid%materials(m), solid%dimension, speed, &
+                            solid%bodies(b), err)
             end associate
             solid%bodies(b)%first = n + 1
             n = n + size(points(b)%x, 2)
@@ -162,9 +162,8 @@ contains
     end function meeting_speed
 
     !> Copy the settings of a body from the deck.
-    subroutine settle(input, model, material, dimension, speed, body, err)
+    subroutine settle(input, material, dimension, speed, body, err)
         type(body_case_t), intent(in) :: input
-        character(*), intent(in) :: model !! name of the model of its material
         type(material_t), intent(in) :: material
         integer, intent(in) :: dimension
         real(dp), intent(in) :: speed !! [m/s]
@@ -174,7 +173,7 @@ contains
         body%id = input%id
         body%material = input%material_index
         body%spacing = input%spacing
-        call settle_formulation(input, model, material, dimension, speed, body, err)
+        call settle_formulation(input, material, dimension, speed, body, err)
     end subroutine settle
 
     !> Report a box whose sides are no whole number of spacings.

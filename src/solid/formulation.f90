@@ -7,7 +7,7 @@ module brz_formulation
     use brz_hourglass_axes, only: lay_axes
     use brz_kernel, only: kernel_shape
     use brz_kinds, only: dp, rk
-    use brz_material, only: material_t
+    use brz_material, only: class_elastic, class_fluid, class_metal, material_t
     use brz_solid_state, only: body_t, form_bending, form_corrected, form_corrected_hourglass, &
                                form_rigid, form_total, form_uncorrected
     implicit none
@@ -15,13 +15,13 @@ module brz_formulation
     public :: settle_formulation
 
     real(dp), parameter :: fast = 1000 !! bodies that meet faster send strong shocks [m/s]
+    real(rk), parameter :: usual_hold = 3 !! an infinite lattice under tension is stable from 1.25
 
 contains
 
     !> Fill the numbers of a body's formulation from the deck.
-    subroutine settle_formulation(input, model, material, dimension, speed, body, err)
+    subroutine settle_formulation(input, material, dimension, speed, body, err)
         type(body_case_t), intent(in) :: input
-        character(*), intent(in) :: model !! name of the model of its material
         type(material_t), intent(in) :: material
         integer, intent(in) :: dimension
         real(dp), intent(in) :: speed !! largest of two bodies towards each other [m/s]
@@ -31,7 +31,7 @@ contains
         body%h = real(input%smoothing*input%spacing, rk)
         body%zeta_viscous = real(input%zeta_viscous, rk)
         body%cfl = real(input%cfl, rk)
-        call settle_class(input, model, speed, body)
+        call settle_class(input, int(material%class), speed, body)
         select case (input%formulation)
         case ('auto')
         case ('corrected')
@@ -43,7 +43,7 @@ contains
         case ('total_lagrangian')
             body%formulation = form_total
             if (material%fails > 0) call refuse(input, "formulation='total_lagrangian' is for "// &
-                "what never breaks, and model='"//model//"' fails; take 'bending' or "// &
+                "what never breaks, and its material fails; take 'bending' or "// &
                 "'corrected_hourglass'", err)
         case ('uncorrected', 'paper')
             body%formulation = form_uncorrected
@@ -54,6 +54,7 @@ contains
         end select
         call settle_artificial(input, body, err)
         call settle_stiffness(input, material, dimension, body)
+        call settle_hold(input, int(material%class), body, err)
         body%variable = input%variable_h
         body%h_range = real(input%h_range, rk)
         if (body%variable .and. body%formulation == form_total) &
@@ -82,25 +83,37 @@ contains
                       real(input%spacing, rk)/body%h, axis <= dimension, body%axes)
     end subroutine settle_stiffness
 
+    !> The hold, a stiff hourglass force in proportion to the tension: of what keeps together.
+    subroutine settle_hold(input, class, body, err)
+        type(body_case_t), intent(in) :: input
+        integer, intent(in) :: class !! of the material
+        type(body_t), intent(inout) :: body
+        type(error_t), intent(inout) :: err
+
+        body%tension_hold = 0
+        if (body%formulation /= form_corrected_hourglass) then
+            if (input%tension_hold > 0) call refuse(input, 'tension_hold goes with '// &
+                "formulation='corrected_hourglass' alone; leave it out", err)
+            return
+        end if
+        if (class /= class_fluid) body%tension_hold = usual_hold
+        if (input%tension_hold >= 0) body%tension_hold = real(input%tension_hold, rk)
+    end subroutine settle_hold
+
     !> Formulation and viscosity where the deck gives none, by what a material does: it bends until
     !> it breaks, it flows (metals), or it crumbles. In metals at moderate speed the viscosity
     !> spares plastic shear: else a coarse Taylor bar loses a third of its energy to it.
-    pure subroutine settle_class(input, model, speed, body)
+    pure subroutine settle_class(input, class, speed, body)
         type(body_case_t), intent(in) :: input
-        character(*), intent(in) :: model
+        integer, intent(in) :: class !! of the material
         real(dp), intent(in) :: speed !! see settle_formulation [m/s]
         type(body_t), intent(inout) :: body
 
         body%formulation = form_corrected_hourglass
+        if (class == class_elastic) body%formulation = form_bending
         body%alpha = 1
         body%beta = 2
-        body%balsara = .false.
-        select case (model)
-        case ('linear_elastic', 'orthotropic_ply')
-            body%formulation = form_bending
-        case ('bilinear_j2', 'johnson_cook', 'gruneisen')
-            body%balsara = speed <= fast
-        end select
+        body%balsara = class == class_metal .and. speed <= fast
         if (input%formulation == 'paper') then
             body%alpha = 2
             body%beta = 10

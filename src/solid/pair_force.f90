@@ -10,7 +10,11 @@ module brz_pair_force
     implicit none
     private
     public :: stress_force, viscous_force, hourglass_viscous, hourglass_stiff, hourglass_axial, &
-              axial_stiffness, overstretched
+              axial_stiffness, overstretched, most_bent, most_drawn
+
+    ! a pair beyond these stretches, or below their inverse, is let go
+    real(rk), parameter :: most_bent = 1.6_rk !! by what holds elastic bodies and plies together
+    real(rk), parameter :: most_drawn = 3 !! by the hold
 
 contains
 
@@ -72,12 +76,13 @@ contains
     !>
     !> Each particle's own stiffness goes with its own deformation F: with P = z F the force is
     !> y (P_i X_ij - z_i x_ij) and the same of j. With the corrected gradient,
-    !> sum_j V_j F_ij (F_i X_ij - x_ij) (x) x_ij = 0: no torque. A pair that left the stretches
-    !> 1/1.6..1.6 is no longer held.
+    !> sum_j V_j F_ij (F_i X_ij - x_ij) (x) x_ij = 0: no torque. The stiffness is zeta G in elastic
+    !> bodies, or K of brz_tension_hold.
     !@cuf attributes(host,device) &
-    pure subroutine hourglass_stiff(y, z, pi, pj, x_ref, r, f)
+    pure subroutine hourglass_stiff(most, y, z, pi, pj, x_ref, r, f)
+        real(rk), intent(in) :: most !! stretch of a pair that is held, most_bent or most_drawn
         real(rk), intent(in) :: y !! w times what damage leaves of it
-        real(rk), intent(in) :: z !! sum of the stiffnesses zeta G of the two particles [Pa]
+        real(rk), intent(in) :: z !! sum of the stiffnesses of the two particles [Pa]
         real(rk), intent(in) :: pi(9), pj(9) !! their stiffness times deformation dx/dX [Pa]
         real(rk), intent(in) :: x_ref(3) !! X_ij [m]
         real(rk), intent(in) :: r(3) !! x_ij [m]
@@ -85,7 +90,7 @@ contains
         real(rk) :: h
 
         h = y
-        if (overstretched(x_ref, r)) h = 0
+        if (overstretched(most, x_ref, r)) h = 0
         f(1) = h*((pi(1) + pj(1))*x_ref(1) + (pi(4) + pj(4))*x_ref(2) + (pi(7) + pj(7))*x_ref(3) &
                   - z*r(1))
         f(2) = h*((pi(2) + pj(2))*x_ref(1) + (pi(5) + pj(5))*x_ref(2) + (pi(8) + pj(8))*x_ref(3) &
@@ -105,7 +110,7 @@ contains
         real(rk) :: h
 
         h = y
-        if (overstretched(x_ref, r)) h = 0
+        if (overstretched(most_bent, x_ref, r)) h = 0
         f(1) = h*((pi(1) + pj(1))*x_ref(1) + (pi(4) + pj(4))*x_ref(2) + (pi(7) + pj(7))*x_ref(3) &
                   - (k(1)*r(1) + k(4)*r(2) + k(6)*r(3)))
         f(2) = h*((pi(2) + pj(2))*x_ref(1) + (pi(5) + pj(5))*x_ref(2) + (pi(8) + pj(8))*x_ref(3) &
@@ -144,14 +149,14 @@ contains
 
     !> True for a pair that what holds to the unloaded body has let go.
     !@cuf attributes(host,device) &
-    pure function overstretched(x_ref, r) result(yes)
+    pure function overstretched(most, x_ref, r) result(yes)
+        real(rk), intent(in) :: most !! stretch, or its inverse
         real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]
         logical :: yes
-        real(rk), parameter :: most = 1.6_rk**2
         real(rk) :: a, b
 
         a = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
         b = x_ref(1)*x_ref(1) + x_ref(2)*x_ref(2) + x_ref(3)*x_ref(3)
-        yes = a > most*b .or. b > most*a
+        yes = a > most*most*b .or. b > most*most*a
     end function overstretched
 end module brz_pair_force

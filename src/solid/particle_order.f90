@@ -31,6 +31,7 @@ contains
             call reorder(storage_size(s%volume)/8, s%volume)
             if (allocated(s%h)) call reorder(storage_size(s%h)/8, s%h)
             if (allocated(s%tilt)) call reorder(storage_size(s%tilt)/8, s%tilt)
+            if (allocated(s%owed)) call reorder(storage_size(s%owed)/8, s%owed)
             call reorder(storage_size(s%id)/8, s%id)
             call reorder(storage_size(s%ply)/8, s%ply)
             call reorder(storage_size(s%support)/8, s%support)

@@ -2,7 +2,7 @@
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
     use brz_kinds, only: dp, int64, real32, rk
-    use brz_solid_state, only: bond_none, lanes, n_pair, solid_t
+    use brz_solid_state, only: bond_none, lanes, n_held, n_pair, solid_t
     implicit none
     private
     public :: allocate_solid, bytes_per_particle
@@ -25,6 +25,8 @@ contains
             if (any(solid%bodies%variable)) allocate (solid%h(n), source=0.0_rk)
             if (any(solid%bodies%directional)) allocate (solid%hold(6, n), solid%tilt(n), &
                                                          source=0.0_real32)
+            if (any(solid%bodies%tension_hold > 0)) allocate (solid%held(n_held, n), &
+                                                              solid%owed(n), source=0.0_rk)
             allocate (solid%search%order(n))
         end associate
         call number_groups(solid)
@@ -95,7 +97,8 @@ contains
 
         n = sum((solid%bodies%last - solid%bodies%first + block_size)/block_size)
         allocate (solid%block(3, n), solid%search%sums(n_sum, n), solid%search%limit(n), &
-                  solid%search%bad(n))
+                  solid%search%drawn(n), solid%search%bad(n))
+        solid%search%drawn = .false.
         n = 0
         do b = 1, size(solid%bodies)
             do i = solid%bodies(b)%first, solid%bodies(b)%last, block_size
@@ -121,6 +124,7 @@ contains
             if (allocated(s%load)) bytes = bytes + working(size(s%load))
             if (allocated(s%h)) bytes = bytes + working(size(s%h))
             if (allocated(s%hold)) bytes = bytes + 4.0_dp*(size(s%hold) + size(s%tilt))
+            if (allocated(s%held)) bytes = bytes + working(size(s%held) + size(s%owed))
             if (s%links%present) bytes = bytes + 4.0_dp*(size(s%links%row) + size(s%links%touch)) &
                 + size(s%links%bond) + wide(size(s%links%first)) &
                 + working(size(s%links%press) + size(s%links%push))

@@ -19,6 +19,7 @@ module brz_solid_state
     public :: is_free, is_held, is_gone
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold, pair_tilt
+    public :: n_held, held_stiffness, held_affine, held_energy, held_whole
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
                           form_uncorrected = 4, form_rigid = 5, form_total = 6
@@ -45,10 +46,17 @@ module brz_solid_state
     integer, parameter :: pair_keep = 24 !! share of the hourglass force that is left, 0..1
     integer, parameter :: n_pair = 24 !! a whole number of cache lines; also a buffer for sorting
 
+    ! the same for the hold, in a row of `held`; brz_tension_hold
+    integer, parameter :: held_stiffness = 1 !! K [Pa]
+    integer, parameter :: held_affine = 1 !! + 1..9: K dx/dX [Pa]
+    integer, parameter :: held_energy = 11 !! that it holds [J]
+    integer, parameter :: held_whole = 12 !! 0: lost its support, holds nothing; else 1
+    integer, parameter :: n_held = 12
+
     !> What one body has done with its energy so far, all in J.
     type :: ledger_t
         real(dp) :: viscous = 0 !! heat by artificial viscosity
-        real(dp) :: hourglass_heat = 0 !! heat by the viscous hourglass force
+        real(dp) :: hourglass_heat = 0 !! heat by the viscous hourglass force and by the hold
         real(dp) :: hourglass = 0 !! energy held by (or fed to) the stiff hourglass force
         real(dp) :: artificial = 0 !! energy held by the artificial stress
         real(dp) :: ahead = 0 !! change of one of these two in the half step to come
@@ -76,6 +84,8 @@ module brz_solid_state
         logical :: variable = .false. !! smoothing length follows the density
         real(rk) :: h_range(2) = 1 !! its bounds over h
         real(rk) :: alpha = 1, beta = 2, zeta = 2, zeta_viscous = 0
+        real(rk) :: tension_hold = 0 !! stiffness of the hold over the tension, 0: no hold
+        logical :: drawn = .false. !! in this step something of it is held
         logical :: balsara = .false. !! less viscosity in shear
         integer :: artificial = artificial_none !! artificial stress, see brz_artificial_stress
         logical :: directional = .false. !! hourglass stiffness along the axes of the material
@@ -102,6 +112,7 @@ module brz_solid_state
         integer, allocatable :: order(:) !! (n) particles cell by cell
         real(dp), allocatable :: sums(:, :) !! (sums, blocks) partial sums of a pass
         real(dp), allocatable :: limit(:) !! (blocks) largest stable time step [s]
+        logical, allocatable :: drawn(:) !! (blocks) some particle is held
         integer, allocatable :: bad(:) !! (blocks) first particle with an impossible state, 0: none
     end type search_t
 
@@ -164,6 +175,9 @@ module brz_solid_state
         real(real32), allocatable :: tilt(:) !! (n) of the gradient in the outermost layers of
                                              !! plies, see brz_tilted_arm; where `hold` is [1/m]
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
+        real(rk), allocatable :: held(:, :) !! (n_held, n) the hold, where a body has it; by pass 1
+        real(rk), allocatable :: owed(:) !! (n) where `held` is: energy of the hold, and its work
+                                         !! in the half step to come; the rest became heat [J]
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
         integer(int8), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone

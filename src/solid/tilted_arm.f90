@@ -14,7 +14,7 @@ module brz_tilted_arm
     use brz_algebra, only: inverse3
     use brz_gradient, only: weakest_of
     use brz_kinds, only: rk
-    use brz_pair_force, only: overstretched
+    use brz_pair_force, only: most_bent, overstretched
     implicit none
     private
     public :: tilted_arm, tilted_correction, tilted_force
@@ -34,7 +34,7 @@ contains
         z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
         along = 1 + c*z
         across = c*z*z
-        if (overstretched(x_ref, r)) then
+        if (overstretched(most_bent, x_ref, r)) then
             along = 0
             across = 0
         end if

@@ -10,7 +10,7 @@ module solid_bodies
     use solid_scenes, only: advance, begin, choose, finish, form_t, metal, scene_t, seen_t
     implicit none
     private
-    public :: rings_t, rings, torn_t, torn_bar, hole
+    public :: rings_t, rings, torn_t, torn_bar, hole, sound_pieces
 
     real(dp), parameter :: pi = acos(-1.0_dp)
 

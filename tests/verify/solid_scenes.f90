@@ -13,7 +13,8 @@ module solid_scenes
     use brz_solid_totals, only: solid_totals, solid_totals_t
     implicit none
     private
-    public :: form_t, seen_t, scene_t, forms, elastic, metal, choose, begin, advance, finish, noise
+    public :: form_t, seen_t, scene_t, forms, elastic, metal, choose, begin, advance, finish, total
+    public :: noise
 
     !> A formulation as a deck would choose it.
     type :: form_t
@@ -22,6 +23,7 @@ module solid_scenes
         real(dp) :: alpha = -1, beta = -1
         real(dp) :: zeta = -1 !! stiffness of the stiff hourglass force
         character(8) :: limiter = 'auto' !! of the viscosity
+        real(dp) :: hold = -1 !! stiffness of the hold over the tension
     end type form_t
 
     !> What was seen.
@@ -97,6 +99,7 @@ contains
             if (form%beta >= 0) case%bodies(b)%beta = form%beta
             if (form%zeta >= 0) case%bodies(b)%zeta = form%zeta
             case%bodies(b)%limiter = form%limiter
+            case%bodies(b)%tension_hold = form%hold
         end do
     end subroutine choose
 
