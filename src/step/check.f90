@@ -107,10 +107,10 @@ contains
                     to_text(real(1e3_dp*body%spacing, real32)), ' mm,', &
                     sum(real(solid%mass(body%first:body%last), dp)), ' kg, volume scaled by ', &
                     body%volume_scale
-                write (output_unit, '(2a, 2(a, f0.2), a)') '             ', &
-                    trim(form_names(body%formulation)), ', viscosity alpha ', body%alpha, &
-                    ', beta ', body%beta, trim(merge(', less where it shears (balsara)', &
-                                                     repeat(' ', 32), body%balsara))
+                write (output_unit, '(3a, 2(a, f0.2), a)') '             ', &
+                    trim(form_names(body%formulation)), reason(sim, b), ', viscosity alpha ', &
+                    body%alpha, ', beta ', body%beta, &
+                    trim(merge(', less where it shears (balsara)', repeat(' ', 32), body%balsara))
                 if (body%across > 0) write (output_unit, '(a, i0, a)') '             ', &
                     body%across, ' particles per bar diameter'
                 if (sim%case%bodies(b)%n_plies > 0 .and. sim%case%bodies(b)%file == '') &
@@ -123,6 +123,26 @@ contains
             ' particles, ', 1e-6_dp*bytes_per_particle(sim%solid)*sim%solid%n, ' MB, ', &
             bytes_per_particle(sim%solid), ' B per particle, without neighbour lists'
     end subroutine check_solid
+
+    !> Why a body has its formulation, and how it is held.
+    function reason(sim, b) result(text)
+        type(simulation_t), intent(in) :: sim
+        integer, intent(in) :: b !! body
+        character(:), allocatable :: text
+        character(44), parameter :: auto(4) = [character(44) :: &
+                                               ' (auto: it springs back until it breaks)', &
+                                               ' (auto: a metal flows and stays together)', &
+                                               ' (auto: it crumbles)', ' (auto: it has no shape)']
+
+        text = ''
+        associate (body => sim%solid%bodies(b))
+            if (sim%case%bodies(b)%formulation == 'auto') &
+                text = trim(auto(sim%solid%materials(body%material)%class))
+            if (body%tension_hold > 0) &
+                text = text//', held by '//to_text(real(body%tension_hold, real32))// &
+                       ' times its tension'
+        end associate
+    end function reason
 
     !> Layers of particles across the plies of a body.
     pure real(dp) function layers_of(sim, b) result(layers)

@@ -260,8 +260,9 @@ COARSER = {
 def test_decks_that_come_along_are_sound(deck, tmp_path):
     coarser = [word for value in COARSER.get(deck, []) for word in ("--set", value)]
     done = run("run", ROOT / "inputs" / deck, "--check", *coarser, cwd=tmp_path)
+    most = 600 + 104 * ("times its tension" in done.stdout)  # the hold: 13 numbers
     for bytes_per_particle in re.findall(r"(\d+)\.? B per particle", done.stdout):
-        assert int(bytes_per_particle) <= 600
+        assert int(bytes_per_particle) <= most
 
 
 def test_strip_rings_with_the_period_of_beam_theory(tmp_path):
