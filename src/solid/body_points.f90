@@ -14,7 +14,7 @@ module brz_body_points
     use brz_text, only: to_text
     implicit none
     private
-    public :: points_t, place_points
+    public :: points_t, lay_shapes, place_points, cuts, cell_volume
 
     real(dp), parameter :: same_spacing = 0.02_dp !! relative difference that lattices may have
     real(dp), parameter :: same_place = 0.1_dp !! of layers, in spacings
@@ -36,14 +36,14 @@ module brz_body_points
 
 contains
 
-    !> Particles of all bodies of a case.
-    subroutine place_points(case, mirror, depth, middle, points, err)
+    !> Shapes and lattices of all bodies of a case; no particles but those from files.
+    subroutine lay_shapes(case, mirror, depth, middle, points, err)
         type(case_t), intent(in) :: case
         logical, intent(in) :: mirror(3) !! symmetry planes
         real(dp), intent(in) :: depth, middle(3) !! see lay_shape [m]
         type(points_t), intent(out) :: points(:)
         type(error_t), intent(inout) :: err
-        integer :: b, c
+        integer :: b
 
         do b = 1, size(points)
             if (failed(err)) return
@@ -60,11 +60,22 @@ contains
         do b = 1, size(points)
             if (case%bodies(b)%shape == 'particles') cycle
             call share_lattice(case%bodies, points, b)
-            if (case%bodies(b)%shape == 'stl') then
-                call mark_lattice(points(b))
-            else
+            if (case%bodies(b)%shape /= 'stl') &
                 points(b)%exact = exact_volume(case%bodies(b), points(b)%shape)
-            end if
+        end do
+    end subroutine lay_shapes
+
+    !> Particles of all bodies of a case, whose shapes are laid.
+    subroutine place_points(case, points, err)
+        type(case_t), intent(in) :: case
+        type(points_t), intent(inout) :: points(:)
+        type(error_t), intent(inout) :: err
+        integer :: b, c
+
+        if (failed(err)) return
+        do b = 1, size(points)
+            if (case%bodies(b)%shape == 'particles') cycle
+            if (case%bodies(b)%shape == 'stl') call mark_lattice(points(b))
             call fill_lattice(case%bodies(b), points(b))
             call judge_length(case%bodies(b), points(b))
         end do

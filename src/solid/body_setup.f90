@@ -5,7 +5,7 @@
 !> (brz_solid_step) does that.
 module brz_body_setup
     use brz_bar_layers, only: layers_across
-    use brz_body_points, only: place_points, points_t
+    use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: inside, shape_t
     use brz_case, only: body_case_t, case_t, label
     use brz_errors, only: error_t, exit_deck, failed, raise
@@ -17,10 +17,11 @@ module brz_body_setup
     use brz_rigid_setup, only: set_up_rigid
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: body_t, solid_t
+    use brz_stl, only: is_inside
     use brz_text, only: to_text
     implicit none
     private
-    public :: meeting_speed, set_up_solid
+    public :: meeting_speed, outline_solid, set_up_solid
 
     real(dp), parameter :: anisotropy = 0.02_dp !! larger differences of the spacings are reported
 
@@ -34,16 +35,11 @@ contains
         type(points_t), allocatable :: points(:)
         integer :: b
 
-        solid%notes = ''
-        solid%present = case%solid%present .and. size(case%bodies) > 0
-        if (.not. solid%present) return
-        allocate (solid%materials(size(case%materials)))
-        call make_materials(case, solid%materials, err)
+        call outline_solid(case, solid, points, err)
+        if (failed(err) .or. .not. solid%present) return
+        call place_points(case, points, err)
         if (failed(err)) return
-        allocate (solid%bodies(size(case%bodies)), points(size(case%bodies)))
-        call lay_bodies(case, solid, points, err)
-        if (failed(err)) return
-        solid%n_hist = maxval(solid%materials(solid%bodies%material)%n_hist)
+        call number_particles(points, solid)
         call set_up_interactions(case, solid, err)
         call allocate_solid(solid)
         if (case%air%present) allocate (solid%load(3, solid%n), source=0.0_rk)
@@ -56,6 +52,25 @@ contains
             call set_up_rigid(case%bodies(b), points(b)%shape%on_plane, solid, solid%bodies(b), err)
         end do
     end subroutine set_up_solid
+
+    !> Materials, settings and shapes of the bodies of a case: all but their particles.
+    subroutine outline_solid(case, solid, points, err)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(out) :: solid
+        type(points_t), allocatable, intent(out) :: points(:)
+        type(error_t), intent(inout) :: err
+
+        solid%notes = ''
+        solid%present = case%solid%present .and. size(case%bodies) > 0
+        if (.not. solid%present) return
+        allocate (solid%materials(size(case%materials)))
+        call make_materials(case, solid%materials, err)
+        if (failed(err)) return
+        allocate (solid%bodies(size(case%bodies)), points(size(case%bodies)))
+        call lay_bodies(case, solid, points, err)
+        if (failed(err)) return
+        solid%n_hist = maxval(solid%materials(solid%bodies%material)%n_hist)
+    end subroutine outline_solid
 
     !> All materials; their faults are told together.
     subroutine make_materials(case, materials, err)
@@ -75,14 +90,14 @@ contains
         end do
     end subroutine make_materials
 
-    !> Lattices, ranges of particles and settings of all bodies.
+    !> Lattices and settings of all bodies.
     subroutine lay_bodies(case, solid, points, err)
         type(case_t), intent(in) :: case
         type(solid_t), intent(inout) :: solid
         type(points_t), intent(out) :: points(:)
         type(error_t), intent(inout) :: err
         real(dp) :: middle(3), speed
-        integer :: a, b, n
+        integer :: a, b
 
         solid%dimension = case%run%dimension
         solid%mirror = case%run%symmetry
@@ -100,27 +115,36 @@ contains
         where (solid%mirror) solid%region(:, 1) = -huge(1.0_dp) ! nothing leaves through a plane
         solid%remove = case%solid%leave == 'remove'
         solid%skin = case%solid%skin*minval(case%bodies%spacing)
-        call place_points(case, solid%mirror, solid%depth, middle, points, err)
+        call lay_shapes(case, solid%mirror, solid%depth, middle, points, err)
         speed = meeting_speed(case)
-        n = 0
         do b = 1, size(points)
             if (failed(err)) return
             associate (m => case%bodies(b)%material_index)
                 call settle(case%bodies(b), solid%materials(m), solid%dimension, speed, &
                             solid%bodies(b), err)
             end associate
-            solid%bodies(b)%first = n + 1
-            n = n + size(points(b)%x, 2)
-            solid%bodies(b)%last = n
-            solid%notes = solid%notes//points(b)%notes
             call judge_spacing(case%bodies(b), points(b)%shape, solid%notes)
-            solid%bodies(b)%volume_scale = points(b)%scale
             if (case%bodies(b)%shape == 'bars') &
                 call judge_bars(case%bodies(b), solid%bodies(b)%across, solid%notes)
         end do
-        solid%n = n
         if (allocated(case%gauges)) call judge_gauges(case, points, solid%notes)
     end subroutine lay_bodies
+
+    !> Ranges of particles of all bodies.
+    subroutine number_particles(points, solid)
+        type(points_t), intent(in) :: points(:)
+        type(solid_t), intent(inout) :: solid
+        integer :: b
+
+        solid%n = 0
+        do b = 1, size(points)
+            solid%bodies(b)%first = solid%n + 1
+            solid%n = solid%n + size(points(b)%x, 2)
+            solid%bodies(b)%last = solid%n
+            solid%bodies(b)%volume_scale = points(b)%scale
+            solid%notes = solid%notes//points(b)%notes
+        end do
+    end subroutine number_particles
 
     !> A gauge of the air within a body measures nothing of its own.
     subroutine judge_gauges(case, points, notes)
@@ -133,7 +157,7 @@ contains
             if (case%gauges(g)%body_index > 0) cycle
             do b = 1, size(points)
                 associate (body => case%bodies(b), gauge => case%gauges(g))
-                    if (.not. inside(body, points(b)%shape, gauge%at, 1e-6_dp*body%spacing)) cycle
+                    if (.not. holds(body, points(b), gauge%at)) cycle
                     notes = notes//label('gauge', gauge%id, gauge%place)//"warning: it lies "// &
                         "in the body '"//trim(body%id)//"' and shows the nearest gas, if there "// &
                         'is any; move it out of the body, by half a cell of the air or more'// &
@@ -143,6 +167,21 @@ contains
             end do
         end do
     end subroutine judge_gauges
+
+    !> True for a point within a body; a body from a file of particles has no inside.
+    logical function holds(body, points, x)
+        type(body_case_t), intent(in) :: body
+        type(points_t), intent(in) :: points
+        real(dp), intent(in) :: x(3) !! [m]
+        logical :: within(1, 1, 1)
+
+        if (body%shape == 'stl') then
+            call is_inside(points%mesh, x - body%spacing/2, spread(body%spacing, 1, 3), within)
+            holds = within(1, 1, 1)
+        else
+            holds = inside(body, points%shape, x, 1e-6_dp*body%spacing)
+        end if
+    end function holds
 
     !> Largest speed of a body at the start, or of two bodies against each other, or of a body
     !> against its mirror image [m/s].

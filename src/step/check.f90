@@ -1,67 +1,127 @@
 ! SPDX-License-Identifier: MIT
 !> What `--check` prints: what was discretised, whether it is resolved, and what it will cost.
 module brz_check
-    use, intrinsic :: iso_fortran_env, only: output_unit
+    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_air_setup, only: time_step_ramp
     use brz_body_setup, only: meeting_speed
+    use brz_case, only: body_case_t, case_t
     use brz_check_bodies, only: body_box
     use brz_errors, only: error_t
     use brz_kinds, only: dp, real32
     use brz_material_report, only: material_report
+    use brz_scene_size, only: count_text, memory_text, scene_size_t
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_solid_state, only: form_names
+    use brz_solid_state, only: form_names, solid_t
+    use brz_solid_step, only: solid_time_step
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
     implicit none
     private
-    public :: print_check
+    public :: print_check, print_outline
 
     integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 128 !! per cell, particle
 
 contains
 
     !> Print the check of a scene that is set up and not run.
-    subroutine print_check(sim, err)
+    subroutine print_check(sim, size_of, err)
         type(simulation_t), intent(inout) :: sim
+        type(scene_size_t), intent(in) :: size_of
         type(error_t), intent(inout) :: err
-        real(dp) :: dt, dumps
-        character(:), allocatable :: notes
-        integer :: i, n
+        type(scene_size_t) :: exact
+        real(dp) :: dt
 
         write (output_unit, '(a)') 'check of '//trim(sim%case%run%job)//': '//sim%case%run%title
         if (sim%air%present) call check_air(sim)
         if (sim%solid%present) call check_solid(sim)
-        if (sim%solid%present) call check_materials(sim)
+        if (sim%solid%present) call check_materials(sim%case, sim%solid)
+        exact = size_of
+        exact%particles = sim%solid%n
         call choose_time_step(sim, dt, err)
-        if (sim%air%present) dt = dt/time_step_ramp(0, sim%case%air%ramp_steps)
-        write (output_unit, '(a, es10.3, 3a, i0, a)') 'time step    ', dt, ' s at first, limit: ', &
-            trim(sim%limiter), '; about ', nint(sim%case%run%t_end/dt), &
-            ' steps at this rate (a blast shortens it)'
-        dumps = 1
-        if (sim%case%output%dump_every < sim%case%run%t_end) &
-            dumps = 1 + sim%case%run%t_end/sim%case%output%dump_every
-        write (output_unit, '(a, i0, a, f0.1, a)') 'output       ', int(dumps), ' dumps, about ', &
-            1e-6_dp*dumps*(merge(real(air_dump_bytes, dp)*product(real(sim%air%n, dp)), 0.0_dp, &
-                                 sim%air%present) + real(solid_dump_bytes, dp)*sim%solid%n), ' MB'
-        notes = 'the deck is sound'
-        n = size(sim%case%warnings)
-        if (sim%solid%present) &
-            n = n + count([(sim%solid%notes(i:i) == new_line('a'), i=1, len(sim%solid%notes))])
-        if (n > 0) notes = to_text(n)//' warning(s) on the error unit'
-        write (output_unit, '(a)') 'verdict      '//notes
+        if (sim%air%present) exact%dt_air = &
+            min(dt/time_step_ramp(0, sim%case%air%ramp_steps), sim%case%run%dt_max)
+        if (sim%solid%present) exact%dt_solid = solid_time_step(sim%solid)
+        call print_cost(sim%case, exact)
+        call print_verdict(sim%case, sim%solid, 'the deck is sound')
     end subroutine print_check
 
+    !> Print what the deck alone says of a scene that is too large to look at it in seconds.
+    subroutine print_outline(case, size_of)
+        type(case_t), intent(in) :: case
+        type(scene_size_t), intent(in) :: size_of
+        integer :: b
+
+        if (allocated(size_of%solid%notes)) &
+            write (error_unit, '(a)', advance='no') size_of%solid%notes
+        write (output_unit, '(a)') 'check of '//trim(case%run%job)//': '//case%run%title
+        if (case%air%present) write (output_unit, '(3a, 3(1x, i0), a)') 'air          ', &
+            count_text(size_of%cells), ' cells (', case%air%cells, ' )'
+        do b = 1, size(case%bodies)
+            associate (body => size_of%solid%bodies(b))
+                write (output_unit, '(7a)') 'body         ', trim(body%id), ': about ', &
+                    count_text(size_of%of_body(b)), ' particles at ', &
+                    to_text(real(1e3_dp*body%spacing, real32)), ' mm'
+                call print_settings(case, size_of%solid, b)
+            end associate
+        end do
+        if (size_of%solid%present) call check_materials(case, size_of%solid)
+        call print_cost(case, size_of)
+        call print_verdict(case, size_of%solid, 'sound as far as it can be read; a run builds '// &
+                           'it and looks for bodies that overlap')
+    end subroutine print_outline
+
+    !> Memory, steps and output.
+    subroutine print_cost(case, size_of)
+        type(case_t), intent(in) :: case
+        type(scene_size_t), intent(in) :: size_of
+        real(dp) :: dt, dumps, steps, substeps
+
+        write (output_unit, '(2a)') 'memory       ', memory_text(size_of)
+        dt = min(case%run%dt_max, merge(size_of%dt_air, size_of%dt_solid, case%air%present))
+        steps = max(1.0_dp, anint(case%run%t_end/dt))
+        substeps = 1
+        if (case%air%present .and. size_of%particles > 0) &
+            substeps = max(1.0_dp, real(ceiling(dt/size_of%dt_solid), dp))
+        write (output_unit, '(a, es10.3, 3a)') 'time step    ', dt, ' s at first, about ', &
+            count_text(steps), ' steps at this rate (a blast or a fracture shortens it)'
+        if (case%air%present .and. size_of%particles > 0) write (output_unit, '(a, es10.3, 5a)') &
+            'solid steps  ', size_of%dt_solid, ' s at first: ', count_text(substeps), &
+            ' in each step of the air, about ', count_text(steps*substeps), ' while awake'
+        dumps = 1
+        if (case%output%dump_every < case%run%t_end) &
+            dumps = 1 + aint(case%run%t_end/case%output%dump_every)
+        write (output_unit, '(3a, f0.1, a)') 'output       ', count_text(dumps), &
+            ' dumps, about ', 1e-6_dp*dumps*(air_dump_bytes*size_of%cells + &
+                                             solid_dump_bytes*size_of%particles), ' MB'
+    end subroutine print_cost
+
+    !> What all of it comes to; warnings have been written on the error unit.
+    subroutine print_verdict(case, solid, sound)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(in) :: solid
+        character(*), intent(in) :: sound
+        character(:), allocatable :: verdict
+        integer :: i, n
+
+        verdict = sound
+        n = size(case%warnings)
+        if (allocated(solid%notes)) &
+            n = n + count([(solid%notes(i:i) == new_line('a'), i=1, len(solid%notes))])
+        if (n > 0) verdict = to_text(n)//' warning(s) on the error unit'
+        write (output_unit, '(2a)') 'verdict      ', verdict
+    end subroutine print_verdict
+
     !> Materials of the bodies; their Hugoniot where two bodies of them would meet at full speed.
-    subroutine check_materials(sim)
-        type(simulation_t), intent(in) :: sim
+    subroutine check_materials(case, solid)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(in) :: solid
         integer :: m
 
-        do m = 1, size(sim%case%materials)
-            if (.not. any(sim%case%bodies%material == sim%case%materials(m)%id)) cycle
+        do m = 1, size(case%materials)
+            if (.not. any(case%bodies%material == case%materials(m)%id)) cycle
             write (output_unit, '(a)', advance='no') &
-                material_report(sim%case%materials(m), sim%solid%materials(m), &
-                                meeting_speed(sim%case)/2)
+                material_report(case%materials(m), solid%materials(m), meeting_speed(case)/2)
         end do
     end subroutine check_materials
 
@@ -107,16 +167,7 @@ contains
                     to_text(real(1e3_dp*body%spacing, real32)), ' mm,', &
                     sum(real(solid%mass(body%first:body%last), dp)), ' kg, volume scaled by ', &
                     body%volume_scale
-                write (output_unit, '(3a, 2(a, f0.2), a)') '             ', &
-                    trim(form_names(body%formulation)), reason(sim, b), ', viscosity alpha ', &
-                    body%alpha, ', beta ', body%beta, &
-                    trim(merge(', less where it shears (balsara)', repeat(' ', 32), body%balsara))
-                if (body%across > 0) write (output_unit, '(a, i0, a)') '             ', &
-                    body%across, ' particles per bar diameter'
-                if (sim%case%bodies(b)%n_plies > 0 .and. sim%case%bodies(b)%file == '') &
-                    write (output_unit, '(a, i0, a, f0.2, a)') '             ', &
-                    sim%case%bodies(b)%n_plies, ' plies of ', &
-                    layers_of(sim, b)/sim%case%bodies(b)%n_plies, ' layers of particles'
+                call print_settings(sim%case, solid, b)
             end associate
         end do
         write (output_unit, '(a, i0, a, f0.1, a, f0.0, a)') 'solids       ', sim%solid%n, &
@@ -125,8 +176,9 @@ contains
     end subroutine check_solid
 
     !> Why a body has its formulation, and how it is held.
-    function reason(sim, b) result(text)
-        type(simulation_t), intent(in) :: sim
+    function reason(case, solid, b) result(text)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(in) :: solid
         integer, intent(in) :: b !! body
         character(:), allocatable :: text
         character(44), parameter :: auto(4) = [character(44) :: &
@@ -135,24 +187,43 @@ contains
                                                ' (auto: it crumbles)', ' (auto: it has no shape)']
 
         text = ''
-        associate (body => sim%solid%bodies(b))
-            if (sim%case%bodies(b)%formulation == 'auto') &
-                text = trim(auto(sim%solid%materials(body%material)%class))
+        associate (body => solid%bodies(b))
+            if (case%bodies(b)%formulation == 'auto') &
+                text = trim(auto(solid%materials(body%material)%class))
             if (body%tension_hold > 0) &
                 text = text//', held by '//to_text(real(body%tension_hold, real32))// &
                        ' times its tension'
         end associate
     end function reason
 
+    !> Formulation and viscosity of body b, its bars or plies.
+    subroutine print_settings(case, solid, b)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+
+        associate (body => solid%bodies(b))
+            write (output_unit, '(3a, 2(a, f0.2), a)') '             ', &
+                trim(form_names(body%formulation)), reason(case, solid, b), &
+                ', viscosity alpha ', body%alpha, ', beta ', body%beta, &
+                trim(merge(', less where it shears (balsara)', repeat(' ', 32), body%balsara))
+            if (body%across > 0) write (output_unit, '(a, i0, a)') '             ', &
+                body%across, ' particles per bar diameter'
+            if (case%bodies(b)%n_plies > 0 .and. case%bodies(b)%file == '') &
+                write (output_unit, '(a, i0, a, f0.2, a)') '             ', &
+                case%bodies(b)%n_plies, ' plies of ', &
+                layers_of(case%bodies(b))/case%bodies(b)%n_plies, ' layers of particles'
+        end associate
+    end subroutine print_settings
+
     !> Layers of particles across the plies of a body.
-    pure real(dp) function layers_of(sim, b) result(layers)
-        type(simulation_t), intent(in) :: sim
-        integer, intent(in) :: b !! body
+    pure real(dp) function layers_of(body) result(layers)
+        type(body_case_t), intent(in) :: body
         real(dp) :: lo(3), hi(3)
         integer :: a
 
-        call body_box(sim%case%bodies(b), lo, hi)
-        a = index('xyz', sim%case%bodies(b)%ply_axis)
-        layers = max(1, nint((hi(a) - lo(a))/sim%case%bodies(b)%spacing))
+        call body_box(body, lo, hi)
+        a = index('xyz', body%ply_axis)
+        layers = max(1, nint((hi(a) - lo(a))/body%spacing))
     end function layers_of
 end module brz_check

@@ -5,7 +5,7 @@ module brz_run
     use brz_backend, only: choose_backend, settle_backend
     use brz_backend_step, only: start_backend
     use brz_build_case, only: build_case
-    use brz_check, only: print_check
+    use brz_check, only: print_check, print_outline
     use brz_check_start, only: is_radial
     use brz_clock, only: start_clock, walltime_is_up
     use brz_command_line, only: options_t
@@ -20,6 +20,7 @@ module brz_run
     use brz_progress, only: start_progress
     use brz_run_radial, only: run_radial
     use brz_scanner, only: read_deck
+    use brz_scene_size, only: refuse_too_large, scene_size_t, size_scene, too_large_to_look
     use brz_signals, only: checkpoint_asked, listen_to_signals, look_for_stop_file, stop_asked
     use brz_simulation, only: set_up_simulation, simulation_t
     use brz_summary, only: print_summary
@@ -38,8 +39,10 @@ contains
         type(error_t), intent(inout) :: err
         type(simulation_t), allocatable :: sim
         type(outputs_t) :: outputs
+        type(scene_size_t) :: size_of
         type(error_t) :: closing
         character(:), allocatable :: note
+        logical :: large
 
         allocate (sim)
         call read_scene(options, sim, err)
@@ -49,6 +52,15 @@ contains
             call run_radial(options, sim%case, err)
             return
         end if
+        call size_scene(sim%case, size_of, err)
+        if (failed(err)) return
+        if (options%check) then
+            large = too_large_to_look(size_of)
+            if (large) call print_outline(sim%case, size_of)
+            if (large) return
+        end if
+        call refuse_too_large(size_of, err)
+        if (failed(err)) return
         call set_up_simulation(sim, err)
         if (failed(err)) return
         call settle_backend(trim(sim%case%run%backend), sim%solid, sim%coupling, sim%backend, &
@@ -58,7 +70,7 @@ contains
         if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes
         if (sim%early%present) call print_early(sim%early)
         if (options%check) then
-            call print_check(sim, err)
+            call print_check(sim, size_of, err)
             return
         end if
         call listen_to_signals()

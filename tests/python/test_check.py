@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: MIT
 """What `--check` says: warnings of decks that run but may not mean what they say, sizes, steps."""
 
+import math
 import os
 import re
+import resource
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -72,3 +75,109 @@ def test_boxes_of_gas_on_faces_of_cells_are_sound(tmp_path):
     code, out, err = check(tmp_path, text + STEEL + PLATE + "&gauge id='g', at=0.14,0.2,0.2 /\n")
     assert code == 0
     assert "verdict      the deck is sound" in out, out + err
+
+
+def gigabytes(n):
+    """For a process that may have so many GB of addresses."""
+    return lambda: resource.setrlimit(resource.RLIMIT_AS, (int(n * 1e9), int(n * 1e9)))
+
+
+HUGE = (
+    "&run t_end=1, symmetry='x' /\n&air box=0,1,-1,1,-1,1, cells=1000,1000,1000 /\n"
+    "&charge id='c', mass=1, at=0,0,0.5 /\n"
+    + STEEL
+    + "&body id='slab', box=0,0.5,-0.5,0.5,-0.25,0.25, spacing=0.5e-3, material='s' /\n"
+    "&body id='ball', shape='sphere', centre=0,0,0.4, radius=0.05, spacing=0.5e-3, material='s' /\n"
+    "&body id='bars', shape='bars', axis='y', box=-0.387,0.387,-0.5,0.5,0,0.006, diameter=0.006, "
+    "bars=1,13, spacing=0.5e-3, material='s', cuts='slab' /\n"
+)
+
+
+def test_a_scene_of_two_thousand_million_particles_is_sized_in_a_second(tmp_path):
+    """Cells, particles, memory and steps come from the deck alone."""
+    begin = time.monotonic()
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    code, out, err = check(tmp_path, HUGE)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert code == 0, err
+    assert after.ru_utime - before.ru_utime < 1, f"{time.monotonic() - begin} s"
+    assert "1000000000 cells" in out
+    count = dict(re.findall(r"^body +(\w+): about (\d+) particles", out, re.MULTILINE))
+    bars = 6.5 * 12 * 12 * 2000  # half a bar on the plane and six more
+    assert int(count["bars"]) == bars
+    assert int(count["slab"]) == pytest.approx(1000 * 2000 * 1000 - bars, abs=1)
+    assert int(count["ball"]) == pytest.approx(4 / 3 * math.pi * 100**3 / 2, rel=1e-6)
+    assert re.search(r"^memory +about \d+\.\d GB are needed", out, re.MULTILINE), out
+    assert re.search(r"^solid steps .* in each step of the air, about \d+", out, re.MULTILINE), out
+
+
+def test_too_little_memory_is_told_before_anything_is_built(tmp_path):
+    """Exit code 5, with what is needed and what is there; a check only tells."""
+    deck = AIR.replace("20,20,20", "200,200,200") + STEEL + PLATE
+    (tmp_path / "case.nml").write_text(deck)
+    done = subprocess.run(
+        [BINARY, "run", "case.nml", "--backend", "cpu"],
+        cwd=tmp_path,
+        capture_output=True,
+        timeout=60,
+        check=False,
+        text=True,
+        preexec_fn=gigabytes(0.9),
+        env={**os.environ, "OMP_NUM_THREADS": "1"},
+    )
+    assert done.returncode == 5, done.stderr
+    assert re.match(
+        r"too little memory: about \d\.\d GB are needed at most, \d\.\d GB by 8000000 "
+        r"cells, .* [MG]B are free here; use a machine with more",
+        done.stderr,
+    )
+    assert not (tmp_path / "out").exists()
+    code, out, _ = check(tmp_path, deck, gigabytes(0.9))
+    assert code == 0
+    assert "8000000 cells" in out
+
+
+@pytest.mark.parametrize(
+    "bodies", ["", PLATE, PLATE + PLATE.replace("'p'", "'q'").replace("0.1,0.14,", "0.15,0.19,")]
+)
+def test_what_is_estimated_is_what_is_built(bodies, tmp_path):
+    """Estimates of memory are those of the arrays that are there."""
+    deck = AIR.replace("20,20,20", "60,60,60") + STEEL + bodies.replace("0.01,", "0.005,")
+    code, out, err = check(tmp_path, deck)
+    assert code == 0, err
+    told = re.search(r"^air .* mm, ([\d.]+) MB", out, re.MULTILINE)
+    needed = re.search(
+        r"needed at most, ([\d.]+) MB by \d+ cells(?:, ([\d.]+) MB by (\d+) p)?", out
+    )
+    assert float(needed[1]) == pytest.approx(float(told[1]), rel=0.02)
+    if bodies:
+        solid = re.search(r"^solids +(\d+) particles, ([\d.]+) MB", out, re.MULTILINE)
+        assert needed[3] == solid[1]
+        lists = (84 + 36) * 1e-6 * int(solid[1])  # and what the coupling keeps
+        assert float(needed[2]) - lists == pytest.approx(float(solid[2]), rel=0.02)
+
+
+def test_steps_without_end_are_counted(tmp_path):
+    """1e11 steps are more than an integer of 32 bits holds."""
+    deck = AIR.replace("1e-4", "9.5e5")
+    code, out, err = check(tmp_path, deck + "&output dump_every=1e-10 /\n")
+    assert code == 0, err
+    steps = int(re.search(r"about (\d+) steps", out)[1])
+    assert 0.9e11 < steps < 1.1e11
+    assert "9.5e15 dumps" in out
+
+
+def test_steps_of_bodies_are_counted(tmp_path):
+    """In air the bodies take sub-steps; alone their step is that of the scene."""
+    code, out, _ = check(tmp_path, AIR + STEEL + PLATE)
+    assert code == 0
+    air = float(re.search(r"^time step +([\d.E+-]+) s", out, re.MULTILINE)[1])
+    solid = re.search(
+        r"^solid steps +([\d.E+-]+) s at first: (\d+) in .* about (\d+) ", out, re.MULTILINE
+    )
+    assert int(solid[2]) == math.ceil(air / float(solid[1]))
+    assert int(solid[3]) == round(1e-4 / air) * int(solid[2])
+    code, out, _ = check(tmp_path, "&run t_end=1e-4 /\n" + STEEL + PLATE)
+    alone = float(re.search(r"^time step +([\d.E+-]+) s", out, re.MULTILINE)[1])
+    assert alone == pytest.approx(float(solid[1]), rel=1e-3)
+    assert "solid steps" not in out

@@ -1,0 +1,194 @@
+! SPDX-License-Identifier: MIT
+!> How large a scene is, before anything of it is built: cells, particles, memory, first time steps.
+module brz_scene_size
+    use brz_air_setup, only: has_own_gas
+    use brz_air_state, only: n_ghost
+    use brz_body_count, only: count_particles
+    use brz_body_points, only: points_t
+    use brz_body_setup, only: outline_solid
+    use brz_case, only: case_t
+    use brz_errors, only: error_t, exit_deck, exit_device, failed, raise
+    use brz_kinds, only: dp, int64, rk
+    use brz_memory, only: free_memory
+    use brz_solid_state, only: form_rigid, lanes, n_pair, solid_t
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: scene_size_t, size_scene, refuse_too_large, too_large_to_look, memory_text, count_text
+
+    ! measured: lists of neighbours; what the set-up holds for a while; what steps of the air use
+    real(dp), parameter :: list_bytes = 84, set_up_bytes = 200 !! per particle
+    real(dp), parameter :: step_bytes = 33 !! per cell
+    real(dp), parameter :: wide = storage_size(1.0_dp)/8, working = storage_size(1.0_rk)/8 ! B
+    real(dp), parameter :: program_bytes = 2e7_dp
+    real(dp), parameter :: many_cells = 1e7_dp, many_particles = 5e5_dp !! seconds to set up
+
+    type :: scene_size_t
+        real(dp) :: cells = 0
+        real(dp) :: particles = 0 !! about
+        real(dp), allocatable :: of_body(:) !! (bodies) particles
+        real(dp) :: air_bytes = 0 !! with walls in it
+        real(dp) :: solid_bytes = 0 !! with lists of neighbours
+        real(dp) :: peak_bytes = 0 !! most that the program holds
+        real(dp) :: dt_air = huge(1.0_dp), dt_solid = huge(1.0_dp) !! at the start, about [s]
+        type(solid_t) :: solid !! materials and settings of the bodies, and what there is to note
+    end type scene_size_t
+
+contains
+
+    !> Size of a scene. Raises what is wrong with materials and shapes of bodies.
+    subroutine size_scene(case, size_of, err)
+        type(case_t), intent(in) :: case
+        type(scene_size_t), intent(out) :: size_of
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        if (case%air%present) call size_air(case, size_of)
+        if (size(case%bodies) > 0) call size_bodies(case, size_of, err)
+        size_of%peak_bytes = program_bytes + size_of%air_bytes + step_bytes*size_of%cells &
+                             + size_of%solid_bytes + set_up_bytes*size_of%particles
+    end subroutine size_scene
+
+    !> Cells, with their ghosts and walls, and the time step of the gas as it is at the start.
+    subroutine size_air(case, size_of)
+        type(case_t), intent(in) :: case
+        type(scene_size_t), intent(inout) :: size_of
+        real(dp) :: all_cells, fastest
+        integer :: m, n_var
+
+        associate (air => case%air)
+            size_of%cells = product(real(air%cells, dp))
+            all_cells = product(real(air%cells + merge(2*n_ghost, 0, air%cells > 1), dp))
+            n_var = merge(6, 5, any([(has_own_gas(case, m), m=1, size(case%charges))]))
+            size_of%air_bytes = all_cells*(3*n_var*working + 1)
+            if (case%coupling%present) size_of%air_bytes = size_of%air_bytes + all_cells*(1 + 4) &
+                                                           + size_of%cells*(1 + 4)
+            fastest = speed([0.0_dp, 0.0_dp, 0.0_dp], air%gamma*air%pressure/air%density)
+            do m = 1, size(case%gas)
+                fastest = max(fastest, speed(case%gas(m)%velocity, &
+                                             air%gamma*case%gas(m)%pressure/case%gas(m)%density))
+            end do
+            do m = 1, size(case%charges)
+                if (case%charges(m)%start == '1d') cycle
+                associate (g => merge(case%charges(m)%gamma, air%gamma, has_own_gas(case, m)))
+                    fastest = max(fastest, speed([0.0_dp, 0.0_dp, 0.0_dp], &
+                                                 g*(g - 1)*case%charges(m)%energy))
+                end associate
+            end do
+            size_of%dt_air = air%cfl/fastest
+        end associate
+
+    contains
+
+        !> Sum over the directions of the fastest wave in cells per time [1/s].
+        pure real(dp) function speed(velocity, sound_squared)
+            real(dp), intent(in) :: velocity(3), sound_squared !! [m/s], [m2/s2]
+
+            associate (air => case%air)
+                speed = sum((abs(velocity) + sqrt(sound_squared))*air%cells/(air%hi - air%lo), &
+                            mask=air%cells > 1)
+            end associate
+        end function speed
+    end subroutine size_air
+
+    !> Particles of the bodies, their memory and their time step at rest.
+    subroutine size_bodies(case, size_of, err)
+        type(case_t), intent(in) :: case
+        type(scene_size_t), intent(inout) :: size_of
+        type(error_t), intent(inout) :: err
+        type(points_t), allocatable :: points(:)
+        integer :: b
+
+        call outline_solid(case, size_of%solid, points, err)
+        if (failed(err)) return
+        size_of%of_body = count_particles(case%bodies, points)
+        size_of%particles = sum(size_of%of_body)
+        if (size_of%particles > real(huge(1), dp)) call raise(err, exit_deck, 'about '// &
+            to_text(anint(size_of%particles))//' particles are more than '//to_text(huge(1))// &
+            ', the most that can be counted; use larger spacings')
+        size_of%solid_bytes = size_of%particles*(of_particle(case, size_of%solid) + list_bytes)
+        if (case%coupling%present) size_of%solid_bytes = size_of%solid_bytes &
+                                                         + size_of%particles*(3*working + 3*4)
+        associate (bodies => size_of%solid%bodies, materials => size_of%solid%materials)
+            do b = 1, size(bodies)
+                if (bodies(b)%formulation == form_rigid) cycle
+                size_of%dt_solid = min(size_of%dt_solid, real(bodies(b)%cfl*bodies(b)%h/ &
+                                       materials(bodies(b)%material)%c_wave, dp))
+            end do
+        end associate
+    end subroutine size_bodies
+
+    !> Memory of a particle without lists; see brz_solid_arrays [B].
+    real(dp) function of_particle(case, solid)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(in) :: solid
+
+        of_particle = 9*wide + (17 + n_pair + solid%n_hist)*working + 2*4 + 2*2 + 2 &
+                      + wide/lanes*merge(2, 1, any(solid%mirror))
+        if (case%air%present) of_particle = of_particle + 3*working ! load
+        if (any(solid%bodies%variable)) of_particle = of_particle + working
+        if (any(solid%bodies%directional)) of_particle = of_particle + 7*4
+        if (size(solid%bodies) > 1) of_particle = of_particle + 9
+    end function of_particle
+
+    !> True if a look at the scene would take more than seconds, or more memory than there is.
+    logical function too_large_to_look(size_of)
+        type(scene_size_t), intent(in) :: size_of
+        real(dp) :: free
+
+        free = free_memory()
+        too_large_to_look = size_of%cells > many_cells .or. &
+                            size_of%particles > many_particles .or. size_of%peak_bytes > free
+    end function too_large_to_look
+
+    !> A scene that cannot be held is refused before it is built.
+    subroutine refuse_too_large(size_of, err)
+        type(scene_size_t), intent(in) :: size_of
+        type(error_t), intent(inout) :: err
+        real(dp) :: free
+
+        if (failed(err)) return
+        free = free_memory()
+        if (size_of%peak_bytes <= free) return
+        call raise(err, exit_device, 'too little memory: '//memory_text(size_of)//'; use a '// &
+                   'machine with more, larger cells or spacings, or a smaller box of air')
+    end subroutine refuse_too_large
+
+    !> What the scene needs and for what, and what is free.
+    function memory_text(size_of) result(text)
+        type(scene_size_t), intent(in) :: size_of
+        character(:), allocatable :: text
+        real(dp) :: free
+
+        text = 'about '//bytes_text(size_of%peak_bytes)//' are needed at most'
+        if (size_of%cells > 0) text = text//', '//bytes_text(size_of%air_bytes)//' by '// &
+                                      count_text(size_of%cells)//' cells'
+        if (size_of%particles > 0) text = text//', '//bytes_text(size_of%solid_bytes)//' by '// &
+                                          count_text(size_of%particles)//' particles'
+        free = free_memory()
+        if (free < huge(free)) text = text//'; '//bytes_text(free)//' are free here'
+    end function memory_text
+
+    !> Memory in MB or GB.
+    pure function bytes_text(bytes) result(text)
+        real(dp), intent(in) :: bytes
+        character(:), allocatable :: text
+        character(32) :: buffer
+
+        write (buffer, '(f0.1, a)') 1e-9_dp*bytes, ' GB'
+        if (bytes < 1e9_dp) write (buffer, '(f5.1, a)') 1e-6_dp*bytes, ' MB'
+        text = trim(adjustl(buffer))
+    end function bytes_text
+
+    !> A whole number however large.
+    pure function count_text(n) result(text)
+        real(dp), intent(in) :: n
+        character(:), allocatable :: text
+
+        if (n < 1e15_dp) then
+            text = to_text(nint(n, int64))
+        else
+            text = to_text(n)
+        end if
+    end function count_text
+end module brz_scene_size
