@@ -10,7 +10,8 @@ module brz_scene_size
     use brz_errors, only: error_t, exit_deck, exit_device, failed, raise
     use brz_kinds, only: dp, int64, rk
     use brz_memory, only: free_memory
-    use brz_solid_state, only: form_rigid, lanes, n_pair, solid_t
+    use brz_solid_arrays, only: allocate_solid, bytes_per_particle
+    use brz_solid_state, only: form_rigid, solid_t
     use brz_text, only: to_text
     implicit none
     private
@@ -19,7 +20,8 @@ module brz_scene_size
     ! measured: lists of neighbours; what the set-up holds for a while; what steps of the air use
     real(dp), parameter :: list_bytes = 84, set_up_bytes = 200 !! per particle
     real(dp), parameter :: step_bytes = 33 !! per cell
-    real(dp), parameter :: wide = storage_size(1.0_dp)/8, working = storage_size(1.0_rk)/8 ! B
+    real(dp), parameter :: working = storage_size(1.0_rk)/8 !! of a number [B]
+    integer, parameter :: few_particles = 64
     real(dp), parameter :: program_bytes = 2e7_dp
     real(dp), parameter :: many_cells = 1e7_dp, many_particles = 5e5_dp !! seconds to set up
 
@@ -118,17 +120,21 @@ contains
         end associate
     end subroutine size_bodies
 
-    !> Memory of a particle without lists; see brz_solid_arrays [B].
+    !> Memory of a particle without lists: that of a few particles of the same bodies [B].
     real(dp) function of_particle(case, solid)
         type(case_t), intent(in) :: case
         type(solid_t), intent(in) :: solid
+        type(solid_t) :: few
+        integer :: b
 
-        of_particle = 9*wide + (17 + n_pair + solid%n_hist)*working + 2*4 + 2*2 + 2 &
-                      + wide/lanes*merge(2, 1, any(solid%mirror))
-        if (case%air%present) of_particle = of_particle + 3*working ! load
-        if (any(solid%bodies%variable)) of_particle = of_particle + working
-        if (any(solid%bodies%directional)) of_particle = of_particle + 7*4
-        if (size(solid%bodies) > 1) of_particle = of_particle + 9
+        few = solid
+        few%n = few_particles*size(few%bodies)
+        few%bodies%first = [(1 + few_particles*(b - 1), b=1, size(few%bodies))]
+        few%bodies%last = few%bodies%first + few_particles - 1
+        few%links%present = size(few%bodies) > 1
+        call allocate_solid(few)
+        if (case%air%present) allocate (few%load(3, few%n), source=0.0_rk)
+        of_particle = bytes_per_particle(few)
     end function of_particle
 
     !> True if a look at the scene would take more than seconds, or more memory than there is.
