@@ -188,7 +188,7 @@ class Run:
                 found.append(f"{name}.csv is missing")
             elif name in self._history and not len(self._history[name]):
                 found.append(f"{name}.csv has no rows yet")
-        if not self.frames:
+        if not self.frames and not self.radial:
             found.append("there are no dumps, so nothing can be rendered")
         t_end = self.deck.get("run", "t_end")
         if t_end is not None and self.end < float(t_end) * (1 - 1e-6):
@@ -217,8 +217,15 @@ class Run:
         self.__dict__.pop("not_finite", None)  # found again when asked for
         self.__dict__.pop("problems", None)
 
+    @property
+    def radial(self) -> bool:
+        """Whether it is a run along the radius of a charge: gauges and profiles alone."""
+        return str(self.deck.get("air", "geometry", "cartesian")) != "cartesian"
+
     def _expected(self) -> set[str]:
         """Histories that a run with this deck writes."""
+        if self.radial:
+            return {"gauges"} if self.deck.groups("gauge") else set()
         expected = {"energy"}
         if self.deck.groups("gauge"):
             expected.add("gauges")

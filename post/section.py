@@ -28,6 +28,7 @@ from post.tints import Tints, tints_of
 
 AXES = "xyz"
 WIDE = 0.75  # height over width of a scene whose times stand below each other
+FAR_ABOVE = 10  # times the pressure of the other times: shown in the darkest colour
 DARK = "#2b3138"  # of bodies over the air
 
 
@@ -46,8 +47,7 @@ def draw_sheet(run: Run, folder: Path, frame: Frame | None = None, count: int = 
     tints = tints_of(run.deck)
     bodies = [_cut_bodies(run, one, cut, tints) for one in frames]
     view = _view(run, airs[0], bodies, cut)
-    top = max((highest(a.field["pressure"]) for a in airs if a), default=0.0)
-    colours = pressure_colours(run.deck.ambient, top)
+    colours = pressure_colours(run.deck.ambient, _top_of_scale(airs))
     strips = any(len(quads) for quads, *_ in bodies)
     figure, axes = _layout(len(frames), view, tints if strips else None)
     for number, shown in enumerate(frames):
@@ -60,7 +60,8 @@ def draw_sheet(run: Run, folder: Path, frame: Frame | None = None, count: int = 
         if strips:
             _draw_strip(axes[1, number], bodies, number, view, cut)
     _clear_inner_labels(axes)
-    _colour_bars(figure, axes, colours if airs[0] else None)
+    over = any(air and highest(air.field["pressure"]) > colours.norm.vmax for air in airs)
+    _colour_bars(figure, axes, colours if airs[0] else None, over)
     stretch = None
     if strips:
         tints.legend(figure)
@@ -70,11 +71,21 @@ def draw_sheet(run: Run, folder: Path, frame: Frame | None = None, count: int = 
     return Picture(save(figure, folder / "sheet.png"), title, caption)
 
 
+def _top_of_scale(airs: list[AirGrid | None]) -> float:
+    """Highest pressure of the scale [Pa]: that of all times, unless one of them is far above the
+    others, as a charge that has just burnt is.
+    """
+    tops = [highest(air.field["pressure"]) for air in airs if air]
+    return min(max(tops), FAR_ABOVE * float(np.median(tops))) if tops else 0.0
+
+
 def _caption(run: Run, cut: Cut, stretch: float | None) -> str:
-    plane = f"{AXES[cut.normal]} = {1e3 * cut.level:g} mm"
-    text = f"Pressure of the air in the plane {plane}, on one logarithmic scale (blue: suction)"
+    plane = f"in the plane {AXES[cut.normal]} = {1e3 * cut.level:g} mm"
+    if cut.whole:
+        plane = f"in the plane of {AXES[cut.across]} and {AXES[cut.up]}"
+    text = f"Pressure of the air {plane}, on one logarithmic scale (blue: suction)"
     if not any(frame.air_path for frame in run.frames):
-        text = f"Section in the plane {plane}"
+        text = f"Section {plane}"
     if any(run.deck.mirrors):
         text += ", mirrored over the planes of symmetry"
     text += ". The bodies are drawn at true scale."
@@ -199,7 +210,8 @@ def _dress(axis, view: np.ndarray, cut: Cut) -> None:
     axis.set_xlim(view[0])
     axis.set_ylim(view[1])
     axis.grid(False)
-    axis.xaxis.set_major_locator(plt.MaxNLocator(3))
+    narrow = axis.get_subplotspec().get_gridspec().ncols > 2
+    axis.xaxis.set_major_locator(plt.MaxNLocator(3 if narrow else 6))
     axis.yaxis.set_major_locator(plt.MaxNLocator(5))
     for one in (axis.xaxis, axis.yaxis):
         one.set_major_formatter(lambda value, _: f"{1e3 * value:g}")
@@ -247,12 +259,15 @@ def _row(axis) -> int:
     return axis.get_subplotspec().rowspan.start
 
 
-def _colour_bars(figure, axes, colours) -> None:
-    """Bars on the right of the rows, or below the two columns of a wide scene."""
+def _colour_bars(figure, axes, colours, over: bool) -> None:
+    """Bars on the right of the rows, or below the two columns of a wide scene; with an arrow where
+    pressures lie `over` the scale.
+    """
     place = {"fraction": 0.03, "pad": 0.01}
     if _row(axes[0, 0]) != _row(axes[0, -1]):
         place = {"location": "bottom", "fraction": 0.02, "pad": 0.01, "shrink": 0.8}
     if colours is not None:
-        pressure_bar(figure, colours, axes[0].tolist(), **place)
+        arrow = {"extend": "max"} if over else {}
+        pressure_bar(figure, colours, axes[0].tolist(), **place, **arrow)
     if len(axes) > 1:
         linear_bar(figure, DAMAGE_COLOURS, axes[1].tolist(), "damage [-]", **place)

@@ -51,12 +51,16 @@ class Cut:
     across: int
     up: int
     level: float  # [m]
+    whole: bool = False  # a plane scene: everything lies in it
 
 
 def choose_cut(deck: Deck, cells: np.ndarray | None = None) -> Cut:
     """The plane y = const through the charge, or else a body; in 2-D the plane of the scene."""
     flat = [d for d in range(3) if cells is not None and cells[d] == 1]
     normal = flat[-1] if flat else 1
+    dimension = int(deck.get("run", "dimension", 3))
+    if dimension < 3:
+        return Cut(2, 0, 1, 0.0, whole=True)
     across, up = (d for d in range(3) if d != normal)
     for group in deck.groups("charge"):
         return Cut(normal, across, up, float((as_list(group.get("at")) + [0.0] * 3)[normal]))
@@ -84,6 +88,8 @@ def particles_in(cut: Cut, run: Run, solid: Particles) -> np.ndarray:
 
     A particle reaches half a step of its lattice to both sides, and a little more.
     """
+    if cut.whole:
+        return np.flatnonzero(solid.known)
     away = np.abs(solid.points[:, cut.normal] - cut.level)
     rest, known = solid.points - solid.field["displacement"], solid.known
     found = []

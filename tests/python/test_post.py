@@ -241,6 +241,14 @@ def test_reader_reports_what_is_not_finite(tmp_path):
     assert any("air_00001.vtkhdf: 'pressure' is not finite" in text for text in run.problems)
 
 
+def test_a_run_along_the_radius_lacks_nothing(tmp_path):
+    (tmp_path / "r.echo.nml").write_text(
+        "&run t_end = 1e-3 /\n&air geometry = 'spherical' /\n&gauge id = 'A', at = 0.4, 0, 0 /\n"
+    )
+    (tmp_path / "gauges.csv").write_text("time[s],A:pressure[Pa]\n0,1e5\n1e-3,1e5\n")
+    assert Run(tmp_path).problems == []
+
+
 def test_reader_says_that_a_run_ended_early(tmp_path):
     folder = write_small(tmp_path / "a")
     deck = folder / "demo.echo.nml"

@@ -105,6 +105,15 @@ def test_section_between_two_bars_and_through_one(scene):
         assert np.abs(solid.points[rows, 1] - level).max() < 0.0056
 
 
+def test_all_of_a_plane_scene_is_in_its_plane(scene):
+    """Particles of a scene in two dimensions lie in the middle of the box, wherever that is."""
+    deck = type(scene.deck)(scene.deck.text.replace("t_end = 1e-3", "t_end = 1e-3, dimension = 2"))
+    solid = scene.frames[0].solid("displacement", "body")
+    cut = choose_cut(deck, np.array([8, 6, 1]))
+    assert (cut.normal, cut.across, cut.up) == (2, 0, 1)
+    assert len(particles_in(cut, scene, solid)) == len(solid.points)
+
+
 # --- skins ----------------------------------------------------------------------------------------
 
 
