@@ -5,6 +5,7 @@ module brz_build_case
     use brz_check_bodies, only: check_bodies
     use brz_check_air, only: check_air, check_charges, check_gas
     use brz_check_interactions, only: check_interactions
+    use brz_check_materials, only: check_materials
     use brz_check_gauges, only: check_gauges
     use brz_complete, only: ensure_group, parse_defaults
     use brz_deck, only: add_error, add_warning, deck_t, entry_t, find_entry, find_group, &
@@ -47,6 +48,7 @@ contains
         call check_bodies(deck, case)
         call check_interactions(deck, case)
         call check_gauges(deck, case)
+        call check_materials(deck, keys)
         call check_use(deck, case)
         call take_warnings(deck, case%warnings)
         call report_errors(deck, err)
@@ -135,6 +137,7 @@ contains
         integer :: e, i, n
 
         material%id = group%id
+        material%unconfirmed = ''
         material%place = place(deck, group%line)
         e = find_entry(group, 'model')
         if (e == 0) return
@@ -158,6 +161,8 @@ contains
             material%value(n) = group%entries(e)%number(1)
             material%word(n) = group%entries(e)%word(1)%s
             material%given(n) = .not. group%entries(e)%default
+            if (group%entries(e)%unconfirmed) &
+                material%unconfirmed = material%unconfirmed//' '//trim(keys(i)%key)
         end do
     end subroutine fill_material
 

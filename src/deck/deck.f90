@@ -29,6 +29,7 @@ module brz_deck
         integer :: set = 0 !! number of the override that gave it; 0: the deck
         integer :: row = 0 !! row of the key table, 0 while unknown
         logical :: bad = .false. !! its value is in error and must not be used
+        logical :: unconfirmed = .false. !! from a preset whose source says so
         logical :: default = .false. !! not in the deck, or the same there as the default
         integer :: n = 0 !! values given (repeat counts expanded); `raw` keeps at most max_values
         type(raw_t), allocatable :: raw(:) !! as written

@@ -22,6 +22,8 @@ module brz_key
         character(32) :: default = none !! as it would stand in a deck, or `required`, or `none`
         real(dp) :: lower = -huge(1.0_dp), upper = huge(1.0_dp) !! range of a number
         logical :: open_lower = .false. !! the lower bound itself is not allowed
+        !> outside of it a warning is given
+        real(dp) :: likely(2) = [-huge(1.0_dp), huge(1.0_dp)]
         integer :: longest = 32 !! most characters of a text
         character(128) :: choices = '' !! allowed texts, separated by '|'; '' = any
         character(200) :: meaning = '' !! one sentence

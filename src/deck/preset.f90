@@ -124,7 +124,27 @@ contains
         scratch%groups(1)%name = name(:16)
         if (found) call read_entries(reader, scratch, 1)
         group = scratch%groups(1)
+        call mark_unconfirmed(text, group)
     end subroutine read_preset
+
+    !> A number is unconfirmed where the comment behind it has that word.
+    subroutine mark_unconfirmed(text, group)
+        character(*), intent(in) :: text !! of the preset
+        type(group_t), intent(inout) :: group
+        integer :: e, first, line, length
+
+        first = 1
+        line = 0
+        do while (first <= len(text))
+            line = line + 1
+            length = index(text(first:)//lf, lf)
+            do e = 1, group%n
+                if (group%entries(e)%line == line) group%entries(e)%unconfirmed = &
+                    index(text(first:first + length - 2), 'unconfirmed') > 0
+            end do
+            first = first + length
+        end do
+    end subroutine mark_unconfirmed
 
     !> Append the keys that the group does not give; they stand at the line of `preset`.
     subroutine take_keys(preset, line, group)

@@ -13,7 +13,7 @@ module brz_bilinear_j2
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_metal, fails_at_once, material_t, point_t, n_par
-    use brz_model, only: model_t, real_key
+    use brz_model, only: model_t, real_key, usual
     implicit none
     private
     public :: bilinear_j2, describe_bilinear_j2, update_bilinear_j2
@@ -35,23 +35,27 @@ contains
         model%class = class_metal
         model%name = name
         allocate (model%keys(n_keys))
-        model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
-                                         'unloaded density', 0.0_dp, open_lower=.true.)
-        model%keys(p_young) = real_key(name, 'youngs_modulus', 'Pa', required, &
-                                       "Young's modulus", 0.0_dp, open_lower=.true.)
+        model%keys(p_density) = usual(real_key(name, 'density', 'kg/m3', required, &
+                                         'unloaded density', 0.0_dp, open_lower=.true.), &
+                                             10.0_dp, 25000.0_dp)
+        model%keys(p_young) = usual(real_key(name, 'youngs_modulus', 'Pa', required, &
+                                       "Young's modulus", 0.0_dp, open_lower=.true.), 1e6_dp, &
+                                           1e12_dp)
         model%keys(p_poisson) = real_key(name, 'poisson_ratio', '-', required, &
                                          "Poisson's ratio", -1.0_dp, 0.4999_dp, open_lower=.true.)
-        model%keys(p_yield) = real_key(name, 'yield_stress', 'Pa', required, &
-                                       'yield stress at rest', 0.0_dp, open_lower=.true.)
+        model%keys(p_yield) = usual(real_key(name, 'yield_stress', 'Pa', required, &
+                                       'yield stress at rest', 0.0_dp, open_lower=.true.), &
+                                           1e5_dp, 1e10_dp)
         model%keys(p_tangent) = real_key(name, 'tangent_modulus', 'Pa', '0', &
                                          'slope of the uniaxial curve after yield', 0.0_dp)
-        model%keys(p_rate) = real_key(name, 'cowper_symonds_d', '1/s', none, &
+        model%keys(p_rate) = usual(real_key(name, 'cowper_symonds_d', '1/s', none, &
             'rate at which the yield stress doubles; absent: no rate dependence', 0.0_dp, &
-            open_lower=.true.)
+            open_lower=.true.), 0.1_dp, 1e8_dp)
         model%keys(p_exponent) = real_key(name, 'cowper_symonds_p', '-', '5', &
                                           'the rate acts with the power 1/p', 1.0_dp)
-        model%keys(p_failure) = real_key(name, 'failure_strain', '-', none, &
-            'plastic strain at which it breaks; absent: never', 0.0_dp, open_lower=.true.)
+        model%keys(p_failure) = usual(real_key(name, 'failure_strain', '-', none, &
+            'plastic strain at which it breaks; absent: never', 0.0_dp, open_lower=.true.), &
+                1e-4_dp, 5.0_dp)
         model%n_hist = 1
         model%history(h_strain) = 'plastic_strain'
         model%derive => derive

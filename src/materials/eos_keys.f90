@@ -8,7 +8,7 @@ module brz_eos_keys
     use brz_kinds, only: dp, rk
     use brz_material, only: n_par
     use brz_mie_gruneisen, only: hugoniot_limit, eos_c0, eos_mu_max, n_eos
-    use brz_model, only: real_key, text_key
+    use brz_model, only: real_key, text_key, usual
     implicit none
     private
     public :: gruneisen_keys, polynomial_keys, choice_keys, cutoff_key
@@ -27,13 +27,15 @@ contains
         character(*), intent(in) :: default !! `required`, or `none` where there is a choice
         type(key_t) :: keys(n_gruneisen)
 
-        keys(1) = real_key(name, 'sound_speed', 'm/s', default, &
-                           'c0 of the Hugoniot us = c0 + s1 up + ...', 0.0_dp, open_lower=.true.)
-        keys(2) = real_key(name, 's1', '-', default, 'slope of the Hugoniot', 0.0_dp)
+        keys(1) = usual(real_key(name, 'sound_speed', 'm/s', default, &
+                           'c0 of the Hugoniot us = c0 + s1 up + ...', 0.0_dp, &
+                               open_lower=.true.), 200.0_dp, 20000.0_dp)
+        keys(2) = usual(real_key(name, 's1', '-', default, 'slope of the Hugoniot', 0.0_dp), &
+            0.3_dp, 5.0_dp)
         keys(3) = real_key(name, 's2', '-', '0', 'second coefficient of the Hugoniot')
         keys(4) = real_key(name, 's3', '-', '0', 'third coefficient of the Hugoniot')
-        keys(5) = real_key(name, 'gruneisen_gamma', '-', default, &
-                           "Grueneisen's gamma at the unloaded density", 0.0_dp)
+        keys(5) = usual(real_key(name, 'gruneisen_gamma', '-', default, &
+                           "Grueneisen's gamma at the unloaded density", 0.0_dp), 0.05_dp, 6.0_dp)
         keys(6) = real_key(name, 'gruneisen_a', '-', '0', 'first-order volume correction of gamma')
     end function gruneisen_keys
 
@@ -42,9 +44,9 @@ contains
         character(*), intent(in) :: name, default !! as above
         type(key_t) :: keys(n_polynomial)
 
-        keys(1) = real_key(name, 'bulk_modulus', 'Pa', default, &
+        keys(1) = usual(real_key(name, 'bulk_modulus', 'Pa', default, &
                            'factor of mu, bulk modulus of the unloaded material', 0.0_dp, &
-                           open_lower=.true.)
+                           open_lower=.true.), 1e6_dp, 1e12_dp)
         keys(2) = real_key(name, 'a2', 'Pa', '0', 'factor of mu^2 in compression')
         keys(3) = real_key(name, 'a3', 'Pa', '0', 'factor of mu^3 in compression')
         keys(4) = real_key(name, 'b0', '-', '0', 'factor of the energy', 0.0_dp)

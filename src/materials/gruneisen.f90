@@ -13,7 +13,7 @@ module brz_gruneisen
     use brz_key, only: required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_metal, material_t, point_t
-    use brz_model, only: model_t, real_key
+    use brz_model, only: model_t, real_key, usual
     implicit none
     private
     public :: gruneisen, describe_gruneisen, update_gruneisen
@@ -33,13 +33,15 @@ contains
         model%class = class_metal
         model%name = name
         allocate (model%keys(10))
-        model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
-                                         'unloaded density', 0.0_dp, open_lower=.true.)
+        model%keys(p_density) = usual(real_key(name, 'density', 'kg/m3', required, &
+                                         'unloaded density', 0.0_dp, open_lower=.true.), &
+                                             10.0_dp, 25000.0_dp)
         model%keys(p_eos:p_eos + n_gruneisen - 1) = gruneisen_keys(name, required)
         model%keys(p_cutoff) = cutoff_key(name)
-        model%keys(p_shear) = real_key(name, 'shear_modulus', 'Pa', '0', 'shear modulus', 0.0_dp)
-        model%keys(p_yield) = real_key(name, 'yield_stress', 'Pa', '0', &
-            'constant yield stress of von Mises; 0: a fluid', 0.0_dp)
+        model%keys(p_shear) = usual(real_key(name, 'shear_modulus', 'Pa', '0', 'shear modulus', &
+            0.0_dp), 1e4_dp, 1e12_dp)
+        model%keys(p_yield) = usual(real_key(name, 'yield_stress', 'Pa', '0', &
+            'constant yield stress of von Mises; 0: a fluid', 0.0_dp), 1e3_dp, 1e11_dp)
         model%n_hist = 1
         model%history(h_strain) = 'plastic_strain'
         model%derive => derive

@@ -22,7 +22,7 @@ module brz_hjc
     use brz_kinematics, only: volume_step
     use brz_material, only: class_crumbling, fails_by_degrees, material_t, point_t, material_ok, &
                             material_clamped, n_par
-    use brz_model, only: derived_t, model_t, real_key, text_key
+    use brz_model, only: derived_t, model_t, real_key, text_key, usual
     use brz_text, only: to_text
     implicit none
     private
@@ -56,32 +56,48 @@ contains
     subroutine describe_strength(model)
         type(model_t), intent(inout) :: model
 
-        model%keys(p_density) = number('density', 'kg/m3', 'unloaded density')
-        model%keys(p_shear) = number('shear_modulus', 'Pa', 'shear modulus')
-        model%keys(p_a) = number('a', '-', 'cohesive strength over fc')
-        model%keys(p_b) = number('b', '-', 'pressure hardening over fc')
-        model%keys(p_n) = number('n', '-', 'exponent of the pressure hardening')
+        model%keys(p_density) = number('density', 'kg/m3', 'unloaded density', &
+            [1000.0_dp, 5000.0_dp])
+        model%keys(p_shear) = number('shear_modulus', 'Pa', 'shear modulus', &
+            [1e8_dp, 1e11_dp])
+        model%keys(p_a) = number('a', '-', 'cohesive strength over fc', &
+            [0.05_dp, 5.0_dp])
+        model%keys(p_b) = number('b', '-', 'pressure hardening over fc', &
+            [0.1_dp, 10.0_dp])
+        model%keys(p_n) = number('n', '-', 'exponent of the pressure hardening', &
+            [0.05_dp, 2.0_dp])
         model%keys(p_c) = real_key(name, 'c', '-', required, 'rate coefficient', 0.0_dp)
-        model%keys(p_fc) = number('fc', 'Pa', 'strength to which stresses are referred')
-        model%keys(p_t) = number('t', 'Pa', 'largest mean tension (hydrostatic, not uniaxial)')
+        model%keys(p_fc) = number('fc', 'Pa', 'strength to which stresses are referred', &
+            [2e6_dp, 5e8_dp])
+        model%keys(p_t) = number('t', 'Pa', 'largest mean tension (hydrostatic, not uniaxial)', &
+            [10000.0_dp, 1e8_dp])
         model%keys(p_rate) = real_key(name, 'reference_rate', '1/s', '1', &
                                       'rate at which the rate factor is 1', 0.0_dp, &
                                       open_lower=.true.)
-        model%keys(p_efmin) = number('efmin', '-', 'least plastic strain to fracture')
-        model%keys(p_smax) = number('smax', '-', 'largest strength over fc')
-        model%keys(p_d1) = number('d1', '-', 'damage constant')
-        model%keys(p_d2) = number('d2', '-', 'damage exponent')
+        model%keys(p_efmin) = number('efmin', '-', 'least plastic strain to fracture', &
+            [1e-5_dp, 1.0_dp])
+        model%keys(p_smax) = number('smax', '-', 'largest strength over fc', &
+            [1.0_dp, 100.0_dp])
+        model%keys(p_d1) = number('d1', '-', 'damage constant', &
+            [0.0001_dp, 1.0_dp])
+        model%keys(p_d2) = number('d2', '-', 'damage exponent', &
+            [0.1_dp, 5.0_dp])
     end subroutine describe_strength
 
     subroutine describe_pressure(model)
         type(model_t), intent(inout) :: model
 
-        model%keys(p_p_crush) = number('p_crush', 'Pa', 'pressure at which crushing starts')
-        model%keys(p_mu_crush) = number('mu_crush', '-', 'compression at which crushing starts')
-        model%keys(p_p_lock) = number('p_lock', 'Pa', 'pressure at which crushing is complete')
+        model%keys(p_p_crush) = number('p_crush', 'Pa', 'pressure at which crushing starts', &
+            [100000.0_dp, 1e9_dp])
+        model%keys(p_mu_crush) = number('mu_crush', '-', 'compression at which crushing starts', &
+            [1e-5_dp, 0.05_dp])
+        model%keys(p_p_lock) = number('p_lock', 'Pa', 'pressure at which crushing is complete', &
+            [1e7_dp, 1e11_dp])
         model%keys(p_mu_lock) = number('mu_lock', '-', &
-                                       'compression of the crushed material at zero pressure')
-        model%keys(p_k1) = number('k1', 'Pa', 'first modulus of the crushed material')
+                                       'compression of the crushed material at zero pressure', &
+            [0.001_dp, 1.0_dp])
+        model%keys(p_k1) = number('k1', 'Pa', 'first modulus of the crushed material', &
+            [1e9_dp, 1e12_dp])
         model%keys(p_k2) = real_key(name, 'k2', 'Pa', required, 'its second modulus')
         model%keys(p_k3) = real_key(name, 'k3', 'Pa', required, 'its third modulus')
     end subroutine describe_pressure
@@ -100,11 +116,13 @@ contains
     end subroutine describe_options
 
     !> A number that must be given, and be positive.
-    pure function number(key, unit, meaning) result(row)
+    pure function number(key, unit, meaning, likely) result(row)
         character(*), intent(in) :: key, unit, meaning
+        real(dp), intent(in) :: likely(2)
         type(key_t) :: row
 
-        row = real_key(name, key, unit, required, meaning, 0.0_dp, open_lower=.true.)
+        row = usual(real_key(name, key, unit, required, meaning, 0.0_dp, open_lower=.true.), &
+            likely(1), likely(2))
     end function number
 
     !> Slopes of the pressure curve; refuses a curve that is not monotone or makes energy.

@@ -17,7 +17,7 @@ module brz_johnson_cook
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_metal, fails_at_once, material_t, point_t, n_par
-    use brz_model, only: model_t, real_key, text_key
+    use brz_model, only: model_t, real_key, text_key, usual
     implicit none
     private
     public :: johnson_cook, describe_johnson_cook, update_johnson_cook
@@ -58,17 +58,23 @@ contains
     subroutine describe_strength(model)
         type(model_t), intent(inout) :: model
 
-        model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
-                                         'unloaded density', 0.0_dp, open_lower=.true.)
-        model%keys(p_shear) = real_key(name, 'shear_modulus', 'Pa', required, 'shear modulus', &
-                                       0.0_dp, open_lower=.true.)
-        model%keys(p_a) = real_key(name, 'a', 'Pa', required, 'yield stress', 0.0_dp, &
-                                   open_lower=.true.)
-        model%keys(p_b) = real_key(name, 'b', 'Pa', required, 'hardening', 0.0_dp)
-        model%keys(p_n) = real_key(name, 'n', '-', required, 'exponent of the hardening', 0.0_dp)
-        model%keys(p_c) = real_key(name, 'c', '-', required, 'rate coefficient', 0.0_dp)
-        model%keys(p_m) = real_key(name, 'm', '-', required, 'exponent of thermal softening', &
-                                   0.0_dp, open_lower=.true.)
+        model%keys(p_density) = usual(real_key(name, 'density', 'kg/m3', required, &
+                                         'unloaded density', 0.0_dp, open_lower=.true.), &
+                                             10.0_dp, 25000.0_dp)
+        model%keys(p_shear) = usual(real_key(name, 'shear_modulus', 'Pa', required, &
+            'shear modulus', &
+                                       0.0_dp, open_lower=.true.), 1e6_dp, 1e12_dp)
+        model%keys(p_a) = usual(real_key(name, 'a', 'Pa', required, 'yield stress', 0.0_dp, &
+                                   open_lower=.true.), 1e6_dp, 1e10_dp)
+        model%keys(p_b) = usual(real_key(name, 'b', 'Pa', required, 'hardening', 0.0_dp), &
+            1e5_dp, 1e10_dp)
+        model%keys(p_n) = usual(real_key(name, 'n', '-', required, 'exponent of the hardening', &
+            0.0_dp), 0.01_dp, 2.0_dp)
+        model%keys(p_c) = usual(real_key(name, 'c', '-', required, 'rate coefficient', 0.0_dp), &
+            1e-5_dp, 0.5_dp)
+        model%keys(p_m) = usual(real_key(name, 'm', '-', required, &
+            'exponent of thermal softening', &
+                                   0.0_dp, open_lower=.true.), 0.1_dp, 5.0_dp)
         model%keys(p_rate0) = real_key(name, 'reference_rate', '1/s', '1', &
             'plastic rate at which the rate factor is 1; below it stays 1', 0.0_dp, &
             open_lower=.true.)
@@ -79,14 +85,18 @@ contains
     subroutine describe_heat(model)
         type(model_t), intent(inout) :: model
 
-        model%keys(p_room) = real_key(name, 'room_temperature', 'K', '293', &
-            'temperature of the unloaded material, without softening', 0.0_dp, open_lower=.true.)
-        model%keys(p_melt) = real_key(name, 'melt_temperature', 'K', required, &
-                                      'temperature without strength', 0.0_dp, open_lower=.true.)
-        model%keys(p_start) = real_key(name, 'initial_temperature', 'K', none, &
-            'temperature at t = 0; absent: room_temperature', 0.0_dp, open_lower=.true.)
-        model%keys(p_heat) = real_key(name, 'specific_heat', 'J/(kg K)', required, &
-                                      'specific heat', 0.0_dp, open_lower=.true.)
+        model%keys(p_room) = usual(real_key(name, 'room_temperature', 'K', '293', &
+            'temperature of the unloaded material, without softening', 0.0_dp, &
+                open_lower=.true.), 200.0_dp, 400.0_dp)
+        model%keys(p_melt) = usual(real_key(name, 'melt_temperature', 'K', required, &
+                                      'temperature without strength', 0.0_dp, &
+                                          open_lower=.true.), 550.0_dp, 4000.0_dp)
+        model%keys(p_start) = usual(real_key(name, 'initial_temperature', 'K', none, &
+            'temperature at t = 0; absent: room_temperature', 0.0_dp, open_lower=.true.), &
+                50.0_dp, 4000.0_dp)
+        model%keys(p_heat) = usual(real_key(name, 'specific_heat', 'J/(kg K)', required, &
+                                      'specific heat', 0.0_dp, open_lower=.true.), 80.0_dp, &
+                                          4500.0_dp)
         model%keys(p_fraction) = real_key(name, 'heat_fraction', '-', '0.9', &
             "heating='plastic_work': part of the plastic work that is heat", 0.0_dp, 1.0_dp)
         model%keys(p_heating) = text_key(name, 'heating', 'plastic_work', 'plastic_work|energy', &

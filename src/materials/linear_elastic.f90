@@ -11,7 +11,7 @@ module brz_linear_elastic
     use brz_key, only: key_t, none, required
     use brz_kinematics, only: volume_step
     use brz_material, only: class_elastic, material_t, point_t, material_ok
-    use brz_model, only: model_t, real_key
+    use brz_model, only: model_t, real_key, usual
     implicit none
     private
     public :: linear_elastic, describe_linear_elastic, update_linear_elastic
@@ -29,8 +29,9 @@ contains
         model%class = class_elastic
         model%name = name
         allocate (model%keys(5))
-        model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
-                                         'unloaded density', 0.0_dp, open_lower=.true.)
+        model%keys(p_density) = usual(real_key(name, 'density', 'kg/m3', required, &
+                                         'unloaded density', 0.0_dp, open_lower=.true.), &
+                                             10.0_dp, 25000.0_dp)
         model%keys(p_young) = real_key(name, 'youngs_modulus', 'Pa', none, &
             "Young's modulus, together with poisson_ratio", 0.0_dp, open_lower=.true.)
         model%keys(p_poisson) = real_key(name, 'poisson_ratio', '-', none, &

@@ -11,7 +11,8 @@ module brz_model
     use brz_material, only: material_t, point_t, n_hist
     implicit none
     private
-    public :: derived_t, model_t, load_parameters, material_label, real_key, text_key, switch_key
+    public :: derived_t, model_t, load_parameters, material_label, real_key, text_key, &
+              switch_key, usual
 
     !> A number that follows from the keys of a material, for `--check`.
     type :: derived_t
@@ -86,6 +87,16 @@ contains
         if (present(upper)) row%upper = upper
         if (present(open_lower)) row%open_lower = open_lower
     end function real_key
+
+    !> The same row, with the range beyond which a warning is given.
+    pure function usual(row, low, high) result(known)
+        type(key_t), intent(in) :: row
+        real(dp), intent(in) :: low, high
+        type(key_t) :: known
+
+        known = row
+        known%likely = [low, high]
+    end function usual
 
     !> Row of a text with a list of choices.
     pure function text_key(model, key, default, choices, meaning) result(row)

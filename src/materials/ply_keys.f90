@@ -3,7 +3,7 @@
 module brz_ply_keys
     use brz_kinds, only: dp
     use brz_key, only: key_t, none, required
-    use brz_model, only: real_key, switch_key, text_key
+    use brz_model, only: real_key, switch_key, text_key, usual
     use brz_ply_failure, only: n_keys, fibre_tension, fibre_compression, matrix_cracking, &
                                matrix_crushing, delamination, p_density, p_e1, p_e2, p_e3, &
                                p_nu12, p_nu13, p_nu23, p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, &
@@ -31,8 +31,9 @@ contains
         character(*), intent(in) :: name
         type(key_t), intent(inout) :: keys(:)
 
-        keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
-                                         'unloaded density', 0.0_dp, open_lower=.true.)
+        keys(p_density) = usual(real_key(name, 'density', 'kg/m3', required, &
+                                         'unloaded density', 0.0_dp, open_lower=.true.), &
+                                             10.0_dp, 25000.0_dp)
         keys(p_e1) = modulus(name, 'e1', "Young's modulus along the fibres")
         keys(p_e2) = modulus(name, 'e2', "Young's modulus across the fibres, in the ply")
         keys(p_e3) = modulus(name, 'e3', "Young's modulus normal to the ply")
@@ -99,22 +100,24 @@ contains
         character(*), intent(in) :: name, key, meaning
         type(key_t) :: row
 
-        row = real_key(name, key, 'Pa', required, meaning, 0.0_dp, open_lower=.true.)
+        row = usual(real_key(name, key, 'Pa', required, meaning, 0.0_dp, open_lower=.true.), &
+            1e6_dp, 1e12_dp)
     end function modulus
 
     pure function strength(name, key, meaning) result(row)
         character(*), intent(in) :: name, key, meaning
         type(key_t) :: row
 
-        row = real_key(name, key, 'Pa', none, meaning//'; absent: never reached', 0.0_dp, &
-                       open_lower=.true.)
+        row = usual(real_key(name, key, 'Pa', none, meaning//'; absent: never reached', 0.0_dp, &
+                       open_lower=.true.), 1e5_dp, 1e11_dp)
     end function strength
 
     pure function toughness(name, key, mode) result(row)
         character(*), intent(in) :: name, key, mode
         type(key_t) :: row
 
-        row = real_key(name, key, 'J/m2', none, 'fracture energy of '//mode// &
-                       '; absent: the stress relaxes in time instead', 0.0_dp, open_lower=.true.)
+        row = usual(real_key(name, key, 'J/m2', none, 'fracture energy of '//mode// &
+                       '; absent: the stress relaxes in time instead', 0.0_dp, &
+                           open_lower=.true.), 1.0_dp, 1e7_dp)
     end function toughness
 end module brz_ply_keys

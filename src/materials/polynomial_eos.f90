@@ -11,7 +11,7 @@ module brz_polynomial_eos
     use brz_key, only: required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_fluid, material_t, point_t
-    use brz_model, only: model_t, real_key
+    use brz_model, only: model_t, real_key, usual
     implicit none
     private
     public :: polynomial_eos, describe_polynomial_eos, update_polynomial_eos
@@ -30,8 +30,9 @@ contains
         model%class = class_fluid
         model%name = name
         allocate (model%keys(p_cutoff))
-        model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
-                                         'unloaded density', 0.0_dp, open_lower=.true.)
+        model%keys(p_density) = usual(real_key(name, 'density', 'kg/m3', required, &
+                                         'unloaded density', 0.0_dp, open_lower=.true.), &
+                                             10.0_dp, 25000.0_dp)
         model%keys(p_eos:p_cutoff - 1) = polynomial_keys(name, required)
         model%keys(p_cutoff) = cutoff_key(name)
         model%derive => derive

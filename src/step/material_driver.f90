@@ -15,6 +15,7 @@ module brz_material_driver
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t, point_t, material_ok, material_not_finite, &
                             material_step_too_large
+    use brz_material_report, only: material_report
     use brz_materials, only: make_material, start_point, update_material
     use brz_point_table, only: columns_t, point_columns, point_row
     use brz_scanner, only: read_deck
@@ -37,6 +38,7 @@ module brz_material_driver
         real(rk) :: rates(6) = 0 !! of deformation in the last step [1/s]
         real(rk) :: pressed = 0 !! pressure when the segment began [Pa]
         integer :: segment = 0, step = 0 !! where it is
+        logical :: check = .false. !! tell what follows from the material, and drive nothing
         integer :: clamped = 0 !! steps in which a limit of the model acted
     end type drive_t
 
@@ -56,6 +58,7 @@ contains
         if (failed(err)) return
         call start_point(drive%material, real(drive%case%rotation*acos(-1.0_dp)/180, rk), &
                          drive%case%ply_axis, drive%point)
+        drive%check = options%check
         call print_material(drive)
         if (options%check) return
         call open_table(options, drive, file, err)
@@ -97,6 +100,8 @@ contains
                 m%bulk, ' Pa, waves ', m%c_wave, ' m/s'
             write (output_unit, '(a, i0, a, i0, a)') 'path         ', size(case%segments), &
                 ' segments, ', sum(case%segments%steps), ' steps'
+            if (drive%check) write (output_unit, '(a)', advance='no') &
+                material_report(case%material, m, 0.0_dp)
         end associate
     end subroutine print_material
 

@@ -6,6 +6,7 @@ module brz_material_report
     use brz_material, only: material_t, point_t
     use brz_materials, only: derived_constants, start_point, update_material
     use brz_model, only: derived_t
+    use brz_text, only: to_text
     implicit none
     private
     public :: material_report, shock_state
@@ -45,6 +46,7 @@ contains
             call append('mu', real(mu, rk), '')
         end if
         text = text//line//lf
+        text = text//unconfirmed_text(input)
 
     contains
 
@@ -62,6 +64,20 @@ contains
             end if
         end subroutine append
     end function material_report
+
+    !> Which constants of a preset nobody has looked up in their source.
+    pure function unconfirmed_text(input) result(text)
+        type(material_case_t), intent(in) :: input
+        character(:), allocatable :: text
+        integer :: i, n
+
+        text = ''
+        if (.not. allocated(input%unconfirmed)) return
+        n = count([(input%unconfirmed(i:i) == ' ', i=1, len(input%unconfirmed))])
+        if (n == 1) text = repeat(' ', 13)//'1 constant of this preset is unconfirmed:'
+        if (n > 1) text = repeat(' ', 13)//to_text(n)//' constants of this preset are unconfirmed:'
+        if (n > 0) text = text//input%unconfirmed//lf
+    end function unconfirmed_text
 
     !> Four digits: 3831, 0.1106, 1.541E+11.
     pure function number(x) result(text)

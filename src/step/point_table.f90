@@ -11,11 +11,11 @@ module brz_point_table
 
     ! xx, yy, zz, yz, xz, xy in a table; xx, yy, zz, xy, yz, xz in a point
     integer, parameter :: order(6) = [1, 2, 3, 5, 6, 4]
-    character(*), parameter :: shared(22) = [character(16) :: 'time[s]', 'rho[kg/m3]', 'e[J/kg]', &
+    character(*), parameter :: shared(22) = [character(20) :: 'time[s]', 'rho[kg/m3]', 'e[J/kg]', &
         'p[Pa]', 'q[Pa]', 'sxx[Pa]', 'syy[Pa]', 'szz[Pa]', 'syz[Pa]', 'sxz[Pa]', 'sxy[Pa]', &
         'eps_xx[-]', 'eps_yy[-]', 'eps_zz[-]', 'eps_yz[-]', 'eps_xz[-]', 'eps_xy[-]', &
         'eps_p[-]', 'damage[-]', 'T[K]', &
-        'plastic[J/kg]', 'damage[J/kg]']
+        'plastic_work[J/kg]', 'damage_work[J/kg]']
     ! history that has a column of its own among them
     character(*), parameter :: strain_name = 'plastic_strain', temperature_name = 'temperature'
 

@@ -53,7 +53,7 @@ def test_columns_and_rows(tmp_path):
     table, _ = drive(tmp_path, ELASTIC + path)
     expected = "time[s],rho[kg/m3],e[J/kg],p[Pa],q[Pa],sxx[Pa],syy[Pa],szz[Pa],syz[Pa],sxz[Pa],"
     expected += "sxy[Pa],eps_xx[-],eps_yy[-],eps_zz[-],eps_yz[-],eps_xz[-],eps_xy[-],eps_p[-],"
-    expected += "damage[-],T[K],plastic[J/kg],damage[J/kg]"
+    expected += "damage[-],T[K],plastic_work[J/kg],damage_work[J/kg]"
     assert list(table.dtype.names) == expected.split(",")
     steps = np.array([0, 7, 14, 20, 27, 34, 40])
     assert table["time[s]"] == pytest.approx(steps * 5e-5, rel=1e-14)

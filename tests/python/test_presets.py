@@ -135,3 +135,39 @@ def test_presets_need_no_files(tmp_path):
     assert Path.cwd() != tmp_path
     code, text = check(tmp_path, deck("cfrp_ud"))
     assert code == 0, text
+
+
+@pytest.mark.parametrize("path", FILES, ids=NAMES)
+def test_check_names_what_is_unconfirmed(path, tmp_path):
+    """As many as the file marks, by name; no number of a preset is called implausible."""
+    code, text = check(tmp_path, deck(path.stem))
+    assert code == 0, text
+    assert "not plausible" not in text
+    lines = [x for x in path.read_text().splitlines() if VALUE.match(x)]
+    keys = [VALUE.match(x)[1] for x in lines if "unconfirmed" in x]
+    words = f"{len(keys)} constant" + (
+        " of this preset is" if len(keys) == 1 else "s of this preset are"
+    )
+    assert (f"{words} unconfirmed: {' '.join(keys)}\n" in text) == (len(keys) > 0), text
+
+
+def test_a_key_of_the_deck_is_the_users(tmp_path):
+    code, text = check(tmp_path, deck("rebar", ", failure_strain=0.12"))
+    assert code == 0
+    assert "unconfirmed" not in text
+
+
+@pytest.mark.parametrize(
+    ("preset", "more", "words"),
+    [
+        ("hjc_48", ", fc=48", "2: warning: &material id='m': fc = 48.0 [Pa] is not plausible"),
+        ("al2024", ", melt_temperature=502", "melt_temperature = 502.0 [K] is not plausible"),
+        ("cfrp_ud", ", xt=2700", "xt = 2700.0 [Pa] is not plausible"),
+        ("rebar", ", density=7.85", "density = 7.85 [kg/m3] is not plausible"),
+    ],
+)
+def test_an_implausible_constant_is_told(tmp_path, preset, more, words):
+    """Other units are the usual reason; it is a warning, since the program cannot know."""
+    code, text = check(tmp_path, deck(preset, more))
+    assert code == 0, text
+    assert words in text, text
