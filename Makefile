@@ -109,7 +109,7 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	$(Q)$(FC) -fopenmp -o $@ $(filter-out $(B)/obj/tests/study/study_%,$^) \
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
-.PHONY: unit verify python lint format check-docs gpu-check setup test demo bench golden vectors
+.PHONY: unit verify python lint format check-docs gpu-check setup test demo paper paper-coarse bench golden vectors
 .PHONY: charts charts-air charts-solid charts-coupling charts-scenes stability stability-air validate point-blast
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
@@ -153,6 +153,10 @@ demo: setup ## a coarse blast on a CFRP plate, with pictures
 	@$(MAKE) --no-print-directory all
 	$(BIN) run inputs/demo.nml --replace
 	$(PY) -m post report out/demo
+paper: all ## every scene of the paper at its resolution: exact quarters, on a GPU; goes on where it stopped
+	@$(PY) scripts/paper.py full hvi_0600 hvi_0300 hvi_0150 hvi_0075; $(PY) scripts/paper.py quarter
+paper-coarse: all ## the same, coarse, on this machine (an hour of two cores)
+	@$(PY) scripts/paper.py coarse
 bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
 	@for program in $^; do $$program || exit 1; done
 vectors: $(if $(DEBUG)$(QUICK),,$(LIB)) ## are the pair loops of the solid still vector code?

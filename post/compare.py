@@ -61,7 +61,8 @@ def find_references(run: Run, given: str | Path | None = None) -> Path | None:
         return Path(given)
     name = f"{run.job}.reference.csv"
     home = Path(__file__).resolve().parents[1]
-    places = [run.folder, Path.cwd(), Path("inputs"), home / "inputs"]
+    inputs = [home / "inputs", home / "inputs" / "paper"]
+    places = [run.folder, Path.cwd(), Path("inputs"), *inputs]
     return next((place / name for place in places if (place / name).is_file()), None)
 
 

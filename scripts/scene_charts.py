@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Record and draw the scenes of Chen et al. on CFRP, inputs/hvi_cfrp.nml and inputs/cfrp_blast.nml.
+"""Record and draw scenes of Chen et al. on CFRP, inputs/paper/hvi.nml and inputs/paper/plate.nml.
 
 usage: scene_charts.py record OUTDIR...        append impacts to docs/data/hvi_*.csv
        scene_charts.py blast NAME=OUTDIR...    append blasts to docs/data/cfrp_blast.csv

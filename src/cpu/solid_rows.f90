@@ -29,8 +29,7 @@ contains
         real(rk), intent(in) :: c_bulk !! sound speed in the viscosity [m/s]
         real(rk) :: q(3, 3), z
 
-        z = 1
-        if (body%balsara) z = shear_limiter(h, c_bulk/body%h)
+        z = shear_limiter(body%limiter, h, c_bulk/body%h)
         solid%pair(pair_volume, i) = solid%volume(i)
         solid%pair(pair_linear, i) = z*body%alpha*rho*c_bulk/2
         solid%pair(pair_quadratic, i) = z*body%beta*rho/2

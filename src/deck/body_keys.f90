@@ -113,10 +113,10 @@ contains
                 key_t(group=g, key='beta', lower=zero, upper=20*one, &
                       meaning='Quadratic artificial viscosity; 2, with paper 10, if absent.'), &
                 key_t(group=g, key='limiter', kind=kind_text, default='auto', &
-                      choices='auto|none|balsara', &
-                      meaning='balsara: less artificial viscosity where the material shears; '// &
-                      'auto: balsara for metals (johnson_cook, bilinear_j2, gruneisen) of '// &
-                      'which alpha is not given, unless bodies meet at more than 1 km/s.'), &
+                      choices='auto|none|balsara|compression', &
+                      meaning='Less artificial viscosity: balsara, where the material turns; '// &
+                      'compression, where it is not compressed. auto (without alpha): '// &
+                      'compression for hjc, balsara for metals that meet at up to 1 km/s.'), &
                 key_t(group=g, key='artificial_stress', kind=kind_text, default='auto', &
                       choices='auto|none|monaghan|gray', &
                       meaning='Repulsion in tension, by pressure or by principal stresses; '// &

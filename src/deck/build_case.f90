@@ -16,6 +16,7 @@ module brz_build_case
     use brz_fill_case, only: fill_air, fill_body, fill_charge, fill_gas, fill_gauge, fill_run, &
                              fill_settings
     use brz_key, only: key_t
+    use brz_mirror_images, only: leave_out_images
     use brz_text, only: string_t
     implicit none
     private
@@ -38,8 +39,9 @@ contains
         if (failed(err)) return
         call check_presence(deck)
         call add_settings(deck, keys, defaults)
-        call allocate_lists(deck, case)
         call fill_run(deck, case%run)
+        call leave_out_images(deck, case%run%symmetry)
+        call allocate_lists(deck, case)
         call fill_groups(deck, keys, case)
         call fill_settings(deck, case)
         call check_air(deck, case)

@@ -127,7 +127,7 @@ module brz_case
         real(dp) :: spin(3) = 0 !! angular velocity about the centre of mass [rad/s]
         character(name_len) :: formulation = 'auto' !! see the deck reference
         real(dp) :: alpha = -1, beta = -1 !! artificial viscosity; negative: that of the formulation
-        character(name_len) :: limiter = 'auto' !! or 'none', 'balsara'
+        character(name_len) :: limiter = 'auto' !! or 'none', 'balsara', 'compression'
         character(name_len) :: artificial_stress = 'auto' !! or 'none', 'monaghan', 'gray'
         real(dp) :: artificial_strength = -1 !! negative: the usual one
         real(dp) :: zeta = -1 !! stiffness of the hourglass force; negative: the usual one

@@ -8,7 +8,7 @@ module brz_deck
     private
     public :: deck_t, group_t, entry_t, raw_t, message_t
     public :: add_error, add_warning, report_errors, place, group_label, find_entry, find_group
-    public :: add_group, add_entry, entry_line, complain
+    public :: add_group, add_entry, entry_line, complain, move_group
     public :: may_be_misspelt, max_shown, max_groups, max_entries, max_values
 
     integer, parameter :: max_shown = 50 !! messages that are kept, the rest is counted

@@ -134,7 +134,7 @@ contains
         p%dimension = dimension
         p%formulation = body%formulation
         p%artificial = body%artificial
-        p%balsara = merge(1, 0, body%balsara)
+        p%limiter = body%limiter
         p%directional = merge(1, 0, body%directional)
         p%variable = merge(1, 0, body%variable)
         p%h_range = body%h_range

@@ -85,7 +85,8 @@ module brz_gpu_solid_layout
     type :: body_gpu_t
         integer :: first, last !! particles
         integer :: dimension, formulation, artificial
-        integer :: balsara, directional !! 1: yes
+        integer :: limiter !! see brz_gradient
+        integer :: directional !! 1: yes
         integer :: fails !! how the material may fail
         integer :: axes !! place before the axes of ply 0 among those of all bodies
         integer :: variable !! 1: the smoothing length follows the density

@@ -4,10 +4,11 @@ module brz_formulation
     use brz_artificial_stress, only: artificial_gray, artificial_monaghan, artificial_none
     use brz_case, only: body_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
+    use brz_gradient, only: limiter_balsara, limiter_compression, limiter_none
     use brz_hourglass_axes, only: lay_axes
     use brz_kernel, only: kernel_shape
     use brz_kinds, only: dp, rk
-    use brz_material, only: class_elastic, class_fluid, class_metal, material_t
+    use brz_material, only: class_crumbling, class_elastic, class_fluid, class_metal, material_t
     use brz_solid_state, only: body_t, form_bending, form_corrected, form_corrected_hourglass, &
                                form_rigid, form_total, form_uncorrected
     implicit none
@@ -113,14 +114,20 @@ contains
         if (class == class_elastic) body%formulation = form_bending
         body%alpha = 1
         body%beta = 2
-        body%balsara = class == class_metal .and. speed <= fast
+        body%limiter = limiter_none
+        if (class == class_metal .and. speed <= fast) body%limiter = limiter_balsara
+        if (class == class_crumbling) body%limiter = limiter_compression
         if (input%formulation == 'paper') then
             body%alpha = 2
             body%beta = 10
         end if
         if (input%alpha >= 0) body%alpha = real(input%alpha, rk)
-        if (input%alpha >= 0 .or. input%formulation == 'paper') body%balsara = .false.
-        if (input%limiter /= 'auto') body%balsara = input%limiter == 'balsara'
+        if (input%alpha >= 0 .or. input%formulation == 'paper') body%limiter = limiter_none
+        select case (input%limiter)
+        case ('none'); body%limiter = limiter_none
+        case ('balsara'); body%limiter = limiter_balsara
+        case ('compression'); body%limiter = limiter_compression
+        end select
         if (input%beta >= 0) body%beta = real(input%beta, rk)
     end subroutine settle_class
 

@@ -13,6 +13,10 @@ module brz_gradient
     private
     public :: moment_terms, outer_terms, correction, midstep_gradient, shear_limiter, &
               stable_step, total_gradient, piola, weakest_of
+    public :: limiter_none, limiter_balsara, limiter_compression
+
+    integer, parameter :: limiter_none = 0, limiter_balsara = 1, limiter_compression = 2
+    !! of the artificial viscosity
 
     ! smaller eigenvalues of M are not inverted in full; at the corner of a regular block the
     ! smallest is 0.25 in 2-D and 0.18 in 3-D
@@ -144,19 +148,33 @@ contains
         call multiply3(h, b, l)
     end subroutine midstep_gradient
 
-    !> Share of the viscosity that is left where a flow shears: |div v|/(|div v| + |curl v|).
+    !> Share of the artificial viscosity that is left where the flow is no shock.
     !>
-    !> Source: Balsara 1995
+    !> `limiter_balsara`: |div v|/(|div v| + |curl v|), Balsara 1995. It spares what turns, not what
+    !> is strained without turning, as the material around a penetrating body.
+    !> `limiter_compression`: (4 c)^2/((4 c)^2 + S:S + |curl v|^2), c = max(-div v, 0), S the
+    !> deviatoric rate of strain. 0.96 in a plane shock, 0 where the volume does not shrink. After
+    !> Cullen and Dehnen 2010, whose factor has |curl v| within S and their shock indicator for 4.
     !@cuf attributes(host,device) &
-    pure function shear_limiter(h, rate) result(share)
+    pure function shear_limiter(limiter, h, rate) result(share)
+        integer, intent(in) :: limiter !! limiter_none, ...
         real(rk), intent(in) :: h(3, 3) !! dv/dx [1/s]
         real(rk), intent(in) :: rate !! sound speed over smoothing length [1/s]
         real(rk) :: share
-        real(rk) :: div, curl
+        real(rk) :: div, curl2, shear2, shrink2
 
-        div = abs(h(1, 1) + h(2, 2) + h(3, 3))
-        curl = sqrt((h(3, 2) - h(2, 3))**2 + (h(1, 3) - h(3, 1))**2 + (h(2, 1) - h(1, 2))**2)
-        share = div/(div + curl + 1e-4_rk*rate)
+        share = 1
+        if (limiter == limiter_none) return
+        div = h(1, 1) + h(2, 2) + h(3, 3)
+        curl2 = (h(3, 2) - h(2, 3))**2 + (h(1, 3) - h(3, 1))**2 + (h(2, 1) - h(1, 2))**2
+        if (limiter == limiter_balsara) then
+            share = abs(div)/(abs(div) + sqrt(curl2) + 1e-4_rk*rate)
+        else
+            shear2 = (h(1, 1) - div/3)**2 + (h(2, 2) - div/3)**2 + (h(3, 3) - div/3)**2 &
+                + ((h(3, 2) + h(2, 3))**2 + (h(1, 3) + h(3, 1))**2 + (h(2, 1) + h(1, 2))**2)/2
+            shrink2 = 16*min(div, 0.0_rk)**2
+            share = shrink2/(shrink2 + shear2 + curl2 + (1e-4_rk*rate)**2)
+        end if
     end function shear_limiter
 
     !> Largest time step of a particle: no wave, with what the viscosity adds to it, crosses more

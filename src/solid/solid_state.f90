@@ -86,7 +86,7 @@ module brz_solid_state
         real(rk) :: alpha = 1, beta = 2, zeta = 2, zeta_viscous = 0
         real(rk) :: tension_hold = 0 !! stiffness of the hold over the tension, 0: no hold
         logical :: drawn = .false. !! in this step something of it is held
-        logical :: balsara = .false. !! less viscosity in shear
+        integer :: limiter = 0 !! of the viscosity in shear, see brz_gradient
         integer :: artificial = artificial_none !! artificial stress, see brz_artificial_stress
         logical :: directional = .false. !! hourglass stiffness along the axes of the material
         real(rk), allocatable :: axes(:, :, :) !! (3, 4, 0:plies) unloaded axes of it, column by

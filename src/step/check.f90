@@ -22,6 +22,9 @@ module brz_check
 
     integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 128 !! per cell, particle
 
+    character(38), parameter :: limiter_notes(0:2) = [character(38) :: '', &
+        ', less where it shears (balsara)', ', where it is compressed (compression)']
+
 contains
 
     !> Print the check of a scene that is set up and not run.
@@ -206,7 +209,7 @@ contains
             write (output_unit, '(3a, 2(a, f0.2), a)') '             ', &
                 trim(form_names(body%formulation)), reason(case, solid, b), &
                 ', viscosity alpha ', body%alpha, ', beta ', body%beta, &
-                trim(merge(', less where it shears (balsara)', repeat(' ', 32), body%balsara))
+                trim(limiter_notes(body%limiter))
             if (body%across > 0) write (output_unit, '(a, i0, a)') '             ', &
                 body%across, ' particles per bar diameter'
             if (case%bodies(b)%n_plies > 0 .and. case%bodies(b)%file == '') &

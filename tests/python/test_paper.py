@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: MIT
+"""The scenes of Chen et al.: each in its smallest size to its end, and what holds in each."""
+
+import csv
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+import paper  # noqa: E402
+
+BRISANCE = Path(os.environ.get("BRISANCE", ROOT / "bin" / "brisance"))
+TINY = paper.cases("tiny")
+
+
+def run(case, folder, *more, code=0):
+    """Run a case; what it printed."""
+    command = [BRISANCE, "run", *case.arguments(), "--out", folder, *more]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+    assert done.returncode == code, done.stdout[-2000:] + done.stderr[-2000:]
+    return done.stdout + done.stderr
+
+
+def history(file):
+    with file.open(encoding="utf-8") as rows:
+        names = next(csv.reader(rows))
+        values = np.loadtxt(rows, delimiter=",", ndmin=2)
+    return dict(zip(names, values.T, strict=True))
+
+
+@pytest.mark.parametrize("case", TINY, ids=lambda case: case.name)
+def test_scene_runs_to_its_end(case, tmp_path):
+    """Books closed, gas sound, and the bodies have felt the load."""
+    run(case, tmp_path / "out", "--backend", "cpu")
+    energy = history(tmp_path / "out" / "energy.csv")
+    assert np.all(np.isfinite(list(energy.values())))
+    assert abs(energy["error[-]"][-1]) < 5e-3
+    assert abs(energy["mass_error[-]"]).max() < 1e-11
+    assert abs(energy["momentum_error[-]"]).max() < 1e-11
+    assert energy["solid_internal[J]"][-1] > 0
+    gauges = history(tmp_path / "out" / "gauges.csv")
+    if case.name.startswith("slab"):
+        # it moves away from the charge, by less than it would unsupported
+        impulse = energy["impulse_z[N s]"].max() / 0.25**2
+        mass = 44e-3 * 1500
+        assert 0 < gauges["mid:displacement_z[m]"][-1] < impulse / mass * gauges["time[s]"][-1]
+    if case.name == "fragments_460":
+        # the sphere on the axis has gone into the slab and is slowed down, but goes on
+        speed = gauges["f0_v:velocity_z[m/s]"]
+        assert 440 < speed[1] < 480
+        assert 0 < speed[-1] < 0.8 * speed[1]
+
+
+def test_every_size_that_is_told_exists():
+    for size in paper.SIZES:
+        for case in paper.cases(size):
+            assert case.deck.is_file()
+    with pytest.raises(ValueError, match="no size"):
+        paper.cases("quarter", ["hvi_0600"])
+    with pytest.raises(KeyError):
+        paper.cases("full", ["slab_5"])
+
+
+def test_campaign_goes_on_where_it_stopped(tmp_path):
+    """Stopped by the wall clock, then the same command again; a third time nothing is to do."""
+    command = [sys.executable, ROOT / "scripts" / "paper.py", "tiny", "hvi_0600"]
+    command += ["--out", tmp_path, "--brisance", BRISANCE, "--backend", "cpu"]
+    folder = tmp_path / "tiny"
+    folder.mkdir()
+    (case,) = paper.cases("tiny", ["hvi_0600"])
+    run(case, folder / case.name, "--backend", "cpu", "--walltime", "0:00:01", code=75)
+    for _ in range(2):
+        done = subprocess.run(command, capture_output=True, text=True, timeout=600)
+        assert done.returncode == 0, done.stdout + done.stderr
+        assert "done" in done.stdout
+    assert (folder / "hvi_0600.log").read_text(encoding="utf-8").count("$ ") == 2
+
+
+SPHERES = """\
+&run t_end=1e-6, symmetry='x' /
+&material id='m', model='linear_elastic', density=1000, youngs_modulus=1e9, poisson_ratio=0.3 /
+&body id='right', shape='sphere', centre=0.02,0,0, radius=0.01, spacing=2e-3, material='m',
+      velocity=5,1,0, spin=0,10,20 /
+&body id='left', shape='sphere', centre=-0.02,0,0, radius=0.01, spacing=2e-3, material='m',
+      velocity=-5,1,0, spin=0,-10,-20 /
+&gauge id='l', at=-0.02,0,0, quantity='velocity_x', body='left' /
+"""
+
+
+def check(deck, tmp_path, code):
+    (tmp_path / "spheres.nml").write_text(deck)
+    command = [BRISANCE, "run", "spheres.nml", "--check"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    assert done.returncode == code, done.stdout + done.stderr
+    return done.stdout + done.stderr
+
+
+def test_mirror_image_is_left_out(tmp_path):
+    """A body beyond a plane is dropped where it is the image of another, else refused."""
+    text = check(SPHERES, tmp_path, 0)
+    assert "'left': is left out: the symmetry makes it from 'right'" in text
+    assert "left: " not in text
+    for wrong in ("velocity=-5,1,1", "velocity=5,1,0"):
+        text = check(SPHERES.replace("velocity=-5,1,0", wrong), tmp_path, 2)
+        assert "left" in text and "plane of symmetry" in text
+    check(SPHERES.replace("spin=0,-10,-20", "spin=0,-10,20"), tmp_path, 2)
+    check(SPHERES.replace("centre=-0.02,0,0", "centre=-0.021,0,0"), tmp_path, 2)
