@@ -120,7 +120,7 @@ contains
                                              own(pair_affine + 1), other(pair_affine + 1), p%dx, &
                                              r, d)
                     end if
-                    f(at_hold + 1:) = f(at_hold + 1:) + d
+                    f(at_hold + 1:at_hold + 3) = f(at_hold + 1:at_hold + 3) + d
                 else if (m%formulation == form_corrected_hourglass) then
                     call hourglass_viscous(y*own(pair_hold), y*other(pair_hold), &
                                            own(pair_affine + 1), other(pair_affine + 1), p%dv, r, &
@@ -128,7 +128,7 @@ contains
                     drag = drag + d
                     f(at_friction) = f(at_friction) + heat
                     if (allocated(solid%held)) call add_hold(y, solid%held(:, i), &
-                        mirrored_hold(p%s, solid%held(:, p%j)), p%dx, r, f)
+                        mirrored_hold(p%s, solid%held(:, p%j)), p%dx, r, p%dv, f)
                 end if
             end associate
         end do

@@ -9,8 +9,8 @@ module brz_solid_forces
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
                                place_group, place_images
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, n_terms, sum_axial, &
-                                   sum_held, sum_plain, sum_stiff, sum_viscous
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
+                                   sum_axial, sum_held, sum_plain, sum_stiff, sum_viscous
     use brz_solid_single_pairs, only: add_artificial, add_pair, visit_pairs
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, held_energy, held_stiffness, is_gone, lanes, n_held, &
@@ -290,7 +290,8 @@ contains
     !> Use the sums of particle i: acceleration, heat, ledger of its block.
     !>
     !> The hold is no potential, as its stiffness follows the tension: work against it that it does
-    !> not hold becomes heat (less than none while the tension rises).
+    !> not hold becomes heat (less than none while the tension rises). That work is counted pair by
+    !> pair, so that a body which flies has the heat of one at rest.
     !> The heat of the pairs is that of the velocity before the kick. A force works with the mean of
     !> the velocities before and after it, so the drag takes dt/2 of its power on the acceleration
     !> back: then the energy of the drag is closed to rounding.
@@ -313,9 +314,10 @@ contains
         after = -dt/2*dot_product(f(at_hold + 1:at_hold + 3), solid%v(:, i) + kick)
         associate (sums => solid%search%sums(:, k))
             if (body%tension_hold > 0) then
-                associate (energy => solid%held(held_energy, i), owed => solid%owed(i))
-                    friction = friction + (owed + before - energy)
-                    owed = energy + after
+                associate (energy => solid%held(held_energy, i), owed => solid%owed(i), &
+                           work => dt/2*f(at_work))
+                    friction = friction + (owed + work - energy)
+                    owed = energy + work + (after - before)
                     sums(8) = sums(8) + energy
                 end associate
             else

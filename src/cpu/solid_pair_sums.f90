@@ -16,14 +16,15 @@ module brz_solid_pair_sums
     implicit none
     private
     public :: sum_plain, sum_viscous, sum_held, sum_stiff, sum_axial, viscosity
-    public :: n_terms, at_heat, at_friction, at_drag, at_hold
+    public :: n_terms, at_heat, at_friction, at_drag, at_hold, at_work
 
     ! slots of the sums: 1..3 force of the stress [N]
     integer, parameter :: at_heat = 4 !! heat of the viscosity [W]
     integer, parameter :: at_friction = 5 !! heat of the viscous hourglass force [W]
     integer, parameter :: at_drag = 5 !! + 1..3: viscous forces [N]
     integer, parameter :: at_hold = 8 !! + 1..3: stiff hourglass force, or artificial stress [N]
-    integer, parameter :: n_terms = 11
+    integer, parameter :: at_work = 12 !! work against the hold, half of it to each of a pair [W]
+    integer, parameter :: n_terms = 12
 
 contains
 
@@ -165,6 +166,7 @@ contains
                 end do
                 acc(l, at_heat) = acc(l, at_heat) - u*vr/2
                 acc(l, at_friction) = acc(l, at_friction) + heat
+                acc(l, at_work) = acc(l, at_work) - (e(1)*dv(1) + e(2)*dv(2) + e(3)*dv(3))/2
             end do
         end do
         f = acc

@@ -7,7 +7,8 @@ module brz_solid_single_pairs
                               most_drawn, stress_force
     use brz_solid_lanes, only: centre_t, group_of
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, n_terms, viscosity
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
+                                   viscosity
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, held_affine, &
                                held_stiffness, held_whole, n_held, n_pair, pair_affine, &
                                pair_hold, pair_keep, pair_stress, pair_tilt, pair_volume, solid_t
@@ -81,7 +82,8 @@ contains
             f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + g
             f(at_friction) = f(at_friction) + u
             if (allocated(solid%held)) &
-                call add_hold(w, solid%held(:, p%i), mirrored_hold(s, solid%held(:, j)), dx, r, f)
+                call add_hold(w, solid%held(:, p%i), mirrored_hold(s, solid%held(:, j)), dx, r, &
+                              dv, f)
         case (form_bending)
             if (body%directional) then
                 call hourglass_axial(w, real(solid%hold(:, p%i), rk) &
@@ -91,15 +93,15 @@ contains
                 call hourglass_stiff(most_bent, w, own(pair_hold) + other(pair_hold), &
                                      own(pair_affine + 1), other(pair_affine + 1), dx, r, g)
             end if
-            f(at_hold + 1:) = f(at_hold + 1:) + g
+            f(at_hold + 1:at_hold + 3) = f(at_hold + 1:at_hold + 3) + g
         end select
     end subroutine add_pair
 
     !> Add the hold of a pair.
-    pure subroutine add_hold(y, own, other, dx, r, f)
+    pure subroutine add_hold(y, own, other, dx, r, dv, f)
         real(rk), intent(in) :: y !! see hourglass_stiff
         real(rk), intent(in) :: own(n_held), other(n_held)
-        real(rk), intent(in) :: dx(3), r(3) !! X_ij, x_ij [m]
+        real(rk), intent(in) :: dx(3), r(3), dv(3) !! X_ij, x_ij [m], v_ij [m/s]
         real(rk), intent(inout) :: f(n_terms)
         real(rk) :: g(3)
 
@@ -107,7 +109,8 @@ contains
         call hourglass_stiff(most_drawn, y*own(held_whole)*other(held_whole), &
                              own(held_stiffness) + other(held_stiffness), &
                              own(held_affine + 1), other(held_affine + 1), dx, r, g)
-        f(at_hold + 1:) = f(at_hold + 1:) + g
+        f(at_hold + 1:at_hold + 3) = f(at_hold + 1:at_hold + 3) + g
+        f(at_work) = f(at_work) - dot_product(g, dv)/2
     end subroutine add_hold
 
     !> Add the artificial stress of such a pair, if either is in tension.
@@ -137,6 +140,6 @@ contains
         if (w == 0) return
         shape = kernel_shape(q%half_over_h, distance)/body%shape_at_spacing
         call stress_force(-w*shape**body%artificial_power, own, other, r, g)
-        f(at_hold + 1:) = f(at_hold + 1:) + g
+        f(at_hold + 1:at_hold + 3) = f(at_hold + 1:at_hold + 3) + g
     end subroutine add_artificial
 end module brz_solid_single_pairs

@@ -23,7 +23,7 @@ module brz_gpu_solid_layout
               book_clamped, &
               book_force, book_contact, book_contact_heat, book_rub, book_load, n_book, n_total
     public :: pose_centre, pose_x, pose_velocity, pose_spin, pose_turn, pose_half, n_pose
-    public :: at_heat, at_friction, at_drag, at_hold, n_terms
+    public :: at_heat, at_friction, at_drag, at_hold, at_work, n_terms
     public :: pass_drawn, pass_deviation, pass_trace
     public :: flag_far, flag_bad, flag_drawn, n_flag, slice_width, mask_unit, scan_chunk
 
@@ -58,7 +58,8 @@ module brz_gpu_solid_layout
     ! sums of pass 2: 1..3 force of the stress [N]
     integer, parameter :: at_heat = 4, at_friction = 5 !! heat of the two viscous forces [W]
     integer, parameter :: at_drag = 5, at_hold = 8 !! + 1..3: viscous forces, stiff ones [N]
-    integer, parameter :: n_terms = 11
+    integer, parameter :: at_work = 12 !! work against the hold [W]
+    integer, parameter :: n_terms = 12
 
     ! where a rigid body is: centre unloaded and now [m], velocity, spin, attitude at the step and
     ! in its middle; + 1..3 or + 1..9
