@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Command line: `python -m post report OUTDIR`, `frame OUTDIR`, `hole OUTDIR`, `material FILE`."""
+"""Command line: `python -m post report OUTDIR`, `frame OUTDIR`, `hole OUTDIR`,
+`compare OUTDIR OUTDIR`, `material FILE`.
+"""
 
 from __future__ import annotations
 
@@ -55,6 +57,21 @@ def _parser() -> argparse.ArgumentParser:
     hole.add_argument("folder", metavar="OUTDIR", help="folder that a run has written")
     hole.add_argument("--time", type=float, metavar="T", help="time [s] (default: the last dump)")
     hole.add_argument("--body", metavar="ID", help="a body that is a box (default: the widest)")
+    compare = commands.add_parser("compare", help="several runs in one table, picture and page")
+    compare.set_defaults(command=_compare)
+    compare.add_argument("folders", metavar="OUTDIR", nargs="+", help="folders of runs")
+    compare.add_argument(
+        "--out",
+        metavar="FOLDER",
+        help="where the page is written (default: compare/ beside OUTDIR)",
+    )
+    compare.add_argument("--body", metavar="ID", help="whose faces (default: all damaged boxes)")
+    compare.add_argument(
+        "--time",
+        type=float,
+        metavar="T",
+        help="time of the maps [s] (default: end of the shortest)",
+    )
     material = commands.add_parser("material", help="curves of a table of `brisance mat`")
     material.set_defaults(command=_material)
     material.add_argument("files", metavar="FILE.csv", nargs="+", help="tables, to be compared")
@@ -70,6 +87,20 @@ def _report(options: argparse.Namespace) -> int:
     print(text)
     print(f"report: {page}")
     return run.exit_code
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from post.comparison import make_comparison  # noqa: PLC0415
+
+    if len(options.folders) < 2:
+        raise PostError("compare: name two folders of runs or more", USAGE)
+    runs = [Run(folder) for folder in options.folders]
+    out = Path(options.out) if options.out else runs[0].folder.parent / "compare"
+    page, text = make_comparison(runs, out, options.body, options.time)
+    print(text)
+    print(f"comparison: {page}")
+    codes = [run.exit_code for run in runs]
+    return next((code for code in codes if code), 0)
 
 
 def _material(options: argparse.Namespace) -> int:

@@ -44,6 +44,11 @@ class Deck:
             items = value if isinstance(value, list) else [value]
             self._groups.setdefault(key.lower(), []).extend(dict(item) for item in items)
 
+    @property
+    def names(self) -> list[str]:
+        """Names of the groups, each once, in the order of the file."""
+        return list(self._groups)
+
     def groups(self, name: str) -> list[dict[str, Any]]:
         """All groups of that name; an empty list if there is none."""
         return self._groups.get(name, [])

@@ -126,22 +126,27 @@ def _odd(component: str, axis: int) -> bool:
     return bool(component) and component.count(AXES[axis]) % 2 == 1
 
 
-def draw_faces(maps: list[FaceMap], path: Path) -> Picture:
-    """Maps of one field beside each other, in one scale; a caption with what is seen."""
+def draw_faces(maps: list[FaceMap], path: Path, names: list[str] | None = None) -> Picture:
+    """Maps of one field beside each other, in one scale; a caption with what is seen.
+
+    `names` of the runs, one for each map, stand in the titles.
+    """
     colours, factor, unit = _scale(maps)
     figure, axes = _panels(maps)
-    for axis, one in zip(axes, maps, strict=True):
+    for axis, one, name in zip(axes, maps, names or [""] * len(maps), strict=True):
         image = np.ma.masked_invalid(one.values.T / factor)
         axis.imshow(image, extent=one.extent, origin="lower", cmap=colours.cmap, norm=colours.norm)
         i, j = one.plane
         axis.set_xlabel(f"{AXES[i]} [mm]")
         axis.set_ylabel(f"{AXES[j]} [mm]")
         when = f"{1e3 * one.time:.3f} ms"
-        axis.set_title(f"{one.body.id}, face at {one.face[0]} {_side(one)}, {when}", fontsize=9)
+        title = f"{one.body.id}, face at {one.face[0]} {_side(one)}, {when}"
+        axis.set_title(f"{name}\n{title}" if name else title, fontsize=9)
         axis.grid(False)
     label = f"{maps[0].field.replace('_', ' ').replace(':', ' ')} [{unit}]"
     linear_bar(figure, colours, axes, label, fraction=0.04, pad=0.02)
-    return Picture(save(figure, path), f"Faces of {maps[0].body.id}", _caption(maps))
+    caption = _caption(maps, names or [""] * len(maps))
+    return Picture(save(figure, path), f"Faces of {maps[0].body.id}", caption)
 
 
 def draw_damaged_faces(run: Run, folder: Path, least: float) -> list[Picture]:
@@ -193,17 +198,22 @@ def _panels(maps: list[FaceMap]):
     return figure, list(axes.ravel()[: len(maps)])
 
 
-def _caption(maps: list[FaceMap]) -> str:
-    one = maps[0]
-    made = f" of {one.body.material}" if one.body.material else ""
+def _caption(maps: list[FaceMap], names: list[str]) -> str:
+    """What is seen, of what it is made, and how much of each face is damaged."""
     text = (
-        f"Body {one.body.id}{made}, {1e3 * one.body.spacing:.3g} mm between particles, at "
-        f"{1e3 * one.time:.3f} ms, seen along the axis, at the places of the unloaded body: the "
+        f"Body {maps[0].body.id}, seen along the axis, at the places of the unloaded body: the "
         "outermost particle of each column. "
     )
-    for two in maps:
-        known = two.values[np.isfinite(two.values)]
-        if two.field.startswith("damage") and known.size:
+    made = [
+        f"{f'{name}: ' if name else ''}{one.body.material or 'unknown material'}, "
+        f"{1e3 * one.body.spacing:.3g} mm between particles, at {1e3 * one.time:.3f} ms"
+        for one, name in zip(maps, names, strict=True)
+    ]
+    text += "; ".join(dict.fromkeys(made)) + ". "
+    for one, name in zip(maps, names, strict=True):
+        known = one.values[np.isfinite(one.values)]
+        if one.field.startswith("damage") and known.size:
             share = 100 * float((known > 0.5).mean())
-            text += f"{two.face}: {share:.3g} % of the face has more than 0.5. "
+            where = f"{name} {one.face}".strip()
+            text += f"{where}: {share:.3g} % of the face has more than 0.5. "
     return text.rstrip()

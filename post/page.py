@@ -1,5 +1,13 @@
 # SPDX-License-Identifier: MIT
-"""The frame of the HTML report: quiet on the screen, clean on paper."""
+"""The frame of HTML pages that need no other file: quiet on the screen, clean on paper."""
+
+from __future__ import annotations
+
+import base64
+from html import escape
+
+from post.style import Picture
+from post.tables import Table
 
 PAGE = """<!DOCTYPE html>
 <html lang="en">
@@ -35,3 +43,27 @@ pre {{ background: #f6f7f8; padding: 1em; font-size: .8em; line-height: 1.35;
 </body>
 </html>
 """
+
+
+def html_problems(problems: list[str]) -> str:
+    """A box with what is not as it should be; an empty text without problems."""
+    items = "".join(f"<li>{escape(text)}</li>" for text in problems)
+    return f'<div class="problems"><b>Please note</b><ul>{items}</ul></div>' if problems else ""
+
+
+def html_table(table: Table) -> str:
+    heads = "".join(f"<th>{escape(head)}</th>" for head in table.heads)
+    rows = "".join(
+        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows
+    )
+    note = f'<p class="note">{escape(table.note)}</p>' if table.note else ""
+    return f"<h2>{escape(table.title)}</h2><table><tr>{heads}</tr>{rows}</table>{note}"
+
+
+def html_picture(picture: Picture) -> str:
+    data = base64.b64encode(picture.path.read_bytes()).decode()
+    return (
+        f"<h2>{escape(picture.title)}</h2><figure>"
+        f'<img src="data:image/png;base64,{data}" alt="{escape(picture.title)}">'
+        f"<figcaption>{escape(picture.caption)}</figcaption></figure>"
+    )

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import base64
 import math
 from collections.abc import Callable
 from html import escape
@@ -19,7 +18,7 @@ from post.gauge_picture import draw_gauges
 from post.gauges import measure, pressure_gauges
 from post.hole_picture import draw_perforation, hole_table
 from post.motion_picture import draw_motion
-from post.page import PAGE
+from post.page import PAGE, html_picture, html_problems, html_table
 from post.perforation import LEAST, load_plate, measure_perforation
 from post.reader import Frame, Run
 from post.style import Picture
@@ -150,12 +149,10 @@ def gauge_table(run: Run) -> Table:
 def _html(run: Run, pictures: list[Picture], tables: list[Table], problems: list[str]) -> str:
     title = run.deck.title or run.job
     body = [_facts(run)]
-    if problems:
-        items = "".join(f"<li>{escape(text)}</li>" for text in problems)
-        body.insert(0, f'<div class="problems"><b>Please note</b><ul>{items}</ul></div>')
-    body += [_html_table(table) for table in tables[:3]]
-    body += [_html_picture(picture) for picture in pictures]
-    body += [_html_table(table) for table in tables[3:]]
+    body.insert(0, html_problems(problems))
+    body += [html_table(table) for table in tables[:3]]
+    body += [html_picture(picture) for picture in pictures]
+    body += [html_table(table) for table in tables[3:]]
     body.append(
         "<h2>Deck</h2><p>Complete, with all defaults; it runs as it stands.</p>"
         f"<pre>{escape(run.deck.text)}</pre>"
@@ -207,21 +204,3 @@ def _facts_of_bodies(run: Run, frame: Frame) -> dict[str, str]:
     if len(bodies) > MOST_BODIES:
         facts["further bodies"] = ", ".join(body.id for body in bodies[MOST_BODIES:])
     return facts
-
-
-def _html_table(table: Table) -> str:
-    heads = "".join(f"<th>{escape(head)}</th>" for head in table.heads)
-    rows = "".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows
-    )
-    note = f'<p class="note">{escape(table.note)}</p>' if table.note else ""
-    return f"<h2>{escape(table.title)}</h2><table><tr>{heads}</tr>{rows}</table>{note}"
-
-
-def _html_picture(picture: Picture) -> str:
-    data = base64.b64encode(picture.path.read_bytes()).decode()
-    return (
-        f"<h2>{escape(picture.title)}</h2><figure>"
-        f'<img src="data:image/png;base64,{data}" alt="{escape(picture.title)}">'
-        f"<figcaption>{escape(picture.caption)}</figcaption></figure>"
-    )

@@ -95,7 +95,7 @@ def test_command(run, capsys):
     assert main(["frame", folder, "--body", "slab", "--time", "1e-4"]) == 0
     out = capsys.readouterr().out
     assert "face_slab_damage.png" in out and "z+: 100 % of the face has more than 0.5" in out
-    assert "of c, 10 mm between particles, at 0.100 ms" in out
+    assert "c, 10 mm between particles, at 0.100 ms" in out
     assert main(["frame", folder, "--body", "slab", "--face", "z-", "--field", "stress:xy"]) == 0
     assert (run.folder / "report" / "face_slab_z-_stress_xy.png").is_file()
     assert main(["frame", folder, "--face", "z-"]) == 2
