@@ -12,6 +12,8 @@ module brz_hllc
     public :: hllc_flux
 
     real(rk), parameter :: least = 1e6_rk*tiny(1.0_rk) !! pressure that counts as none
+    ! its square of a Mach number: without it the waves of cold gas that moves fall together
+    real(rk), parameter :: cold = (1e3_rk*epsilon(1.0_rk))**2
 
 contains
 
@@ -29,8 +31,8 @@ contains
 
         vol_l = 1/l(1)
         vol_r = 1/r(1)
-        c2_l = gamma_l*max(l(5), least)*vol_l
-        c2_r = gamma_r*max(r(5), least)*vol_r
+        c2_l = gamma_l*max(l(5), least, cold*l(1)*l(2)**2)*vol_l
+        c2_r = gamma_r*max(r(5), least, cold*r(1)*r(2)**2)*vol_r
         t = sqrt(l(1))
         s = sqrt(r(1))
         t = (t - s)/(t + s)
