@@ -109,11 +109,14 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	$(Q)$(FC) -fopenmp -o $@ $(filter-out $(B)/obj/tests/study/study_%,$^) \
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
-.PHONY: unit verify python lint format check-docs gpu-check setup test demo paper paper-coarse bench golden vectors
+.PHONY: unit verify python figures lint format check-docs gpu-check setup test demo paper paper-coarse bench golden vectors
 .PHONY: charts charts-air charts-solid charts-coupling charts-scenes stability stability-air validate point-blast
+# The figures that tests measure go to NOTES; a whole run of the verification tests begins it anew.
+NOTES := build/log/notes$(KIND).csv
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
-	$(B)/tests/$@/run $(PF_XML) build/log/$@.xml $(ARGS)
+	@$(if $(ARGS)$(filter unit,$@),,rm -f $(NOTES))
+	BRZ_NOTES=$(abspath $(NOTES)) $(B)/tests/$@/run $(PF_XML) build/log/$@.xml $(ARGS)
 
 # The same tests on a GPU, or anywhere with the emulated driver. They need no compiler: carry $(B)/tests/gpu and bin.
 GPU_TEST = BRISANCE_PTX=$(PTX) $(B)/tests/gpu/run
@@ -144,7 +147,7 @@ $(B)/tests/gpu/study_gpu: $(patsubst %.f90,$(B)/obj/%.o,tests/gpu/study_gpu.f90 
 
 # --- what users and CI call ---------------------------------------------------------------------
 FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90')
-PARTS  := all unit verify emulated python lint check-docs vectors gpu-check gpu
+PARTS  := all unit verify emulated python figures lint check-docs vectors gpu-check gpu
 setup: ## install what is missing
 	@scripts/setup.sh
 test: setup ## build and run every test
@@ -186,7 +189,7 @@ point-blast: $(B)/tests/study/study_air ## the point blast up to 128^3 cells, re
 validate: all ## blasts of TNT against the Kingery-Bulmash curves, recorded and drawn
 	$(PY) scripts/validate_air.py && $(PY) scripts/validate_reflection.py $(ARGS)
 python: all emulator ## tests of the Python tools and of the whole program
-	@$(PY) -m pytest --junitxml=build/log/python.xml $(ARGS)
+	@BRZ_NOTES=$(abspath $(NOTES)) $(PY) -m pytest --junitxml=build/log/python.xml $(ARGS)
 stability-air: $(B)/tests/study/study_air
 	@mkdir -p docs/data
 	$< stability > $(B)/map.csv && mv $(B)/map.csv docs/data/stability_air.csv
@@ -205,6 +208,9 @@ format: ## format all sources
 	@$(PY) scripts/format.py $(FORMAT)
 	@.venv/bin/ruff format -q .
 	@.venv/bin/ruff check -q --fix .
+figures: ## are the figures in the tables of docs those of the tests? (after verify and python; ARGS=--write)
+	@$(if $(filter mixed,$(PRECISION)),echo 'skipped: the tables are those of real64',\
+	$(PY) scripts/figures.py $(NOTES) $(ARGS))
 check-docs: all ## is docs/deck_reference.md what the program says?
 	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
 	else echo 'skipped: there is no $(BIN)'; fi
@@ -223,7 +229,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test demo lint format gpu-check gpu emulator charts-scenes
+NO_BUILD := clean help setup test demo figures lint format gpu-check gpu emulator charts-scenes
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif

@@ -12,6 +12,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 import pytest
+from notes import note
 
 ROOT = Path(__file__).parents[2]
 BRISANCE = ROOT / "bin" / "brisance"
@@ -373,7 +374,9 @@ def test_substeps_of_the_solid_change_little(tmp_path):
         assert momentum == pytest.approx(energy["impulse_x[N s]"][-1], rel=1e-12)
         assert np.abs(energy["error[-]"]).max() < 1e-5
     assert len(history(tmp_path / "k8" / "bodies.csv")) < 800
-    assert np.abs(speed[8] - speed[1]).max() < 5e-4 * speed[1].max()
+    apart = np.abs(speed[8] - speed[1]).max() / speed[1].max()
+    note("elastic_bar_of_8_steps", apart)
+    assert apart < 5e-4
 
 
 ORTHOTROPIC_BEAM = """\
@@ -403,7 +406,9 @@ def test_orthotropic_beam_rings_with_the_converged_period(layers, bound, ply, tm
     tip = history(tmp_path / "out" / "beam" / "gauges.csv")
     y = tip["tip:displacement_y[m]"]
     crossings = tip["time[s]"][1:][(y[:-1] < 0) != (y[1:] < 0)]
-    assert (crossings[3] - crossings[0]) * 2 / 3 == pytest.approx(0.305, rel=bound)
+    period = (crossings[3] - crossings[0]) * 2 / 3
+    note(f"beam_{'flat' if ply is PLY_FLAT else 'edgewise'}_{layers}", 100 * (period / 0.305 - 1))
+    assert period == pytest.approx(0.305, rel=bound)
 
 
 def test_a_material_beyond_its_range_is_told(tmp_path):
