@@ -86,7 +86,8 @@ module brz_air_state
         integer, allocatable :: suspect(:)
         !! (blocks) cells of a block whose next state looks unphysical
         integer(int8), allocatable :: lowered(:, :, :)
-        !! (0:n1, 0:n2, 0:n3) bit d-1: the face above fell back; d+2: it is closed
+        !! (0:n1, 0:n2, 0:n3) bit d-1: the face above fell back; d+2: it is closed; 6: the cell is
+        !! held
         integer, allocatable :: repair(:, :)
         !! (4, grows) faces lowered or closed in this stage: i, j, k below the face, direction
         integer, allocatable :: bad(:, :)

@@ -8,6 +8,7 @@
 module brz_outflow
     use brz_kinds, only: rk
     use brz_gas, only: sound_speed, to_conserved, to_primitive
+    use brz_positivity, only: margin, vacuum
     use brz_scheme, only: max_var, mixture_gamma, scheme_t
     use brz_wall_riemann, only: wall_star
     implicit none
@@ -63,6 +64,9 @@ contains
                 if (c == 1 .or. c == 5) & ! stays positive
                     next(c) = out(c)*(w(c, 1) + m*slope(c))/(w(c, 1) + slope(c))
             end do
+            next(1) = max(next(1), vacuum(1)*far(1))
+            next(5) = max(next(5), vacuum(2)*far(5), &
+                          margin*next(1)*(next(2)*next(2) + next(3)*next(3) + next(4)*next(4)))
             call to_conserved(gamma_out, next, ghost(1, m))
             ghost(6, m) = fraction*ghost(1, m)
             if (copy) then

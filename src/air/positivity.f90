@@ -5,7 +5,7 @@ module brz_positivity
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: floors_of, is_sound, is_kept, is_physical, stray, margin
+    public :: floors_of, is_sound, is_kept, is_number, is_physical, stray, margin, vacuum
     public :: lost_mark, new_mark, hold_step, most_holds, is_lowered, is_held
 
     integer, parameter :: lost_mark = 127 !! of a cell of which nothing can be saved
@@ -76,6 +76,19 @@ contains
 
         physical = q(1) > 0 .and. inner(q) > 0 .and. inner(q) <= huge(1.0_rk)
     end function is_physical
+
+    !> True if density, momentum and energy are numbers.
+    !@cuf attributes(host,device) &
+    pure function is_number(q) result(number)
+        real(rk), intent(in) :: q(max_var) !! conserved variables
+        logical :: number
+        integer :: c
+
+        number = .true.
+        do c = 1, 5
+            number = number .and. abs(q(c)) <= huge(1.0_rk)
+        end do
+    end function is_number
 
     !> Internal energy per volume times density.
     !@cuf attributes(host,device) &

@@ -7,7 +7,7 @@
 module brz_ledger_rules
     use brz_gas, only: to_conserved
     use brz_kinds, only: rk
-    use brz_positivity, only: is_kept
+    use brz_positivity, only: is_kept, margin
     implicit none
     private
     public :: fresh_gas, ledger_ratio, ledger_excess, release_debt
@@ -28,10 +28,12 @@ contains
     !>
     !> It gets the state of its surroundings, so that the flow sees no step. Where the solid leaves
     !> so fast that less than half of that gas could follow, and less than half has come in through
-    !> the walls, the cell is thinner, by an isentropic expansion. What is left over, of any sign,
-    !> is returned for the ledgers nearby.
+    !> the walls, the cell is thinner, by an isentropic expansion, but not below the floors; nor may
+    !> its internal energy be lost in rounding beside the kinetic one. What is left over, of any
+    !> sign, is returned for the ledgers nearby.
     !@cuf attributes(host,device) &
-    pure subroutine fresh_gas(gamma, w, follows, u, rest)
+    pure subroutine fresh_gas(floors, gamma, w, follows, u, rest)
+        real(rk), intent(in) :: floors(3) !! see floors_of
         real(rk), intent(in) :: gamma !! ratio of specific heats [-]
         real(rk), intent(in) :: w(6) !! surroundings: density, velocity, pressure, products' share
         real(rk), intent(in) :: follows !! part of the gas that follows the solid, 0..1
@@ -46,10 +48,12 @@ contains
         end do
         rest(6) = u(6)
         if (u(1) < w(1)/2 .and. follows < 0.5_rk) then
-            q = max(u(1)/w(1), follows, thinnest)
+            q = max(u(1)/w(1), follows, thinnest, min(1.0_rk, floors(2)/w(1)))
             v(1) = w(1)*q
             v(5) = w(5)*q**gamma
         end if
+        v(5) = max(v(5), 2*(gamma - 1)*max(floors(3), &
+                                           margin*v(1)*(v(2)*v(2) + v(3)*v(3) + v(4)*v(4))))
         call to_conserved(gamma, v, u)
         u(6) = u(1)*w(6)
         do i = 1, 6

@@ -12,7 +12,7 @@ module brz_air_repair
     use brz_air_sweep, only: stage_t
     use brz_air_walls, only: image_of
     use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
-    use brz_positivity, only: is_kept, is_physical, is_sound, most_holds
+    use brz_positivity, only: is_kept, is_number, is_physical, is_sound, most_holds
     use brz_runge_kutta, only: repair_passes
     use brz_scheme, only: first_order, max_var, scheme_t
     implicit none
@@ -20,6 +20,7 @@ module brz_air_repair
     public :: repair
 
     integer, parameter :: bit_lowered = -1, bit_closed = 2 !! plus the direction, in air%lowered
+    integer, parameter :: bit_held = 6 !! there too
 
 contains
 
@@ -56,7 +57,7 @@ contains
 
     !> Close the faces of the cells that no flux of first order saves: nothing passes in this stage,
     !> and the cell keeps its state. That may leave a neighbour too little, which is then held too;
-    !> a wall beside a held cell feels no push from it.
+    !> a wall beside a held cell feels no push from it. What is no number is a fault and not held.
     subroutine hold_cells(air, wall, stage, n_bad, n_faces)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
@@ -70,14 +71,13 @@ contains
             n = 0
             do m = 1, n_bad
                 call euler_step(air, stage, air%bad(:, m), old, new)
-                if (is_kept(stage%floors, old, new)) cycle
+                if (is_kept(stage%floors, old, new) .or. .not. is_number(new)) cycle
                 n = n + 1
                 air%bad(:, n) = air%bad(:, m)
             end do
             do m = 1, n
-                call close_faces(air, wall, stage, air%bad(:, m), n_faces)
+                call hold_cell(air, wall, stage, air%bad(:, m), n_faces)
             end do
-            air%held_cells = air%held_cells + n
             if (n == 0) exit
             call find_bad_neighbours(air, wall, stage, n_faces, n_bad)
         end do
@@ -194,16 +194,20 @@ contains
         end do
     end subroutine lower_faces
 
-    !> Let nothing pass the faces of a cell; its rates are then exactly zero.
-    subroutine close_faces(air, wall, stage, cell, n_faces)
+    !> Hold a cell, unless it is held: let nothing pass its faces; its rates are then exactly zero.
+    subroutine hold_cell(air, wall, stage, cell, n_faces)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: cell(3)
         integer, intent(inout) :: n_faces
-        integer :: d, s, low(3)
+        integer :: bits, d, s, low(3)
         logical :: done
 
+        bits = air%lowered(cell(1), cell(2), cell(3))
+        if (btest(bits, bit_held)) return
+        air%lowered(cell(1), cell(2), cell(3)) = int(ibset(bits, bit_held), int8)
+        air%held_cells = air%held_cells + 1
         do d = 1, 3
             if (air%n(d) == 1) cycle
             do s = -1, 0
@@ -213,7 +217,7 @@ contains
             end do
         end do
         air%rate(cell(1), cell(2), cell(3), :) = 0
-    end subroutine close_faces
+    end subroutine hold_cell
 
     !> Cell below a face of a cell: its lower (s = -1) or upper (0) one in direction d.
     pure function face_of(air, d, s, cell) result(low)

@@ -16,6 +16,7 @@ module brz_coupling_events
     use brz_fresh_rules, only: add_gas, mean_gas, no_gas, surrounding_t
     use brz_kinds, only: rk
     use brz_ledger_rules, only: fresh_gas
+    use brz_positivity, only: floors_of
     use brz_scheme, only: max_var, mixture_gamma
     use brz_solid_state, only: solid_t, worth_threads
     implicit none
@@ -132,7 +133,8 @@ contains
         call surroundings(air, coupling, c, w, follows)
         u(6) = 0
         u(:air%n_var) = air%u(c(1), c(2), c(3), :)
-        call fresh_gas(mixture_gamma(air%scheme, w(6)), w, follows, u, rest)
+        call fresh_gas(floors_of(.true., air%scheme%gamma, air%rho_rest, air%p_rest), &
+                       mixture_gamma(air%scheme, w(6)), w, follows, u, rest)
         air%u(c(1), c(2), c(3), :) = u(:air%n_var)
         coupling%donor(e) = coupling%uncovered(e)
         coupling%donation(:, e) = rest(:air%n_var)

@@ -15,7 +15,7 @@ module scene_tools
     use brz_time_step, only: advance
     implicit none
     private
-    public :: scene_t, open_scene, step_scene, run_scene, body_of
+    public :: scene_t, open_scene, open_deck, step_scene, run_scene, body_of
 
     type :: scene_t
         type(simulation_t) :: sim
@@ -36,12 +36,20 @@ contains
         character(*), intent(in) :: name !! of the deck, without folder and ending
         character(*), intent(in) :: changes
         type(scene_t), intent(out) :: scene
+
+        call open_deck('tests/scenes/'//name//'.nml', changes, scene)
+    end subroutine open_scene
+
+    !> Set the scene of a deck up.
+    subroutine open_deck(path, changes, scene)
+        character(*), intent(in) :: path, changes
+        type(scene_t), intent(out) :: scene
         type(key_t), allocatable :: keys(:)
         type(deck_t) :: deck
         type(solid_totals_t) :: sums
 
         call all_keys(keys)
-        call read_deck('tests/scenes/'//name//'.nml', keys, words(changes), deck, scene%err)
+        call read_deck(path, keys, words(changes), deck, scene%err)
         call build_case(deck, keys, scene%sim%case, scene%err)
         if (failed(scene%err)) error stop scene%err%text
         call set_up_simulation(scene%sim, scene%err)
@@ -50,7 +58,7 @@ contains
         scene%momentum = sums%momentum
         call take_stock(0.0_dp, scene%sim%backend, scene%sim%air, scene%sim%solid, &
             scene%sim%coupling, scene%sim%start, scene%ledger, scene%err)
-    end subroutine open_scene
+    end subroutine open_deck
 
     !> One step, and the books.
     subroutine step_scene(scene)
