@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> A-posteriori fallback: the faces of a cell that would lose nearly all its density or pressure
-!> take the first-order flux. Where there are bodies, a cell that this does not save is held.
+!> take the first-order flux. A cell that this does not save is held.
 !>
 !> It runs after the rates of a stage are complete and before they are used, in the order of the
 !> grid and by one thread: few faces fall back, and the result must not depend on threads. A flux is
@@ -46,7 +46,7 @@ contains
             end do
         end if
         air%fallback_faces = air%fallback_faces + n_faces
-        if (air%fallback .and. wall%present) call hold_cells(air, wall, stage, n_bad, n_faces)
+        if (air%fallback) call hold_cells(air, wall, stage, n_bad, n_faces)
         do m = 1, n_bad
             if (status == air_ok) call judge(air, stage, air%bad(:, m), status)
         end do

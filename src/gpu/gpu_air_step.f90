@@ -211,8 +211,7 @@ contains
             pass = min(pass, repair_passes)
             call add_count(gpu, air, pass, air%fallback_faces, err)
         end if
-        if (air%fallback .and. gpu%grid%walls == 1) &
-            call hold_cells(gpu, air, states, stage, pass, err)
+        if (air%fallback) call hold_cells(gpu, air, states, stage, pass, err)
         call redo(gpu, air, states, stage, pass, 1, err)
         lost = found_bad(gpu, err)
         if (lost) call find_lost_cell(gpu, air, states%new, err)

@@ -282,7 +282,7 @@ contains
         write (error_unit, '(a)') 'warning: until t = '//to_text(sim%clock%time)//' s '// &
             to_text(int(sim%air%held_cells))//' cells of gas were held for a stage, as no flux '// &
             'would have left density and pressure positive (held_cells[-] in energy.csv); '// &
-            'nothing is lost, but the gas beside bodies is coarse there: a smaller cfl may help'
+            'nothing is lost, but the gas is coarse there: a smaller cfl may help'
     end subroutine watch_held
 
     !> A progress line, with all histories on the disk.
