@@ -78,7 +78,8 @@ contains
         integer :: a
 
         q = -trace
-        do a = 1, dimension
+        do a = 1, 3 ! not to dimension: f would lie in memory on a GPU
+            if (a > dimension) exit
             q = q + f(a, 1)*(f(a, 1)*s(1) + 2*(f(a, 2)*s(4) + f(a, 3)*s(6))) &
                 + f(a, 2)*(f(a, 2)*s(2) + 2*f(a, 3)*s(5)) + f(a, 3)*f(a, 3)*s(3)
         end do
