@@ -36,7 +36,7 @@ contains
             deck%groups(g)%broken = .true. ! its keys are lost
             return
         end if
-        call take_keys(preset, deck%groups(g)%entries(e)%line, deck%groups(g))
+        call take_keys(preset, e, deck%groups(g))
         call remove_entry(deck%groups(g), e)
     end subroutine expand_preset
 
@@ -147,12 +147,13 @@ contains
     end subroutine mark_unconfirmed
 
     !> Append the keys that the group does not give; they stand at the line of `preset`.
-    subroutine take_keys(preset, line, group)
+    subroutine take_keys(preset, named, group)
         type(group_t), intent(in) :: preset
-        integer, intent(in) :: line
+        integer, intent(in) :: named !! entry of the group that names the preset
         type(group_t), intent(inout) :: group
-        integer :: e
+        integer :: e, line
 
+        line = group%entries(named)%line
         do e = 1, preset%n
             if (find_entry(group, trim(preset%entries(e)%key)) > 0) cycle
             call add_entry(group, trim(preset%entries(e)%key), line)

@@ -4,7 +4,7 @@ module brz_stl
     use, intrinsic :: iso_fortran_env, only: int32, real32
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_files, only: read_text_file
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64
     use brz_row_order, only: order_rows
     use brz_text, only: to_text
     implicit none
@@ -34,7 +34,7 @@ contains
         if (failed(err)) return
         n = 0
         if (len(bytes) >= head_bytes) n = transfer(bytes(81:84), n)
-        if (n > 0 .and. len(bytes) - head_bytes == triangle_bytes*n) then
+        if (n > 0 .and. len(bytes) - head_bytes == int(triangle_bytes, int64)*n) then
             call from_binary(bytes, n, mesh)
         else
             call from_text(path, bytes, mesh, err)

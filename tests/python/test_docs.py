@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: MIT
+"""What the pages name is there: files, folders, targets of make."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+# what make, a run or a user makes; the same words begin paths in examples
+MADE = ("bin/", "build/", "out/", "gpu/")
+FOLDERS = {path.name for path in ROOT.iterdir() if path.is_dir()}
+TARGETS = set(
+    re.findall(r"^([a-z][\w -]*?) *:(?!=)", (ROOT / "Makefile").read_text(), re.MULTILINE)
+)
+TARGETS = {word for line in TARGETS for word in line.split()}
+
+
+def paths_in(text):
+    """Words that name a file or a folder of this project, from its root."""
+    for word in re.findall(r"(?<![\w./*{-])([\w-]+/[\w./*{},-]+)", text):
+        path = word.rstrip(".,")
+        if path.split("/")[0] in FOLDERS and not path.startswith(MADE):
+            yield path
+
+
+def is_there(path):
+    """True for a file or folder; `*` stands for anything, `{a,b}` for each of its words."""
+    braces = re.search(r"\{([^}]*)\}", path)
+    if braces:
+        return all(is_there(path.replace(braces[0], word)) for word in braces[1].split(","))
+    return bool(list(ROOT.glob(path)))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+def test_files_that_a_page_names_are_there(page):
+    """Paths from the root of the project, and links from the page."""
+    text = page.read_text()
+    missing = {path for path in paths_in(text) if not is_there(path)}
+    for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", text):
+        if not (page.parent / link).exists():
+            missing.add(link)
+    assert not missing
+
+
+@pytest.mark.parametrize("page", PAGES, ids=[page.name for page in PAGES])
+def test_targets_that_a_page_names_are_there(page):
+    """`make target` in code, with or without variables."""
+    text = page.read_text()
+    blocks = re.findall(r"^```.*?^```", text, re.MULTILINE | re.DOTALL)
+    for block in blocks:
+        text = text.replace(block, "")
+    lines = [re.sub("#.*", "", line) for block in blocks for line in block.splitlines()]
+    code = "\n".join(lines + re.findall(r"`([^`]+)`", text))
+    named = set()
+    for call in re.findall(r"(?:^|[\s(])make((?: +[\w=./\"-]+)+)", code):
+        named |= {word for word in call.split() if re.fullmatch(r"[a-z][a-z-]*", word)}
+    assert named <= TARGETS, named - TARGETS
+
+
+def test_what_is_not_there_is_seen(tmp_path):
+    """The tests above can fail."""
+    assert list(paths_in("see `src/no_such_file.f90`.")) == ["src/no_such_file.f90"]
+    assert not is_there("src/no_such_file.f90")
+    assert not is_there("src/{air,no_such_folder}")
+    assert is_there("src/air/*.f90")
+    assert "lint" in TARGETS
+    assert "docs" not in TARGETS
