@@ -6,6 +6,7 @@ module brz_check_gauges
     use brz_check_bodies, only: body_box, reference_hint
     use brz_check_start, only: is_radial
     use brz_deck, only: complain, deck_t, find_group, may_be_misspelt
+    use brz_gauge_quantities, only: find_quantity, quantities
     use brz_get, only: is_usable
     use brz_kinds, only: dp
     implicit none
@@ -47,16 +48,19 @@ contains
                       reference_hint(trim(gauge%body), case%bodies%id))
     end subroutine find_body
 
-    !> Displacements belong to bodies, pressures to the air, velocities and speed to both.
+    !> A quantity of the air, of a body, or of both.
     subroutine check_quantity(deck, g, case, gauge)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(case_t), intent(in) :: case
         type(gauge_case_t), intent(in) :: gauge
         logical :: of_body, of_air
+        integer :: row
 
-        of_body = index(gauge%quantity, 'displacement') == 1
-        of_air = any(gauge%quantity == [character(12) :: 'pressure', 'overpressure', 'density'])
+        row = find_quantity(trim(gauge%quantity))
+        if (row == 0) return ! told where the key was read
+        of_body = .not. quantities(row)%of_air
+        of_air = .not. quantities(row)%of_body
         if (is_radial(case) .and. index(gauge%quantity, 'velocity') == 1) then
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
                           "' needs a direction; along a radius measure the speed")

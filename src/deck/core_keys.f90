@@ -6,6 +6,7 @@
 module brz_core_keys
     use brz_body_keys, only: body_keys
     use brz_explosives, only: explosive_names
+    use brz_gauge_quantities, only: quantity_choices
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text, none, required
     use brz_kinds, only: dp
     implicit none
@@ -217,10 +218,9 @@ contains
                 key_t(group=g, key='at', n_min=3, n_max=3, unit='m', default=required, &
                       meaning='Point; a gauge in a body moves with the nearest particle.'), &
                 key_t(group=g, key='quantity', kind=kind_text, default='pressure', &
-                      choices='pressure|overpressure|density|speed|velocity_x|velocity_y|'// &
-                      'velocity_z|displacement_x|displacement_y|displacement_z', &
-                      meaning='What is measured; displacements need a body, velocities are '// &
-                      'those of the body if one is given.'), &
+                      choices=quantity_choices(), &
+                      meaning='What is measured; displacements and damage need a body, '// &
+                      'velocities are those of the body if one is given.'), &
                 key_t(group=g, key='body', kind=kind_text, &
                       meaning='Id of the body that is measured; absent: the air.')]
     end subroutine gauge_keys

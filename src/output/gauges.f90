@@ -3,46 +3,30 @@
 !>
 !> A gauge of a body follows the particle that is nearest to its point in the unloaded body, by
 !> the particle's number, as the solver sorts the particles anew during a run.
-!> A new quantity is one row of `quantities` and one case of `value_of_gas` or `value_of_particle`.
+!> A new quantity is one row of brz_gauge_quantities and one case of `value_of_gas` or
+!> `value_of_particle`.
 module brz_gauges
     use brz_air_probe, only: gas_state_at
     use brz_air_state, only: air_t, wall_t
     use brz_case, only: case_t, gauge_case_t, name_len
     use brz_check_start, only: is_radial
     use brz_errors, only: error_t, raise, exit_deck
+    use brz_gauge_quantities, only: find_quantity, quantities
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: velocity_at_step
     implicit none
     private
     public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_points, gauge_particles
-    public :: gauge_row
+    public :: gauge_row, gauges_need_state
     public :: radial_gauge_row
-
-    !> What can be measured, and where.
-    type :: quantity_t
-        character(16) :: name
-        character(8) :: unit
-        logical :: of_air, of_body
-    end type quantity_t
-
-    type(quantity_t), parameter :: quantities(10) = [ &
-                                   quantity_t('pressure', 'Pa', .true., .false.), &
-                                   quantity_t('overpressure', 'Pa', .true., .false.), &
-                                   quantity_t('density', 'kg/m3', .true., .false.), &
-                                   quantity_t('speed', 'm/s', .true., .true.), &
-                                   quantity_t('velocity_x', 'm/s', .true., .true.), &
-                                   quantity_t('velocity_y', 'm/s', .true., .true.), &
-                                   quantity_t('velocity_z', 'm/s', .true., .true.), &
-                                   quantity_t('displacement_x', 'm', .false., .true.), &
-                                   quantity_t('displacement_y', 'm', .false., .true.), &
-                                   quantity_t('displacement_z', 'm', .false., .true.)]
 
     type :: gauge_t
         character(name_len) :: id = ''
         character(16) :: quantity = ''
         character(8) :: unit = ''
         real(dp) :: at(3) = 0 !! [m]
+        logical :: moves = .false. !! the motion of its particle is all that it needs
         integer :: body = 0 !! 0: the air
         integer :: particle = 0 !! number of the particle
         integer :: place = 0 !! where that particle was found last
@@ -106,10 +90,11 @@ contains
         gauge%quantity = input%quantity(:len(gauge%quantity))
         gauge%at = input%at
         gauge%body = input%body_index
-        q = findloc(quantities%name, gauge%quantity, dim=1)
+        q = find_quantity(gauge%quantity)
         possible = q > 0
         if (possible) then
             gauge%unit = quantities(q)%unit
+            gauge%moves = quantities(q)%moves
             possible = merge(quantities(q)%of_body, quantities(q)%of_air .and. with_air, &
                              gauge%body > 0)
         end if
@@ -175,6 +160,13 @@ contains
 
         id = pack(gauges%list%particle, gauges%list%body > 0)
     end function gauge_particles
+
+    !> True if gauges of bodies need more than the motion of their particles.
+    pure logical function gauges_need_state(gauges)
+        type(gauges_t), intent(in) :: gauges
+
+        gauges_need_state = any(gauges%list%body > 0 .and. .not. gauges%list%moves)
+    end function gauges_need_state
 
     !> One row of the history.
     subroutine gauge_row(gauges, time, air, wall, solid, row)
@@ -262,6 +254,7 @@ contains
         d = solid%x(:, i) - solid%x_ref(:, i)
         select case (quantity)
         case ('speed'); value = norm2(v)
+        case ('damage'); value = solid%damage(i)
         case ('displacement_x', 'displacement_y', 'displacement_z'); value = d(axis_of(quantity))
         case default; value = v(axis_of(quantity))
         end select

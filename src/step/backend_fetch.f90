@@ -94,15 +94,20 @@ contains
         end if
     end subroutine fetch_state
 
-    !> Bring the motion of some particles to the host, for gauges.
-    subroutine fetch_followed(backend, id, solid, err)
-        type(backend_t), intent(in) :: backend
+    !> Bring the motion of some particles to the host, for gauges; with `all` the whole state.
+    subroutine fetch_followed(backend, id, all, solid, err)
+        type(backend_t), intent(inout) :: backend
         integer, intent(in) :: id(:) !! numbers of the particles
+        logical, intent(in) :: all
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
-        if (backend%bodies_on_gpu .and. .not. failed(err)) &
+        if (.not. backend%bodies_on_gpu .or. failed(err)) return
+        if (all) then
+            call fetch_solid(backend%solid, solid, err)
+        else
             call fetch_particles(backend%solid, id, solid, err)
+        end if
     end subroutine fetch_followed
 
     !> Bring the cells around some points to the host, for gauges, and where the walls are there.

@@ -10,8 +10,8 @@ module brz_outputs
     use brz_coupling_setup, only: restart_coupling
     use brz_dumps, only: count_dump, dumps_t, name_dump, start_dumps, write_dump_files
     use brz_errors, only: error_t, exit_numerical, failed, raise
-    use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, gauges_t, &
-                          radial_gauge_row, set_up_gauges
+    use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, &
+                          gauges_need_state, gauges_t, radial_gauge_row, set_up_gauges
     use brz_history, only: append_row, close_history, flush_history, history_t, open_history
     use brz_kinds, only: dp
     use brz_ledger, only: body_names, body_row, energy_columns, is_balanced, ledger_row, &
@@ -232,7 +232,8 @@ contains
         if (outputs%gauges%n > 0) then
             call fetch_around(sim%backend, gauge_points(outputs%gauges), sim%air, &
                               sim%coupling%wall, err)
-            call fetch_followed(sim%backend, gauge_particles(outputs%gauges), sim%solid, err)
+            call fetch_followed(sim%backend, gauge_particles(outputs%gauges), &
+                                gauges_need_state(outputs%gauges), sim%solid, err)
             call gauge_row(outputs%gauges, sim%clock%time, sim%air, sim%coupling%wall, sim%solid, &
                            outputs%gauge_values)
             call append_row(outputs%gauge_history, outputs%gauge_values, err)

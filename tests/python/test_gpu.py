@@ -177,6 +177,28 @@ def test_a_restart_on_the_gpu_gives_the_same_bits(solid):
     assert rows(solid / "a" / "bodies.csv")[-1][:8] == rows(solid / "b" / "bodies.csv")[-1][:8]
 
 
+DAMAGED = """&run title='t', t_end=2.5e-6 /
+&material id='m', preset='hjc_48' /
+&body id='b', box=0,0.02, 0,0.02, 0,0.02, spacing=2e-3, material='m', velocity=0,0,-100 /
+&body id='f', box=0,0.02, 0,0.02, -0.01,0, spacing=2e-3, material='m', fix='all' /
+&gauge id='d', at=0.01,0.01,0.001, quantity='damage', body='b' /
+&gauge id='v', at=0.01,0.01,0.001, quantity='velocity_z', body='b' /
+&output history_every=5e-7 /
+"""
+
+
+def test_a_gauge_of_damage_sees_the_gpu(deck):
+    """What is not the motion of a particle is brought from the GPU as well."""
+    (deck / "d.nml").write_text(DAMAGED, encoding="utf-8")
+    for backend in ("gpu", "cpu"):
+        done = run(deck, "d.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+    gpu, cpu = (rows(deck / name / "gauges.csv") for name in ("gpu", "cpu"))
+    assert cpu[-1][1] > 0.01
+    for a, b in zip(gpu, cpu, strict=True):
+        assert a == pytest.approx(b, rel=1e-8, abs=1e-10)
+
+
 def test_what_bodies_cannot_do_on_the_gpu_is_told(solid):
     air = "&air box=0,1, 0,1, 0,1, cells=8,8,8, bc='outflow' /\n&coupling scheme='paper' /\n"
     (solid / "d.nml").write_text(air + SOLID.replace("LAW", "none"), encoding="utf-8")
