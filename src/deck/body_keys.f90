@@ -81,6 +81,9 @@ contains
                 key_t(group=g, key='fix_layers', kind=kind_integer, default='3', lower=one, &
                       upper=1000*one, &
                       meaning='Layers of particles that are held at such a face.'), &
+                key_t(group=g, key='fix_width', unit='m', lower=zero, open_lower=.true., &
+                      meaning='Depth that is held at such a face, in place of fix_layers: it '// &
+                      'stays the same where the spacing changes.'), &
                 key_t(group=g, key='fix_box', n_min=6, n_max=48, unit='m', &
                       meaning='Regions in which particles are held: x0, x1, y0, y1, z0, z1 '// &
                       'of each, up to eight.'), &

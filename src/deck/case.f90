@@ -118,6 +118,7 @@ module brz_case
         character(1) :: ply_axis = 'z' !! normal of the plies
         character(name_len) :: fix(8) = '' !! 'sides', 'all', 'x-', 'x+', 'y-', 'y+', 'z-', 'z+'
         integer :: fix_layers = 3 !! particle layers that are held
+        real(dp) :: fix_width = 0 !! depth that is held; 0: fix_layers [m]
         integer :: n_fix_boxes = 0
         real(dp) :: fix_box(6, 8) = 0 !! regions that are held: x0, x1, y0, y1, z0, z1 [m]
         real(dp) :: velocity(3) = 0 !! [m/s]

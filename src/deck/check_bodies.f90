@@ -49,6 +49,7 @@ contains
             k = k + 1
             call find_material(deck, g, case, case%bodies(k))
             call check_shape(deck, g, case%bodies(k))
+            call check_width(deck, g, case%bodies(k))
             if (deck%groups(g)%bad) cycle
             if (case%bodies(k)%file /= '') then
                 call check_file(deck, g, case%run%dimension, case%bodies(k))
@@ -125,6 +126,22 @@ contains
             call complain(deck, g, 'inner_radius', 'inner_radius '//to_text(body%inner_radius)// &
                           ' m leaves nothing of the radius '//to_text(body%radius)//' m')
     end subroutine check_shape
+
+    !> A depth that is held needs a face, and a layer of particles within it.
+    subroutine check_width(deck, g, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(body_case_t), intent(in) :: body
+
+        if (.not. body%fix_width > 0) return
+        if (is_given(deck%groups(g), 'fix_layers')) call complain(deck, g, 'fix_width', &
+            'fix_width and fix_layers both say how deep a face is held; keep one')
+        if (all(body%fix == '')) call complain(deck, g, 'fix_width', &
+            "fix_width needs the faces that are held: add fix='sides'")
+        if (body%fix_width < 0.5_dp*body%spacing) call complain(deck, g, 'fix_width', &
+            'fix_width '//to_text(body%fix_width)//' m holds no particle: the first ones lie '// &
+            'half a spacing of '//to_text(body%spacing)//' m deep')
+    end subroutine check_width
 
     !> A key that is missing for this shape; one that is there but wrong has its message already.
     subroutine need_key(deck, g, body, key)

@@ -197,6 +197,7 @@ contains
             call get(group, 'ply_axis', body%ply_axis)
             call get(group, 'fix', body%fix, n)
             call get(group, 'fix_layers', body%fix_layers)
+            call get(group, 'fix_width', body%fix_width)
             call get(group, 'velocity', body%velocity)
             call get(group, 'spin', body%spin)
             call get(group, 'formulation', body%formulation)

@@ -338,6 +338,7 @@ contains
             call mark_faces(trim(input%fix(f)), shape, held)
         end do
         deep = input%fix_layers*shape%spacing
+        if (input%fix_width > 0) deep = input%fix_width + 1e-6_dp*shape%spacing
         do i = body%first, body%last
             do f = 1, input%n_fix_boxes
                 if (in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)) solid%fixed(i) = 1

@@ -226,6 +226,23 @@ BAD = [
     whole(
         "charge_without_air", "&run t_end=1 /\n&charge id='a', mass=1, at=3*0 /", 2, "needs &air"
     ),
+    swap(
+        "width_without_face", "spacing=0.01", "spacing=0.01, fix_width=0.02", 9, "add fix='sides'"
+    ),
+    swap(
+        "width_and_layers",
+        "spacing=0.01",
+        "spacing=0.01, fix='x-', fix_width=0.02, fix_layers=2",
+        9,
+        "keep one",
+    ),
+    swap(
+        "width_of_nothing",
+        "spacing=0.01",
+        "spacing=0.01, fix='x-', fix_width=0.004",
+        9,
+        "holds no particle",
+    ),
     # hostile files
     whole("empty", b"", None, "empty"),
     whole("only_blanks", b" \n\n  \n", None, "no group"),
