@@ -20,7 +20,7 @@ OMP_WAIT_POLICY ?= passive
 export OMP_WAIT_POLICY
 
 HDF5_CFLAGS = $(shell pkg-config --cflags hdf5-serial)
-HDF5_LIBS   = $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5
+HDF5_LIBS   = $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5 -lz
 WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals -Wno-maybe-uninitialized
 FAST     := $(OPT) -march=$(ARCH) -flto=auto
 QUICKLY  := -O1 -fno-math-errno -fno-trapping-math -march=$(ARCH)

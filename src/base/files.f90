@@ -7,11 +7,14 @@ module brz_files
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_int, c_int8_t, &
                                            c_int16_t, c_int64_t, c_loc, c_null_char, c_ptr, &
                                            c_size_t
+    use brz_byte_file, only: byte_file_t, close_bytes, open_bytes, read_bytes, sync_file, to_read
     use brz_errors, only: error_t, failed, raise, exit_io
+    use brz_kinds, only: int64
+    use brz_system_reason, only: system_reason
     implicit none
     private
-    public :: file_exists, is_folder, make_folder, rename_file, remove_file, sync_file, list_folder
-    public :: write_text_file, append_text, read_text_file, program_path, name_len
+    public :: file_exists, is_folder, make_folder, rename_file, remove_file, list_folder
+    public :: write_text_file, read_text_file, program_path, name_len
 
     integer, parameter :: name_len = 255 !! longest name of a file without its folder
 
@@ -55,19 +58,6 @@ module brz_files
             import :: c_int, c_ptr
             type(c_ptr), value :: folder
         end function c_closedir
-        integer(c_int) function c_open(path, flags) bind(c, name='open')
-            import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
-            integer(c_int), value :: flags
-        end function c_open
-        integer(c_int) function c_fsync(descriptor) bind(c, name='fsync')
-            import :: c_int
-            integer(c_int), value :: descriptor
-        end function c_fsync
-        integer(c_int) function c_close(descriptor) bind(c, name='close')
-            import :: c_int
-            integer(c_int), value :: descriptor
-        end function c_close
         type(c_ptr) function c_fopen(path, mode) bind(c, name='fopen')
             import :: c_char, c_ptr
             character(c_char), intent(in) :: path(*), mode(*)
@@ -81,17 +71,6 @@ module brz_files
             import :: c_int, c_ptr
             type(c_ptr), value :: file
         end function c_fclose
-        type(c_ptr) function c_errno() bind(c, name='__errno_location')
-            import :: c_ptr
-        end function c_errno
-        type(c_ptr) function c_strerror(number) bind(c, name='strerror')
-            import :: c_int, c_ptr
-            integer(c_int), value :: number
-        end function c_strerror
-        integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
-            import :: c_ptr, c_size_t
-            type(c_ptr), value :: text
-        end function c_strlen
     end interface
 
 contains
@@ -130,7 +109,7 @@ contains
         if (is_folder(trim(path))) return
         status = c_mkdir(trim(path)//c_null_char, int(everyone, c_int))
         if (status /= 0) &
-            call raise(err, exit_io, trim(path)//': cannot make the folder: '//reason())
+            call raise(err, exit_io, trim(path)//': cannot make the folder: '//system_reason())
     end subroutine make_folder
 
     !> Give a file a new name in one indivisible step; a file that has the name is replaced.
@@ -139,7 +118,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (c_rename(from//c_null_char, to//c_null_char) /= 0) &
-            call raise(err, exit_io, to//': cannot rename '//from//' to it: '//reason())
+            call raise(err, exit_io, to//': cannot rename '//from//' to it: '//system_reason())
     end subroutine rename_file
 
     !> Remove a file; silent if it is not there.
@@ -149,20 +128,6 @@ contains
 
         status = c_unlink(path//c_null_char)
     end subroutine remove_file
-
-    !> Wait until a file is on the disk: on some file systems a full disk shows only here.
-    subroutine sync_file(path, err)
-        character(*), intent(in) :: path
-        type(error_t), intent(inout) :: err
-        integer(c_int), parameter :: read_only = 0
-        integer(c_int) :: descriptor, status
-
-        descriptor = c_open(path//c_null_char, read_only)
-        status = descriptor
-        if (descriptor >= 0) status = c_fsync(descriptor)
-        if (status < 0) call raise(err, exit_io, path//': cannot bring it to the disk: '//reason())
-        if (descriptor >= 0) status = c_close(descriptor)
-    end subroutine sync_file
 
     !> Names of the entries of a folder that begin and end with the given texts, unsorted.
     subroutine list_folder(path, begin, end, names)
@@ -201,42 +166,35 @@ contains
         end do
     end subroutine entry_name
 
-    !> Write a text to a file under a temporary name, then give it its name: never half a file.
+    !> Write a text to a file under a temporary name, then give it its name when it is on the disk:
+    !> never half a file.
     subroutine write_text_file(path, text, err)
         character(*), intent(in) :: path
         character(*), intent(in) :: text !! with its line ends
         type(error_t), intent(inout) :: err
 
         if (failed(err)) return
-        call put_text(path//'.tmp', 'wb', text, err)
+        call put_text(path//'.tmp', text, err)
+        call sync_file(path//'.tmp', err)
         if (.not. failed(err)) call rename_file(path//'.tmp', path, err)
         if (failed(err)) call remove_file(path//'.tmp')
     end subroutine write_text_file
 
-    !> Append a text to a file; the file is made if it is not there.
-    subroutine append_text(path, text, err)
+    subroutine put_text(path, text, err)
         character(*), intent(in) :: path
-        character(*), intent(in) :: text !! with its line ends
-        type(error_t), intent(inout) :: err
-
-        if (.not. failed(err)) call put_text(path, 'ab', text, err)
-    end subroutine append_text
-
-    subroutine put_text(path, mode, text, err)
-        character(*), intent(in) :: path, mode !! mode as in C's fopen
         character(*), intent(in), target :: text
         type(error_t), intent(inout) :: err
         type(c_ptr) :: file
         logical :: good
 
-        file = c_fopen(path//c_null_char, mode//c_null_char)
+        file = c_fopen(path//c_null_char, 'wb'//c_null_char)
         good = c_associated(file)
         if (good) then
             good = c_fwrite(c_loc(text), 1_c_size_t, len(text, c_size_t), file) == len(text)
-            if (.not. good) call raise(err, exit_io, path//': cannot write it: '//reason())
+            if (.not. good) call raise(err, exit_io, path//': cannot write it: '//system_reason())
             good = c_fclose(file) == 0
         end if
-        if (.not. good) call raise(err, exit_io, path//': cannot write it: '//reason())
+        if (.not. good) call raise(err, exit_io, path//': cannot write it: '//system_reason())
     end subroutine put_text
 
     !> The whole of a file, byte for byte.
@@ -244,39 +202,16 @@ contains
         character(*), intent(in) :: path
         character(:), allocatable, intent(out) :: text
         type(error_t), intent(inout) :: err
-        character(200) :: why
-        integer :: unit, io, bytes
+        type(byte_file_t) :: file
+        integer(int64) :: n
 
-        open (newunit=unit, file=path, access='stream', form='unformatted', status='old', &
-              action='read', iostat=io, iomsg=why)
-        if (io == 0) then
-            inquire (unit=unit, size=bytes)
-            allocate (character(bytes) :: text)
-            if (bytes > 0) read (unit, iostat=io, iomsg=why) text
-            close (unit)
-        end if
-        if (io /= 0) then
-            text = ''
-            call raise(err, exit_io, path//': cannot read it: '//trim(why))
-        end if
+        call open_bytes(file, path, to_read, err)
+        allocate (character(file%size) :: text)
+        call read_bytes(file, text, n, err)
+        call close_bytes(file, err)
+        if (failed(err)) n = 0
+        text = text(:n)
     end subroutine read_text_file
-
-    !> What the system says about the call that failed last.
-    function reason() result(text)
-        character(:), allocatable :: text
-        integer(c_int), pointer :: number
-        character(c_char), pointer :: letters(:)
-        type(c_ptr) :: message
-        integer :: i
-
-        call c_f_pointer(c_errno(), number)
-        message = c_strerror(number)
-        call c_f_pointer(message, letters, [c_strlen(message)])
-        allocate (character(size(letters)) :: text)
-        do i = 1, size(letters)
-            text(i:i) = letters(i)
-        end do
-    end function reason
 
     !> Path of the running program; '' where the system does not tell.
     function program_path() result(path)

@@ -6,10 +6,10 @@
 module brz_hdf5_array
     use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
     use brz_errors, only: error_t, failed, raise, exit_io
-    use brz_hdf5_file, only: h5_t, h5_fail, h5_plain, h5_packed, h5_checked
+    use brz_hdf5_file, only: h5_t, h5_fail, h5_plain
     use brz_kinds, only: int8, int32, int64, real32, real64
     use hdf5, only: hid_t, hsize_t, h5pcreate_f, h5pclose_f, h5pset_chunk_f, h5pset_shuffle_f, &
-                    h5pset_deflate_f, h5pset_fletcher32_f, h5pset_create_inter_group_f, &
+                    h5pset_deflate_f, h5pset_create_inter_group_f, &
                     h5p_dataset_create_f, h5p_link_create_f, h5screate_f, h5screate_simple_f, &
                     h5sclose_f, h5s_scalar_f, h5sget_simple_extent_dims_f, &
                     h5sget_simple_extent_ndims_f, h5dcreate_f, h5dopen_f, h5dwrite_f, h5dread_f, &
@@ -114,8 +114,7 @@ contains
         integer(hsize_t) :: chunk(size(dims)), pieces
         integer :: i, status
 
-        if (filter == h5_plain .or. size(dims) == 0 .or. product(dims) == 0) return
-        if (filter == h5_packed .and. product(dims) < worth_packing) return
+        if (filter == h5_plain .or. size(dims) == 0 .or. product(dims) < worth_packing) return
         chunk = dims
         do i = size(dims), 1, -1 ! the last index varies slowest: whole rows stay together
             if (product(chunk) <= chunk_elements) exit
@@ -123,12 +122,8 @@ contains
             chunk(i) = (dims(i) + pieces - 1)/pieces
         end do
         call h5pset_chunk_f(create, size(dims), chunk, status)
-        if (filter == h5_checked) then
-            call h5pset_fletcher32_f(create, status)
-        else
-            call h5pset_shuffle_f(create, status)
-            call h5pset_deflate_f(create, 1, status)
-        end if
+        call h5pset_shuffle_f(create, status)
+        call h5pset_deflate_f(create, 1, status)
     end subroutine set_filter
 
     !> Read an array of known shape to `data`.

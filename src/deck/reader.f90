@@ -4,6 +4,7 @@
 !> The whole of a line is never held, so a line may be as long as it likes. Line ends LF, CR-LF
 !> and CR are all the same; a byte order mark at the start is skipped.
 module brz_reader
+    use brz_byte_file, only: is_ordinary
     use brz_kinds, only: int64
     use brz_text, only: digits_only, lower, to_text
     implicit none
@@ -65,6 +66,7 @@ contains
         if (.not. exists) message = 'there is no such file'
         inquire (file=file//'/.', exist=exists)
         if (exists) message = 'this is a folder; give the deck, a text file'
+        if (.not. is_ordinary(file)) message = 'is no ordinary file; give the deck, a text file'
         if (message /= '') return
         open (newunit=reader%unit, file=file, access='stream', form='unformatted', &
               action='read', status='old', iostat=status, iomsg=why)

@@ -2,7 +2,8 @@
 !> Carry state to a checkpoint or back from it with one and the same list of calls, so that what
 !> is written and what is read cannot differ.
 module brz_carry
-    use brz_errors, only: error_t
+    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
+    use brz_errors, only: error_t, exit_io, failed, raise
     use brz_hdf5_array, only: h5_read, h5_write
     use brz_hdf5_file, only: h5_t
     use brz_kinds, only: int8, int16, int32, int64, real32, real64
@@ -11,7 +12,7 @@ module brz_carry
     public :: carry
 
     !> Write a scalar or an array to a file that is being written, else read it from the file. An
-    !> array must have the shape of what is in the file.
+    !> array must have the shape of what is in the file, and numbers must be finite.
     interface carry
         module procedure carry_real64, carry_real32, carry_int64, carry_int32, carry_int16, &
             carry_int8, carry_logical
@@ -22,27 +23,37 @@ contains
     subroutine carry_real64(file, name, a, err)
         type(h5_t), intent(in) :: file
         character(*), intent(in) :: name
-        real(real64), intent(inout), contiguous :: a(..)
+        real(real64), intent(inout), target, contiguous :: a(..)
         type(error_t), intent(inout) :: err
+        real(real64), pointer :: values(:)
 
         if (file%writing) then
             call h5_write(file, name, a, err)
-        else
-            call h5_read(file, name, a, err)
+            return
         end if
+        call h5_read(file, name, a, err)
+        if (failed(err) .or. size(a) == 0) return
+        call c_f_pointer(c_loc(a), values, [size(a, kind=int64)])
+        if (.not. all(abs(values) <= huge(values))) call raise(err, exit_io, file%path//": '"// &
+            name//"' holds what is no number")
     end subroutine carry_real64
 
     subroutine carry_real32(file, name, a, err)
         type(h5_t), intent(in) :: file
         character(*), intent(in) :: name
-        real(real32), intent(inout), contiguous :: a(..)
+        real(real32), intent(inout), target, contiguous :: a(..)
         type(error_t), intent(inout) :: err
+        real(real32), pointer :: values(:)
 
         if (file%writing) then
             call h5_write(file, name, a, err)
-        else
-            call h5_read(file, name, a, err)
+            return
         end if
+        call h5_read(file, name, a, err)
+        if (failed(err) .or. size(a) == 0) return
+        call c_f_pointer(c_loc(a), values, [size(a, kind=int64)])
+        if (.not. all(abs(values) <= huge(values))) call raise(err, exit_io, file%path//": '"// &
+            name//"' holds what is no number")
     end subroutine carry_real32
 
     subroutine carry_int64(file, name, a, err)

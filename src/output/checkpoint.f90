@@ -1,11 +1,14 @@
 ! SPDX-License-Identifier: MIT
-!> Checkpoints: the whole state of a run in one HDF5 file, checksummed, two of them kept.
+!> Checkpoints: the whole state of a run in one HDF5 file, sealed, two of them kept.
 !>
 !> Written at the end of a step, under a temporary name, and renamed when it is on the disk: a
-!> checkpoint that has its name is complete. The number in the name is that of the step.
+!> checkpoint that has its name is complete. The number in the name is that of the step. Before
+!> HDF5 sees one it is compared with its seal: HDF5 does not survive every damage.
 module brz_checkpoint
     use brz_air_state, only: air_t
+    use brz_byte_file, only: sync_file
     use brz_case, only: case_t
+    use brz_checkpoint_check, only: check_state
     use brz_checkpoint_match, only: first_difference
     use brz_checkpoint_state, only: carry_air, carry_clock, carry_coupling, carry_solid
     use brz_clock, only: clock_t
@@ -13,14 +16,13 @@ module brz_checkpoint
     use brz_errors, only: error_t, failed, raise, exit_io
     use brz_carry, only: carry
     use brz_files, only: list_folder, name_len, remove_file, rename_file
-    use brz_hdf5_attribute, only: h5_get, h5_put
-    use brz_hdf5_file, only: h5_checked, h5_close, h5_create, h5_open, h5_t
-    use brz_hdf5_verify, only: h5_verify
+    use brz_hdf5_attribute, only: h5_get
+    use brz_hdf5_file, only: h5_close, h5_create, h5_open, h5_plain, h5_t
     use brz_kinds, only: dp
-    use brz_meta, only: describe_run, meta_t, schema, write_meta
+    use brz_meta, only: describe_run, meta_t, write_meta
     use brz_output_folder, only: checkpoint_begin, checkpoint_end, checkpoint_name
+    use brz_seal, only: check_seal
     use brz_solid_state, only: solid_t
-    use brz_text, only: to_text
     use brz_version, only: precision
     implicit none
     private
@@ -28,6 +30,8 @@ module brz_checkpoint
 
     integer, parameter :: kept = 2 !! checkpoints in a folder
     character(*), parameter :: about = 'brisance'
+    character(*), parameter :: title = 'Brisance checkpoint, layout 2' !! another number with
+                                                                       !! whatever it holds
 
 contains
 
@@ -45,11 +49,11 @@ contains
         type(meta_t) :: meta
 
         call describe_run(case, clock, meta)
-        call h5_create(file, folder//'/'//checkpoint_name(clock%cycle), h5_checked, err)
+        call h5_create(file, folder//'/'//checkpoint_name(clock%cycle), h5_plain, err, title)
         call write_meta(file, meta, err)
-        call h5_put(file, about, 'content', 'checkpoint', err)
         call carry_all(file, clock, air, coupling, solid, sums, err)
-        call h5_close(file, err, sync=.true.)
+        call h5_close(file, err)
+        call sync_file(folder, err) ! its name is on the disk too
         if (.not. failed(err)) call remove_old(folder, clock%cycle)
     end subroutine write_checkpoint
 
@@ -69,6 +73,7 @@ contains
         call h5_open(file, path, err)
         call check_origin(file, case, err)
         call carry_all(file, clock, air, coupling, solid, sums, err)
+        call check_state(path, clock, air, coupling, solid, err)
         call h5_close(file, err)
     end subroutine read_checkpoint
 
@@ -88,28 +93,19 @@ contains
         if (.not. failed(err)) call carry_clock(file, clock, err)
     end subroutine carry_all
 
-    !> Refuse what is not a checkpoint of this deck and this precision.
+    !> Refuse a checkpoint of another deck or precision.
     subroutine check_origin(file, case, err)
         type(h5_t), intent(in) :: file
         type(case_t), intent(in) :: case
         type(error_t), intent(inout) :: err
-        character(:), allocatable :: content, made_with, deck, theirs, ours
-        integer :: number(1)
+        character(:), allocatable :: made_with, deck, theirs, ours
         logical :: differ
 
-        call h5_get(file, about, 'content', content, err)
-        call h5_get(file, about, 'schema', number, err)
         call h5_get(file, about, 'precision', made_with, err)
         call h5_get(file, about, 'deck', deck, err)
         if (failed(err)) return
         call first_difference(deck, case%echo, differ, theirs, ours)
-        if (content /= 'checkpoint') then
-            call raise(err, exit_io, file%path//': is not a checkpoint')
-        else if (number(1) /= schema) then
-            call raise(err, exit_io, file%path//': has layout '//to_text(number(1))// &
-                       ', this program reads '//to_text(schema)// &
-                       '; go on with the version that wrote it')
-        else if (made_with /= precision) then
+        if (made_with /= precision) then
             call raise(err, exit_io, file%path//': was written with PRECISION='//made_with// &
                        ', this program has '//precision)
         else if (differ) then
@@ -128,7 +124,7 @@ contains
         if (line == '') text = 'nothing more'
     end function quoted
 
-    !> The checkpoint that a run shall go on from, read through once to be sure of it.
+    !> The checkpoint that a run shall go on from, one whose seal is right.
     subroutine find_checkpoint(request, folder, path, note, err)
         character(*), intent(in) :: request !! a file, or 'latest'
         character(*), intent(in) :: folder !! where 'latest' looks
@@ -142,15 +138,18 @@ contains
         note = ''
         path = request
         if (request /= 'latest') then
-            call h5_verify(path, err)
+            call check_seal(path, title, err)
             return
         end if
         call list_checkpoints(folder, steps)
         do i = 1, size(steps)
             path = folder//'/'//checkpoint_name(steps(i))
             damage = error_t()
-            call h5_verify(path, damage)
-            if (.not. failed(damage)) return
+            call check_seal(path, title, damage)
+            if (damage%code /= exit_io) then
+                err = damage
+                return
+            end if
             note = note//'passed over '//damage%text//new_line('a')
         end do
         call raise(err, exit_io, folder//': no checkpoint that can be read'//new_line('a')//note)

@@ -30,6 +30,8 @@ contains
         call carry(file, 'clock/cycle', clock%cycle, err)
         call carry(file, 'clock/dump_number', clock%dump_number, err)
         call carry(file, 'clock/dump_time', clock%dump_time, err)
+        call carry(file, 'clock/history_bytes', clock%marks%bytes, err)
+        call carry(file, 'clock/history_sums', clock%marks%sum, err)
         if (.not. (file%writing .or. failed(err))) call resume_clock(clock)
     end subroutine carry_clock
 

@@ -7,6 +7,7 @@
 !> checkpoint, with the same intervals or others, needs no memory of it.
 module brz_clock
     use brz_case, only: case_t
+    use brz_history, only: mark_t
     use brz_kinds, only: dp, int64
     use brz_timer, only: wall_seconds
     implicit none
@@ -29,6 +30,7 @@ module brz_clock
         integer :: dump_number = 0 !! of the next dump
         real(dp) :: dump_time = -huge(1.0_dp) !! of the last dump [s]
         type(ticker_t) :: dump, history, checkpoint
+        type(mark_t) :: marks(3) !! of the histories: energy, bodies, gauges
         real(dp) :: wall_start = 0 !! wall clock at the start [s]
         real(dp) :: walltime = huge(1.0_dp) !! wall-clock time that the run may take [s]
     end type clock_t

@@ -9,12 +9,12 @@ module brz_dumps
     use brz_kinds, only: dp
     use brz_meta, only: describe_run, meta_t
     use brz_output_folder, only: dump_name
-    use brz_series, only: add_to_series, open_series, series_t
+    use brz_series, only: add_to_series, cut_series, open_series, series_t
     use brz_solid_dump, only: write_solid_dump
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: dumps_t, start_dumps, write_dump_files, count_dump, name_dump
+    public :: dumps_t, start_dumps, cut_dumps, write_dump_files, count_dump, name_dump
 
     type :: dumps_t
         character(:), allocatable :: folder
@@ -25,17 +25,45 @@ module brz_dumps
 
 contains
 
-    !> Begin the dumps of a run, or continue them after the time of a checkpoint.
-    subroutine start_dumps(dumps, folder, err, resume_at)
+    !> Begin the dumps of a run; with `resume`, look at those up to the checkpoint.
+    subroutine start_dumps(dumps, folder, kinds, resume, clock, err)
         type(dumps_t), intent(out) :: dumps
         character(*), intent(in) :: folder
+        logical, intent(in) :: kinds(2) !! the scene has air, bodies
+        logical, intent(in) :: resume !! a run goes on in its folder
+        type(clock_t), intent(in) :: clock !! of the checkpoint
         type(error_t), intent(inout) :: err
-        real(dp), intent(in), optional :: resume_at !! time of the checkpoint [s]
 
         dumps%folder = folder
-        call open_series(dumps%air, folder, 'air', err, resume_at)
-        call open_series(dumps%solid, folder, 'solid', err, resume_at)
+        call start(dumps%air, 'air', kinds(1))
+        call start(dumps%solid, 'solid', kinds(2))
+
+    contains
+
+        subroutine start(series, kind, present)
+            type(series_t), intent(inout) :: series
+            character(*), intent(in) :: kind
+            logical, intent(in) :: present
+            character(:), allocatable :: last
+
+            last = ''
+            if (clock%dump_number > 0 .and. present) last = dump_name(kind, clock%dump_number - 1)
+            if (resume) then
+                call open_series(series, folder, kind, err, clock%time, last)
+            else
+                call open_series(series, folder, kind, err)
+            end if
+        end subroutine start
     end subroutine start_dumps
+
+    !> Drop the dumps behind the checkpoint.
+    subroutine cut_dumps(dumps, err)
+        type(dumps_t), intent(inout) :: dumps
+        type(error_t), intent(inout) :: err
+
+        call cut_series(dumps%air, err)
+        call cut_series(dumps%solid, err)
+    end subroutine cut_dumps
 
     !> The files of a dump.
     subroutine write_dump_files(dumps, case, clock, air, wall, solid, err)

@@ -10,9 +10,9 @@ module brz_meta
     use brz_version, only: commit, precision, version
     implicit none
     private
-    public :: meta_t, describe_run, write_meta, schema
+    public :: meta_t, describe_run, write_meta
 
-    integer, parameter :: schema = 1 !! of the layout of dumps and checkpoints
+    integer, parameter :: schema = 1 !! of the layout of dumps
 
     type :: meta_t
         character(:), allocatable :: job, title

@@ -13,7 +13,8 @@ module brz_output_folder
     use brz_files, only: list_folder, make_folder, name_len, remove_file, write_text_file
     implicit none
     private
-    public :: prepare_folder, dump_name, checkpoint_name, checkpoint_begin, checkpoint_end
+    public :: prepare_folder, holds_histories
+    public :: dump_name, checkpoint_name, checkpoint_begin, checkpoint_end
     public :: folder_fresh, folder_replace, folder_resume
 
     integer, parameter :: folder_fresh = 1 !! a new run; results that are there are an error
@@ -55,6 +56,15 @@ contains
         end if
         call write_text_file(folder//'/'//trim(job)//'.echo.nml', echo, err)
     end subroutine prepare_folder
+
+    !> True for a folder with results besides checkpoints: a run that goes on there continues them.
+    logical function holds_histories(folder)
+        character(*), intent(in) :: folder
+        character(name_len), allocatable :: names(:)
+
+        call list_results(folder, names)
+        holds_histories = any(index(names, checkpoint_begin) /= 1)
+    end function holds_histories
 
     !> Names of the results in a folder.
     subroutine list_results(folder, names)

@@ -8,15 +8,18 @@ module brz_outputs
     use brz_clock, only: resume_clock, tick
     use brz_command_line, only: options_t
     use brz_coupling_setup, only: restart_coupling
-    use brz_dumps, only: count_dump, dumps_t, name_dump, start_dumps, write_dump_files
+    use brz_dumps, only: count_dump, cut_dumps, dumps_t, name_dump, start_dumps, write_dump_files
     use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, &
                           gauges_need_state, gauges_t, radial_gauge_row, set_up_gauges
-    use brz_history, only: append_row, close_history, flush_history, history_t, open_history
+    use brz_history, only: append_row, close_history, cut_history, flush_history, history_t, &
+                           open_history
+    use brz_files, only: make_folder
     use brz_kinds, only: dp
     use brz_ledger, only: body_names, body_row, energy_columns, is_balanced, ledger_row, &
                           ledger_start_t, ledger_t, take_stock
-    use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, prepare_folder
+    use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, holds_histories, &
+                                 prepare_folder
     use brz_progress, only: progress_line
     use brz_simulation, only: simulation_t
     use brz_solid_step, only: resume_solid
@@ -39,35 +42,58 @@ module brz_outputs
         real(dp) :: energy_error = 0 !! of the last history row, relative
         integer :: saved_cycle = -1 !! cycle of the last checkpoint
         logical :: resumed = .false. !! the run goes on from a checkpoint
+        logical :: continued = .false. !! and in the folder where its files are
         logical :: outside = .false. !! it was told that particles have left the region
         logical :: held = .false. !! it was told that cells of gas were held
     end type outputs_t
 
 contains
 
-    !> Prepare the folder and the files; with a restart, read the state and continue the files.
+    !> Prepare the folder and the files; with a restart, read the state and continue the files. What
+    !> does not fit is found before anything is changed.
     subroutine open_outputs(options, sim, outputs, err)
         type(options_t), intent(in) :: options
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
-        integer :: use
 
         outputs%resumed = options%restart /= ''
         outputs%folder = options%out
         if (outputs%folder == '') outputs%folder = 'out/'//trim(sim%case%run%job)
-        use = merge(folder_replace, folder_fresh, options%replace)
-        if (outputs%resumed) then
-            use = folder_resume
+        if (.not. outputs%resumed) then
+            call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, &
+                                merge(folder_replace, folder_fresh, options%replace), err)
+        else
             call restart(options%restart, sim, outputs, err)
-            if (failed(err)) return
+            outputs%continued = holds_histories(outputs%folder)
+            if (.not. (outputs%continued .or. failed(err))) write (error_unit, '(a)') &
+                outputs%folder//': holds no histories; they begin at the checkpoint'
         end if
-        call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, use, err)
         if (failed(err)) return
         call set_up_gauges(sim%case, sim%solid, outputs%gauges, err)
         call open_histories(sim, outputs, err)
+        call start_dumps(outputs%dumps, outputs%folder, [sim%air%present, sim%solid%present], &
+                         outputs%continued, sim%clock, err)
+        if (outputs%resumed) call go_on(sim, outputs, err)
         if (.not. outputs%resumed .and. sim%early%rows > 0) call write_early(sim, outputs, err)
     end subroutine open_outputs
+
+    !> Drop what a run has left behind the checkpoint that it goes on from.
+    subroutine go_on(sim, outputs, err)
+        type(simulation_t), intent(in) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, folder_resume, &
+                            err)
+        call drop_later_checkpoints(outputs%folder, sim%clock%cycle, err)
+        if (.not. outputs%continued) return
+        call cut_history(outputs%energy, err)
+        call cut_history(outputs%bodies, err)
+        call cut_history(outputs%gauge_history, err)
+        call cut_dumps(outputs%dumps, err)
+    end subroutine go_on
 
     !> What the gauges saw while the blast was one-dimensional.
     subroutine write_early(sim, outputs, err)
@@ -98,7 +124,6 @@ contains
         if (failed(err)) return
         if (note /= '') write (error_unit, '(a)') note
         call read_checkpoint(path, sim%case, sim%clock, sim%air, sim%coupling, sim%solid, sums, err)
-        call drop_later_checkpoints(outputs%folder, sim%clock%cycle, err)
         if (failed(err)) return
         sim%start = ledger_start_t(.true., sums(1), sums(2), sums(3:5))
         call resume_clock(sim%clock)
@@ -106,41 +131,40 @@ contains
         if (sim%coupling%present) call restart_coupling(sim%air, sim%solid, sim%coupling)
     end subroutine restart
 
-    !> Open the histories, cut back to the time of the checkpoint on a restart.
+    !> Open the histories.
     subroutine open_histories(sim, outputs, err)
         type(simulation_t), intent(in) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
         character(64), allocatable :: names(:)
 
-        call open_one('energy', energy_columns, outputs%energy)
+        if (outputs%resumed) call make_folder(outputs%folder, err)
+        call open_one(1, energy_columns, outputs%energy)
         if (sim%solid%present) then
             call body_names(sim%solid, names)
             allocate (outputs%body_values(size(names)))
-            call open_one('bodies', names, outputs%bodies)
+            call open_one(2, names, outputs%bodies)
         end if
         if (outputs%gauges%n > 0) then
             call gauge_names(outputs%gauges, names)
             allocate (outputs%gauge_values(size(names)))
-            call open_one('gauges', names, outputs%gauge_history)
-        end if
-        if (outputs%resumed) then
-            call start_dumps(outputs%dumps, outputs%folder, err, sim%clock%time)
-        else
-            call start_dumps(outputs%dumps, outputs%folder, err)
+            call open_one(3, names, outputs%gauge_history)
         end if
 
     contains
 
-        subroutine open_one(name, columns, history)
-            character(*), intent(in) :: name, columns(:)
+        subroutine open_one(k, columns, history)
+            integer, intent(in) :: k
+            character(*), intent(in) :: columns(:)
             type(history_t), intent(inout) :: history
+            character(*), parameter :: files(3) = [character(11) :: '/energy.csv', '/bodies.csv', &
+                                                   '/gauges.csv']
 
-            if (outputs%resumed) then
-                call open_history(history, outputs%folder//'/'//name//'.csv', columns, err, &
-                                  sim%clock%time)
+            if (outputs%continued) then
+                call open_history(history, outputs%folder//files(k), columns, err, &
+                                  sim%clock%marks(k))
             else
-                call open_history(history, outputs%folder//'/'//name//'.csv', columns, err)
+                call open_history(history, outputs%folder//files(k), columns, err)
             end if
         end subroutine open_one
     end subroutine open_histories
@@ -286,7 +310,7 @@ contains
             'nothing is lost, but the gas is coarse there: a smaller cfl may help'
     end subroutine watch_held
 
-    !> A progress line, with all histories on the disk.
+    !> A progress line, with all rows in their files.
     subroutine report(sim, outputs, err)
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
@@ -297,7 +321,7 @@ contains
                            sim%clock%dt, sim%limiter, outputs%energy_error)
     end subroutine report
 
-    !> Write a checkpoint; the histories up to it must be on the disk first.
+    !> Write a checkpoint; the histories up to it are on the disk first.
     subroutine save_checkpoint(sim, outputs, err, beside)
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
@@ -310,7 +334,8 @@ contains
         if (outputs%saved_cycle == sim%clock%cycle .or. failed(err)) return
         apart = .false.
         if (present(beside)) apart = beside
-        call flush_all(outputs, err)
+        call flush_all(outputs, err, sync=.true.)
+        sim%clock%marks = [outputs%energy%mark, outputs%bodies%mark, outputs%gauge_history%mark]
         call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         if (failed(err)) return
         sums = [sim%start%total, sim%start%mass, sim%start%momentum]
@@ -326,14 +351,15 @@ contains
         if (.not. failed(err)) outputs%saved_cycle = sim%clock%cycle
     end subroutine save_checkpoint
 
-    !> Bring all histories to the disk.
-    subroutine flush_all(outputs, err)
+    !> Bring all histories to their files; with `sync` to the disk.
+    subroutine flush_all(outputs, err, sync)
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
+        logical, intent(in), optional :: sync
 
-        call flush_history(outputs%energy, err)
-        call flush_history(outputs%bodies, err)
-        call flush_history(outputs%gauge_history, err)
+        call flush_history(outputs%energy, err, sync)
+        call flush_history(outputs%bodies, err, sync)
+        call flush_history(outputs%gauge_history, err, sync)
     end subroutine flush_all
 
     !> Wait for what is being written, and close all histories.

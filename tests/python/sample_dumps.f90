@@ -44,7 +44,7 @@ contains
         call fill_air(n, air, wall)
         call fill_solid(solid)
         call prepare_folder(folder, 'sample', case%echo, folder_fresh, err)
-        call start_dumps(dumps, folder, err)
+        call start_dumps(dumps, folder, [.true., .true.], .false., clock, err)
         do step = 0, 2
             clock%time = 0.1_dp*step
             clock%cycle = 10*step
