@@ -7,7 +7,7 @@
 !> is complete. Writing beyond a file size limit becomes an ordinary write error.
 module brz_signals
     use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t, c_null_funptr
-    use brz_files, only: file_exists, remove_file
+    use brz_files, only: file_exists, is_folder, remove_file
     implicit none
     private
     public :: listen_to_signals, checkpoint_asked, stop_asked, look_for_stop_file, stop_name
@@ -21,6 +21,7 @@ module brz_signals
     ! set by the handlers, cleared by the questions
     logical, volatile, save :: want_checkpoint = .false.
     integer(c_int), volatile, save :: want_stop = 0
+    logical, save :: told = .false. !! of a folder in the place of a stop file
 
     interface
         type(c_funptr) function c_signal(number, handler) bind(c, name='signal')
@@ -88,17 +89,24 @@ contains
     end function stop_name
 
     !> True if there is a stop file. It is removed, so that a restart does not stop at once.
-    logical function look_for_stop_file(folder, job) result(found)
+    logical function look_for_stop_file(folder, job, note) result(found)
         character(*), intent(in) :: folder !! of the output
         character(*), intent(in) :: job
+        character(:), allocatable, intent(out) :: note !! once, of a folder with that name; or ''
         character(:), allocatable :: path
         integer :: i
 
+        note = ''
         found = .false.
         do i = 1, 2
             path = trim(job)//'.stop'
             if (i == 2) path = trim(folder)//'/'//path
             if (.not. file_exists(path)) cycle
+            if (is_folder(path)) then
+                if (.not. told) note = path//': is a folder, no request to stop'
+                told = .true.
+                cycle
+            end if
             found = .true.
             call remove_file(path)
         end do

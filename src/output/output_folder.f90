@@ -42,6 +42,7 @@ contains
         character(name_len), allocatable :: names(:)
         integer :: i
 
+        if (failed(err)) return
         call make_folder(folder, err)
         if (failed(err)) return
         call list_results(folder, names)

@@ -9,12 +9,13 @@ module brz_outputs
     use brz_command_line, only: options_t
     use brz_coupling_setup, only: restart_coupling
     use brz_dumps, only: count_dump, cut_dumps, dumps_t, name_dump, start_dumps, write_dump_files
-    use brz_errors, only: error_t, exit_numerical, failed, raise
+    use brz_errors, only: error_t, exit_io, exit_numerical, failed, raise
     use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, &
                           gauges_need_state, gauges_t, radial_gauge_row, set_up_gauges
     use brz_history, only: append_row, close_history, cut_history, flush_history, history_t, &
                            open_history
-    use brz_files, only: make_folder
+    use brz_files, only: is_folder
+    use brz_folder_lock, only: lock_folder
     use brz_kinds, only: dp
     use brz_ledger, only: body_names, body_row, energy_columns, is_balanced, ledger_row, &
                           ledger_start_t, ledger_t, take_stock
@@ -56,14 +57,21 @@ contains
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
+        character(:), allocatable :: note
 
         outputs%resumed = options%restart /= ''
         outputs%folder = options%out
         if (outputs%folder == '') outputs%folder = 'out/'//trim(sim%case%run%job)
+        if (options%restart == 'latest') then
+            if (.not. is_folder(outputs%folder)) call raise(err, exit_io, outputs%folder// &
+                ': no such folder, so no checkpoint in it')
+        end if
+        call lock_folder(outputs%folder, note, err)
+        if (note /= '') write (error_unit, '(a)') note
         if (.not. outputs%resumed) then
             call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, &
                                 merge(folder_replace, folder_fresh, options%replace), err)
-        else
+        else if (.not. failed(err)) then
             call restart(options%restart, sim, outputs, err)
             outputs%continued = holds_histories(outputs%folder)
             if (.not. (outputs%continued .or. failed(err))) write (error_unit, '(a)') &
@@ -138,7 +146,6 @@ contains
         type(error_t), intent(inout) :: err
         character(64), allocatable :: names(:)
 
-        if (outputs%resumed) call make_folder(outputs%folder, err)
         call open_one(1, energy_columns, outputs%energy)
         if (sim%solid%present) then
             call body_names(sim%solid, names)

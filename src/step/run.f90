@@ -165,14 +165,15 @@ contains
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
-        character(:), allocatable :: why
+        character(:), allocatable :: note, why
         logical :: stop
 
         if (failed(err)) return
         if (checkpoint_asked()) call save_checkpoint(sim, outputs, err)
         stop = stop_asked(why)
         if (.not. stop) then
-            stop = look_for_stop_file(outputs%folder, trim(sim%case%run%job))
+            stop = look_for_stop_file(outputs%folder, trim(sim%case%run%job), note)
+            if (note /= '') write (error_unit, '(a)') note
             if (stop) why = 'a stop file'
         end if
         if (walltime_is_up(sim%clock, outputs%reserve)) then

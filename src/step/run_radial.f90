@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> A run along the radius of one charge in open air: from the deck to histories and profiles.
 module brz_run_radial
-    use, intrinsic :: iso_fortran_env, only: output_unit
+    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_blast1d_profile, only: blast1d_at
     use brz_blast1d_reconstruct, only: prepare
     use brz_blast1d_state, only: blast1d_input_t, blast1d_t, blast1d_totals, start_blast1d, &
@@ -12,6 +12,7 @@ module brz_run_radial
     use brz_clock, only: clock_t, start_clock, tick
     use brz_command_line, only: options_t
     use brz_errors, only: error_t, exit_deck, exit_numerical, failed, raise
+    use brz_folder_lock, only: lock_folder
     use brz_gauge_summary, only: gauge_summary
     use brz_gauges, only: gauge_names, gauges_t, radial_gauge_row, set_up_gauges
     use brz_history, only: append_row, close_history, history_t, open_history
@@ -36,7 +37,7 @@ contains
         type(error_t), intent(inout) :: err
         type(blast1d_t) :: blast
         type(gauges_t) :: gauges
-        character(:), allocatable :: folder, text
+        character(:), allocatable :: folder, note, text
         real(dp) :: before(4), begin
 
         if (options%restart /= '') then
@@ -49,6 +50,8 @@ contains
         if (options%check) return
         folder = options%out
         if (folder == '') folder = 'out/'//trim(case%run%job)
+        call lock_folder(folder, note, err)
+        if (note /= '') write (error_unit, '(a)') note
         call prepare_folder(folder, trim(case%run%job), case%echo, &
                             merge(folder_replace, folder_fresh, options%replace), err)
         if (failed(err)) return
