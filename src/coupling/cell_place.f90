@@ -4,7 +4,7 @@ module brz_cell_place
     use brz_kinds, only: dp, int32
     implicit none
     private
-    public :: cell_number
+    public :: cell_number, cell_middle
 
 contains
 
@@ -37,4 +37,17 @@ contains
             stride = stride*n(d)
         end do
     end function cell_number
+
+    !> Middle of the cell that holds a point, beside the point where a direction is periodic.
+    !@cuf attributes(host,device) &
+    pure function cell_middle(x, lo, dx) result(middle)
+        real(dp), intent(in) :: x(3) !! point [m]
+        real(dp), intent(in) :: lo(3), dx(3) !! low corner of the box and sides of a cell [m]
+        real(dp) :: middle(3)
+        integer :: d
+
+        do d = 1, 3
+            middle(d) = lo(d) + (floor((x(d) - lo(d))/dx(d)) + 0.5_dp)*dx(d)
+        end do
+    end function cell_middle
 end module brz_cell_place

@@ -6,6 +6,7 @@
 !> ledgers and debts together change only by what leaves the box or reaches the solid.
 module brz_coupling_state
     use brz_air_state, only: wall_t
+    use brz_carrier_rules, only: carrier_t
     use brz_cell_shells, only: shells_t
     use brz_column_rules, only: side_of
     use brz_kinds, only: dp, int32, int64, int8, rk
@@ -50,6 +51,7 @@ module brz_coupling_state
         integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
         real(rk), allocatable :: debt(:, :) !! (n_var, n_debts) per cell volume, as air%u
         ! loads
+        type(carrier_t), allocatable :: carrier(:) !! (bodies) how those move that carry particles
         real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]
         real(rk), allocatable :: v_before(:, :) !! (3, particles by id) velocity a step before [m/s]
         real(dp), allocatable :: surface(:) !! (n_faces) outermost particle behind the face [m]

@@ -7,7 +7,7 @@ module brz_load_rules
     use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: load_weight, gauge_force, is_felt, gas_push, coasted_velocity, pushed_velocity
+    public :: load_weight, gauge_force, is_felt, gas_push, pushed_velocity, lightness
 
     real(rk), parameter :: middling = 0.3_rk !! yield of a wall that is neither light nor heavy
 
@@ -82,19 +82,6 @@ contains
         impedance = real(sqrt(gamma*p*rho)*area, rk)
     end subroutine gas_push
 
-    !> Velocity at the step of a mass that has had the load up to it, but the force of its body
-    !> half a solid step less.
-    !@cuf attributes(host,device) &
-    pure function coasted_velocity(v, force, load, mass, dt) result(w)
-        real(rk), intent(in) :: v !! one component, as the particles have it [m/s]
-        real(rk), intent(in) :: force, load !! over the last step: of all kinds, of the gas [N]
-        real(rk), intent(in) :: mass !! [kg]
-        real(rk), intent(in) :: dt !! last step of the solid [s]
-        real(rk) :: w
-
-        w = v + dt/2*(force - load)/mass
-    end function coasted_velocity
-
     !> Velocity of a wall in the middle of a step, from that at its start.
     !>
     !> A heavy wall goes on as it did in the last step. A light one feels at once how the push of
@@ -111,7 +98,16 @@ contains
         real(rk) :: w, yield, light
 
         yield = dt/2*impedance/mass
-        light = yield*yield/(yield*yield + middling*middling)
+        light = lightness(yield)
         w = v + dt/2*(force + light*change)/(mass*(1 + light*yield))
     end function pushed_velocity
+
+    !> How much a wall follows the gas, from its yield in half a step: 0 heavy, 1 light.
+    !@cuf attributes(host,device) &
+    pure function lightness(yield) result(light)
+        real(rk), intent(in) :: yield !! dt/2 times impedance over mass [-]
+        real(rk) :: light
+
+        light = yield*yield/(yield*yield + middling*middling)
+    end function lightness
 end module brz_load_rules

@@ -2,14 +2,17 @@
 !> Particles by air cell: which cells hold solid, and which particles a cell holds.
 module brz_coupling_bins
     use brz_air_state, only: air_t
-    use brz_cell_place, only: cell_number
+    use brz_carrier_rules, only: carried_velocity, carrier_at, is_carried
+    use brz_cell_place, only: cell_middle, cell_number
     use brz_cell_shells, only: cell_at
+    use brz_coupling_carriers, only: see_carriers
     use brz_coupling_state, only: coupling_t, mark_solid, side_of
     use brz_kinds, only: int32, rk
-    use brz_solid_state, only: is_gone, solid_t, worth_threads
+    use brz_solid_state, only: is_gone, is_held, solid_t, worth_threads
     implicit none
     private
-    public :: find_cells, mark_cells, index_faces, fill_bins, move_walls, at_least
+    public :: find_cells, mark_cells, index_faces, fill_bins, move_walls, &
+              carrier_of, at_least
 
 contains
 
@@ -115,25 +118,45 @@ contains
         end do
     end subroutine fill_bins
 
-    !> Give each solid cell the mean velocity by mass of its particles.
-    subroutine move_walls(solid, coupling)
+    !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
+    !> carries them, else as it is kept, half a step before.
+    subroutine move_walls(air, solid, coupling)
+        type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(rk) :: mass, v(3)
-        integer :: c, i, p
+        integer :: b, c, i, p
 
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static, 64) private(mass, v, i, p)
+        call see_carriers(air, solid, coupling)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static, 64) &
+        !$omp private(mass, v, b, i, p)
         do c = 1, coupling%wall%n_cells
             mass = 0
             v = 0
             do i = coupling%first(c), coupling%first(c + 1) - 1
                 p = coupling%binned(i)
+                b = carrier_of(solid, coupling, p)
                 mass = mass + solid%mass(p)
-                v = v + solid%mass(p)*solid%v(:, p)
+                if (b == 0) then
+                    v = v + solid%mass(p)*solid%v(:, p)
+                else
+                    v = v + solid%mass(p)*carried_velocity( &
+                        coupling%carrier(b), cell_middle(solid%x(:, p), air%lo, air%dx))
+                end if
             end do
             coupling%wall%v(:, c) = v/mass
         end do
     end subroutine move_walls
+
+    !> The body that carries a particle, or 0.
+    pure integer function carrier_of(solid, coupling, p) result(b)
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(in) :: coupling
+        integer, intent(in) :: p
+
+        b = carrier_at(size(coupling%carrier), coupling%carrier, p)
+        if (.not. is_carried(coupling%carrier(b)%carries, solid%fixed(p) == is_held)) b = 0
+    end function carrier_of
 
     !> Make room for n entries; what was there is lost.
     subroutine at_least(a, n)

@@ -45,7 +45,7 @@ contains
         call limit_ledgers(air, coupling)
         call release_debts(air, coupling)
         ! the next time step depends on these alone, so that a restart finds the same
-        call move_walls(solid, coupling)
+        call move_walls(air, solid, coupling)
     end subroutine reclassify
 
     !> Cells newly covered and newly uncovered, in their order.

@@ -2,6 +2,7 @@
 !> Loads on the particles from the impulses that the air has given to the walls.
 module brz_coupling_load
     use brz_air_state, only: air_t
+    use brz_coupling_carriers, only: load_carriers
     use brz_coupling_columns, only: area, face_above, weight_of
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: dp
@@ -40,6 +41,7 @@ contains
             call load_cell(air, solid, coupling, c)
         end do
         !$omp end parallel
+        call load_carriers(air, solid, coupling)
         call account(air, coupling, dt)
     end subroutine spread_load
 

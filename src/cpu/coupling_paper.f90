@@ -10,6 +10,7 @@ module brz_coupling_paper
     use brz_air_walls, only: build_walls
     use brz_cell_shells, only: neighbour
     use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, move_walls
+    use brz_coupling_carriers, only: load_carriers
     use brz_coupling_state, only: coupling_t
     use brz_gas, only: to_conserved
     use brz_kinds, only: dp, rk
@@ -35,7 +36,7 @@ contains
         type(stage_t) :: stage
         integer :: m
 
-        call move_walls(solid, coupling)
+        call move_walls(air, solid, coupling)
         call fill_solid_cells(air, coupling)
         call begin_step(air, none, dt, stage)
         solid%load(:, :solid%n) = 0
@@ -46,6 +47,7 @@ contains
             call add_forces(air, solid, coupling, share_of(m, air%n_stages), dt)
             call update(air, stage%dt, new_weight(m, air%n_stages), m == 1)
         end do
+        call load_carriers(air, solid, coupling)
     end subroutine paper_step
 
     !> Fill the solid cells with gas: those that touch gas from the gas around, the others at rest.
@@ -132,6 +134,6 @@ contains
             call index_faces(coupling)
             call fill_bins(air, solid, coupling)
         end if
-        call move_walls(solid, coupling)
+        call move_walls(air, solid, coupling)
     end subroutine move_paper_walls
 end module brz_coupling_paper

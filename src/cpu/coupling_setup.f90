@@ -103,7 +103,7 @@ contains
         call index_faces(coupling)
         call size_walls(coupling)
         call fill_bins(air, solid, coupling)
-        call move_walls(solid, coupling)
+        call move_walls(air, solid, coupling)
         coupling%slot = 0
         do e = 1, coupling%n_debts
             c = cell_at(air%n, coupling%debt_cell(e))

@@ -4,7 +4,6 @@
 !> The particles of a rigid body carry its mass to contact, air and output. Their velocity is kept
 !> at half steps like that of all others, and `a` is what brings it to the step.
 module brz_solid_rigid
-    use brz_air_force, only: air_force
     use brz_drive, only: book_drive
     use brz_kinds, only: dp, rk
     use brz_motion, only: mean_velocity, velocity_of
@@ -57,28 +56,11 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt
-        real(dp) :: load(6), omega(3), q_mid(4), v(3)
+        real(dp) :: omega(3), q_mid(4), v(3)
 
-        call sum_load(solid, body, load(1:3), load(4:6))
-        call advance_rigid(body, (solid%dt_last + dt)/2, dt, load, v, omega, q_mid)
+        call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
         call place_particles(solid, body, v, omega, q_mid)
     end subroutine move_body
-
-    !> Force and torque of the air on a body.
-    subroutine sum_load(solid, body, force, torque)
-        type(solid_t), intent(in) :: solid
-        type(body_t), intent(in) :: body
-        real(dp), intent(out) :: force(3), torque(3)
-        integer :: i
-
-        force = 0
-        torque = 0
-        if (.not. allocated(solid%load)) return
-        do i = body%first, body%last
-            force = force + solid%load(:, i)
-            torque = torque + cross(solid%x(:, i) - body%rigid%x, real(solid%load(:, i), dp))
-        end do
-    end subroutine sum_load
 
     !> Positions at the step and velocities in its middle.
     subroutine place_particles(solid, body, v, omega, q_mid)
@@ -153,14 +135,13 @@ contains
         v = velocity_of(body%motion, solid%time)
         body%motion%force = body%rigid%force
         if (body%formulation /= form_rigid) then
-            body%motion%force = 0
+            body%motion%force = -body%rigid%load(1:3)
             do k = 1, size(solid%block, 2)
                 if (solid%block(1, k) == b) &
                     body%motion%force = body%motion%force + solid%search%sums(3:5, k)/dt
             end do
             do i = body%first, body%last
                 if (solid%fixed(i) /= is_held) cycle
-                body%motion%force = body%motion%force - air_force(solid, i)
                 solid%a(:, i) = real(2/dt*(v - solid%v(:, i)), rk)
             end do
         end if

@@ -27,7 +27,7 @@ module brz_case
         character(name_len) :: backend = 'auto' !! 'cpu', 'gpu', 'auto'
         real(dp) :: dt_max = huge(1.0_dp) !! [s]
         real(dp) :: dt_min = 0 !! a smaller step ends the run with code 3 [s]
-        real(dp) :: energy_band = huge(1.0_dp) !! largest allowed |total/(initial+work) - 1|
+        real(dp) :: energy_band = huge(1.0_dp) !! largest allowed energy error [-]
         integer :: max_steps = huge(1)
     end type run_case_t
 

@@ -8,6 +8,7 @@ module brz_gpu_coupling_copy
     use brz_device, only: arguments_t, clear_buffer, copy_in, copy_out, device_t, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_coupling_carriers, only: put_carriers
     use brz_gpu_coupling_debts, only: make_room
     use brz_gpu_coupling_layout, only: book_given, book_high, book_low, book_taken, &
         book_taken_work, book_threads, book_work, is_solid, n_book, n_count
@@ -41,6 +42,7 @@ contains
         call list_cells_of_kind(gpu, is_solid, err, total=n)
         call build_gpu_walls(gpu, there, air, n, err)
         call fill_gpu_bins(gpu, there, particles, err)
+        call put_carriers(gpu, coupling%carrier, err)
         call move_gpu_walls(gpu, there, particles, err)
         call put_debts(gpu, coupling, err)
         call put_books(gpu, coupling, err)

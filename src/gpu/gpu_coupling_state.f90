@@ -6,6 +6,7 @@
 !> by their places in lists, in the order of the CPU.
 module brz_gpu_coupling_state
     use brz_air_state, only: air_t
+    use brz_carrier_rules, only: n_push
     use brz_coupling_state, only: coupling_t
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, device_t, find_kernel, &
         free_buffer, kernel_t, reserve_buffer
@@ -20,7 +21,10 @@ module brz_gpu_coupling_state
     implicit none
     private
     public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
-    public :: size_cells, size_faces, add_grid
+    public :: size_cells, size_faces, add_grid, fold_rows
+
+    integer, parameter :: fold_rows = 16 !! partial sums of a body that are left for the host
+    integer, parameter :: most_threads = 65536 !! for the sums over all bodies
 
     !> The particles as brz_gpu_solid_layout has them, for the time of a call.
     type :: particles_t
@@ -40,6 +44,10 @@ module brz_gpu_coupling_state
         type(buffer_t) :: top !! (cells/scan_chunk) cells of a kind before each chunk
         type(buffer_t) :: slot !! (cells) place among the debts, or 0
         type(buffer_t) :: counts, book, part !! see brz_gpu_coupling_layout
+        integer :: bodies = 0 !! that may carry particles
+        integer :: carrier_threads = 0 !! that add up what the gas does to a body
+        type(buffer_t) :: carrier !! (bodies) as in coupling_t
+        type(buffer_t) :: carrier_part, carrier_sums !! what the gas does to them
         type(buffer_t) :: cell_of, home, binned !! (particles) cell, place of it in the list, bins
         type(buffer_t) :: ends !! (n_cells + 1) of the bins
         type(buffer_t) :: cell !! (n_cells) number of each solid cell
@@ -56,6 +64,7 @@ module brz_gpu_coupling_state
         type(kernel_t) :: index, images, count, list, reach_down
         type(kernel_t) :: bin_count, bin_fill, bin_sort, bin_velocity, keep
         type(kernel_t) :: weigh, feel, push, force_of, load, loaded, fastest
+        type(kernel_t) :: carrier_shift, carrier_push, carrier_load, fold
         type(kernel_t) :: copy, level, judge, first, open, give, take, total
         type(kernel_t) :: release, settle, move, slots, words
         type(kernel_t) :: fresh, buried, list_buried, shells_of, owe, collect
@@ -99,6 +108,13 @@ contains
         call allocate_buffer(gpu%cell_of, 4_int64*particles, err)
         call allocate_buffer(gpu%home, 4_int64*particles, err)
         call allocate_buffer(gpu%binned, 4_int64*particles, err)
+        gpu%bodies = size(coupling%carrier)
+        gpu%carrier_threads = fold_rows*max(4, most_threads/fold_rows/max(16, gpu%bodies))
+        bytes = storage_size(coupling%carrier)/8
+        call allocate_buffer(gpu%carrier, gpu%bodies*bytes, err)
+        bytes = 8_int64*n_push*gpu%bodies
+        call allocate_buffer(gpu%carrier_part, bytes*gpu%carrier_threads, err)
+        call allocate_buffer(gpu%carrier_sums, bytes*fold_rows, err)
     end subroutine open_memory
 
     subroutine find_kernels(device, gpu, err)
@@ -123,6 +139,10 @@ contains
         call find_kernel(device, 'column_weights', gpu%weigh, err)
         call find_kernel(device, 'wall_feel', gpu%feel, err)
         call find_kernel(device, 'wall_push', gpu%push, err)
+        call find_kernel(device, 'carrier_shift', gpu%carrier_shift, err)
+        call find_kernel(device, 'carrier_push', gpu%carrier_push, err)
+        call find_kernel(device, 'carrier_load', gpu%carrier_load, err)
+        call find_kernel(device, 'solid_fold', gpu%fold, err)
         call find_kernel(device, 'wall_force', gpu%force_of, err)
         call find_kernel(device, 'load_particles', gpu%load, err)
         call find_kernel(device, 'loaded_bodies', gpu%loaded, err)
@@ -200,14 +220,15 @@ contains
     !> Give the memory back.
     subroutine close_gpu_coupling(gpu)
         type(gpu_coupling_t), intent(inout) :: gpu
-        type(buffer_t) :: all(31)
+        type(buffer_t) :: all(34)
         integer :: b
 
         all = [gpu%scan%levels, gpu%shells, gpu%mark, gpu%top, gpu%slot, gpu%counts, gpu%book, &
                gpu%part, gpu%cell_of, gpu%home, gpu%binned, gpu%ends, gpu%cell, gpu%above, &
                gpu%ledger, gpu%excess, gpu%gas, gpu%rows, gpu%owner, gpu%surface, gpu%weight, &
                gpu%force, gpu%impedance, gpu%start, gpu%left, gpu%donor, gpu%shell, gpu%donation, &
-               gpu%debt_cell(1), gpu%debt_cell(2), gpu%debt(1)]
+               gpu%debt_cell(1), gpu%debt_cell(2), gpu%debt(1), gpu%carrier, &
+               gpu%carrier_part, gpu%carrier_sums]
         do b = 1, size(all)
             call free_buffer(all(b))
         end do

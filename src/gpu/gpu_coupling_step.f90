@@ -9,6 +9,8 @@ module brz_gpu_coupling_step
     use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: gpu_air_t
+    use brz_gpu_coupling_carriers, only: load_gpu_carriers, move_gpu_carriers, &
+        see_gpu_carriers
     use brz_gpu_coupling_debts, only: level_gpu_ledgers, limit_gpu_ledgers, release_gpu_debts
     use brz_gpu_coupling_events, only: change_gpu_hands
     use brz_gpu_coupling_layout, only: book_threads, count_covered, count_moved, count_outside, &
@@ -16,6 +18,7 @@ module brz_gpu_coupling_step
     use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, particles_t
     use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles, move_gpu_walls
     use brz_kinds, only: dp, int64, rk
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: gpu_set_wall_velocity, gpu_spread_load, gpu_is_loaded, gpu_reclassify
@@ -23,17 +26,18 @@ module brz_gpu_coupling_step
 contains
 
     !> Velocities of the walls in the middle of the coming step, as set_wall_velocity has them.
-    subroutine gpu_set_wall_velocity(gpu, there, particles, air, coupling, dt, dt_solid, err)
+    subroutine gpu_set_wall_velocity(gpu, there, particles, air, solid, coupling, dt, err)
         type(gpu_coupling_t), intent(in) :: gpu
         type(gpu_air_t), intent(in) :: there
         type(particles_t), intent(in) :: particles
         type(air_t), intent(in) :: air
-        type(coupling_t), intent(inout) :: coupling !! dt_before is set
+        type(solid_t), intent(in) :: solid !! its bodies
+        type(coupling_t), intent(inout) :: coupling !! dt_before and the carriers are set
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
-        real(dp), intent(in) :: dt_solid !! last step of the solid [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
+        call see_gpu_carriers(gpu, particles, solid, coupling, err)
         call move_gpu_walls(gpu, there, particles, err)
         call weigh_columns(gpu, there, particles, err)
         call arguments%add(gpu%n_faces)
@@ -42,19 +46,20 @@ contains
         call arguments%add([gpu%gas, gpu%rows, gpu%owner, there%u, there%walls%v, gpu%force, &
                                  gpu%impedance])
         call launch(gpu%feel, [gpu%n_faces, 1, 1], arguments, err)
+        call move_gpu_carriers(gpu, particles, solid, coupling, dt, err)
         arguments%n = 0
         call arguments%add(particles%n)
         call arguments%add(gpu%n_cells)
+        call arguments%add(gpu%bodies)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
         call arguments%add(real(dt, rk))
         call arguments%add(real(coupling%dt_before, rk))
-        call arguments%add(real(dt_solid, rk))
         call arguments%add(particles%load)
         call arguments%add(particles%before)
-        call arguments%add([gpu%gas, gpu%owner, there%walls%face_of, gpu%above, gpu%ends, &
-                                 gpu%binned, particles%place, particles%motion, particles%state, &
-                                 particles%tag, gpu%surface, gpu%weight, gpu%force, &
-                                 gpu%impedance, there%walls%v])
+        call arguments%add([gpu%carrier, gpu%gas, gpu%owner, there%walls%face_of, gpu%above, &
+                                 gpu%ends, gpu%binned, particles%place, particles%motion, &
+                                 particles%state, particles%tag, gpu%surface, gpu%weight, &
+                                 gpu%force, gpu%impedance, there%walls%v])
         call launch(gpu%push, [gpu%n_cells, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(particles%n)
@@ -83,10 +88,12 @@ contains
 
     !> Loads on the particles from the impulses of the step, and the books of work and impulse, as
     !> spread_load has them.
-    subroutine gpu_spread_load(gpu, there, particles, dt, err)
+    subroutine gpu_spread_load(gpu, there, particles, solid, coupling, dt, err)
         type(gpu_coupling_t), intent(in) :: gpu
         type(gpu_air_t), intent(in) :: there
         type(particles_t), intent(in) :: particles
+        type(solid_t), intent(inout) :: solid !! its rigid bodies get their loads
+        type(coupling_t), intent(in) :: coupling
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
@@ -104,6 +111,7 @@ contains
         call arguments%add([gpu%home, gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
                                  particles%place, particles%state])
         call launch(gpu%load, [particles%n, 1, 1], arguments, err)
+        call load_gpu_carriers(gpu, particles, solid, coupling, err)
     end subroutine gpu_spread_load
 
     !> Which bodies feel more than rounding, as wake_loaded asks. After gpu_spread_load.
@@ -134,11 +142,12 @@ contains
     end subroutine gpu_is_loaded
 
     !> Bring walls, ledgers and gas up to date with the particles, as reclassify does.
-    subroutine gpu_reclassify(gpu, there, particles, air, coupling, err)
+    subroutine gpu_reclassify(gpu, there, particles, air, solid, coupling, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(gpu_air_t), intent(inout) :: there
         type(particles_t), intent(in) :: particles
         type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid !! its bodies
         type(coupling_t), intent(inout) :: coupling !! its counters are brought up to date
         type(error_t), intent(inout) :: err
         integer :: counts(n_count)
@@ -154,6 +163,7 @@ contains
         call level_gpu_ledgers(gpu, there, air, coupling, err)
         call limit_gpu_ledgers(gpu, there, err)
         call release_gpu_debts(gpu, there, err)
+        call see_gpu_carriers(gpu, particles, solid, coupling, err)
         call move_gpu_walls(gpu, there, particles, err)
         there%fetched = .false.
         coupling%n_debts = gpu%n_debts

@@ -134,7 +134,8 @@ contains
         call launch(gpu%bin_sort, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine fill_gpu_bins
 
-    !> Give each solid cell the mean velocity by mass of its particles.
+    !> Give each solid cell the mean velocity by mass of its particles, as move_walls does. The
+    !> carriers must be there.
     subroutine move_gpu_walls(gpu, there, particles, err)
         type(gpu_coupling_t), intent(in) :: gpu
         type(gpu_air_t), intent(in) :: there
@@ -144,8 +145,10 @@ contains
 
         call arguments%add(particles%n)
         call arguments%add(gpu%n_cells)
-        call arguments%add([gpu%ends, gpu%binned, particles%motion, particles%state, &
-                                 there%walls%v])
+        call arguments%add(gpu%bodies)
+        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
+        call arguments%add([gpu%carrier, gpu%ends, gpu%binned, particles%place, &
+                                 particles%motion, particles%state, particles%tag, there%walls%v])
         call launch(gpu%bin_velocity, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine move_gpu_walls
 end module brz_gpu_coupling_walls

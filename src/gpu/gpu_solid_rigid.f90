@@ -15,7 +15,7 @@ module brz_gpu_solid_rigid
     use brz_solid_state, only: body_t, solid_t
     implicit none
     private
-    public :: move_rigid, fill_rigid, balance_rigid, sum_load
+    public :: move_rigid, fill_rigid, balance_rigid
 
 contains
 
@@ -27,7 +27,7 @@ contains
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        real(dp) :: v(3), omega(3), q_mid(4), load(6)
+        real(dp) :: v(3), omega(3), q_mid(4)
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             if (body%motion%n > 0) then
@@ -35,8 +35,7 @@ contains
                 call book_drive(body, solid%time, dt, v)
                 body%rigid%p = body%rigid%mass*v
             end if
-            call sum_load(gpu, solid, b, load, err)
-            call advance_rigid(body, (solid%dt_last + dt)/2, dt, load, v, omega, q_mid)
+            call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
             call copy_in(pose_of(body, v, omega, q_mid), there%drive, 8_int64*n_pose, err)
             call arguments%add(gpu%n)
             call arguments%add(there%params)
@@ -46,32 +45,6 @@ contains
             call launch(gpu%rigid_place, threads_of(there), arguments, err)
         end associate
     end subroutine move_rigid
-
-    !> Force and torque of the air on rigid body b, or its force on the held particles of another.
-    subroutine sum_load(gpu, solid, b, load, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: b
-        real(dp), intent(out) :: load(6) !! [N, N m]
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        real(dp) :: pose(n_pose)
-
-        load = 0
-        if (gpu%load == 0) return
-        if (gpu%bodies(b)%rigid) then
-            pose = 0
-            pose(pose_x + 1:pose_x + 3) = solid%bodies(b)%rigid%x
-            call copy_in(pose, gpu%bodies(b)%drive, 8_int64*n_pose, err)
-        end if
-        call arguments%add(gpu%n)
-        call arguments%add(sum_threads)
-        call arguments%add(gpu%load)
-        call arguments%add([gpu%bodies(b)%params, gpu%bodies(b)%drive, gpu%place, gpu%state, &
-                            gpu%tag, gpu%part])
-        call launch(gpu%sum_load, [sum_threads, 1, 1], arguments, err)
-        call fold_sums(gpu, sum_threads, load, err)
-    end subroutine sum_load
 
     !> Where a body is and how it moves, for the kernels.
     pure function pose_of(body, v, omega, q_mid) result(pose)

@@ -70,7 +70,6 @@ module brz_gpu_solid_state
         type(kernel_t) :: extent, count_cells, fill_cells, sort_cells, search, widths
         type(kernel_t) :: most
         type(kernel_t) :: find_particles, rigid_place, rigid_row, rigid_push, rigid_accelerate
-        type(kernel_t) :: sum_load
         type(kernel_t) :: gather_places, gather_motion, gather_columns, gather_tags, copy
     end type gpu_solid_t
 
@@ -176,7 +175,6 @@ contains
         call find_kernel(device, 'solid_rigid_row', gpu%rigid_row, err)
         call find_kernel(device, 'solid_rigid_push', gpu%rigid_push, err)
         call find_kernel(device, 'solid_rigid_accelerate', gpu%rigid_accelerate, err)
-        call find_kernel(device, 'solid_sum_load', gpu%sum_load, err)
         call find_kernel(device, 'solid_fold', gpu%fold, err)
         call find_kernel(device, 'solid_totals_of', gpu%totals, err)
         call find_kernel(device, 'solid_extent', gpu%extent, err)

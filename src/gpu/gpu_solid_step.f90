@@ -7,7 +7,7 @@ module brz_gpu_solid_step
     use brz_gpu_solid_copy, only: faults_of
     use brz_gpu_solid_layout, only: book_force, flag_bad, flag_far, n_book, n_flag, n_total
     use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass
-    use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid, sum_load
+    use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, threads_of
     use brz_gpu_solid_sums, only: fetch_limit, sums_of_body
@@ -79,7 +79,7 @@ contains
         real(dp), intent(in) :: dt
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        real(dp) :: v(3)
+        real(dp) :: before, v(3)
         integer :: b
 
         do b = 1, size(gpu%bodies)
@@ -91,7 +91,10 @@ contains
             associate (body => solid%bodies(b), there => gpu%bodies(b))
                 if (body%motion%n > 0) then
                     v = mean_velocity(body%motion, solid%time, dt)
+                    before = body%ledger%load
                     call book_drive(body, solid%time, dt, v)
+                    ! the work on free particles is in `book`, and added to this
+                    gpu%ledger(b)%load = gpu%ledger(b)%load + (body%ledger%load - before)
                     call copy_in(v, there%drive, 24_int64, err)
                 end if
                 call begin(gpu, there, arguments)
@@ -275,14 +278,13 @@ contains
         real(dp), intent(in) :: dt
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        real(dp) :: impulse(3), load(6)
+        real(dp) :: impulse(3)
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             body%motion%force = body%rigid%force
             if (.not. there%rigid) then
                 call book_reaction(gpu, solid, b, impulse, err)
-                call sum_load(gpu, solid, b, load, err)
-                body%motion%force = impulse/dt - load(1:3)
+                body%motion%force = impulse/dt - body%rigid%load(1:3)
             end if
             body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
                 body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))

@@ -117,13 +117,13 @@ contains
         type(h5_t), intent(in) :: file
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        real(dp) :: state(28, size(solid%bodies))
+        real(dp) :: state(34, size(solid%bodies))
         integer :: b
 
         do b = 1, size(solid%bodies)
             associate (r => solid%bodies(b)%rigid)
                 state(:, b) = [r%x, r%q, r%p, r%l, r%force, r%torque, r%omega, r%spin, &
-                               solid%bodies(b)%motion%force]
+                               solid%bodies(b)%motion%force, r%load]
             end associate
         end do
         call carry(file, 'solid/rigid', state, err)
@@ -138,6 +138,7 @@ contains
                 r%omega = state(20:22, b)
                 r%spin = state(23:25, b)
                 solid%bodies(b)%motion%force = state(26:28, b)
+                r%load = state(29:34, b)
             end associate
         end do
     end subroutine carry_rigid

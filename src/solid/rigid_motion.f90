@@ -12,16 +12,15 @@ module brz_rigid_motion
 contains
 
     !> Momentum by contact and load, then position and attitude.
-    subroutine advance_rigid(body, mean, dt, load, v, omega, q_mid)
+    subroutine advance_rigid(body, mean, dt, v, omega, q_mid)
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: mean !! of the last and this time step [s]
         real(dp), intent(in) :: dt !! [s]
-        real(dp), intent(in) :: load(6) !! force and torque of the air [N, N m]
         real(dp), intent(out) :: v(3), omega(3) !! velocity and spin in the middle of the step
         real(dp), intent(out) :: q_mid(4) !! attitude there
-        real(dp) :: before(3)
+        real(dp) :: before(3), work
 
-        associate (b => body%rigid, force => load(1:3), torque => load(4:6))
+        associate (b => body%rigid, force => body%rigid%load(1:3), torque => body%rigid%load(4:6))
             before = b%p/b%mass
             if (body%motion%n == 0) then
                 b%p = (b%p + mean*b%force + dt*force)*b%moves
@@ -29,8 +28,9 @@ contains
             end if
             call turn(b, dt, omega, q_mid)
             v = b%p/b%mass
-            body%ledger%load = body%ledger%load &
-                + dt/2*(dot_product(force, v + before) + dot_product(torque, omega + b%spin))
+            work = dt/2*(dot_product(force, v + before) + dot_product(torque, omega + b%spin))
+            body%ledger%load = body%ledger%load + work
+            if (body%motion%n > 0) body%ledger%drive = body%ledger%drive - work
             body%reaction = body%reaction + dt*force*(1 - b%moves)
             b%spin = omega
             b%x = b%x + dt*v

@@ -32,7 +32,7 @@ contains
 
         if (backend%coupling_on_gpu) then
             call gpu_set_wall_velocity(backend%coupling, backend%air, particles_of(backend), air, &
-                                       coupling, dt, solid%dt_last, err)
+                                       solid, coupling, dt, err)
             call wait_for_device(err)
         else
             call set_wall_velocity(air, solid, coupling, dt)
@@ -49,7 +49,8 @@ contains
         type(error_t), intent(inout) :: err
 
         if (backend%coupling_on_gpu) then
-            call gpu_spread_load(backend%coupling, backend%air, particles_of(backend), dt, err)
+            call gpu_spread_load(backend%coupling, backend%air, particles_of(backend), solid, &
+                                 coupling, dt, err)
             call wait_for_device(err)
             backend%solid%fetched = .false.
             if (any(solid%bodies%asleep)) call wake_on_gpu(backend, solid, dt, err)
@@ -84,7 +85,7 @@ contains
 
         if (failed(err)) return
         if (backend%coupling_on_gpu) then
-            call gpu_reclassify(backend%coupling, backend%air, particles_of(backend), air, &
+            call gpu_reclassify(backend%coupling, backend%air, particles_of(backend), air, solid, &
                                 coupling, err)
             call wait_for_device(err)
         else

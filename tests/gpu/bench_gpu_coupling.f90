@@ -10,6 +10,7 @@ program bench_gpu_coupling
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_air_setup, only: make_grid
     use brz_air_state, only: air_t, set_scale
+    use brz_carrier_motion, only: read_carriers
     use brz_cell_shells, only: make_shells
     use brz_coupling_state, only: coupling_t
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, device_t, start_timer, stop_timer
@@ -22,6 +23,7 @@ program bench_gpu_coupling
     use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles
     use brz_gpu_solid_layout, only: at_mass, n_tag
     use brz_kinds, only: dp, int64, rk
+    use brz_solid_state, only: solid_t
     use gpu_tools, only: get_device
     implicit none
 
@@ -30,6 +32,7 @@ program bench_gpu_coupling
     type(error_t) :: err
     type(air_t) :: air
     type(coupling_t) :: coupling
+    type(solid_t) :: solid
     type(gpu_air_t) :: there
     type(gpu_coupling_t) :: gpu
     type(particles_t) :: particles
@@ -76,6 +79,8 @@ contains
         coupling%reference_pressure = 1e5_rk
         call make_shells(air%n, coupling%shells)
         particles%n = along*along*layers*side**3
+        solid%n = particles%n
+        call read_carriers(solid, coupling%carrier)
         allocate (place(4, particles%n))
         p = 0
         do k = 1, layers*side
@@ -129,13 +134,14 @@ contains
             call copy_in(place, particles%place, 32_int64*particles%n, err)
             call clear_buffer(there%walls%impulse, err)
             call start_timer(device, err)
-            call gpu_set_wall_velocity(gpu, there, particles, air, coupling, 1e-6_dp, 1e-6_dp, err)
+            call gpu_set_wall_velocity(gpu, there, particles, air, solid, coupling, &
+                1e-6_dp, err)
             ms(1) = ms(1) + 1e3_dp*stop_timer(device, err)/steps
             call start_timer(device, err)
-            call gpu_spread_load(gpu, there, particles, 1e-6_dp, err)
+            call gpu_spread_load(gpu, there, particles, solid, coupling, 1e-6_dp, err)
             ms(2) = ms(2) + 1e3_dp*stop_timer(device, err)/steps
             call start_timer(device, err)
-            call gpu_reclassify(gpu, there, particles, air, coupling, err)
+            call gpu_reclassify(gpu, there, particles, air, solid, coupling, err)
             ms(3) = ms(3) + 1e3_dp*stop_timer(device, err)/steps
             call start_timer(device, err)
             speed = gpu_fastest_wall(gpu, there, err)

@@ -14,7 +14,7 @@ module gpu_coupled_scene
     use brz_gpu_coupling_state, only: close_gpu_coupling, gpu_coupling_t, particles_t
     use brz_gpu_solid_layout, only: at_mass, n_tag, tag_fixed, tag_id
     use brz_kinds, only: dp, int32, int64, int8, rk
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: form_rigid, solid_t
     use gpu_tools, only: get_device
     implicit none
     private
@@ -38,14 +38,16 @@ module gpu_coupled_scene
 contains
 
     !> Random gas and particles on both machines.
-    subroutine start(n, count, periodic, s, products)
+    subroutine start(n, count, periodic, s, products, bodies)
         integer, intent(in) :: n(3), count !! cells, particles
         logical, intent(in) :: periodic
         type(both_t), intent(out) :: s
         logical, intent(in), optional :: products !! a second gas
+        logical, intent(in), optional :: bodies !! rigid and driven ones
 
         call make_air(n, periodic, present(products), s%air)
         call make_particles(s%air, count, s%solid)
+        if (present(bodies)) call make_bodies(s%solid)
         s%other = s%air
         call couple(s%air, s%solid, 1.5_rk, 1e5_rk, s%coupling)
         call get_device(s%device, s%err)
@@ -153,6 +155,42 @@ contains
             if (p > n/4 .and. p < n/3) solid%fixed(p) = 1
         end do
     end subroutine make_particles
+
+    !> Four bodies: rigid, with driven particles, rigid and driven, free.
+    subroutine make_bodies(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b, i
+
+        allocate (solid%bodies(4), solid%block(3, 8))
+        do b = 1, 4
+            associate (body => solid%bodies(b), r => solid%bodies(b)%rigid)
+                body%first = (b - 1)*(solid%n/4) + 1
+                body%last = b*(solid%n/4)
+                if (b == 4) body%last = solid%n
+                do i = 1, 2
+                    solid%block(:, 2*b - 2 + i) = [b, body%first + (i - 1)*100, &
+                                                   merge(body%first + 99, body%last, i == 1)]
+                end do
+                if (b == 1 .or. b == 3) body%formulation = form_rigid
+                if (b > 1 .and. b < 4) then
+                    body%motion%n = 2
+                    body%motion%time = [0.0_dp, 1.0_dp]
+                    body%motion%v = reshape([0, 0, 0, 300, 200, -100]*1.0_dp, [3, 2])
+                end if
+                r%mass = 2e-4_dp
+                r%x = solid%x(:, body%first)
+                r%q = [0.8_dp, 0.0_dp, 0.6_dp, 0.0_dp]
+                r%p = r%mass*[10, -20, 5]
+                r%compliance = reshape([3, 1, 0, 1, 4, 0, 0, 0, 2], [3, 3])*1e7_dp
+                r%l = [2, -1, 3]*1e-6_dp
+                r%force = [0.3_dp, 0.1_dp, -0.2_dp]
+                r%torque = [0.02_dp, 0.01_dp, -0.03_dp]
+                r%load = [1.0_dp, 2.0_dp, -1.0_dp, 0.1_dp, -0.2_dp, 0.3_dp]
+                r%omega = [20, -10, 30]
+            end associate
+        end do
+        solid%time = 0.1_dp
+    end subroutine make_bodies
 
     !> Copy the particles to the GPU.
     subroutine put_particles(s)

@@ -1,0 +1,133 @@
+! SPDX-License-Identifier: MIT
+!> How bodies that carry particles move: at the step, and in the middle of the coming step of the
+!> air.
+module brz_carrier_motion
+    use brz_algebra, only: inverse3
+    use brz_carrier_rules, only: carrier_t, carries_all, carries_held, carries_none, n_push, &
+                                 push_force, push_torque, push_turn, push_yield
+    use brz_kinds, only: dp, rk
+    use brz_load_rules, only: lightness, pushed_velocity
+    use brz_motion, only: mean_velocity, velocity_of
+    use brz_rigid, only: attitude, rigid_t, spin_of, turn
+    use brz_solid_state, only: form_rigid, solid_t
+    implicit none
+    private
+    public :: read_carriers, foresee_carriers
+
+contains
+
+    !> Motion of the bodies at the step: with the load up to it, and with what else acts on them
+    !> half a step of theirs before, for that is the velocity that the load works on.
+    subroutine read_carriers(solid, carrier)
+        type(solid_t), intent(in) :: solid
+        type(carrier_t), allocatable, intent(inout) :: carrier(:) !! one for each body
+        integer :: b
+
+        if (.not. allocated(carrier)) call number_carriers(solid, carrier)
+        do b = 1, size(carrier)
+            if (carrier(b)%carries == carries_none) cycle
+            if (carrier(b)%carries == carries_all) then
+                associate (r => solid%bodies(b)%rigid)
+                    carrier(b)%centre = r%x
+                    carrier(b)%v = r%p/r%mass
+                    carrier(b)%spin = spin_of(r%compliance, r%q, r%l)
+                end associate
+            end if
+            if (solid%bodies(b)%motion%n > 0) &
+                carrier(b)%v = velocity_of(solid%bodies(b)%motion, solid%time)
+        end do
+    end subroutine read_carriers
+
+    !> Which bodies carry particles, and which.
+    subroutine number_carriers(solid, carrier)
+        type(solid_t), intent(in) :: solid
+        type(carrier_t), allocatable, intent(out) :: carrier(:)
+        integer :: b
+
+        if (.not. allocated(solid%bodies)) then
+            allocate (carrier(1))
+            carrier(1)%last = solid%n
+            return
+        end if
+        allocate (carrier(size(solid%bodies)))
+        do b = 1, size(carrier)
+            associate (body => solid%bodies(b))
+                carrier(b)%first = body%first
+                carrier(b)%last = body%last
+                if (body%motion%n > 0) carrier(b)%carries = carries_held
+                if (body%formulation == form_rigid) carrier(b)%carries = carries_all
+            end associate
+        end do
+    end subroutine number_carriers
+
+    !> Motion of the bodies in the middle of the coming step of the air, from that at its start.
+    pure subroutine foresee_carriers(solid, push, dt, carrier)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: push(:, :) !! (n_push, bodies) of the gas, see add_push
+        real(dp), intent(in) :: dt !! [s]
+        type(carrier_t), intent(inout) :: carrier(:)
+        type(rigid_t) :: there
+        real(dp) :: q_mid(4)
+        integer :: b
+
+        do b = 1, size(carrier)
+            if (carrier(b)%carries == carries_held) then
+                carrier(b)%v = mean_velocity(solid%bodies(b)%motion, solid%time, dt)
+            else if (carrier(b)%carries == carries_all) then
+                associate (body => solid%bodies(b))
+                    there = body%rigid
+                    if (body%motion%n > 0) then
+                        carrier(b)%v = mean_velocity(body%motion, solid%time, dt)
+                    else
+                        call push_body(push(:, b), dt, there, carrier(b)%v)
+                    end if
+                    call turn(there, dt, carrier(b)%spin, q_mid)
+                end associate
+            end if
+        end do
+    end subroutine foresee_carriers
+
+    !> Velocity and angular momentum of a free rigid body in the middle of the step.
+    !>
+    !> As for a wall (pushed_velocity), but with mass, inertia and load of the whole body.
+    pure subroutine push_body(push, dt, body, v)
+        real(dp), intent(in) :: push(n_push) !! of the gas
+        real(dp), intent(in) :: dt !! [s]
+        type(rigid_t), intent(inout) :: body !! its angular momentum is brought there
+        real(dp), intent(inout) :: v(3) !! at the step; on return half of dt later [m/s]
+        integer :: d
+
+        do d = 1, 3
+            if (.not. body%moves(d) > 0) cycle
+            v(d) = pushed_velocity(real(v(d), rk), real(body%load(d) + body%force(d), rk), &
+                                   real(push(push_force + d) - body%load(d), rk), &
+                                   real(push(push_yield + d), rk), real(body%mass, rk), &
+                                   real(dt, rk))
+        end do
+        body%l = body%l + twist(body, push, dt)*body%turns
+    end subroutine push_body
+
+    !> Gain of angular momentum over half of dt: pushed_velocity for all axes at once [N m s].
+    pure function twist(b, push, dt) result(gain)
+        type(rigid_t), intent(in) :: b
+        real(dp), intent(in) :: push(n_push) !! of the gas
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: gain(3), r(3, 3), yield(3, 3), light, torque(3)
+        real(rk) :: rest(3, 3)
+        integer :: i
+        logical :: ok
+
+        r = attitude(b%q)
+        yield = dt/2*matmul(reshape(push(push_turn + 1:push_turn + 9), [3, 3]), &
+                            matmul(r, matmul(b%compliance, transpose(r))))
+        ! the trace is at least the largest yield of any axis
+        light = lightness(real(yield(1, 1) + yield(2, 2) + yield(3, 3), rk))
+        yield = light*yield
+        do i = 1, 3
+            yield(i, i) = 1 + yield(i, i)
+        end do
+        call inverse3(real(yield, rk), rest, ok)
+        torque = b%load(4:6) + light*(push(push_torque + 1:push_torque + 3) - b%load(4:6))
+        gain = dt/2*matmul(rest, torque + b%torque)
+    end function twist
+end module brz_carrier_motion
