@@ -14,9 +14,9 @@ module brz_ledger
     implicit none
     private
     public :: ledger_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
-    public :: body_names, body_row
+    public :: body_names, body_row, judge
 
-    integer, parameter :: n_energy = 36, n_body = 14
+    integer, parameter :: n_energy = 50, n_body = 14
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
@@ -31,7 +31,13 @@ module brz_ledger
                                 'products[kg]', 'products_out[kg]', &
                                 'contact[J]', 'contact_heat[J]', 'friction[J]', 'drive_work[J]', &
                                 'outside[kg]', 'removed[kg]', 'removed[J]', &
-                                'held_cells[-]']
+                                'held_cells[-]', &
+                                'air_ledger[kg]', 'air_ledger_x[N s]', 'air_ledger_y[N s]', &
+                                'air_ledger_z[N s]', 'air_momentum_x[N s]', &
+                                'air_momentum_y[N s]', 'air_momentum_z[N s]', &
+                                'air_outflow_x[N s]', 'air_outflow_y[N s]', &
+                                'air_outflow_z[N s]', 'momentum_scale[N s]', &
+                                'reference_work[J]', 'energy_scale[J]', 'coupling_error[-]']
 
     !> Columns of bodies.csv, for every body.
     character(20), parameter :: body_columns(n_body) = [character(20) :: &
@@ -57,12 +63,15 @@ module brz_ledger
         real(dp) :: removed(2) = 0 !! mass and energy of what has been taken out [kg, J]
         real(dp) :: drive = 0 !! work of prescribed motion so far [J]
         real(dp) :: impulse(3) = 0 !! momentum that the air gave to walls so far [N s]
-        real(dp) :: total = 0 !! energy of everything, what is lost in coupling included [J]
+        real(dp) :: reference_work = 0 !! part of air_work that the reference pressure did [J]
+        real(dp) :: total = 0 !! energy of everything [J]
         real(dp) :: products = 0 !! mass of products of explosives in gas, ledgers and debts [kg]
         real(dp) :: products_out = 0 !! what of it left through the outer faces so far [kg]
         real(dp) :: fallback_faces = 0 !! faces that fell back to first order so far
         real(dp) :: held_cells = 0 !! cells of gas that were held so far
+        real(dp) :: energy_scale = 0, momentum_scale = 0 !! that errors are measured against
         real(dp) :: energy_error = 0, mass_error = 0, momentum_error = 0 !! relative
+        real(dp) :: coupling_error = 0 !! what coupling loses over the work on the bodies
     end type ledger_t
 
     !> What the errors are measured against.
@@ -71,11 +80,15 @@ module brz_ledger
         real(dp) :: total = 0 !! energy at t = 0 [J]
         real(dp) :: mass = 0 !! of the air at t = 0 [kg]
         real(dp) :: momentum(3) = 0 !! of the air at t = 0 [N s]
+        real(dp) :: energy = 0 !! the largest of the terms of the energy so far [J]
+        real(dp) :: work = 0 !! the largest work of the load so far [J]
+        real(dp) :: supply = 0 !! the largest term at t = 0, or work of a drive or load since [J]
     end type ledger_start_t
 
 contains
 
-    !> Take stock of the scene. The first call sets what errors are measured against.
+    !> Take stock of the scene. The first call sets what errors are measured against, and each one
+    !> brings the largest terms up to date.
     subroutine take_stock(time, backend, air, solid, coupling, start, ledger, err)
         real(dp), intent(in) :: time !! [s]
         type(backend_t), intent(inout) :: backend
@@ -115,14 +128,17 @@ contains
             ledger%load_work = sum(solid%bodies%ledger%load)
         end if
         ledger%air_work = coupling%work
+        ledger%reference_work = coupling%work_reference
         ledger%impulse = coupling%impulse + coupling%impulse_reference
         all = ledger%gas + ledger%kept + ledger%outflow
         all(2:4) = all(2:4) + ledger%impulse
         ledger%total = all(5) + ledger%solid_kinetic + ledger%solid_internal + ledger%hourglass &
-                       + ledger%artificial + ledger%contact(1) + ledger%air_work &
-                       - ledger%load_work - ledger%drive
-        if (.not. start%known) start = ledger_start_t(.true., ledger%total, all(1), all(2:4))
-        call judge(start, all, momentum_scale(air, ledger), ledger)
+                       + ledger%artificial + ledger%contact(1) + ledger%reference_work &
+                       - ledger%drive
+        ledger%momentum_scale = momentum_scale(air, ledger)
+        if (.not. start%known) start = ledger_start_t(.true., ledger%total, all(1), all(2:4), &
+                                                      supply=largest_term(ledger))
+        call judge(all, rounding_energy(solid, sums%mass), start, ledger)
     end subroutine take_stock
 
     !> A momentum to measure errors against: that of sound through the whole mass of the air.
@@ -134,19 +150,58 @@ contains
                          *sqrt(real(air%scheme%gamma*air%p_rest/air%rho_rest, dp))
     end function momentum_scale
 
-    !> Relative errors.
-    pure subroutine judge(start, all, momentum, ledger)
-        type(ledger_start_t), intent(in) :: start
-        real(dp), intent(in) :: all(5) !! mass, momentum, energy of the air and what it gave away
-        real(dp), intent(in) :: momentum !! scale [N s]
-        type(ledger_t), intent(inout) :: ledger
-        real(dp) :: energy
+    !> The largest of the places and exchanges of energy [J].
+    pure real(dp) function largest_term(ledger)
+        type(ledger_t), intent(in) :: ledger
 
-        energy = max(abs(start%total), abs(ledger%load_work), abs(ledger%drive), tiny(1.0_dp))
-        ledger%energy_error = (ledger%total - start%total)/energy
+        largest_term = maxval(abs([ledger%gas_kinetic, ledger%gas(5) - ledger%gas_kinetic, &
+            ledger%kept(5), ledger%outflow(5), ledger%solid_kinetic, ledger%solid_internal, &
+            ledger%hourglass, ledger%artificial, ledger%contact(1), ledger%air_work, &
+            ledger%load_work, ledger%drive]))
+    end function largest_term
+
+    !> Energy of bodies at rest by rounding: their velocities are some roundings of sound [J].
+    pure real(dp) function rounding_energy(solid, mass)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: mass !! of all bodies [kg]
+
+        rounding_energy = 0
+        if (solid%present) rounding_energy = &
+            mass*(100*epsilon(1.0_rk)*maxval(real(solid%materials%c_wave, dp)))**2
+    end function rounding_energy
+
+    !> Relative errors, and the largest terms up to now.
+    !>
+    !> That of the energy counts as 0 where there is only rounding, and where a drive or a load has
+    !> just begun: ten times as much as at the last call has been put in. What grows without that
+    !> is an error.
+    pure subroutine judge(all, rounding, start, ledger)
+        real(dp), intent(in) :: all(5) !! mass, momentum, energy of the air and what it gave away
+        real(dp), intent(in) :: rounding !! energy of it [J]
+        type(ledger_start_t), intent(inout) :: start
+        type(ledger_t), intent(inout) :: ledger
+        real(dp), parameter :: growth = 10
+        real(dp) :: supply
+
+        start%energy = max(start%energy, largest_term(ledger))
+        start%work = max(start%work, abs(ledger%load_work))
+        supply = max(start%supply, start%work, abs(ledger%drive))
+        ledger%energy_scale = start%energy
+        if (start%energy > rounding .and. supply <= growth*start%supply) &
+            ledger%energy_error = (ledger%total - start%total)/start%energy
+        start%supply = supply
+        if (start%work > 0) ledger%coupling_error = lost_in_coupling(ledger)/start%work
         if (start%mass > 0) ledger%mass_error = (all(1) - start%mass)/start%mass
-        if (momentum > 0) ledger%momentum_error = maxval(abs(all(2:4) - start%momentum))/momentum
+        if (ledger%momentum_scale > 0) ledger%momentum_error = &
+            maxval(abs(all(2:4) - start%momentum))/ledger%momentum_scale
     end subroutine judge
+
+    !> Energy that the air lost to walls and the bodies did not gain [J].
+    pure real(dp) function lost_in_coupling(ledger)
+        type(ledger_t), intent(in) :: ledger
+
+        lost_in_coupling = ledger%air_work - ledger%reference_work - ledger%load_work
+    end function lost_in_coupling
 
     !> True while no mass and no momentum of the air is missing, but for rounding.
     !>
@@ -169,13 +224,16 @@ contains
         row(5:13) = [ledger%kept(5), ledger%solid_kinetic, ledger%solid_internal, &
                      ledger%hourglass, ledger%artificial, ledger%viscous, ledger%hourglass_heat, &
                      ledger%plastic, ledger%damage]
-        row(14:18) = [ledger%air_work, ledger%load_work, ledger%air_work - ledger%load_work, &
+        row(14:18) = [ledger%air_work, ledger%load_work, lost_in_coupling(ledger), &
                       ledger%total, ledger%energy_error]
         row(19:28) = [ledger%gas(1) + ledger%kept(1), ledger%outflow(1), ledger%impulse, &
                       ledger%mass_error, ledger%momentum_error, ledger%fallback_faces, &
                       ledger%products, ledger%products_out]
         row(29:36) = [ledger%contact, ledger%drive, ledger%outside, ledger%removed, &
                       ledger%held_cells]
+        row(37:50) = [ledger%kept(1:4), ledger%gas(2:4), ledger%outflow(2:4), &
+                      ledger%momentum_scale, ledger%reference_work, ledger%energy_scale, &
+                      ledger%coupling_error]
     end function ledger_row
 
     !> Columns of bodies.csv.

@@ -126,14 +126,15 @@ contains
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
         character(:), allocatable :: path, note
-        real(dp) :: sums(5)
+        real(dp) :: sums(8)
 
         call find_checkpoint(from, outputs%folder, path, note, err)
         if (failed(err)) return
         if (note /= '') write (error_unit, '(a)') note
         call read_checkpoint(path, sim%case, sim%clock, sim%air, sim%coupling, sim%solid, sums, err)
         if (failed(err)) return
-        sim%start = ledger_start_t(.true., sums(1), sums(2), sums(3:5))
+        sim%start = ledger_start_t(.true., sums(1), sums(2), sums(3:5), sums(6), sums(7), &
+                                   sums(8))
         call resume_clock(sim%clock)
         call resume_solid(sim%solid)
         if (sim%coupling%present) call restart_coupling(sim%air, sim%solid, sim%coupling)
@@ -334,7 +335,7 @@ contains
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
         logical, intent(in), optional :: beside !! the run; else it is on the disk on return
-        real(dp) :: sums(5)
+        real(dp) :: sums(8)
         logical :: apart
 
         call hear_writer(sim, outputs, .true., err)
@@ -345,7 +346,8 @@ contains
         sim%clock%marks = [outputs%energy%mark, outputs%bodies%mark, outputs%gauge_history%mark]
         call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         if (failed(err)) return
-        sums = [sim%start%total, sim%start%mass, sim%start%momentum]
+        sums = [sim%start%total, sim%start%mass, sim%start%momentum, sim%start%energy, &
+                sim%start%work, sim%start%supply]
         outputs%dump_open = .false.
         call begin_writing(outputs%writer, apart, &
                            'the checkpoint of t = '//to_text(sim%clock%time)//' s')

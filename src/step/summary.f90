@@ -4,7 +4,7 @@ module brz_summary
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp
-    use brz_ledger, only: ledger_t, take_stock
+    use brz_ledger, only: ledger_start_t, ledger_t, take_stock
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
     use brz_simulation, only: simulation_t
@@ -21,14 +21,18 @@ contains
         type(outputs_t), intent(in) :: outputs
         type(error_t), intent(inout) :: err
         type(ledger_t) :: ledger
+        type(ledger_start_t) :: start
         character(:), allocatable :: text
 
-        call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, sim%start, &
+        start = sim%start
+        call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, start, &
                         ledger, err)
         write (output_unit, '(/, a, es12.5, a, i0, a)') 'end at t =', sim%clock%time, ' s after ', &
             sim%clock%cycle, ' steps'
         write (output_unit, '(a, es10.2)') 'energy error   ', ledger%energy_error
         if (sim%air%present) then
+            if (sim%coupling%present) write (output_unit, '(a, es10.2, a)') 'coupling error ', &
+                ledger%coupling_error, ' of the work on the bodies'
             write (output_unit, '(a, es10.2)') 'mass error     ', ledger%mass_error
             write (output_unit, '(a, es10.2)') 'momentum error ', ledger%momentum_error
             write (output_unit, '(a, i0)') 'fallback faces  ', sim%air%fallback_faces

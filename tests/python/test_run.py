@@ -96,6 +96,71 @@ def test_run_leaves_its_results(scene):
     assert top[moved][-1] > 1e-7, "the shock does not move the slab"
 
 
+def test_errors_follow_from_the_columns(scene):
+    """Each error of energy.csv is what its other columns say."""
+    energy = history(scene / "out" / "slab" / "energy.csv")
+    mass = energy["air_mass[kg]"] + energy["air_outflow[kg]"]
+    assert np.allclose(energy["mass_error[-]"], mass / mass[0] - 1, rtol=0, atol=1e-15)
+    lost = np.zeros(len(energy))
+    for axis in "xyz":
+        parts = ("air_momentum", "air_ledger", "air_outflow", "impulse")
+        momentum = sum(energy[f"{part}_{axis}[N s]"] for part in parts)
+        lost = np.maximum(lost, np.abs(momentum - momentum[0]))
+        assert np.abs(energy[f"air_momentum_{axis}[N s]"]).max() > 0 or axis == "z"
+    scale = energy["momentum_scale[N s]"]
+    assert np.allclose(energy["momentum_error[-]"], lost / scale, rtol=1e-6, atol=1e-20)
+    gas = energy["air_mass[kg]"] - energy["air_ledger[kg]"] + energy["air_outflow[kg]"]
+    assert np.allclose(scale, gas * np.sqrt(1.4 * 101325 / 1.225), rtol=1e-12)
+
+    held = ["air_kinetic", "air_internal", "air_ledger", "air_outflow", "solid_kinetic"]
+    held += ["solid_internal", "hourglass", "artificial", "contact"]
+    total = sum(energy[f"{name}[J]"] for name in held)
+    total += energy["reference_work[J]"] - energy["drive_work[J]"]
+    assert np.allclose(energy["total[J]"], total, rtol=1e-14)
+    terms = [np.abs(energy[f"{name}[J]"]) for name in held]
+    terms += [np.abs(energy[f"{name}[J]"]) for name in ("air_work", "load_work", "drive_work")]
+    largest = np.maximum.accumulate(np.max(terms, axis=0))
+    assert np.allclose(energy["energy_scale[J]"], largest, rtol=1e-14)
+    error = (energy["total[J]"] - energy["total[J]"][0]) / largest
+    assert np.allclose(energy["error[-]"], error, rtol=0, atol=1e-16)
+    lost = energy["air_work[J]"] - energy["reference_work[J]"] - energy["load_work[J]"]
+    assert np.allclose(energy["coupling[J]"], lost, rtol=0, atol=1e-12 * largest[-1])
+    work = np.maximum.accumulate(np.abs(energy["load_work[J]"]))
+    there = work > 0
+    assert np.allclose(energy["coupling_error[-]"][there], (lost / np.maximum(work, 1e-300))[there])
+    assert work[-1] > 0
+
+
+HELD_BAR = """\
+&run t_end=2e-5, dimension=1, energy_band=0.1 /
+&material id='m', model='linear_elastic', density=2000, youngs_modulus=2e10, poisson_ratio=0 /
+&body id='bar', box=0,0.1, 0,1, 0,1, spacing=1e-3, material='m', fix='x-'{motion} /
+&output history_every=0 /
+"""
+
+
+def test_a_scene_at_rest_has_no_energy_error(tmp_path):
+    """Rounding is all the energy that there is."""
+    (tmp_path / "rest.nml").write_text(HELD_BAR.format(motion=""))
+    run("run", "rest.nml", cwd=tmp_path)
+    energy = history(tmp_path / "out" / "rest" / "energy.csv")
+    assert len(energy) > 20
+    assert energy["energy_scale[J]"][-1] > 0
+    assert np.all(energy["error[-]"] == 0)
+
+
+def test_a_scene_that_starts_from_rest_is_not_judged_too_early(tmp_path):
+    """The first steps book the drive and the motion by halves: only what came before is judged."""
+    motion = ", motion_time=0,1e-5, motion_velocity=0,0,0, 5,0,0"
+    (tmp_path / "bar.nml").write_text(HELD_BAR.format(motion=motion))
+    run("run", "bar.nml", cwd=tmp_path)
+    energy = history(tmp_path / "out" / "bar" / "energy.csv")
+    error = np.abs(energy["error[-]"])
+    assert error[1] == 0
+    assert 0 < error.max() < 0.05
+    assert error[-1] < 1e-3
+
+
 def test_restart_continues_bit_for_bit(scene, tmp_path):
     """N steps = k steps + restart + N-k steps, histories and dumps included."""
     whole = scene / "out" / "slab"
@@ -373,6 +438,7 @@ def test_substeps_of_the_solid_change_little(tmp_path):
         momentum = bar["bar:mass[kg]"][-1] * bar["bar:velocity_x[m/s]"][-1]
         assert momentum == pytest.approx(energy["impulse_x[N s]"][-1], rel=1e-12)
         assert np.abs(energy["error[-]"]).max() < 1e-5
+        assert np.abs(energy["coupling_error[-]"][-1]) < 1e-3
     assert len(history(tmp_path / "k8" / "bodies.csv")) < 800
     apart = np.abs(speed[8] - speed[1]).max() / speed[1].max()
     note("elastic_bar_of_8_steps", apart)
