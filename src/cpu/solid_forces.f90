@@ -15,6 +15,7 @@ module brz_solid_forces
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, held_energy, held_stiffness, is_gone, lanes, n_held, &
                                n_pair, pair_tilt, solid_t, worth_threads
+    use brz_tension_hold, only: kept_work
     implicit none
     private
     public :: force_pass, update_sizes
@@ -289,9 +290,8 @@ contains
 
     !> Use the sums of particle i: acceleration, heat, ledger of its block.
     !>
-    !> The hold is no potential, as its stiffness follows the tension: work against it that it does
-    !> not hold becomes heat (less than none while the tension rises). That work is counted pair by
-    !> pair, so that a body which flies has the heat of one at rest.
+    !> The work against the hold is counted pair by pair, so that a body which flies has the heat of
+    !> one at rest.
     !> The heat of the pairs is that of the velocity before the kick. A force works with the mean of
     !> the velocities before and after it, so the drag takes dt/2 of its power on the acceleration
     !> back: then the energy of the drag is closed to rounding.
@@ -301,7 +301,8 @@ contains
         real(rk), intent(in) :: dt
         integer, intent(in) :: i, k
         real(rk), intent(in) :: f(n_terms)
-        real(rk) :: force(3), load(3), kick(3), heat, friction, held, before, after
+        real(rk) :: force(3), load(3), kick(3), heat, friction, held, before, after, &
+            kept
 
         load = air_force(solid, i)
         force = f(1:3) + f(at_drag + 1:at_drag + 3) + f(at_hold + 1:at_hold + 3)
@@ -314,11 +315,11 @@ contains
         after = -dt/2*dot_product(f(at_hold + 1:at_hold + 3), solid%v(:, i) + kick)
         associate (sums => solid%search%sums(:, k))
             if (body%tension_hold > 0) then
-                associate (energy => solid%held(held_energy, i), owed => solid%owed(i), &
-                           work => dt/2*f(at_work))
-                    friction = friction + (owed + work - energy)
-                    owed = energy + work + (after - before)
-                    sums(8) = sums(8) + energy
+                associate (owed => solid%owed(i), work => dt/2*f(at_work))
+                    kept = kept_work(owed + work, solid%held(held_energy, i))
+                    friction = friction + (owed + work - kept)
+                    owed = kept + work + (after - before)
+                    sums(8) = sums(8) + kept
                 end associate
             else
                 sums(2) = sums(2) + before

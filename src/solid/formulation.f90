@@ -2,7 +2,6 @@
 !> How a body is computed: the settings of the deck, completed by what follows from them.
 module brz_formulation
     use brz_artificial_stress, only: artificial_gray, artificial_monaghan, artificial_none
-    use brz_bar_layers, only: layers_across
     use brz_case, only: body_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
     use brz_gradient, only: limiter_balsara, limiter_compression, limiter_none
@@ -99,9 +98,6 @@ contains
             return
         end if
         if (class /= class_fluid) body%tension_hold = usual_hold
-        ! one row of particles does not tell how it is turned: there is nothing to hold it to
-        if (input%shape == 'bars' .and. layers_across(input, input%spacing) == 1) &
-            body%tension_hold = 0
         if (input%tension_hold >= 0) body%tension_hold = real(input%tension_hold, rk)
     end subroutine settle_hold
 

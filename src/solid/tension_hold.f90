@@ -12,7 +12,7 @@ module brz_tension_hold
     use brz_kinds, only: rk
     implicit none
     private
-    public :: largest_tension, may_be_drawn, deviation, hold_stiffness
+    public :: largest_tension, may_be_drawn, deviation, hold_stiffness, kept_work
 
     real(rk), parameter :: open = 0.05_rk !! expansion to which all is held; gone at twice that
     real(rk), parameter :: strange = 0.5_rk !! deviation, likewise
@@ -98,6 +98,18 @@ contains
         k = kappa*largest_tension(stress)*faded(-mu/open)*faded(sqrt(share)/strange)
         if (.not. k <= huge(k)) k = 0
     end function hold_stiffness
+
+    !> What the hold keeps of the work against it; the rest is heat. Its stiffness follows the
+    !> tension, so that it can do more work than it took: then it keeps less than nothing, as heat
+    !> below none would cool the particle, raise its tension, and with that the stiffness.
+    !@cuf attributes(host,device) &
+    pure function kept_work(work, energy) result(kept)
+        real(rk), intent(in) :: work !! against the hold, less what became heat [J]
+        real(rk), intent(in) :: energy !! U = V K q/2, which it can hold [J]
+        real(rk) :: kept !! [J]
+
+        kept = min(work, energy)
+    end function kept_work
 
     !> 1 up to 1, 0 from 2 on.
     !@cuf attributes(host,device) &
