@@ -2,13 +2,14 @@
 !> The program: understand the command, do it, end with the right exit code.
 program brisance
     use, intrinsic :: iso_c_binding, only: c_int
-    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+    use, intrinsic :: iso_fortran_env, only: error_unit
     use brz_command_line, only: options_t, read_command_line, usage
     use brz_describe, only: describe, describe_markdown
     use brz_errors, only: error_t, failed
     use brz_key, only: key_t
     use brz_key_table, only: all_keys
     use brz_material_driver, only: drive_material
+    use brz_screen, only: check_screen, hold_standard_units, say, show
     use brz_run, only: run_deck
     use brz_version, only: commit, compiler, flags, precision, version
     implicit none
@@ -25,6 +26,7 @@ program brisance
     type(key_t), allocatable :: keys(:)
     character(:), allocatable :: text
 
+    call hold_standard_units()
     call read_command_line(options, err)
     if (.not. failed(err)) then
         select case (options%command)
@@ -33,8 +35,10 @@ program brisance
         case ('mat')
             call drive_material(options, err)
         case ('version')
-            write (output_unit, '(a)') 'Brisance '//version//' ('//commit//')', compiler, flags, &
-                'working precision: '//precision
+            call say('Brisance '//version//' ('//commit//')')
+            call say(compiler)
+            call say(flags)
+            call say('working precision: '//precision)
         case ('describe')
             call all_keys(keys)
             if (options%markdown) then
@@ -42,14 +46,14 @@ program brisance
             else
                 call describe(keys, options%group, text, err)
             end if
-            if (.not. failed(err)) write (output_unit, '(a)', advance='no') text
+            if (.not. failed(err)) call show(text)
         case default
-            write (output_unit, '(a)') usage()
+            call say(usage())
         end select
     end if
+    call check_screen(err)
     if (allocated(err%text)) then
         if (err%text /= '') write (error_unit, '(a)') err%text
     end if
-    flush (output_unit)
     call c_exit(int(err%code, c_int))
 end program brisance

@@ -37,14 +37,24 @@ module brz_start_1d
         real(dp), allocatable :: seen(:, :, :) !! (3, gauges, rows) density, velocity, pressure
     end type early_t
 
+    abstract interface
+        !> Told after every step how far the blast is.
+        subroutine watch_blast(time, radius, last)
+            import :: dp
+            real(dp), intent(in) :: time !! [s]
+            real(dp), intent(in) :: radius, last !! of the front, now and when it is mapped [m]
+        end subroutine watch_blast
+    end interface
+
 contains
 
     !> Run the only charge of the case, and fill the air with its blast.
-    subroutine start_from_1d(case, air, early, err)
+    subroutine start_from_1d(case, air, early, err, watch)
         type(case_t), intent(in) :: case
         type(air_t), intent(inout) :: air !! undisturbed
         type(early_t), intent(inout) :: early
         type(error_t), intent(inout) :: err
+        procedure(watch_blast), optional :: watch
         type(shape_t) :: shape
         type(blast1d_t) :: blast
         real(dp) :: limit, rest(6), radius, share(3), part
@@ -66,7 +76,7 @@ contains
         share = outward(air, case%charges(1)%at)
         part = 0.5_dp**count(abs(share) > 0) ! what planes of symmetry leave of the charge
         call start_blast1d(centred_input(case, radius), blast)
-        call run_free(case, limit, blast, early, err)
+        call run_free(case, limit, blast, early, err, watch)
         if (failed(err)) return
         air%charge(1) = charge_report_t(radius=radius, cells=real(blast%n_in, dp), &
             mass=part*case%charges(1)%mass)
@@ -79,12 +89,13 @@ contains
     end subroutine start_from_1d
 
     !> Step until the front passes a radius, or the run ends.
-    subroutine run_free(case, limit, blast, early, err)
+    subroutine run_free(case, limit, blast, early, err, watch)
         type(case_t), intent(in) :: case
         real(dp), intent(in) :: limit !! [m]
         type(blast1d_t), intent(inout) :: blast
         type(early_t), intent(inout) :: early
         type(error_t), intent(inout) :: err
+        procedure(watch_blast), optional :: watch
         real(dp) :: due
         logical :: ok
 
@@ -97,6 +108,7 @@ contains
                 due = next_due(blast%time, case%output%history_every)
             end if
             call advance_blast1d(blast, case%run%t_end - blast%time, ok)
+            if (ok .and. present(watch)) call watch(blast%time, blast%r(blast%front), limit)
             if (ok) cycle
             call raise(err, exit_numerical, 'the blast in one dimension is lost at t = '// &
                 to_text(blast%time)//' s')

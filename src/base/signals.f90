@@ -1,21 +1,24 @@
 ! SPDX-License-Identifier: MIT
 !> Requests from outside while a run goes on: signals and a stop file.
 !>
-!> USR1: write a checkpoint and go on. USR2, TERM, INT: write a checkpoint and stop; a second INT
-!> (Ctrl-C) ends the program at once. A stop file `<job>.stop` in the output folder or in the
-!> current folder works like USR2. The handlers only set flags; the step asks for them when a step
-!> is complete. Writing beyond a file size limit becomes an ordinary write error.
+!> USR1: write a checkpoint and go on. USR2, TERM, INT, HUP, QUIT: write a checkpoint and stop; a
+!> second INT (Ctrl-C) or QUIT ends the program at once. INT, HUP and QUIT stay ignored where the
+!> program was started so (nohup, in the background of a script). A stop file `<job>.stop` in the
+!> output folder or in the current folder works like USR2. The handlers only set flags; the step
+!> asks for them when a step is complete. Writing beyond a file size limit, or to a pipe that
+!> nothing reads, becomes an ordinary write error.
 module brz_signals
     use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t, c_null_funptr
     use brz_files, only: file_exists, is_folder, remove_file
     implicit none
     private
     public :: listen_to_signals, checkpoint_asked, stop_asked, look_for_stop_file, stop_name
-    public :: signal_int, signal_usr1, signal_usr2, signal_term
+    public :: signal_hup, signal_int, signal_quit, signal_usr1, signal_usr2, signal_term
 
     ! numbers of Linux
-    integer(c_int), parameter :: signal_int = 2, signal_usr1 = 10, signal_usr2 = 12
-    integer(c_int), parameter :: signal_term = 15, signal_size_limit = 25
+    integer(c_int), parameter :: signal_hup = 1, signal_int = 2, signal_quit = 3, signal_usr1 = 10
+    integer(c_int), parameter :: signal_usr2 = 12, signal_pipe = 13, signal_term = 15
+    integer(c_int), parameter :: signal_size_limit = 25
     integer(c_intptr_t), parameter :: by_default = 0, ignored = 1
 
     ! set by the handlers, cleared by the questions
@@ -42,9 +45,20 @@ contains
         old = c_signal(signal_usr1, c_funloc(on_checkpoint))
         old = c_signal(signal_usr2, c_funloc(on_stop))
         old = c_signal(signal_term, c_funloc(on_stop))
-        old = c_signal(signal_int, c_funloc(on_stop))
+        call take_unless_ignored(signal_hup)
+        call take_unless_ignored(signal_int)
+        call take_unless_ignored(signal_quit)
         old = c_signal(signal_size_limit, transfer(ignored, c_null_funptr))
+        old = c_signal(signal_pipe, transfer(ignored, c_null_funptr))
     end subroutine listen_to_signals
+
+    subroutine take_unless_ignored(number)
+        integer(c_int), intent(in) :: number
+        type(c_funptr) :: old
+
+        old = c_signal(number, c_funloc(on_stop))
+        if (transfer(old, ignored) == ignored) old = c_signal(number, old)
+    end subroutine take_unless_ignored
 
     subroutine on_checkpoint(number) bind(c, name='brz_on_checkpoint')
         integer(c_int), value :: number
@@ -57,7 +71,8 @@ contains
         type(c_funptr) :: old
 
         want_stop = number
-        if (number == signal_int) old = c_signal(signal_int, transfer(by_default, c_null_funptr))
+        if (number == signal_int .or. number == signal_quit) &
+            old = c_signal(number, transfer(by_default, c_null_funptr))
     end subroutine on_stop
 
     !> True once for every USR1 or several of them since the last question.
@@ -81,6 +96,8 @@ contains
 
         select case (number)
         case (0); name = ''
+        case (signal_hup); name = 'SIGHUP'
+        case (signal_quit); name = 'SIGQUIT'
         case (signal_int); name = 'SIGINT'
         case (signal_usr2); name = 'SIGUSR2'
         case (signal_term); name = 'SIGTERM'

@@ -10,6 +10,7 @@ module brz_check
     use brz_kinds, only: dp, real32
     use brz_material_report, only: material_report
     use brz_scene_size, only: count_text, memory_text, scene_size_t
+    use brz_screen, only: say
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
     use brz_solid_state, only: form_names, solid_t
@@ -112,7 +113,7 @@ contains
         if (allocated(solid%notes)) &
             n = n + count([(solid%notes(i:i) == new_line('a'), i=1, len(solid%notes))])
         if (n > 0) verdict = to_text(n)//' warning(s) on the error unit'
-        write (output_unit, '(2a)') 'verdict      ', verdict
+        call say('verdict      '//verdict)
     end subroutine print_verdict
 
     !> Materials of the bodies; their Hugoniot where two bodies of them would meet at full speed.

@@ -19,6 +19,7 @@ module brz_material_driver
     use brz_materials, only: make_material, start_point, update_material
     use brz_point_table, only: columns_t, point_columns, point_row
     use brz_scanner, only: read_deck
+    use brz_screen, only: say, show
     use brz_text, only: to_text
     use brz_stress_control, only: controlled_step, stress_control_t
     implicit none
@@ -69,7 +70,7 @@ contains
         if (drive%clamped > 0) write (error_unit, '(a)') 'warning: a limit of the model '// &
             'acted in '//to_text(drive%clamped)//' steps'
         if (failed(err)) return
-        write (output_unit, '(a)') 'table        '//file
+        call say('table        '//file)
     end subroutine drive_material
 
     !> Read and check the deck; warnings go to the error unit.
@@ -100,8 +101,7 @@ contains
                 m%bulk, ' Pa, waves ', m%c_wave, ' m/s'
             write (output_unit, '(a, i0, a, i0, a)') 'path         ', size(case%segments), &
                 ' segments, ', sum(case%segments%steps), ' steps'
-            if (drive%check) write (output_unit, '(a)', advance='no') &
-                material_report(case%material, m, 0.0_dp)
+            if (drive%check) call show(material_report(case%material, m, 0.0_dp))
         end associate
     end subroutine print_material
 

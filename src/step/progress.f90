@@ -3,6 +3,7 @@
 module brz_progress
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_kinds, only: dp, int64
+    use brz_screen, only: say
     use brz_timer, only: wall_seconds
     implicit none
     private
@@ -45,18 +46,19 @@ contains
         character(*), intent(in) :: limiter !! what limits the time step
         real(dp), intent(in) :: energy_error !! relative [-]
         real(dp) :: wall, seconds, rate
+        character(120) :: line
 
         wall = wall_seconds()
         seconds = max(wall - progress%wall_line, 1e-9_dp)
         rate = (now(1) - progress%time_line)/seconds
         progress%rate = merge(rate, (progress%rate + rate)/2, progress%rate <= 0)
-        write (output_unit, '(i8, es13.5, es11.3, 1x, a6, f9.2, 2f9.3, es14.2, 3x, a)') &
+        write (line, '(i8, es13.5, es11.3, 1x, a6, f9.2, 2f9.3, es14.2, 3x, a)') &
             cycle, now(1), dt, limiter, &
             1e3_dp*seconds/max(1, cycle - progress%cycle_line), &
             1e-6_dp*real(progress%cell_steps - progress%cells_line, dp)/seconds, &
             1e-6_dp*real(progress%particle_steps - progress%particles_line, dp)/seconds, &
             energy_error, clock_text((now(2) - now(1))/max(progress%rate, tiny(rate)))
-        flush (output_unit)
+        call say(trim(line))
         progress%wall_line = wall
         progress%time_line = now(1)
         progress%cycle_line = cycle

@@ -21,6 +21,7 @@ module brz_run
     use brz_run_radial, only: run_radial
     use brz_scanner, only: read_deck
     use brz_scene_size, only: refuse_too_large, scene_size_t, size_scene, too_large_to_look
+    use brz_setup_progress, only: begin_setup, end_setup
     use brz_signals, only: checkpoint_asked, listen_to_signals, look_for_stop_file, stop_asked
     use brz_simulation, only: set_up_simulation, simulation_t
     use brz_summary, only: print_summary
@@ -48,6 +49,7 @@ contains
         call read_scene(options, sim, err)
         call open_backend(options%backend, sim, err)
         if (failed(err)) return
+        if (.not. options%check) call listen_to_signals()
         if (is_radial(sim%case)) then
             call run_radial(options, sim%case, err)
             return
@@ -61,7 +63,10 @@ contains
         end if
         call refuse_too_large(size_of, err)
         if (failed(err)) return
+        call start_clock(sim%case, sim%clock, options%walltime)
+        if (.not. options%check) call begin_setup(sim%case%output%report_every)
         call set_up_simulation(sim, err)
+        call end_setup()
         if (failed(err)) return
         call settle_backend(trim(sim%case%run%backend), sim%solid, sim%coupling, sim%backend, &
                             note, err)
@@ -73,8 +78,6 @@ contains
             call print_check(sim, size_of, err)
             return
         end if
-        call listen_to_signals()
-        call start_clock(sim%case, sim%clock, options%walltime)
         if (sim%early%present) sim%clock%time = sim%early%time
         call open_outputs(options, sim, outputs, err)
         if (failed(err)) return

@@ -11,13 +11,16 @@ module brz_run_radial
     use brz_case, only: case_t
     use brz_clock, only: clock_t, start_clock, tick
     use brz_command_line, only: options_t
-    use brz_errors, only: error_t, exit_deck, exit_numerical, failed, raise
+    use brz_errors, only: error_t, exit_deck, exit_numerical, exit_stopped, &
+                          failed, raise
     use brz_folder_lock, only: lock_folder
     use brz_gauge_summary, only: gauge_summary
     use brz_gauges, only: gauge_names, gauges_t, radial_gauge_row, set_up_gauges
     use brz_history, only: append_row, close_history, history_t, open_history
     use brz_kinds, only: dp
     use brz_output_folder, only: folder_fresh, folder_replace, prepare_folder
+    use brz_screen, only: say
+    use brz_signals, only: stop_asked
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     use brz_timer, only: wall_seconds
@@ -62,6 +65,7 @@ contains
         call print_end(blast, before, begin)
         call gauge_summary(gauges, folder//'/gauges.csv', text, err)
         if (.not. failed(err)) write (output_unit, '(/, a)') text
+        call say('results        '//folder)
     end subroutine run_radial
 
     !> Step to the end of the run and write what is due.
@@ -71,6 +75,8 @@ contains
         type(blast1d_t), intent(inout) :: blast
         type(gauges_t), intent(out) :: gauges
         type(error_t), intent(inout) :: err
+        type(error_t) :: closing
+        character(:), allocatable :: why
         type(clock_t) :: clock
         type(history_t) :: history
         type(solid_t) :: solid
@@ -102,11 +108,18 @@ contains
                 clock%dump_number = clock%dump_number + 1
             end if
             if (last .or. failed(err)) exit
+            if (stop_asked(why)) then
+                call raise(err, exit_stopped, 'stopped by '//why//' at t = '// &
+                           to_text(blast%time)//' s; a run along the radius leaves no '// &
+                           'checkpoint: run it again with --replace')
+                exit
+            end if
             call advance_blast1d(blast, min(case%run%t_end - blast%time, case%run%dt_max), ok)
             if (.not. ok) call raise(err, exit_numerical, 'the blast in one dimension is lost '// &
                                      'at t = '//to_text(blast%time)//' s')
         end do
-        call close_history(history, err)
+        call close_history(history, closing) ! the rows up to a failure are the ones that tell
+        if (.not. failed(err)) err = closing
     end subroutine follow
 
     !> What the charge becomes along the radius.

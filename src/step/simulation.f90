@@ -12,6 +12,7 @@ module brz_simulation
     use brz_errors, only: error_t, failed
     use brz_ledger, only: ledger_start_t
     use brz_progress, only: progress_t
+    use brz_setup_progress, only: setup_blast, setup_stage
     use brz_solid_sleep, only: put_to_sleep
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: start_solid
@@ -42,15 +43,23 @@ contains
         type(simulation_t), intent(inout) :: sim !! with its case
         type(error_t), intent(inout) :: err
 
-        if (sim%case%air%present) call set_up_air(sim%case, sim%air, err)
+        if (sim%case%air%present) then
+            call setup_stage('air')
+            call set_up_air(sim%case, sim%air, err)
+        end if
         if (failed(err)) return
-        if (any(sim%case%charges%start == '1d')) call start_from_1d(sim%case, sim%air, sim%early, &
-                                                                    err)
+        if (any(sim%case%charges%start == '1d')) then
+            call setup_stage('blast in 1-D')
+            call start_from_1d(sim%case, sim%air, sim%early, err, setup_blast)
+        end if
         if (failed(err)) return
+        if (size(sim%case%bodies) > 0) call setup_stage('bodies')
         call set_up_solid(sim%case, sim%solid, err)
         if (failed(err)) return
+        if (sim%solid%present) call setup_stage('neighbours')
         call start_solid(sim%solid, err)
         if (failed(err)) return
+        if (sim%air%present .and. sim%solid%present) call setup_stage('coupling')
         call set_up_coupling(sim%case, sim%air, sim%solid, sim%coupling, err)
         if (sim%coupling%present .and. .not. sim%coupling%paper) call put_to_sleep(sim%solid)
     end subroutine set_up_simulation

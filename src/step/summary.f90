@@ -8,6 +8,7 @@ module brz_summary
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
     use brz_simulation, only: simulation_t
+    use brz_screen, only: say
     use brz_timer, only: wall_seconds
     implicit none
     private
@@ -45,6 +46,7 @@ contains
             if (.not. failed(err)) write (output_unit, '(/, a)') text
         end if
         call print_cost(sim)
+        call say('results    '//outputs%folder)
     end subroutine print_summary
 
     !> Bodies that were compressed beyond the range of their materials.

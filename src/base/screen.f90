@@ -1,0 +1,82 @@
+! SPDX-License-Identifier: MIT
+!> The standard output, and whether what was printed got there.
+!>
+!> The run-time library of gfortran 12 keeps quiet about a full disk or a closed pipe. Lines that
+!> are written here go through the system, behind what Fortran has written: the progress lines and
+!> the last line of every command. The first failure is kept, and told when the command has ended.
+module brz_screen
+    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_ptr, c_size_t
+    use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_errors, only: error_t, exit_io, raise
+    use brz_system_reason, only: system_reason
+    implicit none
+    private
+    public :: say, show, check_screen, hold_standard_units
+
+    integer(c_int), parameter :: standard_output = 1, standard_error = 2
+    integer(c_int), parameter :: to_read_and_write = 2 !! flag of open in Linux
+    character(:), allocatable, save :: lost !! why something was not printed
+
+    interface
+        integer(c_size_t) function c_write(descriptor, data, n) bind(c, name='write')
+            import :: c_int, c_ptr, c_size_t
+            integer(c_int), value :: descriptor
+            type(c_ptr), value :: data
+            integer(c_size_t), value :: n
+        end function c_write
+        integer(c_int) function c_open(path, flags, mode) bind(c, name='open')
+            import :: c_char, c_int
+            character(c_char), intent(in) :: path(*)
+            integer(c_int), value :: flags, mode
+        end function c_open
+        integer(c_int) function c_close(descriptor) bind(c, name='close')
+            import :: c_int
+            integer(c_int), value :: descriptor
+        end function c_close
+    end interface
+
+contains
+
+    !> Before anything is opened: a program that was started without standard units would print into
+    !> the first files that it opens. They get a place where nothing is kept.
+    subroutine hold_standard_units()
+        integer(c_int) :: descriptor
+
+        do
+            descriptor = c_open('/dev/null'//c_null_char, to_read_and_write, 0_c_int)
+            if (descriptor < 0 .or. descriptor > standard_error) exit
+        end do
+        if (descriptor >= 0) descriptor = c_close(descriptor)
+    end subroutine hold_standard_units
+
+    !> Print a line.
+    subroutine say(line)
+        character(*), intent(in) :: line
+
+        call show(line//new_line('a'))
+    end subroutine say
+
+    !> Print a text as it is, with its line ends.
+    subroutine show(text)
+        character(*), intent(in), target :: text
+        integer(c_size_t) :: n, more
+
+        flush (output_unit)
+        n = 0
+        do while (n < len(text, c_size_t))
+            more = c_write(standard_output, c_loc(text(n + 1:n + 1)), len(text, c_size_t) - n)
+            if (more < 0 .and. .not. allocated(lost)) lost = system_reason()
+            if (more < 0) exit
+            n = n + more
+        end do
+    end subroutine show
+
+    !> Raise an error if something was not printed.
+    subroutine check_screen(err)
+        type(error_t), intent(inout) :: err
+
+        flush (output_unit)
+        if (allocated(lost)) call raise(err, exit_io, 'standard output: '//lost// &
+            '; what was printed is not complete there, files are')
+    end subroutine check_screen
+end module brz_screen
