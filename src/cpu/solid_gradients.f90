@@ -321,7 +321,7 @@ contains
         point%c_bulk = c_bulk
         point%work = 0
         point%hist(:solid%n_hist) = solid%hist(:, i)
-        call update_material(solid%materials(body%material), dt, body%h, l, point, status)
+        call update_material(solid%materials(body%material), dt, body%crack, l, point, status)
         if (status > 0 .and. solid%search%bad(k) == 0) solid%search%bad(k) = i
         if (status < 0) solid%search%sums(3, k) = solid%search%sums(3, k) + 1
         solid%mu(i) = point%mu

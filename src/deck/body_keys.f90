@@ -120,6 +120,9 @@ contains
                       meaning='Less artificial viscosity: balsara, where the material turns; '// &
                       'compression, where it is not compressed. auto (without alpha): '// &
                       'compression for hjc, balsara for metals that meet at up to 1 km/s.'), &
+                key_t(group=g, key='crack_band', kind=kind_text, default='weaken', &
+                      choices='weaken|refuse', meaning='Where the spacing is too large for a '// &
+                      'fracture energy: keep the energy, lower the strength and warn; or stop.'), &
                 key_t(group=g, key='artificial_stress', kind=kind_text, default='auto', &
                       choices='auto|none|monaghan|gray', &
                       meaning='Repulsion in tension, by pressure or by principal stresses; '// &

@@ -68,7 +68,7 @@ contains
         call get(deck%groups(g), 'output_every', point%output_every)
         call get(deck%groups(g), 'rotation', point%rotation)
         call get(deck%groups(g), 'ply_axis', point%ply_axis)
-        call get(deck%groups(g), 'smoothing_length', point%smoothing_length)
+        call get(deck%groups(g), 'crack_length', point%crack_length)
         if (.not. is_usable(deck%groups(g), 'material')) return
         m = find_group(deck, 'material', trim(id))
         if (m > 0) then

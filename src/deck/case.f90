@@ -129,6 +129,7 @@ module brz_case
         character(name_len) :: formulation = 'auto' !! see the deck reference
         real(dp) :: alpha = -1, beta = -1 !! artificial viscosity; negative: that of the formulation
         character(name_len) :: limiter = 'auto' !! or 'none', 'balsara', 'compression'
+        character(name_len) :: crack_band = 'weaken' !! or 'refuse'
         character(name_len) :: artificial_stress = 'auto' !! or 'none', 'monaghan', 'gray'
         real(dp) :: artificial_strength = -1 !! negative: the usual one
         real(dp) :: zeta = -1 !! stiffness of the hourglass force; negative: the usual one
@@ -223,7 +224,7 @@ module brz_case
         integer :: output_every = 1 !! steps between rows
         real(dp) :: rotation = 0 !! of the ply about its normal [deg]
         character(1) :: ply_axis = 'z' !! normal of the ply
-        real(dp) :: smoothing_length = 1e-3_dp !! [m]
+        real(dp) :: crack_length = 1e-3_dp !! width of a smeared crack [m]
         type(segment_case_t), allocatable :: segments(:)
         type(string_t), allocatable :: warnings(:)
     end type point_case_t

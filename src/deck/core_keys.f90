@@ -282,9 +282,10 @@ contains
                       meaning='Angle of the ply about its normal.'), &
                 key_t(group=p, key='ply_axis', kind=kind_text, default='z', choices='x|y|z', &
                       meaning='Normal of the ply.'), &
-                key_t(group=p, key='smoothing_length', unit='m', default='0.001', lower=zero, &
-                      open_lower=.true., &
-                      meaning='Length over which a fracture energy is spent.'), &
+                key_t(group=p, key='crack_length', unit='m', default='0.001', lower=zero, &
+                      open_lower=.true., former='smoothing_length', &
+                      meaning='Width of a smeared crack, over which a fracture energy is '// &
+                      'spent; in a body 2.1 or, in bending, 2.35 spacings.'), &
                 key_t(group=s, meaning='A part of the path of `brisance mat`; they follow in '// &
                       'the order of the deck.'), &
                 key_t(group=s, key='id', kind=kind_text, &

@@ -204,6 +204,7 @@ contains
             call get(group, 'alpha', body%alpha)
             call get(group, 'beta', body%beta)
             call get(group, 'limiter', body%limiter)
+            call get(group, 'crack_band', body%crack_band)
             call get(group, 'artificial_stress', body%artificial_stress)
             call get(group, 'artificial_strength', body%artificial_strength)
             call get(group, 'zeta', body%zeta)

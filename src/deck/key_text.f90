@@ -157,6 +157,11 @@ contains
         character(len(keys%key)) :: names(size(keys))
         integer :: i
 
+        i = findloc(keys%group == group .and. keys%former == key .and. key /= '', .true., 1)
+        if (i > 0) then
+            text = "; it is '"//trim(keys(i)%key)//"' now: "//trim(keys(i)%meaning)
+            return
+        end if
         names = keys%key
         where (keys%group /= group .or. (keys%owner /= '' .and. keys%owner /= owner)) names = ''
         i = nearest(key, names)

@@ -144,6 +144,7 @@ contains
         p%owed = 0
         p%keep_force = merge(0, 1, body%motion%n > 0)
         p%h = body%h
+        p%crack = body%crack
         p%scale = kernel_scale(body%h, dimension)
         p%half_over_h = 1/(2*body%h)
         p%alpha = body%alpha

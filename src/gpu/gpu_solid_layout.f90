@@ -95,6 +95,7 @@ module brz_gpu_solid_layout
         integer :: owed !! column of `state` with what the hold owes, see brz_solid_state
         integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step
         real(rk) :: h_range(2) !! bounds of a smoothing length that varies, over h
+        real(rk) :: crack !! width of a smeared crack [m]
         real(rk) :: h, scale, half_over_h, alpha, beta, zeta, zeta_viscous, cfl, tension_hold
         real(rk) :: artificial_strength, artificial_power, shape_at_spacing
         real(rk) :: normal(3) !! of the plies, 0: no tilted gradients

@@ -11,18 +11,20 @@ module brz_hjc
     use brz_kinds, only: dp, rk
     use brz_algebra, only: double_dot
     use brz_deviator, only: mises_stress, return_deviator, trial_deviator
+    use brz_hjc_cracks, only: by_malvar, follow_rate, h_damage, h_rate, h_tension, open_cracks, &
+                              widest_crack
+    use brz_hjc_keys, only: hjc_keys
     use brz_hjc_pressure, only: crushing_strain, crushing_work, dense_curve, densest, &
                                 full_modulus, hjc_pressure, opening, unloading_modulus, &
-                                loading_curve, unload_reversible, n_keys, p_density, p_shear, &
-                                p_a, p_b, p_n, p_c, p_fc, p_t, p_rate, p_efmin, p_smax, &
-                                p_p_crush, p_mu_crush, p_p_lock, p_mu_lock, p_d1, p_d2, p_k1, &
-                                p_k2, p_k3, p_floor, p_unload, p_erosion, p_limit, p_k_el, &
-                                p_k_tran, p_mu_plock, p_full
-    use brz_key, only: key_t, none, required
+                                loading_curve, p_density, p_shear, p_a, p_b, p_n, p_c, p_fc, &
+                                p_t, p_rate, p_efmin, p_smax, p_p_crush, p_mu_crush, p_p_lock, &
+                                p_mu_lock, p_d1, p_d2, p_k1, p_k2, p_k3, p_floor, p_erosion, &
+                                p_limit, p_k_el, p_k_tran, p_mu_plock, p_full, p_ft, p_gf, &
+                                p_crack_rate, p_young
     use brz_kinematics, only: volume_step
     use brz_material, only: class_crumbling, fails_by_degrees, material_t, point_t, material_ok, &
                             material_clamped, n_par
-    use brz_model, only: derived_t, model_t, real_key, text_key, usual
+    use brz_model, only: derived_t, model_t
     use brz_text, only: to_text
     implicit none
     private
@@ -41,89 +43,18 @@ contains
         model%code = hjc
         model%class = class_crumbling
         model%name = name
-        allocate (model%keys(n_keys))
-        call describe_strength(model)
-        call describe_pressure(model)
-        call describe_options(model)
-        model%n_hist = 3
+        call hjc_keys(name, model%keys)
+        model%n_hist = h_rate
         model%history(h_plastic) = 'plastic_strain'
         model%history(h_mu_max) = 'mu_max'
         model%history(h_eroded) = 'eroded'
+        model%history(h_tension) = 'damage_tension'
+        model%history(h_damage) = 'damage_hjc'
+        model%history(h_rate) = 'crack_rate'
+        model%history_unit(h_rate) = '1/s'
         model%derive => derive
         model%report => report
     end subroutine describe_hjc
-
-    subroutine describe_strength(model)
-        type(model_t), intent(inout) :: model
-
-        model%keys(p_density) = number('density', 'kg/m3', 'unloaded density', &
-            [1000.0_dp, 5000.0_dp])
-        model%keys(p_shear) = number('shear_modulus', 'Pa', 'shear modulus', &
-            [1e8_dp, 1e11_dp])
-        model%keys(p_a) = number('a', '-', 'cohesive strength over fc', &
-            [0.05_dp, 5.0_dp])
-        model%keys(p_b) = number('b', '-', 'pressure hardening over fc', &
-            [0.1_dp, 10.0_dp])
-        model%keys(p_n) = number('n', '-', 'exponent of the pressure hardening', &
-            [0.05_dp, 2.0_dp])
-        model%keys(p_c) = real_key(name, 'c', '-', required, 'rate coefficient', 0.0_dp)
-        model%keys(p_fc) = number('fc', 'Pa', 'strength to which stresses are referred', &
-            [2e6_dp, 5e8_dp])
-        model%keys(p_t) = number('t', 'Pa', 'largest mean tension (hydrostatic, not uniaxial)', &
-            [10000.0_dp, 1e8_dp])
-        model%keys(p_rate) = real_key(name, 'reference_rate', '1/s', '1', &
-                                      'rate at which the rate factor is 1', 0.0_dp, &
-                                      open_lower=.true.)
-        model%keys(p_efmin) = number('efmin', '-', 'least plastic strain to fracture', &
-            [1e-5_dp, 1.0_dp])
-        model%keys(p_smax) = number('smax', '-', 'largest strength over fc', &
-            [1.0_dp, 100.0_dp])
-        model%keys(p_d1) = number('d1', '-', 'damage constant', &
-            [0.0001_dp, 1.0_dp])
-        model%keys(p_d2) = number('d2', '-', 'damage exponent', &
-            [0.1_dp, 5.0_dp])
-    end subroutine describe_strength
-
-    subroutine describe_pressure(model)
-        type(model_t), intent(inout) :: model
-
-        model%keys(p_p_crush) = number('p_crush', 'Pa', 'pressure at which crushing starts', &
-            [100000.0_dp, 1e9_dp])
-        model%keys(p_mu_crush) = number('mu_crush', '-', 'compression at which crushing starts', &
-            [1e-5_dp, 0.05_dp])
-        model%keys(p_p_lock) = number('p_lock', 'Pa', 'pressure at which crushing is complete', &
-            [1e7_dp, 1e11_dp])
-        model%keys(p_mu_lock) = number('mu_lock', '-', &
-                                       'compression of the crushed material at zero pressure', &
-            [0.001_dp, 1.0_dp])
-        model%keys(p_k1) = number('k1', 'Pa', 'first modulus of the crushed material', &
-            [1e9_dp, 1e12_dp])
-        model%keys(p_k2) = real_key(name, 'k2', 'Pa', required, 'its second modulus')
-        model%keys(p_k3) = real_key(name, 'k3', 'Pa', required, 'its third modulus')
-    end subroutine describe_pressure
-
-    subroutine describe_options(model)
-        type(model_t), intent(inout) :: model
-
-        model%keys(p_floor) = real_key(name, 'rate_floor', '-', '1', &
-            'least rate over reference_rate that the rate factor sees', 0.0_dp, open_lower=.true.)
-        model%keys(p_unload) = text_key(name, 'unload', 'paper', 'paper|reversible', &
-            'beyond p_lock: back on a line of slope k1, or on the curve of loading')
-        model%keys(p_erosion) = text_key(name, 'erosion', 'none', 'none|tension|strain', &
-            'no stress but pressure, for ever: never; pulled apart at full damage; at a strain')
-        model%keys(p_limit) = real_key(name, 'erosion_strain', '-', none, &
-            "erosion='strain': plastic strain at which it erodes", 0.0_dp, open_lower=.true.)
-    end subroutine describe_options
-
-    !> A number that must be given, and be positive.
-    pure function number(key, unit, meaning, likely) result(row)
-        character(*), intent(in) :: key, unit, meaning
-        real(dp), intent(in) :: likely(2)
-        type(key_t) :: row
-
-        row = usual(real_key(name, key, unit, required, meaning, 0.0_dp, open_lower=.true.), &
-            likely(1), likely(2))
-    end function number
 
     !> Slopes of the pressure curve; refuses a curve that is not monotone or makes energy.
     subroutine derive(material, given, fault)
@@ -148,6 +79,7 @@ contains
             par(p_k_tran) = (par(p_p_lock) - par(p_p_crush))/(par(p_mu_plock) - par(p_mu_crush))
             par(p_full) = full_modulus(par)
             call check_slopes(par, fault)
+            call derive_cracks(material, given, fault)
             material%density = par(p_density)
             material%bulk = par(p_k_el)
             material%fails = fails_by_degrees
@@ -155,6 +87,38 @@ contains
             material%c_wave = sqrt((par(p_k_el) + 4*par(p_shear)/3)/par(p_density))
         end associate
     end subroutine derive
+
+    !> Strength and energy of cracks; without `ft` there are none.
+    subroutine derive_cracks(material, given, fault)
+        type(material_t), intent(inout) :: material
+        logical, intent(in) :: given(:)
+        character(:), allocatable, intent(inout) :: fault
+
+        associate (par => material%par)
+            par(p_young) = 9*par(p_k_el)*par(p_shear)/(3*par(p_k_el) + par(p_shear))
+            if (.not. given(p_ft)) then
+                if (given(p_gf) .or. int(par(p_crack_rate)) > 1) &
+                    fault = 'gf and rate_tension need ft'
+            else if (par(p_ft) >= bar_strength(par)) then
+                fault = 'ft, '//to_text(par(p_ft))//' Pa, is not below what a bar carries '// &
+                        'without it, '//to_text(bar_strength(par))//' Pa'
+            else if (.not. given(p_gf)) then
+                par(p_gf) = 73*(par(p_fc)/1e6_rk)**0.18_rk ! fib Model Code 2010
+            end if
+            material%n_hist = h_eroded
+            if (.not. given(p_ft)) return
+            material%crack = widest_crack(par)
+            material%n_hist = merge(h_rate, h_damage, int(par(p_crack_rate)) == by_malvar)
+        end associate
+    end subroutine derive_cracks
+
+    !> Strength of a bar by the surface alone, without damage [Pa].
+    pure function bar_strength(par) result(strength)
+        real(rk), intent(in) :: par(n_par)
+        real(rk) :: strength
+
+        strength = 1/(1/(par(p_a)*par(p_fc)) + 1/(3*par(p_t)))
+    end function bar_strength
 
     !> Slopes of the pressure, elastic constants, what a cylinder and a bar carry without damage.
     subroutine report(material, list)
@@ -177,8 +141,10 @@ contains
                 derived_t('nu', '', (3*k - 2*g)/(6*k + 2*g)), &
                 derived_t('cylinder', 'Pa', min(q, real(material%par(p_smax), dp)) &
                           *material%par(p_fc)), &
-                derived_t('bar', 'Pa', 1/(1/(material%par(p_a)*material%par(p_fc)) &
-                                          + 1/(3*material%par(p_t))))]
+                derived_t('bar', 'Pa', bar_strength(material%par))]
+        if (material%par(p_ft) > 0) list = [list, &
+            derived_t('gf', 'J/m2', material%par(p_gf)), &
+            derived_t('widest crack', 'm', widest_crack(material%par))]
     end subroutine report
 
     !> The cubic must rise over its whole range.
@@ -249,17 +215,20 @@ contains
 
     !> One step of one material point; see `update_material` for the contract.
     !@cuf attributes(host,device) &
-    pure subroutine update_hjc(material, dt, l, point, status)
+    pure subroutine update_hjc(material, dt, crack, l, point, status)
         type(material_t), intent(in) :: material
-        real(rk), intent(in) :: dt !! [s]
+        real(rk), intent(in) :: dt, crack !! time step [s], width of a smeared crack [m]
         real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
         real(rk) :: s(6), q(3, 3), de(6), trial(6), mu, mu_max, mu_old, dv, v_mid, p_old, p_eos, p
         real(rk) :: stiffest, damage, mises, yield, keep, work, plastic, strain, crushed, released
+        logical :: cracks
         integer :: i
 
+        cracks = material%par(p_ft) > 0
         damage = min(max(point%damage, 0.0_rk), 1.0_rk)
+        if (cracks) damage = point%hist(h_damage)
         mu_old = max(point%hist(h_mu_max), 0.0_rk)
         mu = point%mu
         call volume_step(material%density, l, dt, mu, dv, v_mid)
@@ -268,7 +237,6 @@ contains
         crushed = 0
         if (mu_max > mu_old) crushed = max(0.0_rk, crushing_strain(material%par, mu_max) &
                                            - crushing_strain(material%par, mu_old))
-        p = max(p_eos, -material%par(p_t)*(1 - damage))
         p_old = -(point%stress(1) + point%stress(2) + point%stress(3))/3
         do i = 1, 6
             s(i) = point%stress(i)
@@ -277,6 +245,13 @@ contains
             s(i) = s(i) + p_old
         end do
         call trial_deviator(material%par(p_shear), dt, l, s, q, de, trial)
+        released = 0
+        if (cracks) then
+            call follow_rate(material%par, crack, dt, l, point%hist)
+            call open_cracks(material%par, crack, s, p_old, trial, p_eos, point%hist, released)
+            released = released*v_mid
+        end if
+        p = max(p_eos, -material%par(p_t)*(1 - damage))
         mises = mises_stress(trial)
         yield = strength(material%par, p, damage, sqrt(double_dot(de, de)*2/3), dt)
         if (point%hist(h_eroded) > 0) yield = 0
@@ -290,7 +265,8 @@ contains
         call add_damage(material%par, (p_old + p)/2, strain + crushed, damage)
         p = max(p_eos, -material%par(p_t)*(1 - damage))
         if (point%hist(h_eroded) > 0) p = max(p, 0.0_rk)
-        call release_tension(material%par, point, mu, mu_max, p_eos, p, damage, released)
+        if (.not. (cracks .and. point%hist(h_tension) > 0)) &
+            call release_tension(material%par, point, mu, mu_max, p_eos, p, damage, released)
         point%hist(h_plastic) = point%hist(h_plastic) + strain
         point%hist(h_mu_max) = mu_max
         call erode(material%par, p_eos, damage, point%hist(h_plastic), point%hist(h_eroded))
@@ -306,13 +282,28 @@ contains
         point%mu = mu
         point%energy = point%energy + work*v_mid - (p_old + p)/2*dv
         point%damage = damage
+        if (cracks) then
+            point%hist(h_damage) = damage
+            point%damage = damage + (1 - damage)*point%hist(h_tension)
+        end if
+        call finish(material, mu, stiffest, point, status)
+    end subroutine update_hjc
+
+    !> Wave speeds, and whether the point is beyond the curve of crushed material.
+    !@cuf attributes(host,device) &
+    pure subroutine finish(material, mu, stiffest, point, status)
+        type(material_t), intent(in) :: material
+        real(rk), intent(in) :: mu, stiffest !! compression; slope of the pressure [Pa]
+        type(point_t), intent(inout) :: point
+        integer, intent(out) :: status
+
         point%c_bulk = sqrt(stiffest/material%density)
         point%c_wave = sqrt((stiffest + 4*material%par(p_shear)/(3*max(1 + mu, 0.5_rk))) &
                             /material%density)
         status = material_ok
         if (mu > material%par(p_mu_lock) + densest*(1 + material%par(p_mu_lock))) &
             status = material_clamped
-    end subroutine update_hjc
+    end subroutine finish
 
     !> Energy of the mean tension that a falling cut-off lets go: the fall over the opening.
     !>

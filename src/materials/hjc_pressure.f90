@@ -18,12 +18,15 @@ module brz_hjc_pressure
                                   p_fc = 7, p_t = 8, p_rate = 9, p_efmin = 10, p_smax = 11, &
                                   p_p_crush = 12, p_mu_crush = 13, p_p_lock = 14, p_mu_lock = 15, &
                                   p_d1 = 16, p_d2 = 17, p_k1 = 18, p_k2 = 19, p_k3 = 20, &
-                                  p_floor = 21, p_unload = 22, p_erosion = 23, p_limit = 24
-    integer, parameter, public :: n_keys = 24
+                                  p_floor = 21, p_unload = 22, p_erosion = 23, p_limit = 24, &
+                                  p_ft = 25, p_gf = 26, p_crack_rate = 27
+    integer, parameter, public :: n_keys = 27
     ! ... then what is derived from them.
-    integer, parameter, public :: p_k_el = 25, p_k_tran = 26 !! slopes of the loading curve [Pa]
-    integer, parameter, public :: p_mu_plock = 27 !! compression at p_lock on the loading curve
-    integer, parameter, public :: p_full = 28 !! unloading slope where crushing is complete [Pa]
+    integer, parameter, public :: p_k_el = 28, p_k_tran = 29 !! slopes of the loading curve [Pa]
+    integer, parameter, public :: p_mu_plock = 30 !! compression at p_lock on the loading curve
+    integer, parameter, public :: p_full = 31 !! unloading slope where crushing is complete [Pa]
+
+    integer, parameter, public :: p_young = 32 !! Young's modulus [Pa]
 
     ! Values of the option `unload`, the places of its words in the deck.
     integer, parameter, public :: unload_paper = 1, unload_reversible = 2

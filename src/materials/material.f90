@@ -40,6 +40,7 @@ module brz_material
         real(rk) :: axial(3) !! Young's modulus along each axis of a ply; 0: no axes [Pa]
         real(rk) :: across !! the lesser shear modulus between plies; 0: no axes [Pa]
         real(rk) :: bulk !! bulk modulus for contact [Pa]
+        real(rk) :: crack !! widest crack that opens at full strength, 0: any [m]
         real(rk) :: c_wave !! fastest wave of the unloaded material, for the first time step [m/s]
         real(rk) :: par(n_par) !! slots named by the model
     end type material_t

@@ -52,18 +52,18 @@ contains
 
     !> The physics of one step of one material point. ... and a line here.
     !@cuf attributes(host,device) &
-    pure subroutine apply_model(model, material, dt, h, l, point, status)
+    pure subroutine apply_model(model, material, dt, crack, l, point, status)
         integer, intent(in) :: model !! code
         type(material_t), intent(in) :: material
-        real(rk), intent(in) :: dt, h, l(3, 3)
+        real(rk), intent(in) :: dt, crack, l(3, 3)
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
 
         select case (model)
         case (linear_elastic); call update_linear_elastic(material, dt, l, point, status)
         case (gruneisen); call update_gruneisen(material, dt, l, point, status)
-        case (orthotropic_ply); call update_orthotropic_ply(material, dt, h, l, point, status)
-        case (hjc); call update_hjc(material, dt, l, point, status)
+        case (orthotropic_ply); call update_orthotropic_ply(material, dt, crack, l, point, status)
+        case (hjc); call update_hjc(material, dt, crack, l, point, status)
         case (polynomial_eos); call update_polynomial_eos(material, dt, l, point, status)
         case (bilinear_j2); call update_bilinear_j2(material, dt, l, point, status)
         case (johnson_cook); call update_johnson_cook(material, dt, l, point, status)
@@ -81,36 +81,36 @@ contains
     !> speeds and the plastic and damage work of this step. A positive status: the point is as it
     !> was. No NaN ever comes out.
     !@cuf attributes(host,device) &
-    pure subroutine update_material(material, dt, h, l, point, status)
+    pure subroutine update_material(material, dt, crack, l, point, status)
         type(material_t), intent(in) :: material
         real(rk), intent(in) :: dt !! time step [s]
-        real(rk), intent(in) :: h !! smoothing length [m]
+        real(rk), intent(in) :: crack !! width of a smeared crack [m]
         real(rk), intent(in) :: l(3, 3) !! velocity gradient dv_i/dx_j at mid-step [1/s]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status !! see brz_material
 
-        call update_model(int(material%model), material, dt, h, l, point, status)
+        call update_model(int(material%model), material, dt, crack, l, point, status)
     end subroutine update_material
 
     !> The same where the model is known beforehand: with a constant `model`, a compiler keeps the
     !> code of that model alone.
     !@cuf attributes(host,device) &
-    pure subroutine update_model(model, material, dt, h, l, point, status)
+    pure subroutine update_model(model, material, dt, crack, l, point, status)
         integer, intent(in) :: model !! code, that of the material
         type(material_t), intent(in) :: material
-        real(rk), intent(in) :: dt, h, l(3, 3) !! [s, m, 1/s]
+        real(rk), intent(in) :: dt, crack, l(3, 3) !! [s, m, 1/s]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
 
-        call check_input(material, dt, h, l, point, status)
-        if (status == material_ok) call apply_model(model, material, dt, h, l, point, status)
+        call check_input(material, dt, crack, l, point, status)
+        if (status == material_ok) call apply_model(model, material, dt, crack, l, point, status)
     end subroutine update_model
 
     !> Refuse what is not a number or cannot be a state of a solid.
     !@cuf attributes(host,device) &
-    pure subroutine check_input(material, dt, h, l, point, status)
+    pure subroutine check_input(material, dt, crack, l, point, status)
         type(material_t), intent(in) :: material
-        real(rk), intent(in) :: dt, h, l(3, 3)
+        real(rk), intent(in) :: dt, crack, l(3, 3)
         type(point_t), intent(in) :: point
         integer, intent(out) :: status
         real(rk) :: rate, stress, history
@@ -130,7 +130,8 @@ contains
         end do
         status = material_ok
         if (.not. (rate*dt <= most_strain)) status = material_step_too_large
-        if (.not. (rate <= huge(rate) .and. dt >= 0 .and. h >= 0 .and. h <= huge(h) .and. &
+        if (.not. (rate <= huge(rate) .and. dt >= 0 .and. &
+                   crack >= 0 .and. crack <= huge(crack) .and. &
                    point%mu > -1 .and. point%mu <= most_mu .and. stress <= most_stress .and. &
                    abs(point%energy) <= most_energy .and. history <= most_history .and. &
                    point%damage >= 0 .and. point%damage <= 1)) &
@@ -191,6 +192,7 @@ contains
         material%axial = 0
         material%across = 0
         material%bulk = 0
+        material%crack = 0
         material%c_wave = 0
         material%par = 0
     end subroutine clear_material
@@ -261,6 +263,7 @@ contains
         do i = 1, size(models)
             if (models(i)%code /= material%model) cycle
             names = models(i)%history
+            names(material%n_hist + 1:) = ''
             units = models(i)%history_unit
         end do
     end subroutine history_names

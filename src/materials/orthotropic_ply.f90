@@ -16,14 +16,15 @@ module brz_orthotropic_ply
                                  eos_c0, eos_s1, eos_gamma, eos_mu_max, n_eos
     use brz_model, only: derived_t, model_t
     use brz_ply_axes, only: axes_matrix, axes_of_matrix, axes_spin, turn_ply
-    use brz_ply_failure, only: carried_stress, retain_bulk, fail, total_damage, n_modes, &
-                               fibre_tension, fibre_compression, matrix_cracking, &
-                               matrix_crushing, delamination, p_density, p_e1, p_e2, p_e3, &
-                               p_nu12, p_nu13, p_nu23, p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, &
-                               p_yc, p_zt, p_woven, p_axes, p_limit, p_pressure, p_slope, &
-                               p_gamma, p_energy, p_c11, p_c22, p_c33, p_c12, p_c23, p_c13, &
-                               p_bulk, p_rubble, p_inverse, p_eos
+    use brz_ply_failure, only: derive_softening, fail, total_damage
     use brz_ply_keys, only: ply_keys
+    use brz_ply_stress, only: carried_stress, retain_bulk, n_modes, fibre_tension, &
+                              fibre_compression, matrix_cracking, matrix_crushing, &
+                              delamination, p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, &
+                              p_nu23, p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, p_yc, p_zt, &
+                              p_woven, p_axes, p_limit, p_pressure, p_slope, p_gamma, p_energy, &
+                              p_c11, p_c22, p_c33, p_c12, p_c23, p_c13, p_bulk, p_rubble, &
+                              p_inverse, p_eos
     implicit none
     private
     public :: orthotropic_ply, describe_orthotropic_ply, update_orthotropic_ply, ply_axes
@@ -73,6 +74,7 @@ contains
         do i = 1, 8
             if (given(p_xt + i - 1)) material%par(p_inverse + i) = 1/material%par(p_xt + i - 1)
         end do
+        call derive_softening(material%par, material%crack)
         material%density = material%par(p_density)
         material%bulk = material%par(p_bulk)
         ! as stiff as an isotropic plate (nu = 0.3) of the stiffer in-plane modulus
@@ -174,9 +176,9 @@ contains
 
     !> One step of one material point; see `update_material` for the contract.
     !@cuf attributes(host,device) &
-    pure subroutine update_orthotropic_ply(material, dt, h, l, point, status)
+    pure subroutine update_orthotropic_ply(material, dt, crack, l, point, status)
         type(material_t), intent(in) :: material
-        real(rk), intent(in) :: dt, h !! time step [s], smoothing length [m]
+        real(rk), intent(in) :: dt, crack !! time step [s], width of a crack [m]
         real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j at mid-step [1/s]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
@@ -194,7 +196,7 @@ contains
         call carried_stress(material%par, e1, damage, s1)
         carried = s0
         call retain_bulk(material%par, e0, damage, s0)
-        call fail(material%par, dt, h, e1, carried, s1, damage)
+        call fail(material%par, dt, crack, e1, carried, s1, damage)
         call retain_bulk(material%par, e1, damage, s1)
         mu = point%mu
         call volume_step(material%density, l, dt, mu, dv, v_mid)

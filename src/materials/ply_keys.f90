@@ -4,12 +4,12 @@ module brz_ply_keys
     use brz_kinds, only: dp
     use brz_key, only: key_t, none, required
     use brz_model, only: real_key, switch_key, text_key, usual
-    use brz_ply_failure, only: n_keys, fibre_tension, fibre_compression, matrix_cracking, &
-                               matrix_crushing, delamination, p_density, p_e1, p_e2, p_e3, &
-                               p_nu12, p_nu13, p_nu23, p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, &
-                               p_yc, p_zt, p_s12, p_s13, p_s23, p_shear_weight, p_woven, p_axes, &
-                               p_degradation, p_time, p_limit, p_retain, p_pressure, p_slope, &
-                               p_gamma, p_friction, p_energy
+    use brz_ply_stress, only: n_keys, fibre_tension, fibre_compression, matrix_cracking, &
+                              matrix_crushing, delamination, p_density, p_e1, p_e2, p_e3, &
+                              p_nu12, p_nu13, p_nu23, p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, &
+                              p_yc, p_zt, p_s12, p_s13, p_s23, p_shear_weight, p_woven, p_axes, &
+                              p_degradation, p_time, p_limit, p_retain, p_pressure, p_slope, &
+                              p_gamma, p_friction, p_energy
     implicit none
     private
     public :: ply_keys

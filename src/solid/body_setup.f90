@@ -8,6 +8,7 @@ module brz_body_setup
     use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: inside, shape_t
     use brz_case, only: body_case_t, case_t, label
+    use brz_crack_band, only: judge_crack
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation, only: settle_formulation
     use brz_interaction_setup, only: set_up_interactions
@@ -124,6 +125,8 @@ contains
                             solid%bodies(b), err)
             end associate
             call judge_spacing(case%bodies(b), points(b)%shape, solid%notes)
+            call judge_crack(case%bodies(b), solid%bodies(b), &
+                             solid%materials(case%bodies(b)%material_index), solid%notes, err)
             if (case%bodies(b)%shape == 'bars') &
                 call judge_bars(case%bodies(b), solid%bodies(b)%across, solid%notes)
         end do

@@ -3,6 +3,7 @@
 module brz_formulation
     use brz_artificial_stress, only: artificial_gray, artificial_monaghan, artificial_none
     use brz_case, only: body_case_t, label
+    use brz_crack_band, only: crack_width
     use brz_errors, only: error_t, exit_deck, raise
     use brz_gradient, only: limiter_balsara, limiter_compression, limiter_none
     use brz_hourglass_axes, only: lay_axes
@@ -53,6 +54,7 @@ contains
         case default
             call refuse(input, "unknown formulation '"//trim(input%formulation)//"'", err)
         end select
+        body%crack = real(crack_width(body%formulation, input%spacing), rk)
         call settle_artificial(input, body, err)
         call settle_stiffness(input, material, dimension, body)
         call settle_hold(input, int(material%class), body, err)

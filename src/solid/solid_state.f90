@@ -80,6 +80,7 @@ module brz_solid_state
         real(dp) :: volume_scale = 1 !! volume of a particle over that of its lattice cell
         integer :: across = 0 !! bars: particles across the diameter
         real(rk) :: h = 0 !! smoothing length of the unloaded body [m]
+        real(rk) :: crack = 0 !! width of a smeared crack, over which a fracture energy is spent [m]
         integer :: group = 1 !! its first group of particles
         logical :: variable = .false. !! smoothing length follows the density
         real(rk) :: h_range(2) = 1 !! its bounds over h

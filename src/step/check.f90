@@ -6,6 +6,7 @@ module brz_check
     use brz_body_setup, only: meeting_speed
     use brz_case, only: body_case_t, case_t
     use brz_check_bodies, only: body_box
+    use brz_crack_band, only: crack_report
     use brz_errors, only: error_t
     use brz_kinds, only: dp, real32
     use brz_material_report, only: material_report
@@ -172,12 +173,20 @@ contains
                     sum(real(solid%mass(body%first:body%last), dp)), ' kg, volume scaled by ', &
                     body%volume_scale
                 call print_settings(sim%case, solid, b)
+                call print_more(crack_report(body, solid%materials(body%material)))
             end associate
         end do
         write (output_unit, '(a, i0, a, f0.1, a, f0.0, a)') 'solids       ', sim%solid%n, &
             ' particles, ', 1e-6_dp*bytes_per_particle(sim%solid)*sim%solid%n, ' MB, ', &
             bytes_per_particle(sim%solid), ' B per particle, without neighbour lists'
     end subroutine check_solid
+
+    !> A line beneath that of a body, unless it is empty.
+    subroutine print_more(text)
+        character(*), intent(in) :: text
+
+        if (text /= '') write (output_unit, '(a)') '             '//text
+    end subroutine print_more
 
     !> Why a body has its formulation, and how it is held.
     function reason(case, solid, b) result(text)

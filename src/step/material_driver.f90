@@ -169,7 +169,7 @@ contains
             l = real(segment%l, rk)
             call to_voigt(l, drive%rates)
             call update_material(drive%material, real(dt, rk), &
-                                 real(drive%case%smoothing_length, rk), l, drive%point, status)
+                                 real(drive%case%crack_length, rk), l, drive%point, status)
         else
             control = control_of(drive, segment)
             call controlled_step(drive%material, control, drive%rates, drive%point, left, status)
@@ -192,7 +192,7 @@ contains
         real(dp) :: part
 
         control%dt = real(segment%duration/segment%steps, rk)
-        control%h = real(drive%case%smoothing_length, rk)
+        control%crack = real(drive%case%crack_length, rk)
         control%axis = index('xyz', segment%axis)
         control%rate = real(segment%rate, rk)
         select case (segment%control)

@@ -30,7 +30,7 @@ module brz_stress_control
         integer :: axis = 1 !! 1, 2, 3: along it the rate is given; 0: all stresses are
         real(rk) :: rate = 0 !! along the axis [1/s]
         real(rk) :: stress(most) = 0 !! wanted at the end of the step; that of the axis is free [Pa]
-        real(rk) :: dt = 0, h = 0 !! step [s], smoothing length [m]
+        real(rk) :: dt = 0, crack = 0 !! step [s], width of a crack [m]
         integer :: n = 0 !! rates that are solved for
         integer :: free(most) = 0 !! which they are
     end type stress_control_t
@@ -106,7 +106,7 @@ contains
         end do
         if (i > most_sweeps) return
         call gradient(control, tried, l)
-        call update_material(material, control%dt, control%h, l, point, status)
+        call update_material(material, control%dt, control%crack, l, point, status)
         if (control%axis > 0) rates(control%axis) = control%rate
         rates(control%free(:control%n)) = tried(:control%n)
         left = 0
@@ -269,7 +269,7 @@ contains
 
         call gradient(control, x, l)
         moved = point
-        call update_material(material, control%dt, control%h, l, moved, status)
+        call update_material(material, control%dt, control%crack, l, moved, status)
         if (status > 0) moved%stress = huge(1.0_rk)/10
         r = 0
         associate (free => control%free(:control%n))

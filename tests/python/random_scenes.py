@@ -11,7 +11,7 @@ import random
 ROOM = [18e-3, 12e-3, 12e-3]  # half sides of the air; bodies lie in x > 0 [m]
 PLASTIC = ["al2024", "steel_4340", "rebar", "ofhc_copper", "al6061"]
 PLIES = ["cfrp_ud", "cfrp_woven"]
-CONCRETE = ["hjc_48", "hjc_44"]
+CONCRETE = ["hjc_48", "hjc_44", "concrete_48"]
 UNBREAKABLE = ["soft"]
 FORMS = ["auto", "bending", "corrected_hourglass", "corrected", "uncorrected", "paper"]
 FORMS += ["total_lagrangian", "rigid"]

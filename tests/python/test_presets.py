@@ -95,7 +95,7 @@ def test_no_preset_has_gone():
         "hjc_48 hjc_44 hjc_40_scaled hjc_35_scaled al2024_paper steel_paper al2024 al6061 al1100"
     )
     wanted += " steel_4340 ofhc_copper armco_iron rebar cfrp_ud_paper cfrp_woven_paper cfrp_ud"
-    wanted += " cfrp_woven tnt_jwl tnt_balloon"
+    wanted += " cfrp_woven tnt_jwl tnt_balloon concrete_48 concrete_40"
     assert set(wanted.split()) <= set(NAMES)
 
 
