@@ -10,7 +10,8 @@ module brz_solid_forces
                                place_group, place_images
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
-                                   sum_axial, sum_held, sum_plain, sum_stiff, sum_viscous
+                                   sum_axial, sum_held, sum_plain, sum_plate, sum_stiff, &
+                                   sum_viscous
     use brz_solid_single_pairs, only: add_artificial, add_pair, visit_pairs
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, held_energy, held_stiffness, is_gone, lanes, n_held, &
@@ -118,7 +119,7 @@ contains
 
         call take_rows(solid, body, p)
         if (p%held) then
-            call sum_held(p, solid%x, solid%v, solid%x_ref, solid%held, solid%pair, &
+            call sum_hold(p, solid%x, solid%v, solid%x_ref, solid%held, solid%pair, &
                           solid%list(p%list), f)
         else
             call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%pair, solid%list(p%list), f, &
@@ -132,7 +133,7 @@ contains
             call mirror_rows(solid, p, k, last, rows)
             p%count = int(last - k) + 1
             if (p%held) then
-                call sum_held(p, images%x, images%v, images%x_ref, rows%held, rows%pair, in_turn, &
+                call sum_hold(p, images%x, images%v, images%x_ref, rows%held, rows%pair, in_turn, &
                               part)
             else
                 call sum_direct(p, images%x, images%v, images%x_ref, rows%pair, in_turn, part, &
@@ -149,8 +150,8 @@ contains
         type(group_t), intent(inout) :: p
         integer :: i, l
 
-        p%held = .false.
-        if (body%drawn) p%held = some_pair_held(solid, body, p)
+        p%held = body%tension_hold > 0 .and. any(body%normal > 0)
+        if (body%drawn .and. .not. p%held) p%held = some_pair_held(solid, body, p)
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)
             p%row(l, :) = solid%pair(:, i)
@@ -181,7 +182,7 @@ contains
     end function some_pair_held
 
     !> What pass 1 left of particles, as the images k..last have it. Where a plane turns the normal
-    !> of the plies round, a tilt changes sign.
+    !> round, a tilt changes sign.
     subroutine mirror_rows(solid, p, k, last, rows)
         type(solid_t), intent(in) :: solid
         type(group_t), intent(in) :: p
@@ -197,11 +198,25 @@ contains
             s = signs(int(solid%mask(e)))
             rows%pair(:, n) = mirrored_row(s, solid%pair(:, j))
             if (p%held) rows%held(:, n) = mirrored_hold(s, solid%held(:, j))
-            if (.not. p%directional) cycle
             rows%pair(pair_tilt, n) = dot_product(s, p%normal)*solid%pair(pair_tilt, j)
-            rows%hold(:, n) = real(mirrored(s, solid%hold(:, j)), real32)
+            if (p%directional) rows%hold(:, n) = real(mirrored(s, solid%hold(:, j)), real32)
         end do
     end subroutine mirror_rows
+
+    !> Sum over particles of a list with the hold, and with tilts where the body has a normal.
+    subroutine sum_hold(p, x, v, x_ref, held, pair, list, f)
+        type(group_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, *), x_ref(3, *)
+        real(rk), intent(in) :: v(3, *), held(n_held, *), pair(n_pair, *)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: f(lanes, n_terms)
+
+        if (any(p%normal > 0)) then
+            call sum_plate(p, x, v, x_ref, held, pair, list, f)
+        else
+            call sum_held(p, x, v, x_ref, held, pair, list, f)
+        end if
+    end subroutine sum_hold
 
     !> Sum over particles of a list without the hold, in the loop that has just the forces of this
     !> body.

@@ -117,7 +117,7 @@ contains
         integer :: fails, i, l
 
         p%tilt = 0
-        if (.not. body%directional) return
+        if (.not. any(body%normal > 0)) return
         fails = solid%materials(body%material)%fails
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)

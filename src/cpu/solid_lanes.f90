@@ -23,7 +23,7 @@ module brz_solid_lanes
         integer :: i = 0 !! particle; of a group the first
         real(rk) :: scale = 0, half_over_h = 0 !! see brz_kernel
         real(rk) :: h = 0 !! smoothing length [m]
-        real(rk) :: normal(3) = 0 !! of the plies, see brz_tilted_arm
+        real(rk) :: normal(3) = 0 !! of the layers, see brz_tilted_arm; 0: no tilts
     end type centre_t
 
     !> The particles of a group. Where they are fewer than lanes, the last one is in all others.

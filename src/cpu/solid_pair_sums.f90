@@ -15,7 +15,7 @@ module brz_solid_pair_sums
     use brz_tilted_arm, only: tilted_arm, tilted_force
     implicit none
     private
-    public :: sum_plain, sum_viscous, sum_held, sum_stiff, sum_axial, viscosity
+    public :: sum_plain, sum_viscous, sum_held, sum_plate, sum_stiff, sum_axial, viscosity
     public :: n_terms, at_heat, at_friction, at_drag, at_hold, at_work
 
     ! slots of the sums: 1..3 force of the stress [N]
@@ -171,6 +171,65 @@ contains
         end do
         f = acc
     end subroutine sum_held
+
+    !> The same with the arms of tilted gradients: plates of metal.
+    subroutine sum_plate(p, x, v, x_ref, held, pair, list, f)
+        type(group_t), intent(in) :: p
+        real(dp), intent(in) :: x(3, *), x_ref(3, *)
+        real(rk), intent(in) :: v(3, *), held(n_held, *), pair(n_pair, *)
+        integer(int32), intent(in) :: list(*)
+        real(rk), intent(out) :: f(lanes, n_terms)
+        real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), hold(n_held), g(3), d(3)
+        real(rk) :: e(3), arm(3), arm_j(3), w, u, y, r2, vr, heat
+        integer :: k, l, j, t
+
+        acc = 0
+        do k = 1, p%count
+            j = list(k)
+            !GCC$ unroll 1
+            do l = 1, lanes
+                do t = 1, 3
+                    r(t) = real(p%x(l, t) - x(t, j), rk)
+                    dx(t) = real(p%x_ref(l, t) - x_ref(t, j), rk)
+                    dv(t) = p%v(l, t) - v(t, j)
+                end do
+                do t = 1, 8
+                    own(t) = p%row(l, t)
+                    own(t + 8) = p%row(l, t + 8)
+                    own(t + 16) = p%row(l, t + 16)
+                end do
+                do t = 1, 6
+                    hold(t) = p%own(l, t)
+                    hold(t + 6) = p%own(l, t + 6)
+                end do
+                r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
+                vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
+                w = own(pair_volume)*pair(pair_volume, j) &
+                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
+                call tilted_arm(own(pair_tilt), p%normal, dx, r, arm)
+                call tilted_arm(-pair(pair_tilt, j), p%normal, dx, r, arm_j)
+                call tilted_force(w, own(pair_stress + 1), pair(pair_stress + 1, j), arm, arm_j, &
+                                  g)
+                u = viscosity(p%h, own, pair(1, j), w, r2, vr)
+                y = w*own(pair_keep)*pair(pair_keep, j)
+                call hourglass_viscous(y*own(pair_hold), y*pair(pair_hold, j), &
+                                       own(pair_affine + 1), pair(pair_affine + 1, j), dv, r, d, &
+                                       heat)
+                call hourglass_stiff(most_drawn, y*hold(held_whole)*held(held_whole, j), &
+                                     hold(held_stiffness) + held(held_stiffness, j), &
+                                     hold(held_affine + 1), held(held_affine + 1, j), dx, r, e)
+                do t = 1, 3
+                    acc(l, t) = acc(l, t) + g(t)
+                    acc(l, at_drag + t) = acc(l, at_drag + t) + (u*r(t) + d(t))
+                    acc(l, at_hold + t) = acc(l, at_hold + t) + e(t)
+                end do
+                acc(l, at_heat) = acc(l, at_heat) - u*vr/2
+                acc(l, at_friction) = acc(l, at_friction) + heat
+                acc(l, at_work) = acc(l, at_work) - (e(1)*dv(1) + e(2)*dv(2) + e(3)*dv(3))/2
+            end do
+        end do
+        f = acc
+    end subroutine sum_plate
 
     !> Stress, viscosity and stiff hourglass force over the direct neighbours. In a total-Lagrangian
     !> body X_ij weighs the pairs, and the stress (there Piola's) acts along it.

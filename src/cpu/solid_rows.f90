@@ -10,7 +10,7 @@ module brz_solid_rows
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_total, &
                                held_affine, held_energy, held_stiffness, held_whole, &
                                pair_affine, pair_hold, pair_keep, pair_linear, pair_quadratic, &
-                               pair_volume, solid_t
+                               pair_tilt, pair_volume, solid_t
     use brz_tension_hold, only: deviation, hold_stiffness
     implicit none
     private
@@ -40,6 +40,7 @@ contains
             call stiffen(solid, body, i, q, z)
         case (form_corrected_hourglass)
             z = body%zeta_viscous*body%h*rho*c_bulk
+            if (abs(solid%pair(pair_tilt, i)) > 0) z = 0 ! a tilted gradient would exert a torque
             q = h
         case default
             z = 0

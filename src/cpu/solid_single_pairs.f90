@@ -62,7 +62,7 @@ contains
         if (w == 0) return
         own = solid%pair(:, p%i)
         other = mirrored_row(s, solid%pair(:, j))
-        if (body%directional) then
+        if (any(body%normal > 0)) then
             call tilted_arm(own(pair_tilt), p%normal, dx, r, arm)
             call tilted_arm(-other(pair_tilt), s*p%normal, dx, r, arm_j)
             call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)

@@ -186,7 +186,17 @@ contains
         end do
     end function count_intact
 
-    !> End the stiff hourglass force for good where half of the intact neighbours are gone.
+    !> True where a particle has a tilted gradient while it has its support.
+    pure logical function is_tilted(solid, i) result(yes)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+
+        yes = allocated(solid%tilt)
+        if (yes) yes = abs(solid%tilt(i)) > 0
+    end function is_tilted
+
+    !> End the stiff hourglass force, and the tilt, for good where half of the intact neighbours are
+    !> gone.
     subroutine end_support(solid)
         type(solid_t), intent(inout) :: solid
         integer :: fails, i, k
@@ -198,8 +208,9 @@ contains
                 fails = solid%materials(body%material)%fails
                 do i = solid%block(2, k), solid%block(3, k)
                     if (solid%cut(i) == 1) cycle
-                    if (body%tension_hold > 0) then ! no hold that could end
-                        if (.not. may_be_drawn(solid%stress(:, i))) cycle
+                    if (body%tension_hold > 0) then ! no hold that could end, and no tilt
+                        if (.not. (may_be_drawn(solid%stress(:, i)) .or. is_tilted(solid, i))) &
+                            cycle
                     end if
                     if (count_intact(solid, solid%block(1, k), i, fails) &
                         < intact_share*solid%support(i)) solid%cut(i) = 1_int8

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Tilt of the gradients in the outermost layers of laminates, from the unloaded body.
+!> Tilt of the gradients in the outermost layers of laminates and of plates of metal, from the
+!> unloaded body.
 module brz_solid_tilts
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: int64, real32, rk
@@ -12,6 +13,7 @@ module brz_solid_tilts
     public :: find_tilts
 
     real(rk), parameter :: level = 0.05_rk !! less tilt over a spacing is none
+    real(rk), parameter :: one_sided = 0.5_rk !! more of it over a spacing is a free face
 
 contains
 
@@ -32,13 +34,14 @@ contains
         end do
     end subroutine find_tilts
 
-    !> c with sum w t^2 z (1 + c z) = 0 over the neighbours of particle i, t along the layer and z
-    !> across it [1/m].
+    !> c with sum w t^2 (z - d) (1 + c z) = 0 over the neighbours of particle i, t along the layer
+    !> and z across it [1/m]: u = t z then has the gradient of a place d from it. d is 0 but at the
+    !> faces of plates of metal, which see the strain further out.
     pure real(rk) function tilt_of(solid, body, i) result(tilt)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
-        real(rk) :: sums(2), scale
+        real(rk) :: sums(3), scale, d
         integer(int64) :: k
         integer :: g
 
@@ -67,21 +70,25 @@ contains
         tilt = 0
         if (sums(2) > 0) tilt = -sums(1)/sums(2)
         if (abs(tilt)*body%spacing < level) tilt = 0
+        if (abs(tilt)*body%spacing < one_sided) return
+        d = -sign(body%outward, sums(1))
+        tilt = (d*sums(3) - sums(1))/(sums(2) - d*sums(1))
     end function tilt_of
 
-    !> Add a neighbour, or its image in the planes of the mask, to sum w t^2 z and sum w t^2 z^2.
+    !> Add a neighbour, or its image in the planes of the mask, to the sums of w t^2 z, of w t^2 z^2
+    !> and of w t^2.
     pure subroutine add(solid, body, i, j, mask, scale, half_over_h, sums)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i, j, mask
         real(rk), intent(in) :: scale, half_over_h !! see brz_kernel
-        real(rk), intent(inout) :: sums(2)
+        real(rk), intent(inout) :: sums(3)
         real(rk) :: r(3), w, z
 
         r = real(solid%x_ref(:, i) - signs(mask)*solid%x_ref(:, j), rk)
         z = dot_product(body%normal, r)
         w = solid%volume(j)*kernel_slope(scale, half_over_h, norm2(r))
         w = w*(dot_product(r, r) - z*z)
-        sums = sums + w*z*[1.0_rk, z]
+        sums = sums + w*[z, z*z, 1.0_rk]
     end subroutine add
 end module brz_solid_tilts

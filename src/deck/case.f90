@@ -136,6 +136,7 @@ module brz_case
         logical :: hourglass_axes = .true. !! plies: along the axes of the material
         real(dp) :: zeta_viscous = 0.05_dp !! viscous hourglass force ('corrected_hourglass')
         real(dp) :: tension_hold = -1 !! of 'corrected_hourglass'; negative: the usual one
+        character(4) :: plate_axis = 'auto' !! normal of a plate; 'auto', 'none', 'x', 'y', 'z'
         real(dp) :: smoothing = 1.2_dp !! smoothing length over spacing
         logical :: variable_h = .false. !! the smoothing length follows the density
         real(dp) :: h_range(2) = [0.7_dp, 1.2_dp] !! its bounds over that of the unloaded body

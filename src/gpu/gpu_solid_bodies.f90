@@ -182,6 +182,7 @@ contains
         case (form_corrected_hourglass)
             name = 'viscous'
             if (p%tension_hold > 0) name = 'drawn'
+            if (any(p%normal > 0)) name = 'plate'
         case default
             name = 'plain'
             if (p%artificial /= artificial_none) name = 'artificial'

@@ -6,7 +6,7 @@
 !>                      with the tilt of the gradient where bodies have tilts [1/m]
 !>     motion(4, n)     velocity [m/s], volume [m3]
 !>     row(n_pair, n)   what pass 2 needs, slots of brz_solid_state
-!>     hold(6, n)       hourglass stiffness along axes [Pa]
+!>     hold(6, n)       hourglass stiffness along axes [Pa]; in pass 1 the tilt [1/m] in slot 1
 !>     held(n_held, n)  the hold, where bodies have it, slots of brz_solid_state; in pass 1 the sums
 !>                      S of brz_tension_hold in 1..6, then F in held_affine and what is named below
 !> What only the particle itself reads lies column by column: state(n, ...), tag(n, ...), and
@@ -98,7 +98,7 @@ module brz_gpu_solid_layout
         real(rk) :: crack !! width of a smeared crack [m]
         real(rk) :: h, scale, half_over_h, alpha, beta, zeta, zeta_viscous, cfl, tension_hold
         real(rk) :: artificial_strength, artificial_power, shape_at_spacing
-        real(rk) :: normal(3) !! of the plies, 0: no tilted gradients
+        real(rk) :: normal(3) !! of the layers, 0: no tilted gradients
     end type body_gpu_t
 
     !> Cells over one body.

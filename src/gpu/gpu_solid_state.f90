@@ -100,7 +100,8 @@ contains
         call allocate_buffer(gpu%book, 8_int64*n_book*n, err)
         call allocate_buffer(gpu%row, n_pair*bytes_of_real*n, err)
         call allocate_buffer(gpu%grad, 9*bytes_of_real*n, err)
-        call allocate_buffer(gpu%hold, merge(24*n, 8_int64, any(solid%bodies%directional)), err)
+        call allocate_buffer(gpu%hold, merge(24*n, 8_int64, allocated(solid%hold) .or. &
+                                             allocated(solid%tilt)), err)
         call allocate_buffer(gpu%held, merge(n_held*bytes_of_real*n, 8_int64, &
                                              allocated(solid%held)), err)
         if (allocated(solid%held)) call clear_buffer(gpu%held, err)
@@ -154,6 +155,7 @@ contains
         bytes = solid%n*(bytes_of_real*(4 + n_state + n_pair + 9) + 8*n_book &
                          + 4*n_tag + 3*32 + 8 + 3*4 + 8 + 4*neighbours_guess &
                          + merge(20*bytes_of_real, 0_int64, solid%links%present) &
+                         + merge(24, 0, allocated(solid%hold) .or. allocated(solid%tilt)) &
                          + merge(n_held*bytes_of_real, 0_int64, allocated(solid%held)))
         if (bytes > device%free_bytes) call raise(err, exit_device, 'the bodies need about '// &
             to_text(int(bytes/2**20))//' MiB on the GPU, but only '// &

@@ -156,8 +156,11 @@ contains
         call arguments%add(gpu%place)
         if (body%held .and. .not. body%total) call arguments%add(gpu%reference)
         call arguments%add([gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad])
-        if (body%tilted) call arguments%add([gpu%state, gpu%tag, gpu%hold])
-        if (body%drawn) call arguments%add([gpu%state, gpu%held])
+        if (body%tilted) then
+            call arguments%add([gpu%state, gpu%tag, gpu%hold, gpu%held])
+        else if (body%drawn) then
+            call arguments%add([gpu%state, gpu%held])
+        end if
         call launch(body%moments, threads_of(body), arguments, err)
     end subroutine sum_moments
 
@@ -222,7 +225,8 @@ contains
         end do
     end subroutine force_pass
 
-    !> End the stiff hourglass force for good where half of the intact neighbours are gone.
+    !> End the stiff hourglass force, and the tilt, for good where half of the intact neighbours are
+    !> gone.
     subroutine end_support(gpu, solid, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
@@ -235,7 +239,8 @@ contains
             associate (body => gpu%bodies(b))
                 call begin(gpu, body, arguments)
                 call arguments%add(intact_share)
-                call arguments%add([body%slice, gpu%count, body%list, gpu%state, gpu%tag])
+                call arguments%add([body%slice, gpu%count, body%list, gpu%reference, gpu%state, &
+                                    gpu%tag])
                 call launch(gpu%end_support, threads_of(body), arguments, err)
             end associate
         end do

@@ -6,7 +6,7 @@
 module brz_body_setup
     use brz_bar_layers, only: layers_across
     use brz_body_points, only: lay_shapes, place_points, points_t
-    use brz_body_shape, only: inside, shape_t
+    use brz_body_shape, only: inside, shape_t, whole_sides
     use brz_case, only: body_case_t, case_t, label
     use brz_crack_band, only: judge_crack
     use brz_errors, only: error_t, exit_deck, failed, raise
@@ -15,6 +15,7 @@ module brz_body_setup
     use brz_kinds, only: dp, int16, int8, real32, rk
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
+    use brz_plate, only: settle_plate
     use brz_rigid_setup, only: set_up_rigid
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: body_t, solid_t
@@ -123,6 +124,8 @@ contains
             associate (m => case%bodies(b)%material_index)
                 call settle(case%bodies(b), solid%materials(m), solid%dimension, speed, &
                             solid%bodies(b), err)
+                call settle_plate(case%bodies(b), int(solid%materials(m)%class), speed, &
+                                  points(b)%shape, solid%bodies(b), err)
             end associate
             call judge_spacing(case%bodies(b), points(b)%shape, solid%notes)
             call judge_crack(case%bodies(b), solid%bodies(b), &
@@ -380,8 +383,7 @@ contains
         integer :: a, thin
 
         if (word == 'sides') then
-            side = shape%full_hi - shape%full_lo
-            where (shape%on_plane) side = 2*(shape%hi - shape%lo)
+            side = whole_sides(shape)
             thin = shape%dimension
             do a = shape%dimension, 1, -1
                 if (side(a) < (1 - 1e-9_dp)*side(thin)) thin = a

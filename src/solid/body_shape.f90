@@ -9,7 +9,7 @@ module brz_body_shape
     implicit none
     private
     public :: shape_t, lay_shape, take_lattice, point_of, inside, exact_volume, modelled_share, &
-              axis_of, bar_weight, overlap
+              axis_of, bar_weight, overlap, whole_sides
 
     real(dp), parameter :: pi = acos(-1.0_dp)
 
@@ -94,6 +94,15 @@ contains
             s%n(a) = max(0, last - first)
         end do
     end subroutine take_lattice
+
+    !> Sides of a body with its images: whole where a symmetry plane cuts it.
+    pure function whole_sides(shape) result(side)
+        type(shape_t), intent(in) :: shape
+        real(dp) :: side(3) !! [m]
+
+        side = shape%full_hi - shape%full_lo
+        where (shape%on_plane) side = 2*(shape%hi - shape%lo)
+    end function whole_sides
 
     !> Volume that the boxes around two bodies have in common; 0 where they do not meet.
     pure real(dp) function overlap(a, b)

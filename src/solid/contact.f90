@@ -36,7 +36,7 @@ module brz_contact
         logical :: shared !! pressures of the two bodies are shared
         integer :: formulation !! common to both bodies, 0: they differ
         logical :: directional !! both have a hourglass stiffness along axes
-        real(rk) :: normal(3, 2) !! of the plies of the first and of the second, 0: no tilts
+        real(rk) :: normal(3, 2) !! of the layers of the first and of the second, 0: no tilts
         real(rk) :: tensile, shear !! strengths of a bond [Pa]
         logical :: quadratic !! both strengths act together
     end type meeting_t

@@ -14,7 +14,7 @@ module brz_formulation
                                form_rigid, form_total, form_uncorrected
     implicit none
     private
-    public :: settle_formulation
+    public :: settle_formulation, fast
 
     real(dp), parameter :: fast = 1000 !! bodies that meet faster send strong shocks [m/s]
     real(rk), parameter :: usual_hold = 3 !! an infinite lattice under tension is stable from 1.25

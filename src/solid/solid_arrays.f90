@@ -23,8 +23,8 @@ contains
                       solid%volume(n), solid%pair(n_pair, n))
             allocate (solid%id(n), solid%ply(n), solid%support(n), solid%fixed(n), solid%cut(n))
             if (any(solid%bodies%variable)) allocate (solid%h(n), source=0.0_rk)
-            if (any(solid%bodies%directional)) allocate (solid%hold(6, n), solid%tilt(n), &
-                                                         source=0.0_real32)
+            if (any(solid%bodies%directional)) allocate (solid%hold(6, n), source=0.0_real32)
+            if (any_tilted(solid)) allocate (solid%tilt(n), source=0.0_real32)
             if (any(solid%bodies%tension_hold > 0)) allocate (solid%held(n_held, n), &
                                                               solid%owed(n), source=0.0_rk)
             allocate (solid%search%order(n))
@@ -34,6 +34,14 @@ contains
         call cut_blocks(solid)
         if (solid%links%present) call allocate_links(solid)
     end subroutine allocate_solid
+
+    !> True where the outermost layers of some body have tilted gradients.
+    pure logical function any_tilted(solid)
+        type(solid_t), intent(in) :: solid
+        integer :: b
+
+        any_tilted = any([(any(solid%bodies(b)%normal > 0), b=1, size(solid%bodies))])
+    end function any_tilted
 
     !> Number the groups of particles, body by body.
     subroutine number_groups(solid)
@@ -123,7 +131,8 @@ contains
             if (allocated(s%image_first)) bytes = bytes + wide(size(s%image_first))
             if (allocated(s%load)) bytes = bytes + working(size(s%load))
             if (allocated(s%h)) bytes = bytes + working(size(s%h))
-            if (allocated(s%hold)) bytes = bytes + 4.0_dp*(size(s%hold) + size(s%tilt))
+            if (allocated(s%hold)) bytes = bytes + 4.0_dp*size(s%hold)
+            if (allocated(s%tilt)) bytes = bytes + 4.0_dp*size(s%tilt)
             if (allocated(s%held)) bytes = bytes + working(size(s%held) + size(s%owed))
             if (s%links%present) bytes = bytes + 4.0_dp*(size(s%links%row) + size(s%links%touch)) &
                 + size(s%links%bond) + wide(size(s%links%first)) &

@@ -92,7 +92,9 @@ module brz_solid_state
         logical :: directional = .false. !! hourglass stiffness along the axes of the material
         real(rk), allocatable :: axes(:, :, :) !! (3, 4, 0:plies) unloaded axes of it, column by
                                                !! column, and the stiffness along them [Pa]
-        real(rk) :: normal(3) = 0 !! of its plies in the unloaded body; 0: no tilted gradients
+        real(rk) :: normal(3) = 0 !! of its plies, or of a plate of metal, in the unloaded body;
+                                  !! 0: no tilted gradients
+        real(rk) :: outward = 0 !! from where its faces see the strain, further out [m]
         real(rk) :: artificial_strength = 0, artificial_power = 0
         real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)
         real(rk) :: cfl = 0.4_rk
@@ -174,7 +176,8 @@ module brz_solid_state
         real(real32), allocatable :: hold(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz,
                                                 !! xz; only where a body has one along axes [Pa]
         real(real32), allocatable :: tilt(:) !! (n) of the gradient in the outermost layers of
-                                             !! plies, see brz_tilted_arm; where `hold` is [1/m]
+                                             !! plies and plates, see brz_tilted_arm; only where
+                                             !! a body has a normal [1/m]
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         real(rk), allocatable :: held(:, :) !! (n_held, n) the hold, where a body has it; by pass 1
         real(rk), allocatable :: owed(:) !! (n) where `held` is: energy of the hold, and its work

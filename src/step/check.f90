@@ -194,6 +194,7 @@ contains
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b !! body
         character(:), allocatable :: text
+        character(1), parameter :: axis_names(3) = ['x', 'y', 'z']
         character(44), parameter :: auto(4) = [character(44) :: &
                                                ' (auto: it springs back until it breaks)', &
                                                ' (auto: a metal flows and stays together)', &
@@ -206,6 +207,8 @@ contains
             if (body%tension_hold > 0) &
                 text = text//', held by '//to_text(real(body%tension_hold, real32))// &
                        ' times its tension'
+            if (body%tension_hold > 0 .and. any(body%normal > 0)) &
+                text = text//', a plate across '//axis_names(maxloc(body%normal, dim=1))
         end associate
     end function reason
 

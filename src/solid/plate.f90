@@ -1,0 +1,78 @@
+! SPDX-License-Identifier: MIT
+!> Plates of metal: flat bodies that bend and yield.
+!>
+!> Sums of thin bodies miss the bending stiffness of each layer about its own middle, 1/n^2 of that
+!> of n layers, and the outermost layers see the strain of a place a quarter of a spacing deeper.
+!> With tilted gradients (brz_tilted_arm) they see that of a place a little further out instead:
+!> then the stress alone has the bending stiffness of the whole section, and yields by its law.
+!>
+!> Source: docs/solid.md section 4
+module brz_plate
+    use brz_body_shape, only: shape_t, whole_sides
+    use brz_case, only: body_case_t, label
+    use brz_errors, only: error_t, exit_deck, raise
+    use brz_formulation, only: fast
+    use brz_kinds, only: dp, rk
+    use brz_material, only: class_metal
+    use brz_solid_state, only: body_t
+    implicit none
+    private
+    public :: settle_plate
+
+    integer, parameter :: least_layers = 3 !! within, one that damps waves of two spacings
+    integer, parameter :: most_layers = 12 !! a thicker one lacks less than a hundredth
+    real(dp), parameter :: flat = 1/3.0_dp !! thickness over every other side, at most
+    !> How much further out the outermost layers see the strain, over the spacing of the layers.
+    !> Exact for n layers is sqrt((n - 1)^2/4 + n/24) - (n - 1)/2, 0.061 to 0.050 for n = 3 to 6;
+    !> so the stiffness is right within 1.1 % from three on.
+    real(dp), parameter :: further_out = 0.055_dp
+
+contains
+
+    !> Normal of a body that is a plate, and from where its faces see the strain.
+    subroutine settle_plate(input, class, speed, shape, body, err)
+        type(body_case_t), intent(in) :: input
+        integer, intent(in) :: class !! of the material
+        real(dp), intent(in) :: speed !! largest of two bodies towards each other [m/s]
+        type(shape_t), intent(in) :: shape
+        type(body_t), intent(inout) :: body
+        type(error_t), intent(inout) :: err
+        integer :: a
+
+        a = index('xyz', trim(input%plate_axis))
+        if (a > 0) then
+            if (a > shape%dimension .or. .not. body%tension_hold > 0) then
+                call raise(err, exit_deck, label('body', input%id, input%place)// &
+                           'plate_axis names a direction that is modelled, in a body with '// &
+                           "formulation='corrected_hourglass' and a tension_hold; leave it out")
+                return
+            end if
+        else if (input%plate_axis == 'auto') then
+            if (class == class_metal .and. body%tension_hold > 0 .and. speed <= fast) &
+                a = thin_axis(input, shape)
+        end if
+        if (a == 0) return
+        body%normal(a) = 1
+        body%outward = real(further_out*shape%spacing(a), rk)
+    end subroutine settle_plate
+
+    !> Direction in which a box or a disc is thin; 0 where it is no plate.
+    pure integer function thin_axis(input, shape) result(thin)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        real(dp) :: side(3)
+        integer :: a
+
+        thin = 0
+        if (shape%dimension == 1 .or. input%inner_radius > 0) return
+        if (input%shape /= 'box' .and. input%shape /= 'cylinder') return
+        side = whole_sides(shape)
+        thin = minloc(side(:shape%dimension), dim=1)
+        do a = 1, shape%dimension
+            if (a /= thin .and. side(thin) > (1 + 1e-9_dp)*flat*side(a)) thin = 0
+            if (thin == 0) return
+        end do
+        a = nint(side(thin)/shape%spacing(thin))
+        if (a < least_layers .or. a > most_layers) thin = 0
+    end function thin_axis
+end module brz_plate
