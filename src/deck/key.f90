@@ -29,5 +29,6 @@ module brz_key
         character(24) :: former = '' !! what the key was called before
         character(200) :: meaning = '' !! one sentence
         character(24) :: owner = '' !! &material: the model that has this key, '' = every model
+        character(24) :: needs = '' !! key without which this one means nothing, '' = none
     end type key_t
 end module brz_key

@@ -3,8 +3,9 @@
 module brz_overrides
     use brz_deck, only: add_entry, add_error, add_group, deck_t, entry_t, find_entry, find_group
     use brz_complete, only: group_owner
-    use brz_key, only: key_t
+    use brz_key, only: key_t, kind_text
     use brz_key_text, only: find_row, group_hint, group_known, group_repeats, key_hint
+    use brz_preset, only: take_back
     use brz_text, only: lower, to_text
     use brz_value_text, only: entry_from_text
     implicit none
@@ -93,7 +94,7 @@ contains
         end if
     end subroutine choose_group
 
-    !> Replace or add one value.
+    !> Replace or add one value, or take it back ('none').
     subroutine override(deck, keys, i, g, key, value)
         type(deck_t), intent(inout) :: deck
         type(key_t), intent(in) :: keys(:)
@@ -110,9 +111,13 @@ contains
                            key_hint(keys, trim(deck%groups(g)%name), owner, key), i)
             return
         end if
+        e = find_entry(deck%groups(g), key)
+        if (value == 'none' .and. keys(row)%kind /= kind_text .and. e > 0) then
+            call take_back(keys, owner, e, 1, deck%groups(g))
+            return
+        end if
         call entry_from_text(keys(row), value, entry, message)
         if (message /= '') call add_error(deck, 0, message, i)
-        e = find_entry(deck%groups(g), key)
         if (e == 0) then
             call add_entry(deck%groups(g), key, 0)
             e = deck%groups(g)%n

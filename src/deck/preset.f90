@@ -13,7 +13,7 @@ module brz_preset
     use brz_text, only: nearest, printable
     implicit none
     private
-    public :: expand_preset, describe_presets, is_preset
+    public :: expand_preset, describe_presets, is_preset, take_back
 
     character(*), parameter :: lf = new_line('a')
 
@@ -36,8 +36,8 @@ contains
             deck%groups(g)%broken = .true. ! its keys are lost
             return
         end if
-        call take_keys(preset, e, deck%groups(g))
-        call remove_entry(deck%groups(g), e)
+        call take_keys(preset, keys, e, deck%groups(g))
+        call remove_entry(deck%groups(g), find_entry(deck%groups(g), 'preset'))
     end subroutine expand_preset
 
     !> Place of the preset that an entry names; 0, and an error, where there is none.
@@ -146,21 +146,50 @@ contains
         end do
     end subroutine mark_unconfirmed
 
-    !> Append the keys that the group does not give; they stand at the line of `preset`.
-    subroutine take_keys(preset, named, group)
+    !> Append the keys that the group does not give; they stand at the line of `preset`. A key of
+    !> the preset that the group gives as `none` is taken back.
+    subroutine take_keys(preset, keys, named, group)
         type(group_t), intent(in) :: preset
+        type(key_t), intent(in) :: keys(:)
         integer, intent(in) :: named !! entry of the group that names the preset
         type(group_t), intent(inout) :: group
-        integer :: e, line
+        integer :: e, line, own
 
         line = group%entries(named)%line
+        own = group%n
         do e = 1, preset%n
             if (find_entry(group, trim(preset%entries(e)%key)) > 0) cycle
             call add_entry(group, trim(preset%entries(e)%key), line)
             group%entries(group%n) = preset%entries(e)
             group%entries(group%n)%line = line
         end do
+        do e = own, 1, -1
+            if (group%entries(e)%n /= 1) cycle
+            if (group%entries(e)%raw(1)%quoted .or. raw_text(group, e) /= 'none') cycle
+            if (find_entry(preset, trim(group%entries(e)%key)) == 0) cycle
+            call take_back(keys, raw_text(preset, find_entry(preset, 'model')), e, own + 1, group)
+            own = own - 1
+        end do
     end subroutine take_keys
+
+    !> Take a key out of a group, and with it those that mean nothing without it.
+    subroutine take_back(keys, owner, e, first, group)
+        type(key_t), intent(in) :: keys(:)
+        character(*), intent(in) :: owner !! model of the material
+        integer, intent(in) :: e !! entry of the key
+        integer, intent(in) :: first !! entry from which on others go with it
+        type(group_t), intent(inout) :: group
+        character(:), allocatable :: key
+        integer :: k, row
+
+        key = trim(group%entries(e)%key)
+        do k = group%n, first, -1
+            row = find_row(keys, trim(group%name), trim(group%entries(k)%key), owner)
+            if (row == 0 .or. k == e) cycle
+            if (keys(row)%needs == key) call remove_entry(group, k)
+        end do
+        call remove_entry(group, find_entry(group, key))
+    end subroutine take_back
 
     subroutine remove_entry(group, e)
         type(group_t), intent(inout) :: group

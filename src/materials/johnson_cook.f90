@@ -113,6 +113,7 @@ contains
                                         'its exponent, negative: tension weakens')
         model%keys(p_d1 + 3) = real_key(name, 'd4', '-', '0', 'failure strain: rate')
         model%keys(p_d1 + 4) = real_key(name, 'd5', '-', '0', 'failure strain: temperature')
+        model%keys(p_d1 + 1:p_d1 + 4)%needs = 'd1'
         model%keys(p_least) = real_key(name, 'least_failure_strain', '-', '0.001', &
                                        'failure strain is at least this', 0.0_dp, open_lower=.true.)
     end subroutine describe_failure

@@ -171,3 +171,30 @@ def test_an_implausible_constant_is_told(tmp_path, preset, more, words):
     code, text = check(tmp_path, deck(preset, more))
     assert code == 0, text
     assert words in text, text
+
+
+def test_a_key_of_a_preset_is_taken_back(tmp_path):
+    """`d1 = none`: metal that cannot fail, in the deck, by --set, and as total_lagrangian."""
+    (tmp_path / "a.nml").write_text(deck("al6061", "d1 = none"))
+    code, text = run(tmp_path, "run", "a.nml", "--out", "one")
+    assert code == 0, text
+    keys = keys_of((tmp_path / "one" / "a.echo.nml").read_text())
+    assert "a" in keys
+    assert "d1" not in keys
+    code, text = run(tmp_path / "one", "run", "a.echo.nml", "--check")
+    assert code == 0, text
+    (tmp_path / "b.nml").write_text(deck("al6061"))
+    total = ["--set", "body(b).formulation=total_lagrangian"]
+    code, text = run(tmp_path, "run", "b.nml", "--check", *total)
+    assert code == 2
+    code, text = run(tmp_path, "run", "b.nml", "--check", *total, "--set", "material(m).d1=none")
+    assert code == 0, text
+
+
+def test_only_what_the_preset_has_is_taken_back(tmp_path):
+    """A number that must be there, and one that the deck gives beside d1 = none, are told."""
+    for more in ("a = none", "t_cut = none", "d1 = none, d2 = 0.1"):
+        (tmp_path / "a.nml").write_text(deck("al6061", more))
+        code, text = run(tmp_path, "run", "a.nml", "--check")
+        assert code == 2, text
+        assert "a.nml:2" in text
