@@ -20,7 +20,7 @@ module brz_solid_gradients
     use brz_solid_rows, only: fill_hold, fill_row
     use brz_solid_state, only: body_t, form_bending, form_rigid, form_total, form_uncorrected, &
                                held_stiffness, intact_share, is_gone, lanes, pair_stress, &
-                               pair_tilt, solid_t, worth_threads
+                               pair_tilt, pair_volume, solid_t, worth_threads
     use brz_tension_hold, only: may_be_drawn
     use brz_tilted_arm, only: tilted_arm, tilted_correction
     implicit none
@@ -85,6 +85,10 @@ contains
         integer :: i, first
 
         if (body%formulation == form_rigid) then
+            associate (from => solid%block(2, k), to => solid%block(3, k))
+                solid%pair(:, from:to) = 0 ! contact and bonds read these rows
+                solid%pair(pair_volume, from:to) = solid%volume(from:to)
+            end associate
             limit = min(limit, real(body%cfl*body%h, dp)/solid%materials(body%material)%c_wave)
             return
         end if

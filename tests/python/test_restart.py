@@ -81,3 +81,23 @@ def test_what_presses_is_left_in_after_a_restart_too(tmp_path):
         run(tmp_path, "--out", f"{last}", "--set", f"run.max_steps={last}")
         run(tmp_path, "--out", f"{last}", "--restart", "latest")
         assert tables(tmp_path / f"{last}") == tables(tmp_path / "whole")
+
+
+BESIDE_A_RIGID_BODY = """\
+&run t_end=1e-6, dimension=1 /
+&material id='s', preset='steel_4340' /
+&body id='a', box=0,0.0006,-1,1,-1,1, spacing=2e-4, material='s', formulation='rigid' /
+&body id='b', box=0.0006,0.0014,-1,1,-1,1, spacing=2e-4, material='s', velocity=-900,0,0 /
+&interaction law='contact', shared_pressure=.true. /
+&output history_every=0 /
+"""
+
+
+def test_a_rigid_body_shares_what_it_has_after_a_restart_too(tmp_path):
+    """The pressure and viscosity that a rigid body shares are nothing, not what a sort left."""
+    (tmp_path / "scene.nml").write_text(BESIDE_A_RIGID_BODY)
+    run(tmp_path, "--out", "whole")
+    for last in range(3, 12):
+        run(tmp_path, "--out", f"{last}", "--set", f"run.max_steps={last}")
+        run(tmp_path, "--out", f"{last}", "--restart", "latest")
+        assert tables(tmp_path / f"{last}") == tables(tmp_path / "whole")
