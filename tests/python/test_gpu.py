@@ -8,6 +8,7 @@ from pathlib import Path
 
 import h5py
 import pytest
+from test_damage import seal
 
 ROOT = Path(__file__).parents[2]
 BINARY = ROOT / "bin" / "brisance"
@@ -256,6 +257,7 @@ def test_a_lost_cell_ends_the_run_and_leaves_the_checkpoint(deck):
     (deck / "bad.h5").write_bytes(good.read_bytes())
     with h5py.File(deck / "bad.h5", "r+") as file:
         file["air/u"][0, 3 + 5, 3 + 7, 3 + 20] = -1.0  # density
+    seal(deck / "bad.h5")
     before = good.read_bytes()
     done = run(deck, "a.nml", "--backend", "gpu", "--restart", str(deck / "bad.h5"), "--out", "p")
     assert done.returncode == 3, done.stderr
