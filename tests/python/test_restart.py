@@ -11,7 +11,7 @@ import subprocess
 
 import pytest
 from random_scenes import draw
-from test_run import BRISANCE, arrays, tables
+from test_run import BRISANCE, ROOT, arrays, tables
 
 FEW = "160:200"
 ALONE = {**os.environ, "OMP_NUM_THREADS": "1"}
@@ -101,3 +101,14 @@ def test_a_rigid_body_shares_what_it_has_after_a_restart_too(tmp_path):
         run(tmp_path, "--out", f"{last}", "--set", f"run.max_steps={last}")
         run(tmp_path, "--out", f"{last}", "--restart", "latest")
         assert tables(tmp_path / f"{last}") == tables(tmp_path / "whole")
+
+
+def test_the_gas_pushes_rigid_bodies_on_after_a_restart(tmp_path):
+    """What the gas did to a body in its last step decides how its walls move in the next."""
+    deck = (ROOT / "tests" / "scenes" / "blown_square.nml").read_text()
+    (tmp_path / "scene.nml").write_text(deck)
+    steps = "--set", "run.max_steps=60"
+    assert run(tmp_path, "--out", "whole", *steps)[0] == 0
+    run(tmp_path, "--out", "parts", "--set", "run.max_steps=31")
+    run(tmp_path, "--out", "parts", *steps, "--restart", "latest")
+    assert state(tmp_path / "parts", 0) == state(tmp_path / "whole", 0)
