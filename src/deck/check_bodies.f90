@@ -51,6 +51,7 @@ contains
             call check_shape(deck, g, case%bodies(k))
             call check_width(deck, g, case%bodies(k))
             if (deck%groups(g)%bad) cycle
+            call check_gaps(deck, g, case, case%bodies(k))
             if (case%bodies(k)%file /= '') then
                 call check_file(deck, g, case%run%dimension, case%bodies(k))
                 call check_cuts(deck, g, case, k)
@@ -250,6 +251,27 @@ contains
                              'part of the body lies outside the air and feels none')
         end if
     end subroutine check_in_air
+
+    !> Particles as far apart as the cells of air leave cells in a body empty where it stretches.
+    subroutine check_gaps(deck, g, case, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(body_case_t), intent(in) :: body
+        real(dp), parameter :: wide = 0.9_dp !! of a cell
+        real(dp) :: cell
+        integer :: d
+
+        if (.not. case%air%present .or. body%shape == 'bars') return
+        if (deck%groups(find_group(deck, 'air'))%bad) return
+        d = case%run%dimension
+        cell = minval((case%air%hi(:d) - case%air%lo(:d))/case%air%cells(:d))
+        if (body%spacing <= cell*merge(1 + slack, wide, body%formulation == 'rigid')) return
+        call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                         'its particles, '//to_text(body%spacing)//' m apart, leave gaps for '// &
+                         'cells of air of '//to_text(cell)//' m: gas appears inside it, and '// &
+                         'energy with it; use at most 0.9 of a cell, better half of one')
+    end subroutine check_gaps
 
     !> The file must be there. What it holds is not known yet: its box is all of space.
     subroutine check_file(deck, g, dimension, body)
