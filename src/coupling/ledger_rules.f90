@@ -19,6 +19,7 @@ module brz_ledger_rules
     real(rk), parameter :: jolt = 0.02_rk !! largest change of internal energy by it
     real(rk), parameter :: density_jolt = 0.999_rk*jolt
     !! largest change of density: less, so that rounding does not decide where both are the same
+    real(rk), parameter :: trifle = 1e-3_rk !! mass over that of the gas that is owed as it comes
     !> A debt this small, over the gas, is paid at once: a twentieth of it may be lost to rounding
     real(rk), parameter :: crumb = max(1e-10_rk, 40*epsilon(1.0_rk))
 
@@ -85,7 +86,9 @@ contains
 
     !> Hand part of a debt to the gas of its cell: a twentieth, or less where that would be a jolt.
     !>
-    !> The gas stays gas: what would leave less than the floors waits.
+    !> The gas stays gas: what would leave less than the floors waits. A cell that owes mass gives
+    !> gas as it is, and the rest of the debt waits: mass without its energy, a little each step,
+    !> would leave next to nothing at the same pressure, and a step of the air to match.
     !@cuf attributes(host,device) &
     pure subroutine release_debt(floors, u, debt)
         real(rk), intent(in) :: floors(3) !! see floors_of
@@ -93,15 +96,18 @@ contains
         real(rk), intent(inout) :: debt(6)
         real(rk) :: part, inner, changed, v(6), d(6)
         integer :: i, halvings
-        logical :: paid
+        logical :: paid, alike
 
         part = pace
         if (abs(debt(1))*part > density_jolt*u(1)) part = density_jolt*u(1)/abs(debt(1))
         inner = u(5) - (u(2)*u(2) + u(3)*u(3) + u(4)*u(4))/(2*u(1))
         if (abs(debt(1)) <= crumb*u(1) .and. abs(debt(5)) <= crumb*inner) part = 1
+        alike = debt(1) < -trifle*u(1)
         do halvings = 1, 60
             do i = 1, 6
-                v(i) = u(i) + part*debt(i)
+                d(i) = part*debt(i)
+                if (alike) d(i) = part*debt(1)*(u(i)/u(1))
+                v(i) = u(i) + d(i)
             end do
             if (v(1) > 0) then
                 changed = v(5) - (v(2)*v(2) + v(3)*v(3) + v(4)*v(4))/(2*v(1)) - inner
@@ -111,7 +117,7 @@ contains
         end do
         if (halvings > 60) return
         ! products only as far as their share stays within 0..1
-        paid = part == 1 .and. v(6) >= 0 .and. v(6) <= v(1)
+        paid = part == 1 .and. .not. alike .and. v(6) >= 0 .and. v(6) <= v(1)
         v(6) = max(0.0_rk, min(v(1), v(6)))
         ! the debt loses exactly what the gas gains
         do i = 1, 6
