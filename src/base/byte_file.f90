@@ -4,8 +4,8 @@
 !> A pipe, a terminal or a folder is refused, and never waited for. Every procedure does nothing
 !> once an error is recorded.
 module brz_byte_file
-    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_int64_t, c_loc, c_null_char, c_ptr, &
-                                           c_size_t
+    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_loc, c_null_char, c_ptr, c_size_t
+    use brz_descriptor, only: c_close, c_open, write_all
     use brz_errors, only: error_t, failed, raise, exit_io
     use brz_kinds, only: int64
     use brz_system_reason, only: system_reason
@@ -28,15 +28,6 @@ module brz_byte_file
     end type byte_file_t
 
     interface
-        integer(c_int) function c_open(path, flags, mode) bind(c, name='open')
-            import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
-            integer(c_int), value :: flags, mode
-        end function c_open
-        integer(c_int) function c_close(descriptor) bind(c, name='close')
-            import :: c_int
-            integer(c_int), value :: descriptor
-        end function c_close
         integer(c_int64_t) function c_lseek(descriptor, place, whence) bind(c, name='lseek')
             import :: c_int, c_int64_t
             integer(c_int), value :: descriptor, whence
@@ -48,12 +39,6 @@ module brz_byte_file
             type(c_ptr), value :: data
             integer(c_size_t), value :: n
         end function c_read
-        integer(c_size_t) function c_write(descriptor, data, n) bind(c, name='write')
-            import :: c_int, c_ptr, c_size_t
-            integer(c_int), value :: descriptor
-            type(c_ptr), value :: data
-            integer(c_size_t), value :: n
-        end function c_write
         integer(c_int) function c_ftruncate(descriptor, length) bind(c, name='ftruncate')
             import :: c_int, c_int64_t
             integer(c_int), value :: descriptor
@@ -155,18 +140,14 @@ contains
     subroutine write_at(file, place, text, err)
         type(byte_file_t), intent(in) :: file
         integer(int64), intent(in) :: place
-        character(*), intent(in), target :: text
+        character(*), intent(in) :: text
         type(error_t), intent(inout) :: err
-        integer(c_size_t) :: n, more
+        logical :: good
 
         if (failed(err)) return
-        n = 0
-        more = c_lseek(file%descriptor, place, from_start)
-        do while (n < len(text, c_size_t) .and. more >= 0)
-            more = c_write(file%descriptor, c_loc(text(n + 1:n + 1)), len(text, c_size_t) - n)
-            n = n + more
-        end do
-        if (more < 0) call raise(err, exit_io, file%path//': cannot write it: '//system_reason())
+        good = c_lseek(file%descriptor, place, from_start) >= 0
+        if (good) good = write_all(file%descriptor, text)
+        if (.not. good) call raise(err, exit_io, file%path//': cannot write it: '//system_reason())
     end subroutine write_at
 
     !> Drop what lies behind the first `size` bytes.

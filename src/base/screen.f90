@@ -5,8 +5,9 @@
 !> are written here go through the system, behind what Fortran has written: the progress lines and
 !> the last line of every command. The first failure is kept, and told when the command has ended.
 module brz_screen
-    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_null_char, c_ptr, c_size_t
+    use, intrinsic :: iso_c_binding, only: c_int, c_null_char
     use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_descriptor, only: c_close, c_open, write_all
     use brz_errors, only: error_t, exit_io, raise
     use brz_system_reason, only: system_reason
     implicit none
@@ -16,24 +17,6 @@ module brz_screen
     integer(c_int), parameter :: standard_output = 1, standard_error = 2
     integer(c_int), parameter :: to_read_and_write = 2 !! flag of open in Linux
     character(:), allocatable, save :: lost !! why something was not printed
-
-    interface
-        integer(c_size_t) function c_write(descriptor, data, n) bind(c, name='write')
-            import :: c_int, c_ptr, c_size_t
-            integer(c_int), value :: descriptor
-            type(c_ptr), value :: data
-            integer(c_size_t), value :: n
-        end function c_write
-        integer(c_int) function c_open(path, flags, mode) bind(c, name='open')
-            import :: c_char, c_int
-            character(c_char), intent(in) :: path(*)
-            integer(c_int), value :: flags, mode
-        end function c_open
-        integer(c_int) function c_close(descriptor) bind(c, name='close')
-            import :: c_int
-            integer(c_int), value :: descriptor
-        end function c_close
-    end interface
 
 contains
 
@@ -58,17 +41,11 @@ contains
 
     !> Print a text as it is, with its line ends.
     subroutine show(text)
-        character(*), intent(in), target :: text
-        integer(c_size_t) :: n, more
+        character(*), intent(in) :: text
 
         flush (output_unit)
-        n = 0
-        do while (n < len(text, c_size_t))
-            more = c_write(standard_output, c_loc(text(n + 1:n + 1)), len(text, c_size_t) - n)
-            if (more < 0 .and. .not. allocated(lost)) lost = system_reason()
-            if (more < 0) exit
-            n = n + more
-        end do
+        if (write_all(standard_output, text)) return
+        if (.not. allocated(lost)) lost = system_reason()
     end subroutine show
 
     !> Raise an error if something was not printed.

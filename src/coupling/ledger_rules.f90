@@ -117,7 +117,7 @@ contains
         end do
         if (halvings > 60) return
         ! products only as far as their share stays within 0..1
-        paid = part == 1 .and. .not. alike .and. v(6) >= 0 .and. v(6) <= v(1)
+        paid = part == 1 .and. v(6) >= 0 .and. v(6) <= v(1)
         v(6) = max(0.0_rk, min(v(1), v(6)))
         ! the debt loses exactly what the gas gains
         do i = 1, 6
