@@ -83,6 +83,7 @@ contains
         run%block = b
         if (wall%present) run%has_solid = wall%cut(d)%has_solid(b) == 1
         call locate(air%n, air%g, d, b, run)
+        run%hi = 0
         do
             call next_run(awake, air%n(d), run%lo, run%hi)
             if (run%lo > air%n(d)) exit
