@@ -18,12 +18,13 @@ module brz_command_line
         logical :: check = .false. !! parse, discretise and print the cost only
         logical :: markdown = .false. !! describe as a page of the manual
         logical :: replace = .false. !! results of an earlier run may be removed
+        logical :: profile = .false. !! time of each kernel at the end
         real(dp) :: walltime = huge(1.0_dp) !! [s]
         type(string_t), allocatable :: overrides(:) !! texts group.key=value
     end type options_t
 
     character(*), parameter :: flags = '--check|--backend|--restart|--out|--walltime|--set|'// &
-                               '--replace|--markdown'
+                               '--replace|--markdown|--profile'
     character(*), parameter :: lf = new_line('a')
 
 contains
@@ -48,6 +49,7 @@ contains
             '  --set group.key=value    change a value of the deck, e.g. run.t_end=1e-4 or'//lf// &
             '                           body(plate).spacing=2e-3; may be repeated'//lf// &
             '  --backend cpu|gpu|auto   where to compute'//lf// &
+            '  --profile                on a GPU: print the time of each kernel; slower'//lf// &
             'options of mat: --check, --replace, --set, and'//lf// &
             '  --out FILE               table of the results (default out/<deck name>.csv)'//lf// &
             ''//lf// &
@@ -173,6 +175,8 @@ contains
             options%markdown = .true.
         case ('--replace')
             options%replace = .true.
+        case ('--profile')
+            options%profile = .true.
         case ('--out')
             options%out = value
         case ('--restart')
@@ -194,7 +198,7 @@ contains
     subroutine unknown_option(flag, err)
         character(*), intent(in) :: flag
         type(error_t), intent(inout) :: err
-        character(12) :: list(8)
+        character(12) :: list(9)
         integer :: i, first, last
 
         first = 1

@@ -8,7 +8,7 @@ module brz_solid_contact
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int64, real32, rk
     use brz_pair_force, only: viscous_force
-    use brz_solid_links, only: first_link, is_bonded, last_link, link_body
+    use brz_solid_links, only: first_link, is_joined, last_link, link_body
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: pair_linear, pair_quadratic, solid_t, worth_threads
     implicit none
@@ -113,7 +113,7 @@ contains
         call press(solid, i, own)
         do k = first_link(solid%links, i), last_link(solid%links, i)
             j = solid%links%list(k)
-            if (is_bonded(solid%links, i, j)) cycle
+            if (is_joined(solid%links, i, j)) cycle
             associate (m => solid%links%table(link_body(solid%links, i), link_body(solid%links, j)))
                 distance = real(norm2(solid%x(:, i) - signs(int(solid%links%mask(k))) &
                                       *solid%x(:, j)), rk)
@@ -144,7 +144,7 @@ contains
         do k = first_link(solid%links, i), last_link(solid%links, i)
             j = solid%links%list(k)
             if (.not. all) then
-                if (is_bonded(solid%links, i, j)) cycle
+                if (is_joined(solid%links, i, j)) cycle
             end if
             b = link_body(solid%links, j)
             associate (m => solid%links%table(a, b))
@@ -177,7 +177,7 @@ contains
                 total%stiffness = v*p(5)*dot_product(p(2:4), p(2:4))
             end if
             do k = first_link(solid%links, i), last_link(solid%links, i)
-                if (is_bonded(solid%links, i, solid%links%list(k))) cycle
+                if (is_joined(solid%links, i, solid%links%list(k))) cycle
                 call add_pair(solid, i, k, total, limit)
             end do
         end associate

@@ -6,6 +6,7 @@ module brz_solid_forces
     use brz_kernel, only: kernel_scale, smoothing_length
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_solid_bonds, only: add_bonded_forces
+    use brz_solid_cohesive, only: cohesive_push
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
                                place_group, place_images
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
@@ -264,6 +265,7 @@ contains
                 f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + push(4:6)
             end associate
         end if
+        if (solid%cohesive%present) f(1:3) = f(1:3) + real(cohesive_push(solid, i), rk)
         if (body%artificial /= artificial_none) &
             call visit_pairs(solid, body, q, add_artificial, f)
     end subroutine add_rest

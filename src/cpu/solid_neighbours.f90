@@ -8,6 +8,7 @@ module brz_solid_neighbours
     use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
     use brz_kinds, only: dp, int32, int64, int8
     use brz_particle_order, only: reorder_particles
+    use brz_solid_cohesive, only: place_nodes
     use brz_solid_lanes, only: group_of
     use brz_solid_links, only: build_links
     use brz_solid_state, only: body_t, form_rigid, form_total, is_gone, lanes, solid_t, &
@@ -45,6 +46,7 @@ contains
             end if
         end do
         call build_links(solid)
+        call place_nodes(solid)
     end subroutine build_neighbours
 
     !> List of a body for given places: those of total-Lagrangian bodies are the unloaded ones.

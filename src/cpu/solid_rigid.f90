@@ -9,6 +9,7 @@ module brz_solid_rigid
     use brz_motion, only: mean_velocity, velocity_of
     use brz_rigid, only: attitude, cross
     use brz_rigid_motion, only: advance_rigid, settle_rigid
+    use brz_solid_cohesive, only: cohesive_push
     use brz_solid_state, only: body_t, form_rigid, is_held, solid_t, worth_threads
     implicit none
     private
@@ -109,6 +110,7 @@ contains
                 do i = body%first, body%last
                     push = solid%links%push(1:3, solid%links%row(i)) &
                            + solid%links%push(4:6, solid%links%row(i))
+                    if (solid%cohesive%present) push = push + cohesive_push(solid, i)
                     b%force = b%force + push
                     b%torque = b%torque + cross(solid%x(:, i) - b%x, push)
                 end do

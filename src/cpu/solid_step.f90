@@ -9,6 +9,7 @@ module brz_solid_step
     use brz_kinds, only: dp, int16, int64, int8, rk
     use brz_material, only: strength_left
     use brz_solid_bonds, only: break_bonds
+    use brz_solid_cohesive, only: cohesive_pass
     use brz_solid_contact, only: contact_pass, find_touch
     use brz_solid_doubles, only: refuse_doubles
     use brz_solid_faults, only: report_bad
@@ -54,6 +55,7 @@ contains
         call meet(solid)
         call find_tilts(solid)
         call gradient_pass(solid, 0.0_dp)
+        call cohesive_pass(solid)
         call contact_pass(solid, 0.0_dp)
         call force_pass(solid, 0.0_dp)
         call balance_rigid(solid, 0.0_dp)
@@ -110,6 +112,7 @@ contains
         end if
         call gradient_pass(solid, dt)
         call break_bonds(solid)
+        call cohesive_pass(solid)
         call contact_pass(solid, dt)
         call force_pass(solid, dt)
         call balance_rigid(solid, dt)

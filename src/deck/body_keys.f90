@@ -170,9 +170,10 @@ contains
                 key_t(group=g, key='bodies', kind=kind_text, n_max=2, default="'*'", &
                       meaning="Ids of two bodies; one: that body and every other; '*': all."), &
                 key_t(group=g, key='law', kind=kind_text, default=required, &
-                      choices='contact|bonded|none', &
-                      meaning='contact: they press, damp and rub; bonded: one continuum; none: '// &
-                      'they pass through each other.'), &
+                      choices='contact|bonded|cohesive|none', &
+                      meaning='contact: they press, damp and rub; bonded: one continuum; '// &
+                      'cohesive: glued, with a strength and an energy of the interface, then '// &
+                      'in contact; none: they pass through each other.'), &
                 key_t(group=g, key='friction', default='0.0', lower=zero, upper=2*one, &
                       meaning="contact: Coulomb's coefficient."), &
                 key_t(group=g, key='stiffness', default='1.0', lower=0.1_dp, upper=2*one, &
@@ -184,11 +185,30 @@ contains
                       'impacts beyond 1 km/s.'), &
                 key_t(group=g, key='tensile_strength', unit='Pa', lower=zero, &
                       open_lower=.true., &
-                      meaning='bonded: tension that breaks the bond; it never breaks if absent.'), &
+                      meaning='bonded: tension that breaks the bond; it never breaks if '// &
+                      'absent. cohesive: traction at which opening begins; required.'), &
                 key_t(group=g, key='shear_strength', unit='Pa', lower=zero, open_lower=.true., &
-                      meaning='bonded: shear that breaks the bond; it never breaks if absent.'), &
+                      meaning='The same in shear.'), &
                 key_t(group=g, key='bond_law', kind=kind_text, default='quadratic', &
                       choices='quadratic|cut_off', &
-                      meaning='bonded: both strengths act together, or each for itself.')]
+                      meaning='bonded: both strengths act together, or each for itself.'), &
+                key_t(group=g, key='gi', unit='J/m2', lower=zero, open_lower=.true., &
+                      meaning='cohesive: energy per area of opening (mode I); required.'), &
+                key_t(group=g, key='gii', unit='J/m2', lower=zero, open_lower=.true., &
+                      meaning='cohesive: energy per area of sliding (mode II, III); required.'), &
+                key_t(group=g, key='mixed', kind=kind_text, default='bk', choices='bk|power', &
+                      meaning='cohesive: energy between the modes, by Benzeggagh and Kenane, '// &
+                      'gi + (gii - gi) B^n, or by (G_I/gi)^n + (G_II/gii)^n = 1.'), &
+                key_t(group=g, key='mixed_exponent', lower=zero, open_lower=.true., &
+                      upper=10*one, &
+                      meaning='cohesive: n of it; if absent 2 with bk, 1 with power.'), &
+                key_t(group=g, key='interface_stiffness', unit='Pa/m', lower=zero, &
+                      open_lower=.true., &
+                      meaning='cohesive: traction over opening before damage; if absent ten '// &
+                      'times the lesser modulus over the finer spacing, or less, so that it '// &
+                      'never halves the time step.'), &
+                key_t(group=g, key='open_box', n_min=6, n_max=48, unit='m', &
+                      meaning='cohesive: regions that are not glued, cracks from the start: '// &
+                      'x0, x1, y0, y1, z0, z1 of each, up to eight.')]
     end subroutine interaction_keys
 end module brz_body_keys

@@ -146,12 +146,19 @@ module brz_case
     !> &interaction: how bodies meet; later ones cover earlier ones
     type :: interaction_case_t
         integer :: body(2) = 0 !! places of the bodies, 0: every body
-        character(name_len) :: law = 'contact' !! or 'bonded', 'none'
+        character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
+        character(name_len) :: law = 'contact' !! or 'bonded', 'cohesive', 'none'
         real(dp) :: friction = 0 !! Coulomb's coefficient
         real(dp) :: stiffness = 1, damping = 1 !! factors
         logical :: shared_pressure = .false.
         real(dp) :: tensile_strength = huge(1.0_dp), shear_strength = huge(1.0_dp) !! [Pa]
         character(name_len) :: bond_law = 'quadratic' !! or 'cut_off'
+        real(dp) :: gi = 0, gii = 0 !! fracture energies of a cohesive interface [J/m2]
+        character(name_len) :: mixed = 'bk' !! or 'power'
+        real(dp) :: mixed_exponent = 0 !! 0: the usual one
+        real(dp) :: interface_stiffness = 0 !! 0: the usual one [Pa/m]
+        integer :: n_open_boxes = 0
+        real(dp) :: open_box(6, 8) = 0 !! regions that are not glued: x0, x1, ... [m]
     end type interaction_case_t
 
     !> &gauge

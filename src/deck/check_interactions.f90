@@ -3,8 +3,10 @@
 module brz_check_interactions
     use brz_case, only: case_t, interaction_case_t, name_len
     use brz_check_bodies, only: reference_hint
-    use brz_deck, only: add_warning, complain, deck_t, group_label
-    use brz_get, only: get, is_given
+    use brz_deck, only: add_warning, complain, deck_t, find_entry, group_label, place
+    use brz_get, only: get, is_given, is_usable
+    use brz_kinds, only: dp
+    use brz_text, only: to_text
     implicit none
     private
     public :: check_interactions
@@ -23,6 +25,7 @@ contains
             if (deck%groups(g)%name /= 'interaction') cycle
             k = k + 1
             call fill(deck, g, case%interactions(k))
+            call fill_open_boxes(deck, g, case%interactions(k))
             call find_bodies(deck, g, case, case%interactions(k))
             call check_keys(deck, g, case%interactions(k))
         end do
@@ -34,6 +37,7 @@ contains
         type(interaction_case_t), intent(inout) :: i
 
         associate (group => deck%groups(g))
+            i%place = place(deck, group%line)
             call get(group, 'law', i%law)
             call get(group, 'friction', i%friction)
             call get(group, 'stiffness', i%stiffness)
@@ -42,8 +46,31 @@ contains
             call get(group, 'tensile_strength', i%tensile_strength)
             call get(group, 'shear_strength', i%shear_strength)
             call get(group, 'bond_law', i%bond_law)
+            call get(group, 'gi', i%gi)
+            call get(group, 'gii', i%gii)
+            call get(group, 'mixed', i%mixed)
+            call get(group, 'mixed_exponent', i%mixed_exponent)
+            call get(group, 'interface_stiffness', i%interface_stiffness)
         end associate
     end subroutine fill
+
+    !> Regions that are not glued, six numbers each.
+    subroutine fill_open_boxes(deck, g, i)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(interaction_case_t), intent(inout) :: i
+        real(dp) :: box(size(i%open_box))
+        integer :: n
+
+        if (.not. is_usable(deck%groups(g), 'open_box')) return
+        n = deck%groups(g)%entries(find_entry(deck%groups(g), 'open_box'))%n
+        box = 0
+        call get(deck%groups(g), 'open_box', box)
+        i%open_box = reshape(box, shape(i%open_box))
+        i%n_open_boxes = n/6
+        if (mod(n, 6) /= 0) call complain(deck, g, 'open_box', 'open_box takes six numbers for '// &
+            'each region: x0, x1, y0, y1, z0, z1; found '//to_text(n))
+    end subroutine fill_open_boxes
 
     !> Places of the bodies that are named.
     subroutine find_bodies(deck, g, case, interaction)
@@ -74,15 +101,30 @@ contains
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(interaction_case_t), intent(in) :: interaction
-        character(16), parameter :: of_bond(3) = &
-            [character(16) :: 'tensile_strength', 'shear_strength', 'bond_law']
-        integer :: i
+        character(19), parameter :: keys(9) = [character(19) :: &
+            'bond_law', 'tensile_strength', 'shear_strength', 'gi', 'gii', 'mixed', &
+            'mixed_exponent', 'interface_stiffness', 'open_box']
+        integer :: first, last, i
 
-        do i = 1, size(of_bond)
-            if (interaction%law /= 'bonded' .and. is_given(deck%groups(g), trim(of_bond(i)))) &
-                call complain(deck, g, trim(of_bond(i)), "key '"//trim(of_bond(i))// &
+        first = 1 ! keys first..last belong to the law
+        last = 0
+        if (interaction%law == 'bonded') last = 3
+        if (interaction%law == 'cohesive') then
+            first = 2
+            last = size(keys)
+        end if
+        do i = 1, size(keys)
+            if (i >= first .and. i <= last) cycle
+            if (is_given(deck%groups(g), trim(keys(i)))) &
+                call complain(deck, g, trim(keys(i)), "key '"//trim(keys(i))// &
                               "' has no place with law='"//trim(interaction%law)// &
                               "'; take it out or change the law")
+        end do
+        if (interaction%law /= 'cohesive') return
+        do i = 2, 5 ! strengths and energies
+            if (.not. is_given(deck%groups(g), trim(keys(i)))) &
+                call complain(deck, g, 'law', "law='cohesive' needs the key '"//trim(keys(i))// &
+                              "', a number above 0")
         end do
     end subroutine check_keys
 end module brz_check_interactions

@@ -12,8 +12,10 @@ module brz_device
         cu_fill_bytes, cu_free, cu_init, cu_launch, cu_memory_info, cu_module_function, &
         cu_module_load, cu_synchronize, cu_to_device, cu_to_host, driver_message, load_driver
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_kernel_profile, only: book_launch, profiling
     use brz_kinds, only: dp, int64
     use brz_text, only: to_text
+    use brz_timer, only: wall_seconds
     implicit none
     private
     public :: device_t, buffer_t, kernel_t, arguments_t
@@ -339,15 +341,21 @@ contains
         type(arguments_t), intent(in), target :: arguments
         type(error_t), intent(inout) :: err
         type(c_ptr) :: values(most_arguments)
+        real(dp) :: start
         integer :: i
 
         if (failed(err)) return
         do i = 1, arguments%n
             values(i) = c_loc(arguments%value(arguments%first(i)))
         end do
+        if (profiling) call wait_for_device(err)
+        start = wall_seconds()
         call check(cu_launch(kernel%handle, (n(1) - 1)/threads_per_block + 1, n(2), n(3), &
                              threads_per_block, 1, 1, 0_c_int, c_null_ptr, values, c_null_ptr), &
                    'launching '//trim(kernel%name), err)
+        if (.not. profiling) return
+        call wait_for_device(err)
+        call book_launch(kernel%name, wall_seconds() - start)
     end subroutine launch
 
     !> Wait until all work is done.

@@ -83,6 +83,9 @@ contains
         call demand(all(solid%support >= 0), 'solid/support', name)
         if (solid%links%present) &
             call demand(all(within(solid%links%bond, int(bond_broken))), 'solid/bond', name)
+        if (solid%cohesive%present) &
+            call demand(all(solid%cohesive%damage >= 0 .and. solid%cohesive%damage <= 1), &
+                        'solid/interface_damage', name)
         call demand(all(solid%ply >= 0), 'solid/ply', name)
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))

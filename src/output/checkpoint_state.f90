@@ -81,6 +81,10 @@ contains
         if (.not. solid%links%present) return
         call carry(file, 'solid/touch', solid%links%touch, err)
         call carry(file, 'solid/bond', solid%links%bond, err)
+        if (.not. solid%cohesive%present) return
+        call carry(file, 'solid/interface_damage', solid%cohesive%damage, err)
+        call carry(file, 'solid/interface_spent', solid%cohesive%spent, err)
+        call carry(file, 'solid/interface_held', solid%cohesive%held, err)
     end subroutine carry_solid
 
     !> The sums that each body keeps: its reaction and, whatever components it may get, its ledger.

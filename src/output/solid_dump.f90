@@ -40,6 +40,7 @@ contains
         call write_motion(file, solid, order, err)
         call write_stress(file, solid, order, err)
         call write_history(file, solid, order, err)
+        if (solid%cohesive%present) call write_interfaces(file, solid, order, err)
         call h5_write(file, root//'/FieldData/body_names', solid%bodies%id, err)
         call h5_write(file, root//'/FieldData/material_names', materials, err)
         call end_dump(file, meta, err)
@@ -173,6 +174,41 @@ contains
         call write_field(file, 'PointData/energy', 'J/kg', real(solid%energy(order), real32), err)
         call write_field(file, 'PointData/damage', '-', real(solid%damage(order), real32), err)
     end subroutine write_stress
+
+    !> Cohesive interfaces: damage of the points beside each particle, the largest of them; in the
+    !> field data the points themselves, at the particle of their near side.
+    subroutine write_interfaces(file, solid, order, err)
+        type(h5_t), intent(in) :: file
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: order(:)
+        type(error_t), intent(inout) :: err
+        real(real32), allocatable :: field(:), at(:, :)
+        character(68) :: names(size(solid%cohesive%law))
+        integer :: i, k, p, s
+
+        allocate (field(solid%n), source=0.0_real32)
+        allocate (at(3, solid%cohesive%n))
+        associate (glue => solid%cohesive)
+            do p = 1, glue%n
+                do s = 1, 2
+                    i = glue%place(glue%beside(s, p))
+                    field(i) = max(field(i), real(glue%damage(p), real32))
+                    if (s == 1) at(:, p) = real(solid%x(:, i), real32)
+                end do
+            end do
+            do k = 1, size(names)
+                names(k) = trim(solid%bodies(minval(glue%body(:, k)))%id)//'+'// &
+                           trim(solid%bodies(maxval(glue%body(:, k)))%id)
+            end do
+            call write_field(file, 'PointData/bond_damage', '-', field(order), err)
+            call write_field(file, 'FieldData/interface_at', 'm', at, err)
+            call write_field(file, 'FieldData/interface', '-', glue%of, err)
+            call write_field(file, 'FieldData/interface_damage', '-', &
+                             real(glue%damage, real32), err)
+            call write_field(file, 'FieldData/interface_area', 'm2', real(glue%area, real32), err)
+            call h5_write(file, root//'/FieldData/interface_names', names, err)
+        end associate
+    end subroutine write_interfaces
 
     !> Named history variables: each name once, filled in by every body whose material has it.
     subroutine write_history(file, solid, order, err)

@@ -1,13 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> From the bodies of the deck to particles.
 !>
-!> `set_up_solid` fills everything but the neighbour list and the accelerations; `start_solid`
-!> (brz_solid_step) does that.
+!> `set_up_solid` fills all but lists and accelerations; start_solid (brz_solid_step) does that.
 module brz_body_setup
     use brz_bar_layers, only: layers_across
     use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: inside, shape_t, whole_sides
     use brz_case, only: body_case_t, case_t, label
+    use brz_cohesive_setup, only: set_up_cohesive
     use brz_crack_band, only: judge_crack
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation, only: settle_formulation
@@ -50,6 +50,7 @@ contains
             call move_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
             call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
         end do
+        call set_up_cohesive(case, points%shape, solid, err)
         do b = 1, size(solid%bodies)
             call set_up_rigid(case%bodies(b), points(b)%shape%on_plane, solid, solid%bodies(b), err)
         end do

@@ -12,10 +12,11 @@ module brz_contact
     implicit none
     private
     public :: spring_share, crossing_share
-    public :: meeting_t, law_none, law_contact, law_bonded
+    public :: meeting_t, law_none, law_contact, law_bonded, law_cohesive
     public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort, in_core
 
-    integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2
+    integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2, &
+                          law_cohesive = 3
     real(rk), parameter :: hard_core = 0.5_rk !! closer than this many spacings a pair is a spring
 
     real(dp), parameter :: spring_share = 0.5_dp !! of the period of a contact over 2 pi
@@ -39,6 +40,7 @@ module brz_contact
         real(rk) :: normal(3, 2) !! of the layers of the first and of the second, 0: no tilts
         real(rk) :: tensile, shear !! strengths of a bond [Pa]
         logical :: quadratic !! both strengths act together
+        integer :: bit !! of a cohesive interface in `joined` of links_t, else 0
     end type meeting_t
 
 contains

@@ -2,7 +2,7 @@
 !> The table of laws between bodies, from the deck and the bodies themselves.
 module brz_interaction_setup
     use brz_case, only: case_t, interaction_case_t, label
-    use brz_contact, only: law_bonded, law_contact, law_none, meeting_t
+    use brz_contact, only: law_bonded, law_cohesive, law_contact, law_none, meeting_t
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kernel, only: kernel_scale, kernel_slope, kernel_value
     use brz_kinds, only: dp, rk
@@ -10,7 +10,7 @@ module brz_interaction_setup
     use brz_text, only: to_text
     implicit none
     private
-    public :: set_up_interactions
+    public :: set_up_interactions, find_rule
 
     real(dp), parameter :: most_ratio = 2, good_ratio = 1.1_dp !! of spacings across a bond
 
@@ -84,6 +84,7 @@ contains
             select case (rule%law)
             case ('none'); m%law = law_none
             case ('bonded'); m%law = law_bonded
+            case ('cohesive'); m%law = law_cohesive
             case default; m%law = law_contact
             end select
             m%h = (p%h + q%h)/2
@@ -109,6 +110,7 @@ contains
         m%tensile = real(min(rule%tensile_strength, real(huge(1.0_rk), dp)), rk)
         m%shear = real(min(rule%shear_strength, real(huge(1.0_rk), dp)), rk)
         m%quadratic = rule%bond_law == 'quadratic'
+        m%bit = 0
     end subroutine make_meeting
 
     !> Kernel sum over a flat surface of a lattice whose first layer is one mean spacing away,

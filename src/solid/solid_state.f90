@@ -5,6 +5,7 @@
 !> velocity at the step is v + dt_last/2 a. A kick is v += (dt_last + dt)/2 a + dt load/mass.
 module brz_solid_state
     use brz_artificial_stress, only: artificial_none
+    use brz_cohesive_state, only: cohesive_t
     use brz_contact, only: meeting_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
     use brz_material, only: material_t
@@ -134,6 +135,8 @@ module brz_solid_state
         real(rk), allocatable :: cell(:) !! (bodies) lattice volume per mass of particle [m3/kg]
         real(real32), allocatable :: touch(:) !! (n) kernel sum at which contact begins
         integer(int8), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
+        integer(int32), allocatable :: joined(:) !! (n) cohesive interfaces that still hold a
+                                                 !! particle, a bit each; only where there are some
         real(rk), allocatable :: press(:, :) !! (5, 0:rows) pressure of contact [Pa]; its gradient
                                              !! of the kernel sum [1/m]; stiffness [Pa]
         real(rk), allocatable :: push(:, :) !! (6, 0:rows) forces of contact: springs, drag [N]
@@ -197,5 +200,6 @@ module brz_solid_state
         integer(int32), allocatable :: image(:) !! particles whose image is within reach of one
         integer(int8), allocatable :: mask(:) !! mirrored axes of an image, bits 0..2
         type(links_t) :: links !! between different bodies
+        type(cohesive_t) :: cohesive !! interfaces with a law of their own
     end type solid_t
 end module brz_solid_state

@@ -20,7 +20,8 @@ module brz_backend_fetch
     use brz_solid_totals, only: solid_totals, solid_totals_t
     implicit none
     private
-    public :: stock_of_air, stock_of_solid, fetch_state, fetch_followed, fetch_around
+    public :: stock_of_air, stock_of_solid, stock_of_interfaces
+    public :: fetch_state, fetch_followed, fetch_around
 
 contains
 
@@ -70,6 +71,15 @@ contains
             call solid_totals(solid, b, totals)
         end if
     end subroutine stock_of_solid
+
+    !> Bring what cohesive interfaces hold and have spent up to date on the host.
+    subroutine stock_of_interfaces(backend, solid, err)
+        type(backend_t), intent(in) :: backend
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (.not. (backend%bodies_on_gpu .and. solid%cohesive%present) .or. failed(err)) return
+    end subroutine stock_of_interfaces
 
     !> Bring the whole state to the host, for a dump or a checkpoint.
     subroutine fetch_state(backend, air, solid, coupling, err)

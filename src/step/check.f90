@@ -6,9 +6,12 @@ module brz_check
     use brz_body_setup, only: meeting_speed
     use brz_case, only: body_case_t, case_t
     use brz_check_bodies, only: body_box
+    use brz_cohesive_setup, only: zone_over_spacing
+    use brz_cohesive_state, only: cohesive_totals
     use brz_crack_band, only: crack_report
     use brz_errors, only: error_t
     use brz_kinds, only: dp, real32
+    use brz_ledger, only: interface_name
     use brz_material_report, only: material_report
     use brz_scene_size, only: count_text, memory_text, scene_size_t
     use brz_screen, only: say
@@ -176,10 +179,44 @@ contains
                 call print_more(crack_report(body, solid%materials(body%material)))
             end associate
         end do
+        if (sim%solid%cohesive%present) call check_interfaces(sim%solid)
         write (output_unit, '(a, i0, a, f0.1, a, f0.0, a)') 'solids       ', sim%solid%n, &
             ' particles, ', 1e-6_dp*bytes_per_particle(sim%solid)*sim%solid%n, ' MB, ', &
             bytes_per_particle(sim%solid), ' B per particle, without neighbour lists'
     end subroutine check_solid
+
+    !> Points, zones, stiffness and stable step of every cohesive interface.
+    subroutine check_interfaces(solid)
+        type(solid_t), intent(in) :: solid
+        real(dp) :: sums(4)
+        integer :: k
+
+        do k = 1, size(solid%cohesive%law)
+            call cohesive_totals(solid%cohesive, k, sums(1), sums(2), sums(3), sums(4))
+            associate (glue => solid%cohesive)
+                write (output_unit, '(3a, i0, 5a)') 'interface    ', interface_name(solid, k), &
+                    ': ', count(glue%of == k), ' points, ', number(sums(4)), &
+                    ' m2, zone E G/T^2 of ', number(zone_over_spacing(solid, k, 1)), &
+                    ' (opening), '//number(zone_over_spacing(solid, k, 2))//' (sliding) spacings'
+                call print_more('stiffness '//number(glue%law(k)%stiffness)//' Pa/m'// &
+                                trim(merge(' (less than usual, for the time step)', &
+                                           '                                     ', &
+                                           glue%softened(k)))// &
+                                ', time step up to '//number(glue%limit(k))//' s')
+            end associate
+        end do
+    end subroutine check_interfaces
+
+    function number(x) result(text)
+        real(dp), intent(in) :: x
+        character(:), allocatable :: text
+        character(12) :: digits
+
+        write (digits, '(es10.3)') x
+        if (x >= 0.01_dp .and. x < 1e4_dp) write (digits, '(f0.2)') x
+        text = trim(adjustl(digits))
+        if (text(1:1) == '.') text = '0'//text
+    end function number
 
     !> A line beneath that of a body, unless it is empty.
     subroutine print_more(text)

@@ -5,7 +5,8 @@
 module brz_ledger
     use brz_air_state, only: air_t
     use brz_backend, only: backend_t
-    use brz_backend_fetch, only: stock_of_air, stock_of_solid
+    use brz_backend_fetch, only: stock_of_air, stock_of_interfaces, stock_of_solid
+    use brz_cohesive_state, only: cohesive_totals
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
     use brz_kinds, only: dp, rk
@@ -14,9 +15,9 @@ module brz_ledger
     implicit none
     private
     public :: ledger_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
-    public :: body_names, body_row, judge
+    public :: body_names, body_row, judge, interface_name
 
-    integer, parameter :: n_energy = 50, n_body = 14
+    integer, parameter :: n_energy = 52, n_body = 14, n_interface = 3
 
     !> Columns of energy.csv.
     character(20), parameter :: energy_columns(n_energy) = [character(20) :: &
@@ -37,7 +38,8 @@ module brz_ledger
                                 'air_momentum_y[N s]', 'air_momentum_z[N s]', &
                                 'air_outflow_x[N s]', 'air_outflow_y[N s]', &
                                 'air_outflow_z[N s]', 'momentum_scale[N s]', &
-                                'reference_work[J]', 'energy_scale[J]', 'coupling_error[-]']
+                                'reference_work[J]', 'energy_scale[J]', 'coupling_error[-]', &
+                                'bond[J]', 'bond_heat[J]']
 
     !> Columns of bodies.csv, for every body.
     character(20), parameter :: body_columns(n_body) = [character(20) :: &
@@ -45,6 +47,10 @@ module brz_ledger
                                 'velocity_y[m/s]', 'velocity_z[m/s]', 'kinetic[J]', &
                                 'internal[J]', 'damage_mean[-]', 'load_work[J]', &
                                 'reaction_x[N s]', 'reaction_y[N s]', 'reaction_z[N s]']
+
+    !> Columns of bodies.csv, for every cohesive interface.
+    character(20), parameter :: interface_columns(n_interface) = [character(20) :: &
+                                'broken[m2]', 'bond[J]', 'bond_heat[J]']
 
     !> Totals at one time.
     type :: ledger_t
@@ -57,6 +63,7 @@ module brz_ledger
         !> parts of solid_internal so far [J]
         real(dp) :: viscous = 0, hourglass_heat = 0, plastic = 0, damage = 0
         real(dp) :: contact(3) = 0 !! held by contact; heat of contact and friction so far [J]
+        real(dp) :: bond(2) = 0 !! held by cohesive interfaces; spent in them so far [J]
         real(dp) :: air_work = 0 !! energy that the air gave to moving walls so far [J]
         real(dp) :: load_work = 0 !! work of the load on the particles so far [J]
         real(dp) :: outside = 0 !! mass of particles that have left the region [kg]
@@ -99,7 +106,7 @@ contains
         type(ledger_t), intent(out) :: ledger
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
         type(solid_totals_t) :: sums
-        real(dp) :: all(5)
+        real(dp) :: all(5), area(2)
 
         ledger%time = time
         if (air%present) then
@@ -124,6 +131,9 @@ contains
             ledger%damage = sum(solid%bodies%ledger%damage)
             ledger%contact = [sums%contact, sum(solid%bodies%ledger%contact_heat), &
                               sum(solid%bodies%ledger%friction)]
+            call stock_of_interfaces(backend, solid, err)
+            call cohesive_totals(solid%cohesive, 0, ledger%bond(1), ledger%bond(2), &
+                                 area(1), area(2))
             ledger%drive = sum(solid%bodies%ledger%drive)
             ledger%load_work = sum(solid%bodies%ledger%load)
         end if
@@ -133,8 +143,8 @@ contains
         all = ledger%gas + ledger%kept + ledger%outflow
         all(2:4) = all(2:4) + ledger%impulse
         ledger%total = all(5) + ledger%solid_kinetic + ledger%solid_internal + ledger%hourglass &
-                       + ledger%artificial + ledger%contact(1) + ledger%reference_work &
-                       - ledger%drive
+                       + ledger%artificial + ledger%contact(1) + sum(ledger%bond) &
+                       + ledger%reference_work - ledger%drive
         ledger%momentum_scale = momentum_scale(air, ledger)
         if (.not. start%known) start = ledger_start_t(.true., ledger%total, all(1), all(2:4), &
                                                       supply=largest_term(ledger))
@@ -156,8 +166,8 @@ contains
 
         largest_term = maxval(abs([ledger%gas_kinetic, ledger%gas(5) - ledger%gas_kinetic, &
             ledger%kept(5), ledger%outflow(5), ledger%solid_kinetic, ledger%solid_internal, &
-            ledger%hourglass, ledger%artificial, ledger%contact(1), ledger%air_work, &
-            ledger%load_work, ledger%drive]))
+            ledger%hourglass, ledger%artificial, ledger%contact(1), ledger%bond, &
+            ledger%air_work, ledger%load_work, ledger%drive]))
     end function largest_term
 
     !> Energy of bodies at rest by rounding: their velocities are some roundings of sound [J].
@@ -234,6 +244,7 @@ contains
         row(37:50) = [ledger%kept(1:4), ledger%gas(2:4), ledger%outflow(2:4), &
                       ledger%momentum_scale, ledger%reference_work, ledger%energy_scale, &
                       ledger%coupling_error]
+        row(51:52) = ledger%bond
     end function ledger_row
 
     !> Columns of bodies.csv.
@@ -242,24 +253,49 @@ contains
         character(64), allocatable, intent(out) :: names(:)
         integer :: b, i
 
-        allocate (names(1 + n_body*size(solid%bodies)))
+        allocate (names(1 + n_body*size(solid%bodies) + n_interface*interfaces_of(solid)))
         names(1) = 'time[s]'
         do b = 1, size(solid%bodies)
             do i = 1, n_body
                 names(1 + n_body*(b - 1) + i) = trim(solid%bodies(b)%id)//':'//body_columns(i)
             end do
         end do
+        do b = 1, interfaces_of(solid)
+            do i = 1, n_interface
+                names(1 + n_body*size(solid%bodies) + n_interface*(b - 1) + i) = &
+                    interface_name(solid, b)//':'//interface_columns(i)
+            end do
+        end do
     end subroutine body_names
+
+    pure integer function interfaces_of(solid) result(n)
+        type(solid_t), intent(in) :: solid
+
+        n = 0
+        if (solid%cohesive%present) n = size(solid%cohesive%law)
+    end function interfaces_of
+
+    !> The two bodies of a cohesive interface: 'low+high'.
+    pure function interface_name(solid, k) result(name)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: k
+        character(:), allocatable :: name
+
+        associate (b => solid%cohesive%body(:, k))
+            name = trim(solid%bodies(minval(b))%id)//'+'//trim(solid%bodies(maxval(b))%id)
+        end associate
+    end function interface_name
 
     !> The row that belongs to the columns of bodies.csv.
     subroutine body_row(time, backend, solid, row, err)
         real(dp), intent(in) :: time !! [s]
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
-        real(dp), intent(out) :: row(:) !! (1 + n_body bodies)
+        real(dp), intent(out) :: row(:) !! (1 + n_body bodies + n_interface interfaces)
         type(error_t), intent(inout) :: err
         type(solid_totals_t) :: t
-        integer :: b
+        real(dp) :: sums(4)
+        integer :: b, first
 
         row(1) = time
         do b = 1, size(solid%bodies)
@@ -267,6 +303,11 @@ contains
             row(2 + n_body*(b - 1):1 + n_body*b) = &
                 [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, t%damage, &
                  solid%bodies(b)%ledger%load, solid%bodies(b)%reaction]
+        end do
+        do b = 1, interfaces_of(solid)
+            call cohesive_totals(solid%cohesive, b, sums(1), sums(2), sums(3), sums(4))
+            first = 1 + n_body*size(solid%bodies) + n_interface*(b - 1)
+            row(first + 1:first + n_interface) = [sums(3), sums(1), sums(2)]
         end do
     end subroutine body_row
 end module brz_ledger

@@ -10,7 +10,8 @@ module brz_run
     use brz_clock, only: start_clock, walltime_is_up
     use brz_command_line, only: options_t
     use brz_deck, only: deck_t
-    use brz_errors, only: error_t, exit_stopped, failed, raise
+    use brz_errors, only: error_t, exit_deck, exit_stopped, failed, raise
+    use brz_kernel_profile, only: start_profile
     use brz_key, only: key_t
     use brz_key_table, only: all_keys
     use brz_kinds, only: dp
@@ -83,6 +84,8 @@ contains
         if (failed(err)) return
         call start_backend(sim%backend, sim%air, sim%coupling, sim%solid, err)
         if (failed(err)) return
+        if (options%profile) call profile(sim, err)
+        if (failed(err)) return
         call time_loop(sim, outputs, err)
         call close_outputs(sim, outputs, closing) ! the rows up to a failure are the ones that tell
         if (.not. failed(err)) err = closing
@@ -121,6 +124,16 @@ contains
                             size(sim%case%bodies) > 0, sim%backend, note, err)
         if (note /= '') write (error_unit, '(a)') note
     end subroutine open_backend
+
+    !> Book the time of each kernel; there are none on the CPU.
+    subroutine profile(sim, err)
+        type(simulation_t), intent(in) :: sim
+        type(error_t), intent(inout) :: err
+
+        if (.not. (sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)) call raise(err, exit_deck, &
+            'run: --profile prints the time of kernels, and this run has none: it is on the CPU')
+        call start_profile()
+    end subroutine profile
 
     !> Step until the end, an error, or a request to stop.
     subroutine time_loop(sim, outputs, err)

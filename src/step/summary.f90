@@ -2,9 +2,11 @@
 !> What a run prints at its end: balances, gauges, and what it cost.
 module brz_summary
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+    use brz_cohesive_state, only: cohesive_totals
     use brz_errors, only: error_t, failed
+    use brz_kernel_profile, only: print_profile, profiling
     use brz_kinds, only: dp
-    use brz_ledger, only: ledger_start_t, ledger_t, take_stock
+    use brz_ledger, only: interface_name, ledger_start_t, ledger_t, take_stock
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
     use brz_simulation, only: simulation_t
@@ -41,10 +43,12 @@ contains
                 sim%air%held_cells
         end if
         call print_clamped(sim)
+        call print_interfaces(sim)
         if (outputs%gauges%n > 0) then
             call gauge_summary(outputs%gauges, outputs%folder//'/gauges.csv', text, err)
             if (.not. failed(err)) write (output_unit, '(/, a)') text
         end if
+        if (profiling) call print_profile(output_unit)
         call print_cost(sim)
         call say('results    '//outputs%folder)
     end subroutine print_summary
@@ -64,6 +68,21 @@ contains
             end associate
         end do
     end subroutine print_clamped
+
+    !> How much of each cohesive interface is broken.
+    subroutine print_interfaces(sim)
+        type(simulation_t), intent(in) :: sim
+        real(dp) :: held, spent, broken, whole
+        integer :: k
+
+        if (.not. sim%solid%cohesive%present) return
+        do k = 1, size(sim%solid%cohesive%law)
+            call cohesive_totals(sim%solid%cohesive, k, held, spent, broken, whole)
+            write (output_unit, '(2a, 2(es10.3, a), es10.3, a)') 'interface  ', &
+                interface_name(sim%solid, k)//':', broken, ' of', whole, ' m2 broken,', spent, &
+                ' J spent'
+        end do
+    end subroutine print_interfaces
 
     !> Wall-clock time and throughput.
     subroutine print_cost(sim)

@@ -71,6 +71,23 @@ def test_a_checkpoint_of_one_backend_serves_the_other(deck):
     assert parts[-1] == pytest.approx(whole[-1], rel=1e-9)
 
 
+def test_the_time_of_each_kernel_is_printed(deck):
+    done = run(deck, "a.nml", "--backend", "gpu", "--out", "a", "--profile")
+    assert done.returncode == 0, done.stderr
+    table = [line.split() for line in done.stdout.split("kernel ", 1)[1].splitlines()[1:]]
+    table = table[: [row[0] for row in table].index("all") + 1]
+    seconds = [float(row[2]) for row in table[:-1]]
+    assert seconds == sorted(seconds, reverse=True)
+    assert 0.9 * float(table[-1][2]) < sum(seconds) <= float(table[-1][2]) + 0.01
+    steps = int(re.search(r"after (\d+) steps", done.stdout)[1])
+    marches = [int(row[1]) for row in table if row[0].startswith("march_")]
+    assert marches, table
+    assert all(n % steps == 0 for n in marches), (steps, marches)
+    done = run(deck, "a.nml", "--backend", "cpu", "--out", "b", "--profile")
+    assert done.returncode == 2
+    assert "on the CPU" in done.stderr
+
+
 def test_two_runs_on_the_gpu_give_the_same_bits(deck):
     for out in ("a", "b"):
         assert run(deck, "a.nml", "--backend", "gpu", "--out", out).returncode == 0

@@ -1,0 +1,81 @@
+! SPDX-License-Identifier: MIT
+!> Cohesive law of an interface: traction over opening, bilinear, one damage for all modes. Point
+!> physics, in real64 at any precision: there are few points, and their damage comes close to 1.
+!>
+!> Up to the onset an opening `d` has the traction `K d`. The onset is that of the quadratic
+!> criterion; from there the traction falls on a straight line to zero, so that the work per area is
+!> the fracture energy of the present mode, by Benzeggagh and Kenane or by a power law. Damage
+!> never falls, and unloading goes straight back to the origin. Pressure does no damage and always
+!> meets the full stiffness.
+!>
+!> Source: Camanho and Davila, NASA/TM-2002-211737; docs/fracture.md
+module brz_cohesive_law
+    use brz_kinds, only: dp
+    implicit none
+    private
+    public :: cohesive_law_t, separate, mode_of, mixed_bk, mixed_power
+
+    integer, parameter :: mixed_bk = 1, mixed_power = 2
+
+    !> The numbers of an interface.
+    type :: cohesive_law_t
+        real(dp) :: stiffness !! [Pa/m]
+        real(dp) :: strength(2) !! in tension and in shear [Pa]
+        real(dp) :: energy(2) !! in tension and in shear [J/m2]
+        real(dp) :: exponent !! of the law of mixed modes [-]
+        integer :: mixed !! mixed_bk or mixed_power
+    end type cohesive_law_t
+
+contains
+
+    !> Openings at which the traction of a mode begins to fall and has fallen to zero.
+    !@cuf attributes(host,device) &
+    pure subroutine mode_of(law, share, first, last)
+        type(cohesive_law_t), intent(in) :: law
+        real(dp), intent(in) :: share !! of shear in the square of the opening, 0..1
+        real(dp), intent(out) :: first, last !! [m]
+        real(dp) :: energy, open
+
+        open = 1 - share
+        if (law%mixed == mixed_bk) then
+            energy = law%energy(1) + (law%energy(2) - law%energy(1))*share**law%exponent
+        else
+            energy = ((open/law%energy(1))**law%exponent &
+                      + (share/law%energy(2))**law%exponent)**(-1/law%exponent)
+        end if
+        first = 1/(law%stiffness*sqrt(open/law%strength(1)**2 + share/law%strength(2)**2))
+        last = max(2*energy/(law%stiffness*first), (1 + 1e-9_dp)*first)
+    end subroutine mode_of
+
+    !> Traction of an opening, and what the interface holds and has spent.
+    !@cuf attributes(host,device) &
+    pure subroutine separate(law, opening, normal, damage, spent, traction, held)
+        type(cohesive_law_t), intent(in) :: law
+        real(dp), intent(in) :: opening(3) !! of the far side from the near one [m]
+        real(dp), intent(in) :: normal(3) !! unit vector from the near to the far side
+        real(dp), intent(inout) :: damage !! 0..1; never falls
+        real(dp), intent(inout) :: spent !! energy of damage so far [J/m2]
+        real(dp), intent(out) :: traction(3) !! on the near side [Pa]
+        real(dp), intent(out) :: held !! energy that comes back [J/m2]
+        real(dp) :: across, apart, slide(3), shear2, size2, first, last, from, to, left
+
+        across = opening(1)*normal(1) + opening(2)*normal(2) + opening(3)*normal(3)
+        slide = opening - across*normal
+        shear2 = slide(1)*slide(1) + slide(2)*slide(2) + slide(3)*slide(3)
+        apart = max(across, 0.0_dp)
+        size2 = apart*apart + shear2
+        if (size2 > 0 .and. damage < 1) then
+            call mode_of(law, shear2/size2, first, last)
+            from = first*last/(first + (1 - damage)*(last - first))
+            to = min(sqrt(size2), last)
+            if (to > from) then ! K d^2/2 dD is linear in d
+                spent = spent + law%stiffness*first*last/(2*(last - first))*(to - from)
+                damage = max(damage, min(last*(to - first)/(to*(last - first)), 1.0_dp))
+                if (to >= last) damage = 1
+            end if
+        end if
+        left = (1 - damage)*law%stiffness
+        traction = left*(apart*normal + slide) + law%stiffness*min(across, 0.0_dp)*normal
+        held = (left*size2 + law%stiffness*min(across, 0.0_dp)**2)/2
+    end subroutine separate
+end module brz_cohesive_law

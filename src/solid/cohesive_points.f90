@@ -1,0 +1,299 @@
+! SPDX-License-Identifier: MIT
+!> The points of cohesive interfaces: what each sees of the particles of both bodies.
+!>
+!> Each side is continued to the point by moving least squares over the particles (images in planes
+!> of symmetry among them) within two spacings, in the unloaded bodies. The weights of the near side
+!> count negative, so that their sum over the places is the opening. A side that is one layer thick
+!> is seen in its middle; what lies between the two then turns with the normal.
+module brz_cohesive_points
+    use brz_cell_grid, only: cell_span, fill_cells, lay_grid
+    use brz_cohesive_faces, only: faces_t
+    use brz_cohesive_state, only: cohesive_t
+    use brz_kinds, only: dp, int32, int8
+    use brz_linear_weights, only: linear_weights
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: begin_points, lay_points, link_nodes, mirror_signs
+
+    integer, parameter :: most = 128 !! particles that a point sees of one side
+    real(dp), parameter :: reach_over_spacing = 2
+
+    !> What points see of one side.
+    type :: side_t
+        integer :: n = 0
+        integer, allocatable :: first(:) !! (points+1)
+        integer(int32), allocatable :: node(:)
+        integer(int8), allocatable :: mask(:)
+        real(dp), allocatable :: weight(:, :) !! (3, entries) of the place; of the tangents [1/m]
+    end type side_t
+
+contains
+
+    !> No points yet.
+    subroutine begin_points(glue)
+        type(cohesive_t), intent(inout) :: glue
+
+        glue%n = 0
+        allocate (glue%of(0), glue%area(0), glue%gap(0), glue%beside(2, 0), glue%rest(3, 2, 0), &
+                  glue%node(0), glue%mask(0), glue%weight(3, 0))
+        allocate (glue%first(1), source=1_int32)
+    end subroutine begin_points
+
+    !> Points of one interface, appended to those that are there.
+    subroutine lay_points(solid, k, faces, spacing)
+        type(solid_t), intent(inout) :: solid !! its search tables are overwritten
+        integer, intent(in) :: k !! interface
+        type(faces_t), intent(in) :: faces !! of the near side
+        real(dp), intent(in) :: spacing(2) !! of either side [m]
+        type(side_t) :: sides(2)
+        real(dp) :: rest(3, 2, faces%n)
+        integer :: f, side
+
+        do f = 1, faces%n
+            rest(:, :, f) = tangents(faces%axis(f))
+        end do
+        do side = 1, 2
+            call view_side(solid, solid%cohesive%body(side, k), faces, &
+                           reach_over_spacing*spacing(side), sides(side))
+        end do
+        call append(solid%cohesive, k, faces, sides, rest)
+        call settle_gaps(solid, faces%n)
+    end subroutine lay_points
+
+    !> Tangents of a face; their cross product is its normal.
+    pure function tangents(axis) result(t)
+        integer, intent(in) :: axis !! of the normal, +-1, ...
+        real(dp) :: t(3, 2)
+
+        t = 0
+        t(modulo(abs(axis), 3) + 1, 1) = 1
+        t(modulo(abs(axis) + 1, 3) + 1, 2) = sign(1, axis)
+    end function tangents
+
+    !> What all points see of one body.
+    subroutine view_side(solid, b, faces, reach, view)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        type(faces_t), intent(in) :: faces
+        real(dp), intent(in) :: reach !! [m]
+        type(side_t), intent(out) :: view
+        integer :: particle(most), mask(most), e, f, n
+        real(dp) :: x(3, most), value(most), slope(3, most), t(3, 2)
+
+        call lay_grid(solid%search, solid%x_ref, solid%fixed, solid%bodies(b), reach)
+        call fill_cells(solid%search, solid%x_ref, solid%fixed, solid%bodies(b))
+        allocate (view%first(faces%n + 1), view%node(0), view%mask(0), view%weight(3, 0))
+        do f = 1, faces%n
+            view%first(f) = view%n + 1
+            call collect(solid, faces%at(:, f), reach, n, particle, mask, x)
+            call linear_weights(x(:, :n), faces%at(:, f), reach, value(:n), slope(:, :n))
+            call grow(view, view%n + n)
+            t = tangents(faces%axis(f))
+            do e = 1, n
+                view%node(view%n + e) = particle(e)
+                view%mask(view%n + e) = int(mask(e), int8)
+                view%weight(:, view%n + e) = [value(e), matmul(slope(:, e), t)]
+            end do
+            view%n = view%n + n
+        end do
+        view%first(faces%n + 1) = view%n + 1
+    end subroutine view_side
+
+    !> Particles and images of the body in the cells within the reach of a place, in the order of
+    !> their numbers.
+    pure subroutine collect(solid, at, reach, n, particle, mask, x)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: at(3), reach !! [m]
+        integer, intent(out) :: n, particle(most), mask(most)
+        real(dp), intent(out) :: x(3, most) !! [m]
+        real(dp) :: y(3), s(3)
+        integer :: c, c1, c2, c3, i, k, m, lo(3), hi(3)
+
+        n = 0
+        do m = 0, 7
+            s = mirror_signs(m)
+            if (any(s < 0 .and. .not. solid%mirror)) cycle
+            call cell_span(solid%search, s*at, reach, lo, hi)
+            do c3 = lo(3), hi(3)
+                do c2 = lo(2), hi(2)
+                    do c1 = lo(1), hi(1)
+                        c = solid%search%code(c1, 1) + solid%search%code(c2, 2) &
+                            + solid%search%code(c3, 3)
+                        do k = solid%search%start(c), solid%search%start(c + 1) - 1
+                            i = solid%search%order(k)
+                            y = s*solid%x_ref(:, i)
+                            if (norm2(y - at) >= (1 - 1e-9_dp)*reach .or. n == most) cycle
+                            n = n + 1
+                            particle(n) = i
+                            mask(n) = m
+                            x(:, n) = y
+                        end do
+                    end do
+                end do
+            end do
+        end do
+        call sort_views(n, particle, mask, x)
+    end subroutine collect
+
+    !> By the mask and the number of the particle, so that no search decides on the order of sums.
+    pure subroutine sort_views(n, particle, mask, x)
+        integer, intent(in) :: n
+        integer, intent(inout) :: particle(most), mask(most)
+        real(dp), intent(inout) :: x(3, most)
+        real(dp) :: y(3)
+        integer :: i, j, p, m
+
+        do i = 2, n
+            p = particle(i)
+            m = mask(i)
+            y = x(:, i)
+            j = i - 1
+            do while (j >= 1)
+                if (mask(j) < m .or. mask(j) == m .and. particle(j) < p) exit
+                particle(j + 1) = particle(j)
+                mask(j + 1) = mask(j)
+                x(:, j + 1) = x(:, j)
+                j = j - 1
+            end do
+            particle(j + 1) = p
+            mask(j + 1) = m
+            x(:, j + 1) = y
+        end do
+    end subroutine sort_views
+
+    !> Signs of the components that a mask mirrors.
+    pure function mirror_signs(mask) result(s)
+        integer, intent(in) :: mask !! bits 0..2
+        real(dp) :: s(3)
+        integer :: a
+
+        do a = 1, 3
+            s(a) = merge(-1, 1, btest(mask, a - 1))
+        end do
+    end function mirror_signs
+
+    !> Room for n entries.
+    subroutine grow(view, n)
+        type(side_t), intent(inout) :: view
+        integer, intent(in) :: n
+        integer(int32), allocatable :: node(:)
+        integer(int8), allocatable :: mask(:)
+        real(dp), allocatable :: weight(:, :)
+
+        if (n <= size(view%node)) return
+        allocate (node(2*n), mask(2*n), weight(3, 2*n))
+        node(:view%n) = view%node(:view%n)
+        mask(:view%n) = view%mask(:view%n)
+        weight(:, :view%n) = view%weight(:, :view%n)
+        call move_alloc(node, view%node)
+        call move_alloc(mask, view%mask)
+        call move_alloc(weight, view%weight)
+    end subroutine grow
+
+    !> Append the points of an interface; the nodes are numbers of particles for the time being.
+    subroutine append(glue, k, faces, sides, rest)
+        type(cohesive_t), intent(inout) :: glue
+        integer, intent(in) :: k
+        type(faces_t), intent(in) :: faces
+        type(side_t), intent(in) :: sides(2)
+        real(dp), intent(in) :: rest(3, 2, faces%n) !! tangents of the unloaded faces
+        integer(int32) :: first(faces%n)
+        integer :: e, f, s, n, last
+
+        n = size(glue%node)
+        last = n + sides(1)%n + sides(2)%n
+        glue%of = [glue%of, spread(int(k, int32), 1, faces%n)]
+        glue%area = [glue%area, faces%area]
+        glue%gap = [glue%gap, spread(0.0_dp, 1, faces%n)]
+        glue%beside = reshape([glue%beside, transpose(reshape([faces%own, faces%other], &
+                                                              [faces%n, 2]))], &
+                              [2, glue%n + faces%n])
+        glue%rest = reshape([glue%rest, rest], [3, 2, glue%n + faces%n])
+        glue%node = [glue%node, spread(0_int32, 1, last - n)]
+        glue%mask = [glue%mask, spread(0_int8, 1, last - n)]
+        glue%weight = reshape([glue%weight, spread(0.0_dp, 1, 3*(last - n))], [3, last])
+        do f = 1, faces%n
+            do s = 1, 2
+                do e = sides(s)%first(f), sides(s)%first(f + 1) - 1
+                    n = n + 1
+                    glue%node(n) = sides(s)%node(e)
+                    glue%mask(n) = sides(s)%mask(e)
+                    glue%weight(:, n) = sides(s)%weight(:, e)*[2*s - 3.0_dp, 0.5_dp, 0.5_dp]
+                end do
+            end do
+            first(f) = n + 1
+        end do
+        glue%first = [glue%first, first]
+        glue%n = glue%n + faces%n
+    end subroutine append
+
+    !> What the last points see as gap in the unloaded bodies, and what of their tangents no
+    !> particle shows.
+    subroutine settle_gaps(solid, n)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: n
+        real(dp) :: gap(3), seen(3, 2), x(3), normal(3)
+        integer :: e, p
+
+        associate (glue => solid%cohesive)
+            do p = glue%n - n + 1, glue%n
+                gap = 0
+                seen = 0
+                do e = glue%first(p), glue%first(p + 1) - 1
+                    x = mirror_signs(int(glue%mask(e)))*solid%x_ref(:, glue%node(e))
+                    gap = gap + glue%weight(1, e)*x
+                    seen(:, 1) = seen(:, 1) + glue%weight(2, e)*x
+                    seen(:, 2) = seen(:, 2) + glue%weight(3, e)*x
+                end do
+                associate (t => glue%rest(:, :, p))
+                    normal = [t(2, 1)*t(3, 2) - t(3, 1)*t(2, 2), &
+                              t(3, 1)*t(1, 2) - t(1, 1)*t(3, 2), &
+                              t(1, 1)*t(2, 2) - t(2, 1)*t(1, 2)]
+                    t = t - seen
+                    where (abs(t) < 1e-9_dp) t = 0
+                end associate
+                glue%gap(p) = dot_product(gap, normal)
+                if (abs(glue%gap(p)) < 1e-9_dp*sqrt(glue%area(p))) glue%gap(p) = 0
+            end do
+        end associate
+    end subroutine settle_gaps
+
+    !> Number the particles that points see, and list the entries of each.
+    subroutine link_nodes(glue, particles)
+        type(cohesive_t), intent(inout) :: glue
+        integer, intent(in) :: particles
+        integer :: e, i, p
+        integer, allocatable :: last(:)
+
+        allocate (glue%row(particles), source=0_int32)
+        glue%row(glue%node) = 1
+        glue%nodes = 0
+        do i = 1, particles
+            if (glue%row(i) == 0) cycle
+            glue%nodes = glue%nodes + 1
+            glue%row(i) = glue%nodes
+        end do
+        glue%node = glue%row(glue%node)
+        glue%beside = reshape(glue%row(reshape(glue%beside, [2*glue%n])), [2, glue%n])
+        allocate (glue%back_first(glue%nodes + 1), source=0_int32)
+        do e = 1, size(glue%node)
+            glue%back_first(glue%node(e) + 1) = glue%back_first(glue%node(e) + 1) + 1
+        end do
+        glue%back_first(1) = 1
+        do i = 1, glue%nodes
+            glue%back_first(i + 1) = glue%back_first(i + 1) + glue%back_first(i)
+        end do
+        allocate (glue%back(2, size(glue%node)))
+        last = glue%back_first(:glue%nodes)
+        do p = 1, glue%n
+            do e = glue%first(p), glue%first(p + 1) - 1
+                glue%back(:, last(glue%node(e))) = [e, p]
+                last(glue%node(e)) = last(glue%node(e)) + 1
+            end do
+        end do
+        allocate (glue%place(glue%nodes), source=0_int32)
+        allocate (glue%damage(glue%n), glue%spent(glue%n), glue%held(glue%n), &
+                  glue%pull(3, 3, glue%n), glue%push(3, 0:glue%nodes), source=0.0_dp)
+    end subroutine link_nodes
+end module brz_cohesive_points

@@ -1,0 +1,326 @@
+! SPDX-License-Identifier: MIT
+!> Cohesive interfaces, from the deck and the particles: points, stiffness, stable step.
+module brz_cohesive_setup
+    use brz_body_shape, only: shape_t
+    use brz_case, only: case_t, interaction_case_t, label
+    use brz_cohesive_faces, only: drop_faces, faces_t, find_faces
+    use brz_cohesive_law, only: cohesive_law_t, mixed_bk, mixed_power, mode_of
+    use brz_cohesive_points, only: begin_points, lay_points, link_nodes
+    use brz_cohesive_state, only: cohesive_t
+    use brz_contact, only: law_cohesive, law_contact
+    use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_interaction_setup, only: find_rule
+    use brz_kinds, only: dp, int32, real32
+    use brz_material, only: material_t
+    use brz_solid_state, only: is_free, solid_t
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: set_up_cohesive, zone_over_spacing
+
+    real(dp), parameter :: usual_stiffness = 10 !! times the modulus of one spacing
+    real(dp), parameter :: stable_share = 0.8_dp !! of the stable step of a spring, 2/omega
+    real(dp), parameter :: least_step = 0.5_dp !! of the bodies' step, with the usual stiffness
+    real(dp), parameter :: most_ratio = 2.01_dp !! of the spacings of two bodies
+    integer, parameter :: most_bits = 31
+    real(dp), parameter :: resolved = 3 !! spacings in a cohesive zone
+
+contains
+
+    !> All interfaces of a scene whose particles are placed and in the order of their numbers.
+    subroutine set_up_cohesive(case, shapes, solid, err)
+        type(case_t), intent(in) :: case
+        type(shape_t), intent(in) :: shapes(:) !! of the bodies
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        type(interaction_case_t) :: rule
+        integer :: a, b, n
+
+        if (.not. solid%links%present .or. failed(err)) return
+        n = count(solid%links%table%law == law_cohesive)/2
+        if (n == 0) return
+        allocate (solid%cohesive%law(n), solid%cohesive%body(2, n), solid%cohesive%bit(n), &
+                  solid%cohesive%limit(n), solid%cohesive%softened(n))
+        call begin_points(solid%cohesive)
+        n = 0
+        do b = 1, size(solid%bodies)
+            do a = 1, b - 1
+                if (solid%links%table(a, b)%law /= law_cohesive) cycle
+                call find_rule(case, a, b, rule)
+                call lay_interface(case, rule, [a, b], shapes, solid, n, err)
+                if (failed(err)) return
+            end do
+        end do
+        call keep_first(solid%cohesive, n)
+        if (n == 0) return
+        solid%cohesive%present = .true.
+        call link_nodes(solid%cohesive, solid%n)
+        allocate (solid%links%joined(solid%n), source=0_int32)
+        call settle_stiffness(solid, err)
+        do n = 1, size(solid%cohesive%law)
+            call judge_interface(case, n, solid, err)
+        end do
+    end subroutine set_up_cohesive
+
+    !> Points of one interface. Bodies that do not touch meet by contact, or are refused where the
+    !> deck names both.
+    subroutine lay_interface(case, rule, pair, shapes, solid, k, err)
+        type(case_t), intent(in) :: case
+        type(interaction_case_t), intent(in) :: rule
+        integer, intent(in) :: pair(2) !! bodies
+        type(shape_t), intent(in) :: shapes(:)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(inout) :: k !! interfaces so far
+        type(error_t), intent(inout) :: err
+        type(faces_t) :: faces
+        real(dp) :: layers(3, 2), spacing(2)
+        integer :: a, b, i
+
+        a = pair(1)
+        b = pair(2)
+        if (solid%bodies(b)%spacing < (1 - 1e-6_dp)*solid%bodies(a)%spacing) then
+            a = pair(2)
+            b = pair(1)
+        end if
+        layers = reshape([shapes(a)%spacing, shapes(b)%spacing], [3, 2])
+        spacing = maxval(layers(:solid%dimension, :), dim=1)
+        call find_faces(solid, a, b, layers, faces)
+        do i = 1, rule%n_open_boxes
+            call drop_faces(faces, rule%open_box(:, i), solid%dimension)
+        end do
+        if (faces%n == 0) then
+            solid%links%table(a, b)%law = law_contact
+            solid%links%table(b, a)%law = law_contact
+            if (all(rule%body > 0)) call raise(err, exit_deck, name_of(case, rule)// &
+                "bodies '"//trim(solid%bodies(a)%id)//"' and '"//trim(solid%bodies(b)%id)// &
+                "' have no faces that meet: their sides must lie on each other (at most half a "// &
+                'spacing apart), and not all of them in an open_box; or take another '// &
+                'law')
+            return
+        end if
+        if (spacing(2) > most_ratio*spacing(1)) then
+            call raise(err, exit_deck, name_of(case, rule)//"the spacings of '"// &
+                trim(solid%bodies(a)%id)//"' and '"//trim(solid%bodies(b)%id)//"' differ by a "// &
+                'factor of '//to_text(real(spacing(2)/spacing(1), real32))// &
+                '; at most 2 across a cohesive interface')
+            return
+        end if
+        k = k + 1
+        associate (glue => solid%cohesive)
+            glue%body(:, k) = [a, b]
+            glue%law(k) = law_of(rule)
+            call choose_bit(glue%body(:, :k), glue%bit(:k), err)
+            solid%links%table(a, b)%bit = glue%bit(k)
+            solid%links%table(b, a)%bit = glue%bit(k)
+        end associate
+        call lay_points(solid, k, faces, spacing)
+    end subroutine lay_interface
+
+    !> How messages about an interaction begin.
+    function name_of(case, rule) result(text)
+        type(case_t), intent(in) :: case
+        type(interaction_case_t), intent(in) :: rule
+        character(:), allocatable :: text
+
+        text = label('interaction', '', rule%place)
+        if (size(case%bodies) == 0) text = ''
+    end function name_of
+
+    pure type(cohesive_law_t) function law_of(rule) result(law)
+        type(interaction_case_t), intent(in) :: rule
+
+        law%stiffness = rule%interface_stiffness
+        law%strength = [rule%tensile_strength, rule%shear_strength]
+        law%energy = [rule%gi, rule%gii]
+        law%mixed = merge(mixed_power, mixed_bk, rule%mixed == 'power')
+        law%exponent = rule%mixed_exponent
+        if (.not. law%exponent > 0) law%exponent = merge(1, 2, law%mixed == mixed_power)
+    end function law_of
+
+    !> The lowest bit that no other interface of the two bodies has, for the last one.
+    subroutine choose_bit(body, bit, err)
+        integer, intent(in) :: body(:, :) !! (2, interfaces)
+        integer(int32), intent(inout) :: bit(:)
+        type(error_t), intent(inout) :: err
+        integer(int32) :: taken
+        integer :: j, k
+
+        k = size(bit)
+        taken = 0
+        do j = 1, k - 1
+            if (any(body(:, j) == body(1, k)) .or. any(body(:, j) == body(2, k))) &
+                taken = ior(taken, bit(j))
+        end do
+        j = 0
+        do while (btest(taken, j) .and. j < most_bits)
+            j = j + 1
+        end do
+        if (j == most_bits) call raise(err, exit_deck, 'a body has more than '// &
+            to_text(most_bits)//' cohesive interfaces; join some of its partners in one body')
+        bit(k) = ibset(0_int32, min(j, most_bits - 1))
+    end subroutine choose_bit
+
+    !> Interfaces of bodies that touch.
+    subroutine keep_first(glue, n)
+        type(cohesive_t), intent(inout) :: glue
+        integer, intent(in) :: n
+
+        glue%law = glue%law(:n)
+        glue%body = glue%body(:, :n)
+        glue%bit = glue%bit(:n)
+        glue%limit = glue%limit(:n)
+        glue%softened = glue%softened(:n)
+    end subroutine keep_first
+
+    !> Least modulus of a material [Pa].
+    pure real(dp) function modulus(m)
+        type(material_t), intent(in) :: m
+
+        modulus = m%bulk
+        if (m%shear > 0) modulus = 9*real(m%bulk, dp)*m%shear/(3*real(m%bulk, dp) + m%shear)
+        if (all(m%axial > 0)) modulus = minval(m%axial)
+    end function modulus
+
+    !> The lesser modulus of the two sides of interface k [Pa].
+    pure real(dp) function weaker(solid, k)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: k
+
+        associate (b => solid%cohesive%body(:, k))
+            weaker = min(modulus(solid%materials(solid%bodies(b(1))%material)), &
+                         modulus(solid%materials(solid%bodies(b(2))%material)))
+        end associate
+    end function weaker
+
+    !> Stiffness of the interfaces for which the deck gives none, and the stable step of all.
+    !>
+    !> The square of the frequency of the springs is at most the largest sum of a row of J M^-1 J^T
+    !> K, in absolute values (Gershgorin).
+    subroutine settle_stiffness(solid, err)
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        real(dp) :: fastest(size(solid%cohesive%law)), allowed
+        logical :: usual(size(solid%cohesive%law))
+        integer :: k
+
+        if (failed(err)) return
+        associate (glue => solid%cohesive)
+            usual = .not. glue%law%stiffness > 0
+            do k = 1, size(glue%law)
+                if (usual(k)) glue%law(k)%stiffness = usual_stiffness*weaker(solid, k) &
+                    /solid%bodies(glue%body(1, k))%spacing
+            end do
+            glue%softened = .false.
+            call find_fastest(solid, fastest)
+            do k = 1, size(glue%law)
+                allowed = (2*stable_share/(least_step*step_of_bodies(solid, glue%body(:, k))))**2
+                glue%softened(k) = usual(k) .and. fastest(k) > allowed
+                if (glue%softened(k)) &
+                    glue%law(k)%stiffness = glue%law(k)%stiffness*allowed/fastest(k)
+            end do
+            call find_fastest(solid, fastest)
+            glue%limit = 2*stable_share/sqrt(max(fastest, tiny(1.0_dp)))
+            glue%dt_limit = minval(glue%limit)
+        end associate
+    end subroutine settle_stiffness
+
+    !> First time step of two bodies [s].
+    pure real(dp) function step_of_bodies(solid, pair) result(dt)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: pair(2)
+        integer :: s
+
+        dt = huge(dt)
+        do s = 1, 2
+            associate (body => solid%bodies(pair(s)))
+                dt = min(dt, real(body%cfl*body%h, dp)/solid%materials(body%material)%c_wave)
+            end associate
+        end do
+    end function step_of_bodies
+
+    !> Bound of the square of the frequency of the springs of each interface [1/s2].
+    subroutine find_fastest(solid, fastest)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(out) :: fastest(:)
+        real(dp), allocatable :: of_node(:)
+        real(dp) :: row
+        integer :: e, k, p
+
+        associate (glue => solid%cohesive)
+            allocate (of_node(glue%nodes), source=0.0_dp)
+            do p = 1, glue%n
+                do e = glue%first(p), glue%first(p + 1) - 1
+                    of_node(glue%node(e)) = of_node(glue%node(e)) &
+                        + share(glue, p, e)*glue%law(glue%of(p))%stiffness*glue%area(p)
+                end do
+            end do
+            do k = 1, solid%n ! particles are in the order of their numbers
+                if (glue%row(k) == 0) cycle
+                of_node(glue%row(k)) = of_node(glue%row(k))/solid%mass(k)
+                if (solid%fixed(k) /= is_free) of_node(glue%row(k)) = 0
+            end do
+            fastest = 0
+            do p = 1, glue%n
+                row = 0
+                do e = glue%first(p), glue%first(p + 1) - 1
+                    row = row + share(glue, p, e)*of_node(glue%node(e))
+                end do
+                fastest(glue%of(p)) = max(fastest(glue%of(p)), row)
+            end do
+        end associate
+    end subroutine find_fastest
+
+    !> Most that an opening changes by an entry.
+    pure real(dp) function share(glue, p, e)
+        type(cohesive_t), intent(in) :: glue
+        integer, intent(in) :: p, e !! point, entry
+
+        share = abs(glue%weight(1, e)) + abs(glue%gap(p))*norm2(glue%weight(2:3, e))
+    end function share
+
+    !> Length of the cohesive zone of a mode, E G/T^2, over the spacing of the finer side.
+    pure real(dp) function zone_over_spacing(solid, k, mode) result(zone)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: k, mode !! interface; 1: tension, 2: shear
+
+        associate (law => solid%cohesive%law(k))
+            zone = weaker(solid, k)*law%energy(mode)/law%strength(mode)**2 &
+                   /solid%bodies(solid%cohesive%body(1, k))%spacing
+        end associate
+    end function zone_over_spacing
+
+    !> Is the law possible with its stiffness, and its zone resolved?
+    subroutine judge_interface(case, k, solid, err)
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: k
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        type(interaction_case_t) :: rule
+        real(dp) :: first, last, least, zone
+        integer :: i
+
+        if (failed(err)) return
+        associate (law => solid%cohesive%law(k), b => solid%cohesive%body(:, k))
+            call find_rule(case, b(1), b(2), rule)
+            least = 0
+            do i = 0, 20
+                call mode_of(law, i/20.0_dp, first, last)
+                least = max(least, law%stiffness*first/last)
+            end do
+            zone = min(zone_over_spacing(solid, k, 1), zone_over_spacing(solid, k, 2))
+            if (least > 0.95_dp*law%stiffness) then
+                call raise(err, exit_deck, name_of(case, rule)//'with the stiffness '// &
+                    to_text(real(law%stiffness, real32))//' Pa/m it would hold more energy at '// &
+                    'its strength than gi or gii spends: take interface_stiffness of at least '// &
+                    to_text(real(2*least, real32))//' Pa/m, or a smaller spacing')
+            else if (zone < resolved) then
+                solid%notes = solid%notes//name_of(case, rule)//'warning: the cohesive zone '// &
+                    "between '"//trim(solid%bodies(b(1))%id)//"' and '"// &
+                    trim(solid%bodies(b(2))%id)//"' is "//to_text(real(zone, real32))// &
+                    ' spacings long (E G/T^2), and cracks need 3: use a spacing of at most '// &
+                    to_text(real(zone/resolved*solid%bodies(b(1))%spacing, real32))// &
+                    ' m, or a lower strength with the same energy'//new_line('a')
+            end if
+        end associate
+    end subroutine judge_interface
+end module brz_cohesive_setup

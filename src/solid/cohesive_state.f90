@@ -1,0 +1,72 @@
+! SPDX-License-Identifier: MIT
+!> Cohesive interfaces between bodies: points in the gap, what they see of the particles, their
+!> state.
+!>
+!> A point sees a sum of places of particles of either body with fixed weights, a node each. Nodes
+!> are numbered for life; only where in the arrays their particle lies changes with every sort.
+!> Forces are gathered: the points of a node lie side by side in `back`.
+module brz_cohesive_state
+    use brz_cohesive_law, only: cohesive_law_t
+    use brz_kinds, only: dp, int32, int8
+    implicit none
+    private
+    public :: cohesive_t, cohesive_totals
+
+    type :: cohesive_t
+        logical :: present = .false.
+        integer :: n = 0, nodes = 0 !! points; particles that they see
+        real(dp) :: dt_limit = huge(1.0_dp) !! largest stable step of the springs [s]
+        ! interfaces
+        type(cohesive_law_t), allocatable :: law(:) !! (interfaces)
+        integer, allocatable :: body(:, :) !! (2, interfaces) near and far side
+        integer(int32), allocatable :: bit(:) !! (interfaces) marks it in `joined` of links_t
+        real(dp), allocatable :: limit(:) !! (interfaces) largest stable step of each [s]
+        logical, allocatable :: softened(:) !! (interfaces) the usual stiffness was too much
+        ! points
+        integer(int32), allocatable :: of(:) !! (n) interface
+        integer(int32), allocatable :: first(:) !! (n+1) entries of a point
+        integer(int32), allocatable :: beside(:, :) !! (2, n) nearest node of either side
+        real(dp), allocatable :: area(:) !! (n) [m2]
+        real(dp), allocatable :: gap(:) !! (n) unloaded distance of what is seen of both sides [m]
+        real(dp), allocatable :: rest(:, :, :) !! (3, 2, n) of the tangents, seen by no particle
+        ! entries: a node with its weights
+        integer(int32), allocatable :: node(:)
+        integer(int8), allocatable :: mask(:) !! mirrored axes, bits 0..2
+        real(dp), allocatable :: weight(:, :) !! (3, entries) of the opening; of the tangents [1/m]
+        ! nodes
+        integer(int32), allocatable :: back_first(:) !! (nodes+1) entries of a node in `back`
+        integer(int32), allocatable :: back(:, :) !! (2, entries) entry, its point
+        integer(int32), allocatable :: row(:) !! (particles) node of the particle of a number, or 0
+        integer(int32), allocatable :: place(:) !! (nodes) where its particle lies now
+        ! state
+        real(dp), allocatable :: damage(:) !! (n) 0..1
+        real(dp), allocatable :: spent(:) !! (n) energy of the damage so far [J]
+        real(dp), allocatable :: held(:) !! (n) energy that comes back [J]
+        ! forces at the present places
+        real(dp), allocatable :: pull(:, :, :) !! (3, 3, n) by unit weight; 1: [N], 2, 3: [N m]
+        real(dp), allocatable :: push(:, :) !! (3, 0:nodes) on the particles; 0 is nil [N]
+    end type cohesive_t
+
+contains
+
+    !> What interface k, or all with k = 0, holds and has spent, and how much of it is broken.
+    pure subroutine cohesive_totals(cohesive, k, held, spent, broken, whole)
+        type(cohesive_t), intent(in) :: cohesive
+        integer, intent(in) :: k
+        real(dp), intent(out) :: held, spent !! [J]
+        real(dp), intent(out) :: broken, whole !! area with damage 1; all of it [m2]
+        integer :: p
+
+        held = 0
+        spent = 0
+        broken = 0
+        whole = 0
+        do p = 1, cohesive%n
+            if (k /= 0 .and. cohesive%of(p) /= k) cycle
+            held = held + cohesive%held(p)
+            spent = spent + cohesive%spent(p)
+            whole = whole + cohesive%area(p)
+            if (cohesive%damage(p) >= 1) broken = broken + cohesive%area(p)
+        end do
+    end subroutine cohesive_totals
+end module brz_cohesive_state
