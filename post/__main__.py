@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Command line: `python -m post report OUTDIR`, `frame OUTDIR`, `hole OUTDIR`,
-`compare OUTDIR OUTDIR`, `material FILE`.
+"""Command line: `python -m post report OUTDIR`, `view OUTDIR`, `movie OUTDIR`,
+`frame OUTDIR`, `hole OUTDIR`, `compare OUTDIR OUTDIR`, `paper OUTDIR`, `material FILE`.
 """
 
 from __future__ import annotations
@@ -52,6 +52,14 @@ def _parser() -> argparse.ArgumentParser:
     frame.add_argument(
         "--field", metavar="NAME", default="damage", help="such as damage, stress:xx, velocity:z"
     )
+    view = commands.add_parser("view", help="a page that turns and plays in a browser")
+    view.set_defaults(command=_view)
+    view.add_argument("folder", metavar="OUTDIR", help="folder that a run has written")
+    movie = commands.add_parser("movie", help="pressure and damage in a cut, dump after dump")
+    movie.set_defaults(command=_movie)
+    movie.add_argument("folder", metavar="OUTDIR", help="folder that a run has written")
+    movie.add_argument("--out", metavar="FILE", help=".mp4 or .gif (default: movie.mp4 in OUTDIR)")
+    movie.add_argument("--rate", type=float, default=6.0, metavar="N", help="dumps a second (6)")
     hole = commands.add_parser("hole", help="the holes in a plate that was hit")
     hole.set_defaults(command=_hole)
     hole.add_argument("folder", metavar="OUTDIR", help="folder that a run has written")
@@ -72,6 +80,15 @@ def _parser() -> argparse.ArgumentParser:
         metavar="T",
         help="time of the maps [s] (default: end of the shortest)",
     )
+    paper = commands.add_parser("paper", help="the scenes of the paper beside its numbers")
+    paper.set_defaults(command=_paper)
+    paper.add_argument(
+        "folders", metavar="OUT", nargs="+", help="folders of runs, or folders that hold some"
+    )
+    paper.add_argument(
+        "--out", metavar="FOLDER", help="where paper.html and paper.md go (default: the first OUT)"
+    )
+    paper.add_argument("--markdown", metavar="FILE", help="another place for the Markdown page")
     material = commands.add_parser("material", help="curves of a table of `brisance mat`")
     material.set_defaults(command=_material)
     material.add_argument("files", metavar="FILE.csv", nargs="+", help="tables, to be compared")
@@ -89,6 +106,31 @@ def _report(options: argparse.Namespace) -> int:
     return run.exit_code
 
 
+def _view(options: argparse.Namespace) -> int:
+    from post.view import make_view  # noqa: PLC0415
+
+    run = Run(options.folder)
+    run.leave_out_damaged()
+    page = run.folder / "view.html"
+    page.write_text(make_view(run), encoding="utf-8")
+    print(f"view: {page} ({page.stat().st_size / 1e6:.1f} MB)")
+    return run.exit_code
+
+
+def _movie(options: argparse.Namespace) -> int:
+    from post.movie import make_movie  # noqa: PLC0415
+
+    if not 0 < options.rate <= 60 or (options.out or ".mp4")[-4:] not in (".mp4", ".gif"):
+        raise PostError(
+            "movie: --rate is 0 to 60 dumps a second, --out ends in .mp4 or .gif", USAGE
+        )
+    run = Run(options.folder)
+    run.leave_out_damaged()
+    path = make_movie(run, options.out and Path(options.out), options.rate)
+    print(f"movie: {path} ({path.stat().st_size / 1e6:.1f} MB)")
+    return run.exit_code
+
+
 def _compare(options: argparse.Namespace) -> int:
     from post.comparison import make_comparison  # noqa: PLC0415
 
@@ -101,6 +143,16 @@ def _compare(options: argparse.Namespace) -> int:
     print(f"comparison: {page}")
     codes = [run.exit_code for run in runs]
     return next((code for code in codes if code), 0)
+
+
+def _paper(options: argparse.Namespace) -> int:
+    from post.paper import make_paper_page  # noqa: PLC0415
+
+    folders = [Path(folder) for folder in options.folders]
+    out = Path(options.out) if options.out else folders[0]
+    page, runs = make_paper_page(folders, out, options.markdown and Path(options.markdown))
+    print(f"paper: {page} ({page.stat().st_size / 1e6:.1f} MB), {len(runs)} runs")
+    return next((run.exit_code for run in runs if run.exit_code), 0)
 
 
 def _material(options: argparse.Namespace) -> int:

@@ -28,6 +28,7 @@ TOTALS = (
     (("plastic",), "spent in plastic work"),
     (("damage",), "spent in damage"),
     (("friction",), "spent in friction"),
+    (("bond_heat",), "spent in cohesive interfaces"),
     *NUMERICAL,
     (("impulse_x",), "impulse of the air on the bodies, x"),
     (("impulse_y",), "impulse of the air on the bodies, y"),

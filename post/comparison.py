@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from post.cracks import LIMIT, radial_cracks, rings_of
+from post.cracks import LIMIT, circumferential_cracks, radial_cracks, rings_of
 from post.deck_difference import deck_table
 from post.errors import PostError
+from post.face import FaceMap
 from post.overlay import compare_faces, damaged_bodies, draw_face_comparison, draw_histories
 from post.page import PAGE, html_picture, html_problems, html_table
 from post.reader import Run
@@ -50,24 +51,32 @@ def make_comparison(
 
 
 def crack_table(runs: list[Run], names: list[str], body: str, time: float | None = None) -> Table:
-    """Cracks that cross circles on both faces of a body, run by run: median and range."""
+    """Cracks on both faces of a body, run by run: median and range, radial and around."""
     have = [any(one.id == body for one in run.deck.bodies()) for run in runs]
     there = iter(compare_faces(runs, body, time=time))
-    cells: dict[str, list[str]] = {}
+    rows: dict[str, list[str]] = {}
     for yes in have:
         for side in ("low", "high"):
-            text = "–"
-            if yes:
-                one = next(there)
-                counts = radial_cracks(one, rings_of(one))
-                text = f"{np.median(counts):g} ({counts.min()} to {counts.max()})"
-            cells.setdefault(side, []).append(text)
-    rows = [(f"face at {side}", *texts) for side, texts in cells.items()]
+            one = next(there) if yes else None
+            for kind, count in (("radial", _radial), ("circumferential", circumferential_cracks)):
+                text = "–" if one is None else range_text(count(one))
+                rows.setdefault(f"{kind}, face at {side}", []).append(text)
     note = (
-        f"Arcs with a damage above {LIMIT:g} on nine circles about the origin, from 30 to 80 % of "
-        "the way to the nearest edge: median, least and most."
+        f"Radial: arcs with a damage above {LIMIT:g} on nine circles about the origin, from 30 to "
+        "80 % of the way to the nearest edge. Circumferential: such arcs on 72 rays from the "
+        "origin, from 10 to 95 % of that way. Median, least and most."
     )
-    return Table(f"Radial cracks of {body}", ("face", *names), rows, note)
+    cells = [(name, *texts) for name, texts in sorted(rows.items(), reverse=True)]
+    return Table(f"Cracks of {body}", ("cracks", *names), cells, note)
+
+
+def _radial(one: FaceMap) -> np.ndarray:
+    return radial_cracks(one, rings_of(one))
+
+
+def range_text(counts: np.ndarray) -> str:
+    """'4 (2 to 6)': median, least and most."""
+    return f"{np.median(counts):g} ({counts.min()} to {counts.max()})"
 
 
 def _html(

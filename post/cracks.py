@@ -46,3 +46,30 @@ def rings_of(one: FaceMap, count: int = 9) -> np.ndarray:
     high = one.low + one.step * one.values.shape
     reach = float(min(np.abs(one.low).min(), np.abs(high).min()))
     return np.linspace(0.3, 0.8, count) * reach
+
+
+def crossings_along(one: FaceMap, angle: float, reach: tuple[float, float], limit=LIMIT) -> int:
+    """How many cracks a ray from the origin of a face crosses, between two radii [m].
+
+    The ray at `angle` [rad] is followed in steps of half a cell; the rule is that of `crossings`.
+    """
+    step = 0.5 * float(one.step.min())
+    radius = np.arange(reach[0], reach[1], step)
+    places = radius[:, None] * np.array([np.cos(angle), np.sin(angle)])
+    cell = np.floor((places - one.low) / one.step).astype(int)
+    inside = ((cell >= 0) & (cell < one.values.shape)).all(axis=1)
+    cracked = np.nan_to_num(one.values[tuple(cell[inside].T)]) > limit
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], cracked.astype(int), [0]])))
+    begins, ends = edges[0::2], edges[1::2]
+    return int(len(begins) - np.count_nonzero(begins[1:] - ends[:-1] <= 3))
+
+
+def circumferential_cracks(one: FaceMap, rays: int = 72, limit: float = LIMIT) -> np.ndarray:
+    """Cracks that rays from the origin cross, from 10 to 95 % of the way to the nearest edge.
+
+    Shape (rays). A ring that goes all round is crossed by every ray; a radial crack lies along
+    few of them: so the median tells the number of rings.
+    """
+    reach = float(rings_of(one)[0]) / 0.3
+    angles = 2 * np.pi * (np.arange(rays) + 0.5) / rays
+    return np.array([crossings_along(one, a, (0.1 * reach, 0.95 * reach), limit) for a in angles])

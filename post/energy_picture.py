@@ -36,6 +36,8 @@ SOLID = (
     (("plastic",), "spent in plastic work", "--"),
     (("damage",), "spent in damage", "--"),
     (("friction",), "spent in friction", "--"),
+    (("bond",), "held by cohesive interfaces", "-"),
+    (("bond_heat",), "spent in cohesive interfaces", "--"),
 )
 LEAST = 1e-3  # of the largest curve: what is smaller is told in the table alone
 

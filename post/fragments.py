@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: MIT
-"""Which particles of a body still hold together, and into how many pieces it broke."""
+"""Which particles of a body still hold together, and into which pieces it broke."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from post.surface import Lattice, neighbour
+from post.errors import USAGE, PostError
+from post.reader import Frame, Run
+from post.surface import Lattice, edges_of, find_lattice, neighbour
+from post.tables import Table
+from post.units import show
 
 
 def pieces(count: int, one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -29,8 +35,8 @@ def pieces(count: int, one: np.ndarray, other: np.ndarray) -> np.ndarray:
     return name
 
 
-def largest_piece(lattice: Lattice, held: list, sound: np.ndarray) -> np.ndarray:
-    """Whether each particle belongs to the largest piece of a body, shape (n).
+def hanging_together(lattice: Lattice, held: list, sound: np.ndarray) -> np.ndarray:
+    """Piece of each particle of a body, shape (n): the number of its lowest particle.
 
     `held` as of `surface.edges_of`; particles that are not `sound` (n) hold nothing.
     """
@@ -41,6 +47,102 @@ def largest_piece(lattice: Lattice, held: list, sound: np.ndarray) -> np.ndarray
         rows = rows[sound[other[rows]]]
         ones.append(rows)
         others.append(other[rows])
-    name = pieces(len(sound), np.concatenate(ones), np.concatenate(others))
+    return pieces(len(sound), np.concatenate(ones), np.concatenate(others))
+
+
+def largest_piece(lattice: Lattice, held: list, sound: np.ndarray) -> np.ndarray:
+    """Whether each particle belongs to the largest piece of a body, shape (n).
+
+    `held` as of `surface.edges_of`; particles that are not `sound` (n) hold nothing.
+    """
+    name = hanging_together(lattice, held, sound)
     size = np.bincount(name[sound], minlength=len(sound))
     return sound & (name == np.argmax(size))
+
+
+@dataclass(frozen=True)
+class Fragment:
+    """A piece of a body that hangs together, of the whole scene."""
+
+    particles: int  # of the modelled part
+    mass: float  # [kg], with what lies beyond planes of symmetry that it touches
+    size: float  # [m] diameter of a sphere of its volume
+    velocity: np.ndarray  # (3) of its mass centre [m/s], without parts that mirror images cancel
+    middle: np.ndarray  # (3) its mass centre [m]
+    copies: int  # how many of it there are in the whole scene
+
+    @property
+    def speed(self) -> float:
+        """Magnitude of the velocity [m/s]."""
+        return float(np.linalg.norm(self.velocity))
+
+
+def find_fragments(run: Run, frame: Frame, name: str) -> list[Fragment]:
+    """The pieces into which a body has broken, the heaviest first.
+
+    Two neighbours on the lattice of the unloaded body hang together while they are 0.3 to 1.5
+    spacings apart (`surface.TORN`). A piece that touches a plane of symmetry is one with its
+    image. PostError for a body that is not there or on no lattice.
+    """
+    number = {body.id: body.number for body in run.deck.bodies()}.get(name)
+    solid = frame.solid("displacement", "body", "mass", "density", "velocity")
+    own = np.flatnonzero((solid.field["body"] == number) & solid.known)
+    if number is None or not len(own):
+        raise PostError(f"{run.job}: there is no body '{name}' in this dump", USAGE)
+    spacing = next(body.spacing for body in run.deck.bodies() if body.id == name)
+    points = solid.points[own]
+    rest = points - solid.field["displacement"][own]
+    lattice = find_lattice(rest, spacing)
+    if lattice is None:
+        raise PostError(f"body '{name}': its particles do not lie on a lattice")
+    names = hanging_together(lattice, edges_of(points, lattice)[1], np.ones(len(own), bool))
+    field = {key: solid.field[key][own].astype(float) for key in ("mass", "density", "velocity")}
+    return _measure_pieces(names, points, rest, field, (run.deck.mirrors, spacing))
+
+
+def _measure_pieces(names, points, rest, field: dict, scene: tuple) -> list[Fragment]:
+    mirrors, spacing = scene
+    kinds, piece = np.unique(names, return_inverse=True)
+    count = np.bincount(piece)
+    mass = np.bincount(piece, field["mass"])
+    volume = np.bincount(piece, field["mass"] / field["density"])
+    sums = [[np.bincount(piece, field["mass"] * v[:, d]) / mass for d in range(3)]
+            for v in (points, field["velocity"])]  # fmt: skip
+    middle, velocity = (np.transpose(rows) for rows in sums)
+    joined, copies = np.ones(len(kinds)), np.ones(len(kinds), int)
+    for d, cut in enumerate(mirrors):
+        if cut:
+            nearest = np.full(len(kinds), np.inf)
+            np.minimum.at(nearest, piece, np.abs(rest[:, d]))
+            touches = nearest < 0.75 * spacing
+            joined[touches] *= 2
+            copies[~touches] *= 2
+            middle[touches, d] = velocity[touches, d] = 0.0
+    found = [
+        Fragment(int(n), float(m * j), float((6 * v * j / np.pi) ** (1 / 3)), u, x, int(c))
+        for n, m, j, v, u, x, c in zip(
+            count, mass, joined, volume, velocity, middle, copies, strict=True
+        )
+    ]
+    return sorted(found, key=lambda one: -one.mass)
+
+
+def fragment_table(found: list[Fragment], name: str, most: int = 8) -> Table:
+    """The heaviest pieces one by one, the others together."""
+    rows = []
+    for place, one in enumerate(found[:most]):
+        what = "largest piece" if place == 0 else f"piece {place + 1}"
+        several = f", {one.copies} of it" if one.copies > 1 else ""
+        mass, size = show(one.mass, "kg"), show(one.size, "m")
+        rows.append((what + several, mass, size, show(one.speed, "m/s")))
+    rest = found[most:]
+    if rest:
+        number, mass = sum(f.copies for f in rest), sum(f.copies * f.mass for f in rest)
+        top = max(f.speed for f in rest)
+        sizes = f"{show(min(f.size for f in rest), 'm')} to {show(max(f.size for f in rest), 'm')}"
+        rows.append((f"{number} more", show(mass, "kg"), sizes, f"up to {show(top, 'm/s')}"))
+    note = (
+        "Neighbours on the lattice of the unloaded body hang together while they are 0.3 to 1.5 "
+        "spacings apart. Size: diameter of a sphere of equal volume. Velocity of the mass centre."
+    )
+    return Table(f"Pieces of {name}", ("piece", "mass", "size", "velocity"), rows, note)

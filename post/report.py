@@ -24,6 +24,7 @@ from post.reader import Frame, Run
 from post.style import Picture
 from post.tables import Table, as_text
 from post.units import show
+from post.view import IN_REPORT, framed, make_view
 
 MOST_BODIES = 12  # that are described one by one
 
@@ -53,8 +54,9 @@ def make_report(run: Run, given_references: str | Path | None = None) -> tuple[P
     ]
     tables = [table for table in tables if table.rows]
     problems = run.problems + failures
+    view = _view(run, problems)
     page = run.folder / "report.html"
-    page.write_text(_html(run, pictures, tables, problems), encoding="utf-8")
+    page.write_text(_html(run, pictures, tables, problems, view), encoding="utf-8")
     return page, "\n".join([*map(as_text, tables), *(f"note: {text}" for text in problems)])
 
 
@@ -89,6 +91,17 @@ def _draw_all(run: Run, references: list, folder: Path) -> tuple[list[Picture], 
         if drawn is not None:
             pictures += drawn if isinstance(drawn, list) else [drawn]
     return pictures, failures
+
+
+def _view(run: Run, problems: list[str]) -> str:
+    """The scene to turn and play, or nothing where there are no bodies."""
+    if not any(frame.solid_path for frame in run.frames):
+        return ""
+    try:
+        return framed(make_view(run, IN_REPORT))
+    except (PostError, LookupError, ValueError) as error:
+        problems.append(f"no view: {error}")
+        return ""
 
 
 def _holes(run: Run, folder: Path) -> tuple[list[Table], list[Picture]]:
@@ -146,12 +159,14 @@ def gauge_table(run: Run) -> Table:
     return Table("Pressure gauges", heads, rows, note)
 
 
-def _html(run: Run, pictures: list[Picture], tables: list[Table], problems: list[str]) -> str:
+def _html(
+    run: Run, pictures: list[Picture], tables: list[Table], problems: list[str], view: str
+) -> str:
     title = run.deck.title or run.job
     body = [_facts(run)]
     body.insert(0, html_problems(problems))
     body += [html_table(table) for table in tables[:3]]
-    body += [html_picture(picture) for picture in pictures]
+    body += [view, *(html_picture(picture) for picture in pictures)]
     body += [html_table(table) for table in tables[3:]]
     body.append(
         "<h2>Deck</h2><p>Complete, with all defaults; it runs as it stands.</p>"

@@ -40,22 +40,22 @@ def draw_sheet(run: Run, folder: Path, frame: Frame | None = None, count: int = 
     if not run.frames:
         raise PostError("there are no dumps, so nothing can be drawn")
     frames = pick_frames(run, count) if frame is None else [frame]
-    airs = [_cut_air(run, one) for one in frames]
+    airs = [cut_air(run, one) for one in frames]
     if all(air is not None and min(sorted(air.cells)[1:]) == 1 for air in airs):
         raise PostError("a scene of one dimension has no cut")
     cut = choose_cut(run.deck, airs[0].cells if airs[0] else None)
     tints = tints_of(run.deck)
-    bodies = [_cut_bodies(run, one, cut, tints) for one in frames]
-    view = _view(run, airs[0], bodies, cut)
+    bodies = [cut_bodies(run, one, cut, tints) for one in frames]
+    view = view_of(run, airs[0], bodies, cut)
     colours = pressure_colours(run.deck.ambient, _top_of_scale(airs))
     strips = any(len(quads) for quads, *_ in bodies)
     figure, axes = _layout(len(frames), view, tints if strips else None)
     for number, shown in enumerate(frames):
         axis = axes[0, number]
         if airs[number]:
-            _draw_air(axis, airs[number], cut, colours)
-        _draw_bodies(axis, bodies[number][0])
-        _dress(axis, view, cut)
+            draw_air(axis, airs[number], cut, colours)
+        draw_bodies(axis, bodies[number][0])
+        dress(axis, view, cut)
         axis.set_title(f"{1e3 * shown.time:.3f} ms", loc="center", fontweight="normal")
         if strips:
             _draw_strip(axes[1, number], bodies, number, view, cut)
@@ -109,13 +109,13 @@ def _label_strips(figure, axes, cut: Cut) -> float:
     return stretch
 
 
-def _cut_air(run: Run, frame: Frame) -> AirGrid | None:
+def cut_air(run: Run, frame: Frame) -> AirGrid | None:
     if frame.air_path is None:
         return None
     return whole_air(frame.air("pressure", "solid"), run.deck.mirrors)
 
 
-def _cut_bodies(run: Run, frame: Frame, cut: Cut, tints: Tints) -> tuple[np.ndarray, ...]:
+def cut_bodies(run: Run, frame: Frame, cut: Cut, tints: Tints) -> tuple[np.ndarray, ...]:
     """Boxes (m, 4, 2) [m] of the particles in the cut, their colours (m, 3) and bodies (m)."""
     if frame.solid_path is None:
         return np.zeros((0, 4, 2)), np.zeros((0, 3)), np.zeros(0, int)
@@ -137,7 +137,7 @@ def _cut_bodies(run: Run, frame: Frame, cut: Cut, tints: Tints) -> tuple[np.ndar
     return quads, paint, body
 
 
-def _view(run: Run, air: AirGrid | None, bodies: list, cut: Cut) -> np.ndarray:
+def view_of(run: Run, air: AirGrid | None, bodies: list, cut: Cut) -> np.ndarray:
     """Limits [[across low, high], [up low, high]] [m] of the panels."""
     if air is not None:
         low, high = air.low, air.low + air.cells * air.spacing
@@ -179,7 +179,7 @@ def _layout(count: int, view: np.ndarray, tints: Tints | None):
     )
 
 
-def _draw_air(axis, air: AirGrid, cut: Cut, colours) -> None:
+def draw_air(axis, air: AirGrid, cut: Cut, colours) -> None:
     pressure = air_in(cut, air, "pressure")
     solid = air_in(cut, air, "solid") > 0
     low, high = air.low, air.low + air.cells * air.spacing
@@ -193,7 +193,7 @@ def _draw_air(axis, air: AirGrid, cut: Cut, colours) -> None:
     )
 
 
-def _draw_bodies(axis, quads: np.ndarray, paint: np.ndarray | None = None) -> None:
+def draw_bodies(axis, quads: np.ndarray, paint: np.ndarray | None = None) -> None:
     """Boxes of the particles in their colours, or dark."""
     if not len(quads):
         return
@@ -204,7 +204,7 @@ def _draw_bodies(axis, quads: np.ndarray, paint: np.ndarray | None = None) -> No
     axis.add_collection(boxes)
 
 
-def _dress(axis, view: np.ndarray, cut: Cut) -> None:
+def dress(axis, view: np.ndarray, cut: Cut) -> None:
     """Limits, ticks and labels in mm."""
     axis.set_aspect("equal")
     axis.set_xlim(view[0])
@@ -236,15 +236,15 @@ def _clear_inner_labels(axes) -> None:
 
 def _draw_strip(axis, bodies: list, number: int, view: np.ndarray, cut: Cut) -> None:
     """The bodies alone; the vertical range is that of what is wide, at all times."""
-    low, high = _range_of_strips(bodies)
+    low, high = range_of_strips(bodies)
     margin = 0.08 * (high - low)
-    _draw_bodies(axis, *bodies[number][:2])
-    _dress(axis, np.array([view[0], [low - margin, high + margin]]), cut)
+    draw_bodies(axis, *bodies[number][:2])
+    dress(axis, np.array([view[0], [low - margin, high + margin]]), cut)
     axis.set_aspect("auto")
     axis.axhline(0, color=GREY, lw=0.4, zorder=0)
 
 
-def _range_of_strips(bodies: list) -> tuple[float, float]:
+def range_of_strips(bodies: list) -> tuple[float, float]:
     """Lowest and highest place [m] of the bodies that are at least half as wide as the widest."""
     first = next(cut for cut in bodies if len(cut[0]))
     number = np.unique(first[2])

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: MIT
+"""A page made of headings, texts, tables and pictures, written as HTML and as Markdown."""
+
+from __future__ import annotations
+
+import os
+import textwrap
+from dataclasses import dataclass, field
+from html import escape
+from pathlib import Path
+
+from PIL import Image
+
+from post.page import PAGE, html_picture, html_problems, html_table
+from post.style import Picture
+from post.tables import Table
+
+COLUMNS = 118  # of prose in Markdown
+COLOURS = 256  # of pictures beside Markdown pages, which are kept small
+
+
+@dataclass(frozen=True)
+class Heading:
+    """A heading above a part of a page."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class View:
+    """What only a browser can show; a Markdown page leaves it out."""
+
+    html: str
+
+
+@dataclass
+class Document:
+    """A page: its blocks are headings, texts, tables, pictures and views, in their order."""
+
+    title: str
+    blocks: list[Heading | str | Table | Picture | View] = field(default_factory=list)
+    problems: list[str] = field(default_factory=list)
+
+    def add(self, *blocks) -> None:
+        """Put blocks at the end; those that are None or empty tables are left out."""
+        self.blocks += [
+            one for one in blocks if one and not (isinstance(one, Table) and not one.rows)
+        ]
+
+    def html(self) -> str:
+        """The page, which needs no other file."""
+        parts = [html_problems(self.problems), *map(_as_html, self.blocks)]
+        return PAGE.format(title=escape(self.title), body="\n".join(parts))
+
+    def markdown(self, page: Path, pictures: Path) -> str:
+        """The page as Markdown; its pictures are written into a folder, with fewer colours."""
+        pictures.mkdir(parents=True, exist_ok=True)
+        parts = [f"# {self.title}"]
+        for text in self.problems:
+            parts.append(_wrapped(f"Please note: {text}"))
+        for one in self.blocks:
+            if isinstance(one, Picture):
+                target = pictures / one.path.name
+                write_small(one.path, target)
+                link = Path(os.path.relpath(target, page.parent)).as_posix()
+                parts += [f"![{one.title}]({link})", f"{_wrapped(one.caption)}"]
+            elif not isinstance(one, View):
+                parts.append(_as_markdown(one))
+        return "\n\n".join(parts) + "\n"
+
+
+def write_small(path: Path, target: Path) -> None:
+    """A picture with few colours, the rare ones of scales and curves among them."""
+    with Image.open(path) as image:
+        few = image.convert("RGB").quantize(COLOURS, Image.Quantize.MAXCOVERAGE, dither=0)
+        few.save(target, optimize=True)
+
+
+def _as_html(one) -> str:
+    if isinstance(one, Heading):
+        return f'<h1 style="margin-top:2.2em">{escape(one.text)}</h1>'
+    if isinstance(one, Table):
+        return html_table(one)
+    if isinstance(one, Picture):
+        return html_picture(one)
+    return one.html if isinstance(one, View) else f"<p>{escape(one)}</p>"
+
+
+def _as_markdown(one) -> str:
+    if isinstance(one, Heading):
+        return f"## {one.text}"
+    if isinstance(one, str):
+        return _wrapped(one)
+    rows = [_row(one.heads), _row(("---",) * len(one.heads)), *map(_row, one.rows)]
+    parts = [f"### {one.title}", "\n".join(rows), *([_wrapped(one.note)] if one.note else [])]
+    return "\n\n".join(parts)
+
+
+def _row(cells: tuple[str, ...]) -> str:
+    return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"
+
+
+def _wrapped(text: str) -> str:
+    return textwrap.fill(text, COLUMNS, break_long_words=False, break_on_hyphens=False)

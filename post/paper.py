@@ -1,0 +1,390 @@
+# SPDX-License-Identifier: MIT
+"""The scenes of the paper as one page: `python -m post paper OUT ...`."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from post.comparison import crack_table
+from post.deck import Deck
+from post.document import Document, Heading, View
+from post.errors import USAGE, PostError
+from post.fragments import find_fragments, fragment_table
+from post.hole_picture import draw_perforation, hole_table
+from post.overlay import damaged_bodies, draw_face_comparison
+from post.paper_measures import (
+    Printed,
+    cost_text,
+    hole_of,
+    impact,
+    layers_text,
+    load_text,
+    printed_numbers,
+    resolution,
+    value_of,
+    why,
+)
+from post.paper_pictures import (
+    draw_curves,
+    draw_fragment_speeds,
+    draw_material_energies,
+    draw_slab_energy,
+    draw_story,
+    draw_stress,
+    gauge_curves,
+    label_of,
+    levels_of,
+    reflected_level,
+)
+from post.reader import Run
+from post.style import Picture
+from post.tables import Table
+from post.units import show
+from post.view import framed, make_view
+
+CASES = {
+    "hvi": "3.1.1",
+    "plate": "3.1.2",
+    "slab_1": "3.2.1",
+    "slab_2": "3.2.1",
+    "slab_3": "3.2.1",
+    "slab_4": "3.2.1",
+    "fragments": "3.2.2",
+    "fragments_460": "3.2.2",
+}
+TITLES = {
+    "3.1.1": "3.1.1: an aluminium sphere through a CFRP plate at 4960 m/s",
+    "3.1.2": "3.1.2: a CFRP plate under the blast of 168 g of TNT",
+    "3.2.1": "3.2.1: four slabs under the blast of 0.2 kg of TNT",
+    "3.2.2": "3.2.2: blast and fragments on a slab",
+}
+INPUTS = Path(__file__).resolve().parents[1] / "inputs" / "paper"
+VIEWS = 14e6  # bytes of all views of a page together
+MAPS = (2e-4, 3e-4, 4.2e-4)  # [s] of the stress in the plate
+SLAB_MAPS = (2e-4, 4e-4, 1.2e-3)
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """The runs of a page by case, from coarse to fine."""
+
+    runs: dict[str, list[Run]]  # incomplete ones first
+    folder: Path  # of the pictures
+
+    def finest(self, *cases: str) -> list[Run]:
+        """The finest run of each of some cases that were run."""
+        return [self.runs[case][-1] for case in cases if self.runs.get(case)]
+
+    def every(self, *cases: str) -> list[Run]:
+        """All runs of some cases."""
+        return [run for case in cases for run in self.runs.get(case, [])]
+
+
+def make_paper_page(
+    folders: list[Path], out: Path, markdown: Path | None = None
+) -> tuple[Path, list[Run]]:
+    """Write `paper.html` and `paper.md` into a folder, or the Markdown to a file of its own.
+
+    A folder may be that of a run or hold such folders. Returns the page and the runs in it.
+    PostError where there is no run of the paper at all.
+    """
+    runs, problems = find_runs(folders)
+    if not runs:
+        raise PostError("none of the folders holds a scene of inputs/paper", USAGE)
+    pictures = out / "pictures"
+    pictures.mkdir(parents=True, exist_ok=True)
+    campaign = Campaign(runs, pictures)
+    document = Document("The scenes of Chen et al., beside their numbers", problems=problems)
+    printed = printed_numbers()
+    _begin(document, campaign)
+    for section, fill in PARTS.items():
+        document.add(Heading(TITLES[section]))
+        rows = [one for one in printed if one.section == section]
+        document.add(numbers_table(campaign, rows))
+        fill(document, campaign, rows)
+    page = out / "paper.html"
+    page.write_text(document.html(), encoding="utf-8")
+    target = markdown or out / "paper.md"
+    images = target.parent / "figures" / target.stem
+    target.write_text(document.markdown(target, images), encoding="utf-8")
+    return page, campaign.every(*CASES)
+
+
+def find_runs(folders: list[Path]) -> tuple[dict[str, list[Run]], list[str]]:
+    """Runs of the paper by case, from coarse to fine, incomplete ones first; and what could not be
+    used.
+    """
+    found: dict[str, list[Run]] = {}
+    problems = []
+    for folder in folders:
+        if not folder.is_dir():
+            raise PostError(f"{folder}: there is no such folder", USAGE)
+        inside = sorted(path.parent for path in folder.glob("*/energy.csv"))
+        for place in [folder] if (folder / "energy.csv").is_file() else inside:
+            try:
+                run = Run(place)
+                run.leave_out_damaged()
+            except PostError as error:
+                problems.append(str(error))
+                continue
+            if run.job not in CASES:
+                problems.append(f"{place}: '{run.job}' is no scene of inputs/paper; left out")
+                continue
+            found.setdefault(run.job, []).append(run)
+            problems += [f"{place.name}: {text}" for text in run.problems]
+    for runs in found.values():
+        runs.sort(key=lambda run: (not smaller(run), -min(b.spacing for b in run.deck.bodies())))
+    return found, problems
+
+
+def _begin(document: Document, campaign: Campaign) -> None:
+    missing = [case for case in CASES if case not in campaign.runs]
+    document.add(
+        "Ours beside what the paper prints. Every row says with which particles and air cells it "
+        "was made; the deck of a case is inputs/paper/<case>.nml. The paper's numbers stand in "
+        "post/data/paper.csv with the table or figure they come from. This page is written by "
+        "`python -m post paper`, nothing in it by hand."
+    )
+    if missing:
+        document.add("Not run: " + ", ".join(missing) + ".")
+    document.add(runs_table(campaign), doubt_table(campaign))
+
+
+def runs_table(campaign: Campaign) -> Table:
+    """What was run, with what, and what it took."""
+    rows = []
+    for case, section in CASES.items():
+        for run in campaign.runs.get(case, []):
+            particles, cells = resolution(run)
+            frame = next((f for f in reversed(run.frames) if f.solid_path), None)
+            count = "–" if frame is None else f"{len(frame.solid('id').points):,}".replace(",", " ")
+            part = f"1/{run.deck.images}" if run.deck.images > 1 else "whole"
+            about = run.about
+            made = f"{about.get('precision', '?')}, {about.get('commit', '?')}"
+            until = "; ".join(text for text in (show(run.end, "s"), smaller(run)) if text)
+            row = (case, section, particles, cells, count, part, until)
+            rows.append((*row, wall_clock(run), made))
+        if case not in campaign.runs:
+            rows.append((case, section, "not run", *["–"] * 6))
+    heads = ("case", "section", "particles", "air cells", "number", "modelled", "until",
+             "wall clock", "made with")  # fmt: skip
+    return Table("What was run", heads, rows)
+
+
+def smaller(run: Run) -> str:
+    """'0.5 m wide instead of 1 m' for a run that is not all of the deck; empty otherwise."""
+    deck = Deck((INPUTS / f"{run.job}.nml").read_text(encoding="utf-8"), run.job)
+    wide = {body.id: float(max(body.high - body.low)) for body in deck.bodies()}
+    for body in run.deck.bodies():
+        width = float(max(body.high - body.low))
+        if wide.get(body.id) and abs(width / wide[body.id] - 1) > 1e-3:  # bars have no width here
+            return f"{width:g} m wide instead of {wide[body.id]:g} m"
+    end = float(deck.get("run", "t_end"))
+    return "" if run.end > 0.99 * end else f"not the whole {show(end, 's')}"
+
+
+def wall_clock(run: Run) -> str:
+    """What the run took, from its log beside the folder; a dash without one."""
+    log = run.folder.with_name(run.folder.name + ".log")
+    if not log.is_file():
+        return "–"
+    found = re.findall(r"wall clock +([\d.]+) s", log.read_text(errors="replace"))
+    return show(sum(map(float, found)), "s") if found else "–"
+
+
+def doubt_table(campaign: Campaign) -> Table:
+    """What speaks against each run, measured in it."""
+    rows = [
+        (label_of(run), load_text(run) or "–", layers_text(run), cost_text(run))
+        for run in campaign.every(*CASES)
+    ]
+    note = (
+        "Kingery-Bulmash is for a sphere; the charge of the slabs is a cylinder in full runs, "
+        "which sends 30 % more impulse along its axis. Viscosity, hourglass forces and contact are "
+        "what the numbers cost: above some 10 % a result is one of this resolution, not of the "
+        "scene."
+    )
+    return Table("How far to trust each run", ("run", "load", "resolution", "cost"), rows, note)
+
+
+def numbers_table(campaign: Campaign, printed: list[Printed]) -> Table:
+    """Each number of the paper beside that of every run."""
+    rows = []
+    for one in printed:
+        head = (one.where, f"{one.case}: {one.what}", show(one.value, one.unit))
+        runs = campaign.runs.get(one.case, [])
+        runs = [run for run in runs if not smaller(run)] or runs[-1:]
+        if not runs:
+            rows.append((*head, "not run", "–", "–", "–"))
+        for run in runs:
+            value = value_of(run, one.measure)
+            difference, reason = "–", _missing(run)
+            if math.isfinite(value) and smaller(run):
+                reason = f"{smaller(run)}: not to be compared"
+            elif math.isfinite(value):
+                difference = f"{100 * (value / one.value - 1):+.0f} %"
+                reason = why(run, one)
+            made = ", cells ".join(text for text in resolution(run) if text != "–")
+            rows.append((*head, show(value, one.unit), difference, made, reason))
+    heads = (
+        "paper",
+        "quantity",
+        "its value",
+        "here",
+        "difference",
+        "made with",
+        "measured beside it",
+    )
+    return Table("Numbers", heads, rows, "A dash: the run has no such value.")
+
+
+def _missing(run: Run) -> str:
+    return f"the run ends at {show(run.end, 's')}"
+
+
+# --- the sections ---------------------------------------------------------------------------------
+
+
+def _impact(document: Document, campaign: Campaign, printed: list[Printed]) -> None:
+    for run in campaign.finest("hvi"):
+        found = hole_of(run.folder)
+        document.add(hole_table(found), *draw_perforation(found, campaign.folder))
+        document.add(draw_story(run, campaign.folder, "hvi_debris", "Plate and debris in a cut"))
+        for body in ("ball", "plate"):
+            document.add(_pieces(run, body))
+        path = campaign.folder / "hvi_energy.png"
+        document.add(draw_material_energies([run], path, "Energy of sphere and plate"))
+    _views(document, campaign, "hvi")
+
+
+def _pieces(run: Run, body: str) -> Table | None:
+    frame = next((f for f in reversed(run.frames) if f.solid_path), None)
+    try:
+        return fragment_table(find_fragments(run, frame, body), f"{body}, {label_of(run)}")
+    except (PostError, AttributeError):
+        return None
+
+
+def _plate(document: Document, campaign: Campaign, printed: list[Printed]) -> None:
+    runs = campaign.every("plate")
+    document.add(_histories(campaign, runs, printed, "plate"))
+    for run in campaign.finest("plate"):
+        document.add(draw_stress(run, "plate", MAPS, campaign.folder / "plate_stress.png"))
+        path = campaign.folder / "plate_energy.png"
+        document.add(draw_material_energies([run], path, "Energy of the plate"))
+    _damage(document, campaign, campaign.finest("plate"))
+    _views(document, campaign, "plate")
+
+
+def _histories(campaign: Campaign, runs: list[Run], printed: list[Printed], name: str):
+    ambient = runs[0].deck.ambient if runs else 0.0
+    pressures = gauge_curves(runs, "A:pressure", ambient)
+    away = -1.0 if name == "plate" else 1.0  # from the charge
+    moves = ("displacement_peak", "displacement_late")
+    speeds = ("velocity_peak",)
+    panels = [
+        ("Overpressure at A", "Pa", pressures,
+         levels_of(printed, ("peak",)) + reflected_level(runs)),
+        ("Displacement of the middle, away from the charge", "m",
+         gauge_curves(runs, "mid:displacement_z", factor=away), levels_of(printed, moves)),
+        ("Velocity of the middle, away from the charge", "m/s",
+         gauge_curves(runs, "mid_v:velocity_z", factor=away), levels_of(printed, speeds)),
+    ]  # fmt: skip
+    return draw_curves(panels, campaign.folder / f"{name}_histories.png", "Load and motion")
+
+
+def _slabs(document: Document, campaign: Campaign, printed: list[Printed]) -> None:
+    names = ("slab_1", "slab_2", "slab_3", "slab_4")
+    runs = campaign.finest(*names)
+    document.add(_histories(campaign, runs, printed, "slabs"))
+    path = campaign.folder / "slabs_energy.png"
+    document.add(draw_material_energies(runs, path, "Energies by material, four scenarios"))
+    for run in campaign.finest("slab_2"):
+        place = campaign.folder / "slab_2_stress.png"
+        document.add(draw_stress(run, "concrete", SLAB_MAPS, place))
+        document.add(draw_story(run, campaign.folder, "slab_2_story", "Scenario 2 in a cut"))
+    _damage(document, campaign, runs)
+    _views(document, campaign, *names)
+
+
+def _damage(document: Document, campaign: Campaign, runs: list[Run]) -> None:
+    """Damage of both faces of each damaged body, and cracks counted."""
+    if not runs:
+        return
+    names = [label_of(run) for run in runs]
+    for body in damaged_bodies(runs):
+        jobs = "_".join(dict.fromkeys(run.job for run in runs))
+        place = campaign.folder / jobs
+        place.mkdir(exist_ok=True)
+        try:
+            picture = draw_face_comparison(runs, names, body, place)
+            path = campaign.folder / f"{jobs}_{body}.png"
+            picture.path.replace(path)
+            document.add(Picture(path, f"Damage of {body}", picture.caption))
+            document.add(crack_table(runs, names, body))
+        except PostError as error:
+            document.problems.append(f"no damage map of {body}: {error}")
+
+
+def _fragments(document: Document, campaign: Campaign, printed: list[Printed]) -> None:
+    names = ("fragments", "fragments_460")
+    runs = campaign.finest(*names)
+    levels = levels_of(printed, ("exit_speed",), "fragments_460")
+    path = campaign.folder / "fragments_speed.png"
+    document.add(draw_fragment_speeds(runs, path, levels), fragments_table(campaign))
+    beside = campaign.finest("slab_2", *names)
+    if runs and len(beside) > 1:
+        document.add(
+            "Blast alone (slab_2) beside blast with fragments: the same slab, charge and time."
+        )
+        document.add(_histories(campaign, beside, [], "beside"))
+        document.add(draw_slab_energy(beside, campaign.folder / "beside_energy.png"))
+        _damage(document, campaign, beside)
+    path = campaign.folder / "fragments_energy.png"
+    document.add(draw_material_energies(runs, path, "Energies by material"))
+    for run in campaign.finest("fragments_460"):
+        document.add(draw_story(run, campaign.folder, "fragments_460_story", "Fragments in a cut"))
+        for body in ("cfrp", "concrete"):
+            document.add(_pieces(run, body))
+    _views(document, campaign, *names)
+
+
+def fragments_table(campaign: Campaign) -> Table:
+    """When the fragments hit, and how fast they are."""
+    rows = []
+    for run in campaign.every("fragments", "fragments_460"):
+        for body in ("f0", "f1"):
+            if f"{body}_v:velocity_z" not in run.gauges:
+                continue
+            time, top = impact(run, f"{body}_v")
+            speed = run.gauges[f"{body}_v:velocity_z"]
+            last = show(float(speed[-1]), "m/s")
+            rows.append((label_of(run), body, show(top, "m/s"), show(time, "s"), last))
+    note = (
+        "f0 is on the axis, f1 one of the four around it. It hits when it has lost 5 % of its "
+        "largest speed along z."
+    )
+    heads = ("run", "fragment", "largest speed before it hits", "hits at", "at the end")
+    return Table("Fragments", heads, rows, note)
+
+
+def _views(document: Document, campaign: Campaign, *cases: str) -> None:
+    """The finest run of each case, to turn and play."""
+    room = VIEWS / max(len(campaign.runs), 1)
+    for run in campaign.finest(*cases):
+        try:
+            document.add(View(framed(make_view(run, room), label_of(run))))
+        except PostError as error:
+            document.problems.append(f"no view of {run.job}: {error}")
+
+
+PARTS: dict[str, Callable] = {
+    "3.1.1": _impact,
+    "3.1.2": _plate,
+    "3.2.1": _slabs,
+    "3.2.2": _fragments,
+}
