@@ -92,6 +92,15 @@ class Frame:
             field = _fields(root, "PointData", names, self.solid_path)
         return Particles(self.time, points, field)
 
+    def field_data(self, *names: str) -> dict[str, np.ndarray] | None:
+        """Data of the whole dump of the solid, text as `str`; None where one is not there."""
+        with _open(self.solid_path, "solid") as file:
+            group = file["VTKHDF/FieldData"]
+            if any(name not in group for name in names):
+                return None
+            text = {k: h5py.check_string_dtype(group[k].dtype) for k in names}
+            return {k: (group[k].asstr() if text[k] else group[k])[()] for k in names}
+
     def unit_of(self, kind: str, name: str) -> str:
         """Unit of a field of the dump 'air' or 'solid', '-' where the dump does not say."""
         path, place = (

@@ -17,6 +17,7 @@ from post.face import draw_damaged_faces
 from post.gauge_picture import draw_gauges
 from post.gauges import measure, pressure_gauges
 from post.hole_picture import draw_perforation, hole_table
+from post.interface import draw_interfaces, interface_table
 from post.motion_picture import draw_motion
 from post.page import PAGE, html_picture, html_problems, html_table
 from post.perforation import LEAST, load_plate, measure_perforation
@@ -51,6 +52,7 @@ def make_report(run: Run, given_references: str | Path | None = None) -> tuple[P
         gauge_table(run),
         displacement_table(run),
         body_table(run),
+        interface_table(run),
     ]
     tables = [table for table in tables if table.rows]
     problems = run.problems + failures
@@ -72,6 +74,7 @@ def _draw_all(run: Run, references: list, folder: Path) -> tuple[list[Picture], 
         ("cut", has_air or has_solid, lambda: draw_sheet(run, folder)),
         ("bodies", has_solid, lambda: draw_bodies(run, folder)),
         ("faces", has_solid, lambda: draw_damaged_faces(run, folder, LITTLE_DAMAGE)),
+        ("interfaces", has_solid, lambda: draw_interfaces(run, folder)),
         ("gauges", run.history("gauges") is not None, lambda: draw_gauges(run, references, folder)),
         ("motion", has_solid, lambda: draw_motion(run, references, folder)),
         ("energy", run.history("energy") is not None, lambda: draw_energy(run, folder)),

@@ -176,7 +176,7 @@ contains
     end subroutine write_stress
 
     !> Cohesive interfaces: damage of the points beside each particle, the largest of them; in the
-    !> field data the points themselves, at the particle of their near side.
+    !> field data the points themselves, at the particle of their near side in the unloaded body.
     subroutine write_interfaces(file, solid, order, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
@@ -193,7 +193,7 @@ contains
                 do s = 1, 2
                     i = glue%place(glue%beside(s, p))
                     field(i) = max(field(i), real(glue%damage(p), real32))
-                    if (s == 1) at(:, p) = real(solid%x(:, i), real32)
+                    if (s == 1) at(:, p) = real(solid%x_ref(:, i), real32)
                 end do
             end do
             do k = 1, size(names)
