@@ -149,7 +149,7 @@ $(B)/tests/gpu/study_gpu: $(patsubst %.f90,$(B)/obj/%.o,tests/gpu/study_gpu.f90 
 
 # --- what users and CI call ---------------------------------------------------------------------
 FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90')
-PARTS  := all unit verify emulated python figures lint check-docs vectors gpu-check gpu
+PARTS  := all unit verify+lint+gpu-check+gpu emulated python figures check-docs vectors
 setup: ## install what is missing
 	@scripts/setup.sh
 test: setup ## build and run every test
@@ -190,8 +190,9 @@ point-blast: $(B)/tests/study/study_air ## the point blast up to 128^3 cells, re
 	$< sedov > $(B)/sedov.csv && mv $(B)/sedov.csv docs/data/point_blast.csv
 validate: all ## blasts of TNT against the Kingery-Bulmash curves, recorded and drawn
 	$(PY) scripts/validate_air.py && $(PY) scripts/validate_reflection.py $(ARGS)
-python: all emulator ## tests of the Python tools and of the whole program
-	@BRZ_NOTES=$(abspath $(NOTES)) $(PY) -m pytest --junitxml=build/log/python.xml $(ARGS)
+python: all emulator ## tests of the Python tools and of the whole program (ARGS="-k name": those alone)
+	@BRZ_NOTES=$(abspath $(NOTES)) $(if $(ARGS),,OMP_NUM_THREADS=1) $(PY) -m pytest --junitxml=build/log/python.xml \
+	    $(or $(ARGS),-n auto --dist loadfile)
 stability-air: $(B)/tests/study/study_air
 	@mkdir -p docs/data
 	$< stability > $(B)/map.csv && mv $(B)/map.csv docs/data/stability_air.csv

@@ -2,7 +2,9 @@
 # SPDX-License-Identifier: MIT
 """Run the parts of the test suite, one make target each, and print the sum in the last line.
 
-usage: run_tests.py PART...
+usage: run_tests.py PART[+PART...]...
+
+Parts joined by + run in two lanes: the first in one, the others one after another beside it.
 
 A part that leaves build/log/PART.xml (JUnit) is counted test by test; any other part counts as
 one test. A part that ends badly without a failed test in its XML counts as one failure more. A
@@ -14,6 +16,7 @@ import subprocess
 import sys
 import time
 import xml.etree.ElementTree as xml
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 LOG = Path("build/log")
@@ -46,20 +49,29 @@ def run_part(part):
     if code and not failed:
         failed = 1
     seconds = time.monotonic() - start
-    print(f"{part:<12} {passed:5} passed, {failed} failed, {skipped} skipped {seconds:8.1f} s")
+    lines = [f"{part:<12} {passed:5} passed, {failed} failed, {skipped} skipped {seconds:8.1f} s"]
     if failed:
-        print("\n".join(["", *text.splitlines()[-TAIL:], f"(all of it: {log})", ""]))
-    elif "skipped: " in text:
-        print("\n".join(line for line in text.splitlines() if "skipped: " in line))
-    sys.stdout.flush()
+        lines += ["", *text.splitlines()[-TAIL:], f"(all of it: {log})", ""]
+    else:
+        lines += [line for line in text.splitlines() if "skipped: " in line]
+    print("\n".join(lines), flush=True)
     return passed, failed, skipped
+
+
+def run_group(group):
+    """Counts of the parts of a group: the first in one lane, the others in another."""
+    first, *others = group.split("+")
+    with ThreadPoolExecutor(2) as lanes:
+        main_lane = lanes.submit(run_part, first)
+        beside = lanes.submit(lambda: [run_part(part) for part in others])
+        return [main_lane.result(), *beside.result()]
 
 
 def main():
     LOG.mkdir(parents=True, exist_ok=True)
     for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
         os.environ.pop(name, None)
-    counts = [run_part(part) for part in sys.argv[1:]]
+    counts = [count for group in sys.argv[1:] for count in run_group(group)]
     passed, failed, skipped = (sum(column) for column in zip(*counts, strict=True))
     print(f"\n{passed} passed, {failed} failed" + (f", {skipped} skipped" if skipped else ""))
     sys.exit(failed > 0)

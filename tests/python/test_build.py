@@ -127,6 +127,8 @@ later:
         (["good", "bad"], "3 passed, 1 failed, 1 skipped", 1),
         (["crash", "plain"], "2 passed, 1 failed", 1),
         (["no-such-part"], "0 passed, 1 failed", 1),
+        (["good+plain", "later"], "3 passed, 0 failed, 2 skipped", 0),
+        (["plain+bad+good"], "4 passed, 1 failed, 1 skipped", 1),
     ],
 )
 def test_parts_are_counted(tmp_path, parts, last, code):
