@@ -191,6 +191,8 @@ module brz_case
     !> &output
     type :: output_case_t
         real(dp) :: dump_every = huge(1.0_dp) !! [s]
+        real(dp) :: dump_from = 0 !! none of these before [s]
+        real(dp), allocatable :: dump_times(:) !! of dumps besides, growing [s]
         real(dp) :: history_every = 0 !! 0: every step [s]
         real(dp) :: checkpoint_every = huge(1.0_dp) !! [s]
         real(dp) :: report_every = 5 !! wall-clock time between progress lines [s]

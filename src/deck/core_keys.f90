@@ -14,6 +14,7 @@ module brz_core_keys
     public :: core_keys
 
     real(dp), parameter :: zero = 0, one = 1
+    integer, parameter :: max_times = 1000 !! most times of dumps
 
 contains
 
@@ -255,6 +256,11 @@ contains
                 key_t(group='output', meaning='What is written, and how often.'), &
                 key_t(group='output', key='dump_every', unit='s', lower=zero, open_lower=.true., &
                       meaning='Time between dumps; only the first and the last if absent.'), &
+                key_t(group='output', key='dump_from', unit='s', default='0.0', lower=zero, &
+                      meaning='First time of the dumps of dump_every; the state at the start is '// &
+                      'dumped in any case.'), &
+                key_t(group='output', key='dump_times', n_max=max_times, unit='s', lower=zero, &
+                      meaning='Times of dumps besides those of dump_every, growing.'), &
                 key_t(group='output', key='history_every', unit='s', default='0.0', lower=zero, &
                       meaning='Time between rows of the histories; 0: every step.'), &
                 key_t(group='output', key='checkpoint_every', unit='s', lower=zero, &

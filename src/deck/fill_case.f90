@@ -2,7 +2,7 @@
 !> Components of the case from the groups of the deck, one procedure per group.
 module brz_fill_case
     use brz_case, only: air_case_t, body_case_t, case_t, charge_case_t, gas_case_t, gauge_case_t, &
-                        run_case_t, solid_case_t
+                        output_case_t, run_case_t, solid_case_t
     use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_entry, place, &
                         find_group, group_t
     use brz_explosives, only: explosives, find_explosive
@@ -305,7 +305,7 @@ contains
 
     !> &solid, &coupling and &output; they follow the groups that they depend on.
     subroutine fill_settings(deck, case)
-        type(deck_t), intent(in) :: deck
+        type(deck_t), intent(inout) :: deck
         type(case_t), intent(inout) :: case
         integer :: g
 
@@ -325,6 +325,8 @@ contains
                     call get(group, 'reference_pressure', case%coupling%reference_pressure)
                 case ('output')
                     call get(group, 'dump_every', case%output%dump_every)
+                    call get(group, 'dump_from', case%output%dump_from)
+                    call fill_dump_times(deck, g, case%output)
                     call get(group, 'history_every', case%output%history_every)
                     call get(group, 'checkpoint_every', case%output%checkpoint_every)
                     call get(group, 'report_every', case%output%report_every)
@@ -332,6 +334,23 @@ contains
             end associate
         end do
     end subroutine fill_settings
+
+    !> Listed times of dumps: they must grow and lie within the run.
+    subroutine fill_dump_times(deck, g, output)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(output_case_t), intent(inout) :: output
+        integer :: n
+
+        n = count_values(deck%groups(g), 'dump_times')
+        if (output%dump_from > 0 .and. output%dump_every > huge(1.0_dp)/2) &
+            call complain(deck, g, 'dump_from', 'dump_from is the first time of dump_every, '// &
+                          'which is not there; add dump_every, or take dump_times')
+        allocate (output%dump_times(n), source=0.0_dp)
+        call get(deck%groups(g), 'dump_times', output%dump_times)
+        if (any(output%dump_times(2:) <= output%dump_times(:n - 1))) &
+            call complain(deck, g, 'dump_times', 'the times of dump_times must grow')
+    end subroutine fill_dump_times
 
     !> Corners from 'region'.
     subroutine get_region(group, solid)

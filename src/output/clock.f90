@@ -3,7 +3,7 @@
 !>
 !> Output never changes the time step: an output that is due at t is written at the end of the
 !> first step that reaches t. So results do not depend on what is written. What is due next
-!> follows from the time alone (whole multiples of the interval), so a run that continues from a
+!> follows from the time alone (multiples of the interval, a list of times), so a run that continues from a
 !> checkpoint, with the same intervals or others, needs no memory of it.
 module brz_clock
     use brz_case, only: case_t
@@ -16,10 +16,13 @@ module brz_clock
 
     real(dp), parameter :: slack = 1e-9_dp !! rounding that an interval forgives, in intervals
 
-    !> Something that happens at whole multiples of an interval.
+    !> Something that happens at the start, at whole multiples of an interval, and at listed times.
     type :: ticker_t
         real(dp) :: every = huge(1.0_dp) !! [s]; 0: at every step; huge: at the start only
+        real(dp) :: from = 0 !! no multiple before [s]
         integer(int64) :: next = 0 !! due at next*every
+        real(dp), allocatable :: times(:) !! listed, growing [s]
+        integer :: listed = 1 !! due at times(listed)
     end type ticker_t
 
     type :: clock_t
@@ -45,6 +48,8 @@ contains
 
         clock%t_end = case%run%t_end
         clock%dump%every = case%output%dump_every
+        clock%dump%from = case%output%dump_from
+        if (allocated(case%output%dump_times)) clock%dump%times = case%output%dump_times
         clock%history%every = case%output%history_every
         clock%checkpoint%every = case%output%checkpoint_every
         clock%checkpoint%next = 1
@@ -73,17 +78,23 @@ contains
         else
             tick = time >= (ticker%next - slack)*ticker%every
         end if
+        if (allocated(ticker%times)) then
+            if (ticker%listed <= size(ticker%times)) &
+                tick = tick .or. time >= ticker%times(ticker%listed)*(1 - slack)
+        end if
         if (tick) call pass(ticker, time)
     end function tick
 
-    !> Set the first multiple after `time`.
+    !> Set the first multiple and the first listed time after `time`.
     pure subroutine pass(ticker, time)
         type(ticker_t), intent(inout) :: ticker
         real(dp), intent(in) :: time !! [s]
 
         ticker%next = 1
         if (ticker%every > 0 .and. ticker%every < huge(1.0_dp)/2) &
-            ticker%next = floor(time/ticker%every + slack, int64) + 1
+            ticker%next = max(floor(time/ticker%every + slack, int64) + 1, &
+                              ceiling(ticker%from/ticker%every - slack, int64))
+        if (allocated(ticker%times)) ticker%listed = 1 + count(ticker%times*(1 - slack) <= time)
     end subroutine pass
 
     !> True if the run must write its last checkpoint now to keep its wall-clock limit.

@@ -83,6 +83,7 @@ contains
     subroutine print_cost(case, size_of)
         type(case_t), intent(in) :: case
         type(scene_size_t), intent(in) :: size_of
+        real(dp), parameter :: slack = 1e-9_dp !! rounding of a time, in intervals
         real(dp) :: dt, dumps, steps, substeps
 
         write (output_unit, '(2a)') 'memory       ', memory_text(size_of)
@@ -96,9 +97,11 @@ contains
         if (case%air%present .and. size_of%particles > 0) write (output_unit, '(a, es10.3, 5a)') &
             'solid steps  ', size_of%dt_solid, ' s at first: ', count_text(substeps), &
             ' in each step of the air, about ', count_text(steps*substeps), ' while awake'
-        dumps = 1
-        if (case%output%dump_every < case%run%t_end) &
-            dumps = 1 + aint(case%run%t_end/case%output%dump_every)
+        associate (out => case%output, t_end => case%run%t_end)
+            dumps = 2 + max(aint(t_end/out%dump_every - slack) &
+                            - aint(max(out%dump_from/out%dump_every - slack, 0.0_dp)), 0.0_dp)
+            if (allocated(out%dump_times)) dumps = dumps + count(out%dump_times < t_end)
+        end associate
         write (output_unit, '(3a, f0.1, a)') 'output       ', count_text(dumps), &
             ' dumps, about ', 1e-6_dp*dumps*(air_dump_bytes*size_of%cells + &
                                              solid_dump_bytes*size_of%particles), ' MB'

@@ -8,7 +8,7 @@ module brz_scene_size
     use brz_body_setup, only: outline_solid
     use brz_case, only: case_t
     use brz_errors, only: error_t, exit_deck, exit_device, failed, raise
-    use brz_kinds, only: dp, int64, rk
+    use brz_kinds, only: dp, int64, real32, rk
     use brz_memory, only: free_memory
     use brz_solid_arrays, only: allocate_solid, bytes_per_particle
     use brz_solid_state, only: form_rigid, solid_t
@@ -186,7 +186,7 @@ contains
         text = trim(adjustl(buffer))
     end function bytes_text
 
-    !> A whole number however large.
+    !> A whole number, from 1e15 on with seven digits.
     pure function count_text(n) result(text)
         real(dp), intent(in) :: n
         character(:), allocatable :: text
@@ -194,7 +194,7 @@ contains
         if (n < 1e15_dp) then
             text = to_text(nint(n, int64))
         else
-            text = to_text(n)
+            text = to_text(real(n, real32))
         end if
     end function count_text
 end module brz_scene_size

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The program from outside: exit codes, restart, requests to stop, and what it leaves behind."""
 
+import json
 import os
 import re
 import shutil
@@ -180,6 +181,28 @@ def test_results_do_not_depend_on_threads(scene, tmp_path):
     shutil.copy(scene / "slab.nml", tmp_path)
     run("run", "slab.nml", cwd=tmp_path, env={**os.environ, "OMP_NUM_THREADS": "3"})
     assert_same_results(scene / "out" / "slab", tmp_path / "out" / "slab")
+
+
+def test_dumps_at_listed_times(scene, tmp_path):
+    """Each time gives one dump, at the first step that reaches it, also after a restart."""
+    shutil.copy(scene / "slab.nml", tmp_path)
+    end = 4e-5
+    times = [0.21 * end, 0.5 * end, 0.9 * end]
+    listed = ",".join(f"{t:.6e}" for t in times)
+    options = ["--set", f"output.dump_times={listed}", "--set", f"output.dump_every={end / 4}",
+               "--set", f"output.dump_from={0.7 * end}"]  # fmt: skip
+    run("run", "slab.nml", *options, cwd=tmp_path)
+    series = json.loads((tmp_path / "out/slab/solid.vtkhdf.series").read_text())["files"]
+    found = [entry["time"] for entry in series]
+    wanted = [0.0, *times[:2], 0.75 * end, times[2], end]
+    step = end / 20
+    assert len(found) == len(wanted)
+    assert all(w <= f <= w + step for f, w in zip(found, wanted, strict=True))
+    half = ["--out", "half", *options]
+    run("run", "slab.nml", *half, "--set", "run.max_steps=20", cwd=tmp_path)
+    run("run", "slab.nml", *half, "--restart", "latest", cwd=tmp_path)
+    again = json.loads((tmp_path / "half/solid.vtkhdf.series").read_text())["files"]
+    assert [e["time"] for e in again if e["time"] in found] == found
 
 
 def test_results_are_not_overwritten(scene):
