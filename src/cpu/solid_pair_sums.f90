@@ -172,7 +172,7 @@ contains
         f = acc
     end subroutine sum_held
 
-    !> The same with the arms of tilted gradients: plates of metal.
+    !> The same with the arms of tilted gradients: plates.
     subroutine sum_plate(p, x, v, x_ref, held, pair, list, f)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Tilt of the gradients in the outermost layers of laminates and of plates of metal, from the
-!> unloaded body.
+!> Tilt of the gradients in the outermost layers of laminates and of plates, from the unloaded
+!> body.
 module brz_solid_tilts
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: int64, real32, rk
@@ -36,7 +36,7 @@ contains
 
     !> c with sum w t^2 (z - d) (1 + c z) = 0 over the neighbours of particle i, t along the layer
     !> and z across it [1/m]: u = t z then has the gradient of a place d from it. d is 0 but at the
-    !> faces of plates of metal, which see the strain further out.
+    !> faces of plates, which see the strain further out.
     pure real(rk) function tilt_of(solid, body, i) result(tilt)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body

@@ -125,8 +125,7 @@ contains
             associate (m => case%bodies(b)%material_index)
                 call settle(case%bodies(b), solid%materials(m), solid%dimension, speed, &
                             solid%bodies(b), err)
-                call settle_plate(case%bodies(b), int(solid%materials(m)%class), speed, &
-                                  points(b)%shape, solid%bodies(b), err)
+                call settle_plate(case%bodies(b), speed, points(b)%shape, solid%bodies(b), err)
             end associate
             call judge_spacing(case%bodies(b), points(b)%shape, solid%notes)
             call judge_crack(case%bodies(b), solid%bodies(b), &

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Plates of metal: flat bodies that bend and yield.
+!> Plates: flat bodies that bend, and yield or crack.
 !>
 !> Sums of thin bodies miss the bending stiffness of each layer about its own middle, 1/n^2 of that
 !> of n layers, and the outermost layers see the strain of a place a quarter of a spacing deeper.
@@ -13,7 +13,6 @@ module brz_plate
     use brz_errors, only: error_t, exit_deck, raise
     use brz_formulation, only: fast
     use brz_kinds, only: dp, rk
-    use brz_material, only: class_metal
     use brz_solid_state, only: body_t
     implicit none
     private
@@ -30,9 +29,8 @@ module brz_plate
 contains
 
     !> Normal of a body that is a plate, and from where its faces see the strain.
-    subroutine settle_plate(input, class, speed, shape, body, err)
+    subroutine settle_plate(input, speed, shape, body, err)
         type(body_case_t), intent(in) :: input
-        integer, intent(in) :: class !! of the material
         real(dp), intent(in) :: speed !! largest of two bodies towards each other [m/s]
         type(shape_t), intent(in) :: shape
         type(body_t), intent(inout) :: body
@@ -48,8 +46,7 @@ contains
                 return
             end if
         else if (input%plate_axis == 'auto') then
-            if (class == class_metal .and. body%tension_hold > 0 .and. speed <= fast) &
-                a = thin_axis(input, shape)
+            if (body%tension_hold > 0 .and. speed <= fast) a = thin_axis(input, shape)
         end if
         if (a == 0) return
         body%normal(a) = 1

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: MIT
+"""Flat bodies of concrete bend as their section says, with few layers of particles."""
+
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from notes import note
+
+BRISANCE = Path(__file__).parents[2] / "bin" / "brisance"
+
+HALF, HIGH = 0.2, 0.038  # [m]
+# Half of a strip of concrete in plane strain, clamped at both ends and thrown: it stays elastic.
+# Three columns are held, the first of them on the edge, where the clamp then acts.
+STRIP = """\
+&run t_end=1.2e-3, dimension=2, symmetry='x' /
+&material id='c', preset='concrete_48' /
+&body id='strip', box=0,{side}, 0,{high}, 0,1, spacing={dx}, material='c', velocity=0,0.05,0,
+  fix='x+', plate_axis='{axis}' /
+&gauge id='mid', body='strip', quantity='displacement_y', at=0,{middle},0 /
+"""
+
+
+def back(time, move):
+    """When a swing is first back [s]."""
+    top = int(np.argmax(move))
+    after = top + int(np.argmax(move[top:] < 0))
+    assert after > top
+    share = move[after - 1] / (move[after - 1] - move[after])
+    return time[after - 1] + share * (time[after] - time[after - 1])
+
+
+def first_return(folder, layers, axis):
+    """Of a strip of so many layers."""
+    held = round(HALF / HIGH * layers + 0.5)  # number of the first held column from the middle
+    side = HALF * (held + 2) / (held - 0.5)
+    deck = STRIP.format(side=side, dx=HIGH / layers, high=HIGH, middle=HIGH / 2, axis=axis)
+    name = f"strip_{layers}_{axis}"
+    (folder / f"{name}.nml").write_text(deck)
+    done = subprocess.run([BRISANCE, "run", f"{name}.nml"], cwd=folder, capture_output=True,
+                          text=True)  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    table = np.genfromtxt(folder / "out" / name / "gauges.csv", delimiter=",", skip_header=1)
+    return back(table[:, 0], table[:, 1])
+
+
+def beam(elements=120):
+    """The same of a Timoshenko beam by linear finite elements, of the preset's constants.
+
+    Shear factor 5/6; elements with the shear at their middle; all modes.
+    """
+    bulk, shear, density = 16e6 / 0.001, 14.86e9, 2440.0  # pcrush/mucrush, g
+    young = 9 * bulk * shear / (3 * bulk + shear)
+    ratio = young / 2 / shear - 1
+    bend = young / (1 - ratio**2) * HIGH**3 / 12
+    size = 2 * HALF / elements
+    stiff, mass = (np.zeros((2 * elements + 2, 2 * elements + 2)) for _ in range(2))
+    slope = np.array([-1 / size, -0.5, 1 / size, -0.5])  # w' - psi at the middle
+    turn = np.array([0, -1 / size, 0, 1 / size])
+    element = size * (5 / 6 * shear * HIGH * np.outer(slope, slope) + bend * np.outer(turn, turn))
+    lump = density * size / 2 * np.array([HIGH, HIGH**3 / 12] * 2)
+    for k in range(elements):
+        at = slice(2 * k, 2 * k + 4)
+        stiff[at, at] += element
+        mass[at, at] += np.diag(lump)
+    free = slice(2, -2)
+    root = np.sqrt(np.diag(mass)[free])
+    squares, modes = np.linalg.eigh(stiff[free, free] / np.outer(root, root))
+    omega = np.sqrt(squares)
+    thrown = np.tile([1.0, 0.0], elements - 1)
+    middle = modes[elements - 2] / root[elements - 2]
+    time = np.linspace(0, 8e-4, 4000)
+    return back(
+        time, np.sin(np.outer(time, omega)) @ (middle * (modes.T @ (root * thrown)) / omega)
+    )
+
+
+@pytest.mark.parametrize("layers", [3, 4, 6])
+def test_a_strip_of_few_layers_swings_as_a_beam(tmp_path, layers):
+    """Up to the clamp: two spacings over the span are added to the period where no shear acts."""
+    exact = beam()
+    found = first_return(tmp_path, layers, "auto") / exact
+    note(f"strip_{layers}_layers", found)
+    plain = first_return(tmp_path, layers, "none") / exact
+    note(f"strip_{layers}_layers_plain", plain)
+    assert 1 < found < 1 + HIGH / layers / HALF
+    assert plain > 1.1
