@@ -257,8 +257,8 @@ contains
                 key_t(group='output', key='dump_every', unit='s', lower=zero, open_lower=.true., &
                       meaning='Time between dumps; only the first and the last if absent.'), &
                 key_t(group='output', key='dump_from', unit='s', default='0.0', lower=zero, &
-                      meaning='First time of the dumps of dump_every; the state at the start is '// &
-                      'dumped in any case.'), &
+                      meaning='First time of the dumps of dump_every; the start is dumped in '// &
+                      'any case.'), &
                 key_t(group='output', key='dump_times', n_max=max_times, unit='s', lower=zero, &
                       meaning='Times of dumps besides those of dump_every, growing.'), &
                 key_t(group='output', key='history_every', unit='s', default='0.0', lower=zero, &

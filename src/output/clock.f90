@@ -3,8 +3,8 @@
 !>
 !> Output never changes the time step: an output that is due at t is written at the end of the
 !> first step that reaches t. So results do not depend on what is written. What is due next
-!> follows from the time alone (multiples of the interval, a list of times), so a run that continues from a
-!> checkpoint, with the same intervals or others, needs no memory of it.
+!> follows from the time alone (multiples of the interval, a list of times), so a run that
+!> continues from a checkpoint, with the same intervals or others, needs no memory of it.
 module brz_clock
     use brz_case, only: case_t
     use brz_history, only: mark_t

@@ -145,7 +145,9 @@ BAD = [
     swap("old_end", "&gauge id='g1'", "&end\n&gauge id='g1'", 10, "close a group with '/'"),
     # form
     swap("missing_slash", "cells = 20,20,20\n/", "cells = 20,20,20\n", 3, "'/'", "line 7"),
-    swap("times_of_dumps_fall", "dump_every=1e-5", "dump_times=2e-5,1e-5", 12, "dump_times", "grow"),
+    swap(
+        "times_of_dumps_fall", "dump_every=1e-5", "dump_times=2e-5,1e-5", 12, "dump_times", "grow"
+    ),
     swap("from_without_every", "dump_every=1e-5", "dump_from=2e-5", 12, "dump_from", "dump_every"),
     swap("missing_last_slash", "dump_every=1e-5 /", "dump_every=1e-5", 12, "end of the deck"),
     swap("open_quote", "title='good'", "title='good", 2, "quote"),
