@@ -8,13 +8,14 @@ module brz_solid_bonds
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: int64, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, &
-                              most_bent, viscous_force
+                              most_bent, most_drawn, viscous_force
     use brz_solid_links, only: first_link, is_bonded, last_link, link_body
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, n_terms
-    use brz_solid_single_pairs, only: add_hold
+    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, at_work, &
+                                   n_terms
     use brz_solid_state, only: bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
-                               n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
+                               held_affine, held_stiffness, held_whole, n_held, n_pair, &
+                               pair_affine, pair_hold, pair_keep, pair_linear, &
                                pair_quadratic, pair_stress, pair_tilt, pair_volume, solid_t, &
                                worth_threads
     use brz_tilted_arm, only: tilted_arm, tilted_force
@@ -168,4 +169,20 @@ contains
             if (effort >= 1) solid%links%bond(i) = bond_broken
         end do
     end subroutine break_bonds
+
+    !> Add the hold of a pair.
+    pure subroutine add_hold(y, own, other, dx, r, dv, f)
+        real(rk), intent(in) :: y !! see hourglass_stiff
+        real(rk), intent(in) :: own(n_held), other(n_held)
+        real(rk), intent(in) :: dx(3), r(3), dv(3) !! X_ij, x_ij [m], v_ij [m/s]
+        real(rk), intent(inout) :: f(n_terms)
+        real(rk) :: g(3)
+
+        if (.not. own(held_stiffness) + other(held_stiffness) > 0) return
+        call hourglass_stiff(most_drawn, y*own(held_whole)*other(held_whole), &
+                             own(held_stiffness) + other(held_stiffness), &
+                             own(held_affine + 1), other(held_affine + 1), dx, r, g)
+        f(at_hold + 1:at_hold + 3) = f(at_hold + 1:at_hold + 3) + g
+        f(at_work) = f(at_work) - dot_product(g, dv)/2
+    end subroutine add_hold
 end module brz_solid_bonds

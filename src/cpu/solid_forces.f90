@@ -3,17 +3,17 @@
 module brz_solid_forces
     use brz_air_force, only: air_force
     use brz_artificial_stress, only: artificial_none
-    use brz_kernel, only: kernel_scale, smoothing_length
+    use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_solid_bonds, only: add_bonded_forces
     use brz_solid_cohesive, only: cohesive_push
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
-                               place_group, place_images
+                               place_body, place_group, place_images
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
                                    sum_axial, sum_held, sum_plain, sum_plate, sum_stiff, &
                                    sum_viscous
-    use brz_solid_single_pairs, only: add_artificial, add_pair, visit_pairs
+    use brz_solid_artificial, only: add_artificial
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, held_energy, held_stiffness, is_gone, lanes, n_held, &
                                n_pair, pair_tilt, solid_t, worth_threads
@@ -41,7 +41,7 @@ contains
         do k = 1, size(solid%block, 2)
             call force_block(solid, solid%bodies(solid%block(1, k)), dt, k)
         end do
-        if (allocated(solid%h)) then ! not before all pairs have been seen
+        if (size(solid%h) > 0) then ! not before all pairs have been seen
             !$omp parallel do if(solid%n >= worth_threads) schedule(static)
             do k = 1, size(solid%block, 2)
                 call update_lengths(solid, solid%bodies(solid%block(1, k)), k)
@@ -82,23 +82,19 @@ contains
         real(dp), intent(in) :: dt
         integer, intent(in) :: k !! block
         type(group_t) :: p
-        real(rk) :: group(lanes, n_terms), f(n_terms)
+        real(rk) :: f(n_terms)
         integer :: i, first
 
         solid%search%sums(:, k) = 0
         if (body%formulation == form_rigid .or. body%asleep .and. dt > 0) return
-        p%scale = kernel_scale(body%h, solid%dimension)
-        p%half_over_h = 1/(2*body%h)
-        p%h = body%h
-        p%normal = body%normal
+        call place_body(solid, body, p)
         do first = solid%block(2, k), solid%block(3, k), lanes
             if (solid%fixed(first) == is_gone) exit ! and so are all that follow
             call place_group(solid, body, first, p)
-            group = 0
-            if (.not. body%variable) call sum_group(solid, body, p, group)
+            call sum_group(solid, body, p)
             do i = first, p%last
                 if (solid%fixed(i) == is_gone) cycle
-                f = group(i - first + 1, :)
+                f = p%sums(i - first + 1, :)
                 call add_rest(solid, body, i, p%centre_t, f)
                 call accelerate(solid, body, real(dt, rk), i, k, f)
             end do
@@ -107,12 +103,11 @@ contains
     end subroutine force_block
 
     !> Sums over the neighbours of a group and over their images.
-    subroutine sum_group(solid, body, p, f)
+    subroutine sum_group(solid, body, p)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(group_t), intent(inout) :: p
-        real(rk), intent(out) :: f(lanes, n_terms)
-        real(rk) :: part(lanes, n_terms)
+        real(rk) :: direct(lanes, n_terms)
         type(images_t) :: images
         type(rows_t) :: rows
         integer(int64) :: k, last
@@ -121,10 +116,10 @@ contains
         call take_rows(solid, body, p)
         if (p%held) then
             call sum_hold(p, solid%x, solid%v, solid%x_ref, solid%held, solid%pair, &
-                          solid%list(p%list), f)
+                          solid%h, solid%list(p%list))
         else
-            call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%pair, solid%list(p%list), f, &
-                            solid%hold)
+            call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%pair, solid%h, &
+                            solid%list(p%list), solid%hold)
         end if
         if (.not. any(solid%mirror)) return
         g = group_of(body, p%i)
@@ -133,14 +128,15 @@ contains
             call place_images(solid, k, last, images)
             call mirror_rows(solid, p, k, last, rows)
             p%count = int(last - k) + 1
+            direct = p%sums
             if (p%held) then
-                call sum_hold(p, images%x, images%v, images%x_ref, rows%held, rows%pair, in_turn, &
-                              part)
+                call sum_hold(p, images%x, images%v, images%x_ref, rows%held, rows%pair, &
+                              images%h, in_turn)
             else
-                call sum_direct(p, images%x, images%v, images%x_ref, rows%pair, in_turn, part, &
-                                rows%hold)
+                call sum_direct(p, images%x, images%v, images%x_ref, rows%pair, images%h, &
+                                in_turn, rows%hold)
             end if
-            f = f + part
+            p%sums = direct + p%sums
         end do
     end subroutine sum_group
 
@@ -205,48 +201,45 @@ contains
     end subroutine mirror_rows
 
     !> Sum over particles of a list with the hold, and with tilts where the body has a normal.
-    subroutine sum_hold(p, x, v, x_ref, held, pair, list, f)
-        type(group_t), intent(in) :: p
+    subroutine sum_hold(p, x, v, x_ref, held, pair, h, list)
+        type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), held(n_held, *), pair(n_pair, *)
+        real(rk), intent(in) :: v(3, *), held(n_held, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: f(lanes, n_terms)
 
         if (any(p%normal > 0)) then
-            call sum_plate(p, x, v, x_ref, held, pair, list, f)
+            call sum_plate(p, x, v, x_ref, held, pair, h, list)
         else
-            call sum_held(p, x, v, x_ref, held, pair, list, f)
+            call sum_held(p, x, v, x_ref, held, pair, h, list)
         end if
     end subroutine sum_hold
 
     !> Sum over particles of a list without the hold, in the loop that has just the forces of this
     !> body.
-    subroutine sum_direct(p, x, v, x_ref, pair, list, f, hold)
-        type(group_t), intent(in) :: p
+    subroutine sum_direct(p, x, v, x_ref, pair, h, list, hold)
+        type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), pair(n_pair, *)
+        real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: f(lanes, n_terms)
         real(real32), intent(in), optional :: hold(6, *) !! only with a stiffness along axes
 
         select case (p%formulation)
         case (form_bending)
             if (p%directional) then
-                call sum_axial(p, x, v, x_ref, hold, pair, list, f)
+                call sum_axial(p, x, v, x_ref, hold, pair, h, list)
             else
-                call sum_stiff(0.0_rk, p, x, v, x_ref, pair, list, f)
+                call sum_stiff(0.0_rk, p, x, v, x_ref, pair, h, list)
             end if
         case (form_total)
-            call sum_stiff(1.0_rk, p, x, v, x_ref, pair, list, f)
+            call sum_stiff(1.0_rk, p, x, v, x_ref, pair, h, list)
         case (form_corrected_hourglass)
-            call sum_viscous(p, x, v, pair, list, f)
+            call sum_viscous(p, x, v, pair, h, list)
         case default
-            call sum_plain(p, x, v, pair, list, f)
+            call sum_plain(p, x, v, pair, h, list)
         end select
     end subroutine sum_direct
 
-    !> Add what the loops over the lanes leave out: neighbours of variable smoothing length, other
-    !> bodies, artificial stress.
+    !> Add what the loops over the lanes leave out: other bodies, artificial stress.
     subroutine add_rest(solid, body, i, p, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
@@ -257,7 +250,6 @@ contains
 
         q = p
         q%i = i
-        if (body%variable) call visit_pairs(solid, body, q, add_pair, f)
         if (solid%links%bonds) call add_bonded_forces(solid, i, f)
         if (solid%links%present) then
             associate (push => solid%links%push(:, solid%links%row(i)))
@@ -266,8 +258,7 @@ contains
             end associate
         end if
         if (solid%cohesive%present) f(1:3) = f(1:3) + real(cohesive_push(solid, i), rk)
-        if (body%artificial /= artificial_none) &
-            call visit_pairs(solid, body, q, add_artificial, f)
+        if (body%artificial /= artificial_none) call add_artificial(solid, body, q, f)
     end subroutine add_rest
 
     !> Volumes and smoothing lengths of a block as its compression says.

@@ -6,7 +6,7 @@ module brz_solid_gradient_sums
     use brz_gradient, only: moment_terms, outer_terms
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, rk
-    use brz_solid_lanes, only: group_t
+    use brz_solid_lanes, only: body_kernel, group_t, kernel_t, pair_kernels
     use brz_solid_state, only: lanes
     use brz_tilted_arm, only: tilted_arm
     implicit none
@@ -24,25 +24,28 @@ module brz_solid_gradient_sums
 contains
 
     !> Sums over the direct neighbours: moments and velocity.
-    subroutine sum_plain(p, x, v, volume, list, sums)
+    subroutine sum_plain(p, x, v, volume, h, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *)
-        real(rk), intent(in) :: v(3, *), volume(*)
+        real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: sums(lanes, n_terms)
         real(rk) :: acc(lanes, at_x), r(3), dv(3), m(n_moment), g(n_outer), w
+        type(kernel_t) :: q
         integer :: k, l, j, t
 
         acc = 0
+        call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
+            if (p%variable) call pair_kernels(p, h(j), q)
             !GCC$ unroll 1
             do l = 1, lanes
                 do t = 1, 3
                     r(t) = real(p%x(l, t) - x(t, j), rk)
                     dv(t) = p%v(l, t) - v(t, j)
                 end do
-                w = volume(j)*kernel_slope(p%scale, p%half_over_h, &
+                w = volume(j)*kernel_slope(q%scale(l), q%half_over_h(l), &
                                            sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
                 call moment_terms(w, r, m)
                 call outer_terms(w, dv, r, g)
@@ -60,18 +63,21 @@ contains
 
     !> Sums over the direct neighbours: moments, velocity and reference position. A total-Lagrangian
     !> body has x and x_ref change places.
-    subroutine sum_bending(p, x, v, x_ref, volume, list, sums)
+    subroutine sum_bending(p, x, v, x_ref, volume, h, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), volume(*)
+        real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: sums(lanes, n_terms)
         real(rk) :: acc(lanes, at_s), r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w
+        type(kernel_t) :: q
         integer :: k, l, j, t
 
         acc = 0
+        call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
+            if (p%variable) call pair_kernels(p, h(j), q)
             !GCC$ unroll 1
             do l = 1, lanes
                 do t = 1, 3
@@ -79,7 +85,7 @@ contains
                     dx(t) = real(p%x_ref(l, t) - x_ref(t, j), rk)
                     dv(t) = p%v(l, t) - v(t, j)
                 end do
-                w = volume(j)*kernel_slope(p%scale, p%half_over_h, &
+                w = volume(j)*kernel_slope(q%scale(l), q%half_over_h(l), &
                                            sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
                 call moment_terms(w, r, m)
                 call outer_terms(w, dv, r, g)
@@ -98,19 +104,22 @@ contains
     end subroutine sum_bending
 
     !> The same with the moments of the reference position, for the hold.
-    subroutine sum_drawn(p, x, v, x_ref, volume, list, sums)
+    subroutine sum_drawn(p, x, v, x_ref, volume, h, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), volume(*)
+        real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: sums(lanes, n_terms)
         real(rk) :: acc(lanes, at_y), r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer)
         real(rk) :: s(n_moment), w
+        type(kernel_t) :: q
         integer :: k, l, j, t
 
         acc = 0
+        call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
+            if (p%variable) call pair_kernels(p, h(j), q)
             !GCC$ unroll 1
             do l = 1, lanes
                 do t = 1, 3
@@ -118,7 +127,7 @@ contains
                     dx(t) = real(p%x_ref(l, t) - x_ref(t, j), rk)
                     dv(t) = p%v(l, t) - v(t, j)
                 end do
-                w = volume(j)*kernel_slope(p%scale, p%half_over_h, &
+                w = volume(j)*kernel_slope(q%scale(l), q%half_over_h(l), &
                                            sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
                 call moment_terms(w, r, m)
                 call outer_terms(w, dv, r, g)
@@ -139,19 +148,22 @@ contains
     end subroutine sum_drawn
 
     !> All of it, for a group in which some have a tilt.
-    subroutine sum_tilted(p, x, v, x_ref, volume, list, sums)
+    subroutine sum_tilted(p, x, v, x_ref, volume, h, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), volume(*)
+        real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: sums(lanes, n_terms)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), y(3), m(n_moment), g(n_outer)
         real(rk) :: a(n_outer), b(n_outer), s(n_moment), w
+        type(kernel_t) :: q
         integer :: k, l, j, t
 
         acc = 0
+        call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
+            if (p%variable) call pair_kernels(p, h(j), q)
             !GCC$ unroll 1
             do l = 1, lanes
                 do t = 1, 3
@@ -159,7 +171,7 @@ contains
                     dx(t) = real(p%x_ref(l, t) - x_ref(t, j), rk)
                     dv(t) = p%v(l, t) - v(t, j)
                 end do
-                w = volume(j)*kernel_slope(p%scale, p%half_over_h, &
+                w = volume(j)*kernel_slope(q%scale(l), q%half_over_h(l), &
                                            sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
                 call tilted_arm(p%tilt(l), p%normal, dx, r, y)
                 call moment_terms(w, r, m)

@@ -5,24 +5,21 @@
 !> for pass 2, its row of `pair`.
 module brz_solid_gradients
     use brz_algebra, only: multiply3, to_matrix
-    use brz_gradient, only: correction, midstep_gradient, moment_terms, outer_terms, piola, &
-                            stable_step, total_gradient
-    use brz_kernel, only: kernel_scale, kernel_slope, pair_kernel
+    use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient
     use brz_kinds, only: dp, int32, int64, rk
     use brz_material, only: point_t, strength_left
     use brz_materials, only: unloaded_speed, update_material
     use brz_solid_bonds, only: add_bonded_gradients
-    use brz_solid_gradient_sums, only: at_g, at_s, at_x, at_y, n_moment, n_outer, n_terms, &
+    use brz_solid_gradient_sums, only: at_g, at_s, at_x, at_y, n_terms, &
                                        sum_bending, sum_drawn, sum_plain, sum_tilted
-    use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
+    use brz_solid_lanes, only: group_of, group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
-    use brz_solid_mirror, only: signs
     use brz_solid_rows, only: fill_hold, fill_row
     use brz_solid_state, only: body_t, form_bending, form_rigid, form_total, form_uncorrected, &
                                held_stiffness, intact_share, is_gone, lanes, pair_stress, &
                                pair_tilt, pair_volume, solid_t, worth_threads
     use brz_tension_hold, only: may_be_drawn
-    use brz_tilted_arm, only: tilted_arm, tilted_correction
+    use brz_tilted_arm, only: tilted_correction
     implicit none
     private
     public :: gradient_pass
@@ -92,21 +89,17 @@ contains
             limit = min(limit, real(body%cfl*body%h, dp)/solid%materials(body%material)%c_wave)
             return
         end if
-        p%scale = kernel_scale(body%h, solid%dimension)
-        p%half_over_h = 1/(2*body%h)
-        p%normal = body%normal
+        call place_body(solid, body, p)
         do first = solid%block(2, k), solid%block(3, k), lanes
             if (solid%fixed(first) == is_gone) exit ! and so are all that follow
             call place_group(solid, body, first, p)
             call tilt_group(solid, body, p)
             call find_drawn(solid, body, p)
-            group = 0
-            if (.not. body%variable) call sum_group(solid, body, p, group)
+            call sum_group(solid, body, p, group)
             do i = first, p%last
                 if (solid%fixed(i) == is_gone) cycle
                 sums = group(i - first + 1, :)
                 solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
-                if (body%variable) call add_pairs(solid, body, i, p%centre_t, sums)
                 if (solid%links%bonds) call add_bonded_gradients(solid, i, body%normal, sums)
                 call advance(solid, body, dt, i, k, p%drawn(i - first + 1), sums, limit)
             end do
@@ -155,96 +148,45 @@ contains
         integer(int64) :: k, last
         integer :: g
 
-        call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%volume, solid%list(p%list), sums)
+        call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%volume, solid%h, &
+                        solid%list(p%list), sums)
         if (.not. any(solid%mirror)) return
         g = group_of(body, p%i)
         do k = solid%image_first(g), solid%image_first(g + 1) - 1, most_images
             last = min(k + most_images, solid%image_first(g + 1)) - 1
             call place_images(solid, k, last, images)
             p%count = int(last - k) + 1
-            call sum_direct(p, images%x, images%v, images%x_ref, images%volume, in_turn, part)
+            call sum_direct(p, images%x, images%v, images%x_ref, images%volume, images%h, &
+                            in_turn, part)
             sums = sums + part
         end do
     end subroutine sum_group
 
     !> Sums over particles of a list. A total-Lagrangian body weighs its pairs by X_ij, and x takes
     !> the place of the reference position: the sums then lead to dx/dX.
-    subroutine sum_direct(p, x, v, x_ref, volume, list, sums)
+    subroutine sum_direct(p, x, v, x_ref, volume, h, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), volume(*)
+        real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(out) :: sums(lanes, n_terms)
         type(group_t) :: q
 
         if (any(abs(p%tilt) > 0)) then
-            call sum_tilted(p, x, v, x_ref, volume, list, sums)
+            call sum_tilted(p, x, v, x_ref, volume, h, list, sums)
         else if (p%formulation == form_bending) then
-            call sum_bending(p, x, v, x_ref, volume, list, sums)
+            call sum_bending(p, x, v, x_ref, volume, h, list, sums)
         else if (p%formulation == form_total) then
             q = p
             q%x = p%x_ref
             q%x_ref = p%x
-            call sum_bending(q, x_ref, v, x, volume, list, sums)
+            call sum_bending(q, x_ref, v, x, volume, h, list, sums)
         else if (any(p%drawn)) then
-            call sum_drawn(p, x, v, x_ref, volume, list, sums)
+            call sum_drawn(p, x, v, x_ref, volume, h, list, sums)
         else
-            call sum_plain(p, x, v, volume, list, sums)
+            call sum_plain(p, x, v, volume, h, list, sums)
         end if
     end subroutine sum_direct
-
-    !> In a body of variable smoothing length: add one neighbour of particle i, and one image, after
-    !> the other.
-    subroutine add_pairs(solid, body, i, p, sums)
-        type(solid_t), intent(in) :: solid
-        type(body_t), intent(in) :: body
-        integer, intent(in) :: i
-        type(centre_t), intent(in) :: p !! kernel
-        real(rk), intent(inout) :: sums(n_terms)
-        integer(int64) :: k
-        integer :: g
-
-        g = group_of(body, i)
-        do k = solid%first(g), solid%first(g + 1) - 1
-            call add_pair(solid, body, i, p, solid%list(k), 0, sums)
-        end do
-        if (.not. any(solid%mirror)) return
-        do k = solid%image_first(g), solid%image_first(g + 1) - 1
-            call add_pair(solid, body, i, p, solid%image(k), int(solid%mask(k)), sums)
-        end do
-    end subroutine add_pairs
-
-    !> Add the pair of i with j, or with its image: the components of x, v, X of the mirrored axes
-    !> change sign.
-    subroutine add_pair(solid, body, i, p, j, mask, sums)
-        type(solid_t), intent(in) :: solid
-        type(body_t), intent(in) :: body
-        integer, intent(in) :: i, j, mask !! mirrored axes, bits 0..2
-        type(centre_t), intent(in) :: p
-        real(rk), intent(inout) :: sums(n_terms)
-        real(rk) :: r(3), dv(3), dx(3), y(3), s(3), m(n_moment), g(n_outer), w, h
-        type(centre_t) :: q
-
-        q = p
-        s = signs(mask)
-        r = real(solid%x(:, i) - s*solid%x(:, j), rk)
-        dx = real(solid%x_ref(:, i) - s*solid%x_ref(:, j), rk)
-        dv = solid%v(:, i) - s*solid%v(:, j)
-        call pair_kernel(solid%dimension, solid%h(i), solid%h(j), h, q%scale, q%half_over_h)
-        w = solid%volume(j)*kernel_slope(q%scale, q%half_over_h, norm2(r))
-        if (w == 0) return
-        call tilted_arm(solid%pair(pair_tilt, i), body%normal, dx, r, y)
-        call moment_terms(w, r, m)
-        sums(:at_g) = sums(:at_g) + m
-        call outer_terms(w, dv, y, g)
-        sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
-        call outer_terms(w, dx, r, g)
-        sums(at_x + 1:at_s) = sums(at_x + 1:at_s) + g
-        call moment_terms(w, dx, m)
-        sums(at_s + 1:at_y) = sums(at_s + 1:at_y) + m
-        call outer_terms(w, r, y, g)
-        sums(at_y + 1:) = sums(at_y + 1:) + g
-    end subroutine add_pair
 
     !> From the sums to the new state of particle i and its row of `pair`.
     subroutine advance(solid, body, dt, i, k, drawn, sums, limit)

@@ -6,15 +6,18 @@
 !> pairs with all eight at once. What it reads of the neighbour is one number for all lanes, what it
 !> reads of the group and what it sums are whole vectors.
 module brz_solid_lanes
+    use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, int32, int64, rk
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, lanes, n_held, n_pair, solid_t
     implicit none
     private
-    public :: centre_t, group_t, group_of, place_group
+    public :: centre_t, group_t, group_of, place_body, place_group
+    public :: kernel_t, body_kernel, pair_kernels, n_force
     public :: images_t, place_images, most_images, in_turn
 
     integer, parameter :: most_images = 64 !! that are laid down at a time
+    integer, parameter :: n_force = 12 !! sums of pass 2, see brz_solid_pair_sums
     integer :: k_turn
     integer(int32), parameter :: in_turn(most_images) = [(k_turn, k_turn=1, most_images)]
 
@@ -31,6 +34,10 @@ module brz_solid_lanes
         integer :: last = 0 !! its last particle
         integer :: formulation = 0 !! of their body
         logical :: directional = .false. !! hourglass stiffness along axes
+        logical :: variable = .false. !! smoothing lengths follow the density
+        integer :: dimension = 3
+        real(rk) :: factor = 0 !! of the kernel's scale, see pair_kernels
+        real(rk) :: size(lanes) = 0 !! smoothing lengths, where they are variable [m]
         integer :: count = 0 !! entries of its list
         integer(int64) :: list = 1 !! the first of them
         real(dp) :: x(lanes, 3) = 0, x_ref(lanes, 3) = 0 !! [m]
@@ -41,13 +48,21 @@ module brz_solid_lanes
         real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_solid_state
         real(rk) :: own(lanes, n_held) = 0 !! the same, the hold
         real(rk) :: hold(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
+        real(rk) :: sums(lanes, n_force) = 0 !! what pass 2 sums up
     end type group_t
+
+    !> Kernel of the pairs of a neighbour with the members of a group.
+    type :: kernel_t
+        real(rk) :: scale(lanes), half_over_h(lanes) !! see brz_kernel
+        real(rk) :: h(lanes) !! smoothing length [m]
+    end type kernel_t
 
     !> Mirror images of some particles, laid down as particles of their own.
     type :: images_t
         real(dp) :: x(3, most_images) = 0, x_ref(3, most_images) = 0 !! [m]
         real(rk) :: v(3, most_images) = 0 !! [m/s]
         real(rk) :: volume(most_images) = 0 !! [m3]
+        real(rk) :: h(most_images) = 0 !! smoothing length, where it is variable [m]
     end type images_t
 
 contains
@@ -72,8 +87,6 @@ contains
         g = group_of(body, first)
         p%i = first
         p%last = min(first + lanes - 1, body%last)
-        p%formulation = body%formulation
-        p%directional = body%directional
         p%list = solid%first(g)
         p%count = int(solid%first(g + 1) - solid%first(g))
         do l = 1, lanes
@@ -81,8 +94,58 @@ contains
             p%x(l, :) = solid%x(:, i)
             p%x_ref(l, :) = solid%x_ref(:, i)
             p%v(l, :) = solid%v(:, i)
+            if (body%variable) p%size(l) = solid%h(i)
         end do
     end subroutine place_group
+
+    !> A body and its kernel, before its groups are placed.
+    pure subroutine place_body(solid, body, p)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        type(group_t), intent(inout) :: p
+
+        p%scale = kernel_scale(body%h, solid%dimension)
+        p%half_over_h = 1/(2*body%h)
+        p%h = body%h
+        p%normal = body%normal
+        p%formulation = body%formulation
+        p%directional = body%directional
+        p%variable = body%variable
+        p%dimension = solid%dimension
+        p%factor = p%scale/p%half_over_h**(solid%dimension + 2)
+    end subroutine place_body
+
+    !> Kernel of a body of constant smoothing length.
+    pure subroutine body_kernel(p, q)
+        type(group_t), intent(in) :: p
+        type(kernel_t), intent(out) :: q
+
+        q%scale = p%scale
+        q%half_over_h = p%half_over_h
+        q%h = p%h
+    end subroutine body_kernel
+
+    !> Kernel of the pairs of a neighbour in a body of variable smoothing length, as pair_kernel has
+    !> it, in vector code.
+    pure subroutine pair_kernels(p, h, q)
+        type(group_t), intent(in) :: p
+        real(rk), intent(in) :: h !! of the neighbour [m]
+        type(kernel_t), intent(inout) :: q
+        integer :: l, t
+
+        !GCC$ unroll 1
+        do l = 1, lanes
+            q%h(l) = (p%size(l) + h)/2
+            q%half_over_h(l) = 1/(p%size(l) + h)
+            q%scale(l) = p%factor*q%half_over_h(l)*q%half_over_h(l)*q%half_over_h(l)
+        end do
+        do t = 2, p%dimension
+            !GCC$ unroll 1
+            do l = 1, lanes
+                q%scale(l) = q%scale(l)*q%half_over_h(l)
+            end do
+        end do
+    end subroutine pair_kernels
 
     !> Lay down the images of the entries k..last: what pass 1 reads of them.
     pure subroutine place_images(solid, k, last, images)
@@ -101,6 +164,7 @@ contains
             images%x_ref(:, n) = s*solid%x_ref(:, j)
             images%v(:, n) = s*solid%v(:, j)
             images%volume(n) = solid%volume(j)
+            if (size(solid%h) > 0) images%h(n) = solid%h(j)
         end do
     end subroutine place_images
 end module brz_solid_lanes

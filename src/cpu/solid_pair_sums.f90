@@ -8,7 +8,7 @@ module brz_solid_pair_sums
     use brz_kinds, only: dp, int32, real32, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, most_bent, &
                               most_drawn, stress_force, viscous_force
-    use brz_solid_lanes, only: group_t
+    use brz_solid_lanes, only: body_kernel, group_t, kernel_t, n_force, pair_kernels
     use brz_solid_state, only: held_affine, held_stiffness, held_whole, lanes, n_held, n_pair, &
                                pair_affine, pair_hold, pair_keep, pair_linear, pair_quadratic, &
                                pair_stress, pair_tilt, pair_volume
@@ -24,23 +24,25 @@ module brz_solid_pair_sums
     integer, parameter :: at_drag = 5 !! + 1..3: viscous forces [N]
     integer, parameter :: at_hold = 8 !! + 1..3: stiff hourglass force, or artificial stress [N]
     integer, parameter :: at_work = 12 !! work against the hold, half of it to each of a pair [W]
-    integer, parameter :: n_terms = 12
+    integer, parameter :: n_terms = n_force
 
 contains
 
-    !> Stress and viscosity over the direct neighbours.
-    subroutine sum_plain(p, x, v, pair, list, f)
-        type(group_t), intent(in) :: p
+    !> Stress and viscosity over the direct neighbours, into p%sums, as in all that follow.
+    subroutine sum_plain(p, x, v, pair, h, list)
+        type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *)
-        real(rk), intent(in) :: v(3, *), pair(n_pair, *)
+        real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: f(lanes, n_terms)
         real(rk) :: acc(lanes, at_hold), r(3), dv(3), own(n_pair), g(3), w, u, r2, vr
+        type(kernel_t) :: q
         integer :: k, l, j, t
 
         acc = 0
+        call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
+            if (p%variable) call pair_kernels(p, h(j), q)
             !GCC$ unroll 1
             do l = 1, lanes
                 do t = 1, 3
@@ -55,9 +57,9 @@ contains
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
                 w = own(pair_volume)*pair(pair_volume, j) &
-                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
+                    *kernel_slope(q%scale(l), q%half_over_h(l), sqrt(r2))
                 call stress_force(w, own(pair_stress + 1), pair(pair_stress + 1, j), r, g)
-                u = viscosity(p%h, own, pair(1, j), w, r2, vr)
+                u = viscosity(q%h(l), own, pair(1, j), w, r2, vr)
                 do t = 1, 3
                     acc(l, t) = acc(l, t) + g(t)
                     acc(l, at_drag + t) = acc(l, at_drag + t) + u*r(t)
@@ -65,24 +67,26 @@ contains
                 acc(l, at_heat) = acc(l, at_heat) - u*vr/2
             end do
         end do
-        f(:, :at_hold) = acc
-        f(:, at_hold + 1:) = 0
+        p%sums(:, :at_hold) = acc
+        p%sums(:, at_hold + 1:) = 0
     end subroutine sum_plain
 
     !> Stress, viscosity and viscous hourglass force over the direct neighbours.
-    subroutine sum_viscous(p, x, v, pair, list, f)
-        type(group_t), intent(in) :: p
+    subroutine sum_viscous(p, x, v, pair, h, list)
+        type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *)
-        real(rk), intent(in) :: v(3, *), pair(n_pair, *)
+        real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: f(lanes, n_terms)
         real(rk) :: acc(lanes, at_hold), r(3), dv(3), own(n_pair), g(3), d(3)
         real(rk) :: w, u, y, r2, vr, heat
+        type(kernel_t) :: q
         integer :: k, l, j, t
 
         acc = 0
+        call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
+            if (p%variable) call pair_kernels(p, h(j), q)
             !GCC$ unroll 1
             do l = 1, lanes
                 do t = 1, 3
@@ -97,9 +101,9 @@ contains
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
                 w = own(pair_volume)*pair(pair_volume, j) &
-                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
+                    *kernel_slope(q%scale(l), q%half_over_h(l), sqrt(r2))
                 call stress_force(w, own(pair_stress + 1), pair(pair_stress + 1, j), r, g)
-                u = viscosity(p%h, own, pair(1, j), w, r2, vr)
+                u = viscosity(q%h(l), own, pair(1, j), w, r2, vr)
                 y = w*own(pair_keep)*pair(pair_keep, j)
                 call hourglass_viscous(y*own(pair_hold), y*pair(pair_hold, j), &
                                        own(pair_affine + 1), pair(pair_affine + 1, j), dv, r, d, &
@@ -112,24 +116,26 @@ contains
                 acc(l, at_friction) = acc(l, at_friction) + heat
             end do
         end do
-        f(:, :at_hold) = acc
-        f(:, at_hold + 1:) = 0
+        p%sums(:, :at_hold) = acc
+        p%sums(:, at_hold + 1:) = 0
     end subroutine sum_viscous
 
     !> The same and the hold, where some pair of the group has it.
-    subroutine sum_held(p, x, v, x_ref, held, pair, list, f)
-        type(group_t), intent(in) :: p
+    subroutine sum_held(p, x, v, x_ref, held, pair, h, list)
+        type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), held(n_held, *), pair(n_pair, *)
+        real(rk), intent(in) :: v(3, *), held(n_held, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: f(lanes, n_terms)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), hold(n_held), g(3), d(3)
         real(rk) :: e(3), w, u, y, r2, vr, heat
+        type(kernel_t) :: q
         integer :: k, l, j, t
 
         acc = 0
+        call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
+            if (p%variable) call pair_kernels(p, h(j), q)
             !GCC$ unroll 1
             do l = 1, lanes
                 do t = 1, 3
@@ -149,9 +155,9 @@ contains
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
                 w = own(pair_volume)*pair(pair_volume, j) &
-                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
+                    *kernel_slope(q%scale(l), q%half_over_h(l), sqrt(r2))
                 call stress_force(w, own(pair_stress + 1), pair(pair_stress + 1, j), r, g)
-                u = viscosity(p%h, own, pair(1, j), w, r2, vr)
+                u = viscosity(q%h(l), own, pair(1, j), w, r2, vr)
                 y = w*own(pair_keep)*pair(pair_keep, j)
                 call hourglass_viscous(y*own(pair_hold), y*pair(pair_hold, j), &
                                        own(pair_affine + 1), pair(pair_affine + 1, j), dv, r, d, &
@@ -169,23 +175,25 @@ contains
                 acc(l, at_work) = acc(l, at_work) - (e(1)*dv(1) + e(2)*dv(2) + e(3)*dv(3))/2
             end do
         end do
-        f = acc
+        p%sums = acc
     end subroutine sum_held
 
     !> The same with the arms of tilted gradients: plates.
-    subroutine sum_plate(p, x, v, x_ref, held, pair, list, f)
-        type(group_t), intent(in) :: p
+    subroutine sum_plate(p, x, v, x_ref, held, pair, h, list)
+        type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), held(n_held, *), pair(n_pair, *)
+        real(rk), intent(in) :: v(3, *), held(n_held, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: f(lanes, n_terms)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), hold(n_held), g(3), d(3)
         real(rk) :: e(3), arm(3), arm_j(3), w, u, y, r2, vr, heat
+        type(kernel_t) :: q
         integer :: k, l, j, t
 
         acc = 0
+        call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
+            if (p%variable) call pair_kernels(p, h(j), q)
             !GCC$ unroll 1
             do l = 1, lanes
                 do t = 1, 3
@@ -205,12 +213,12 @@ contains
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
                 w = own(pair_volume)*pair(pair_volume, j) &
-                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
+                    *kernel_slope(q%scale(l), q%half_over_h(l), sqrt(r2))
                 call tilted_arm(own(pair_tilt), p%normal, dx, r, arm)
                 call tilted_arm(-pair(pair_tilt, j), p%normal, dx, r, arm_j)
                 call tilted_force(w, own(pair_stress + 1), pair(pair_stress + 1, j), arm, arm_j, &
                                   g)
-                u = viscosity(p%h, own, pair(1, j), w, r2, vr)
+                u = viscosity(q%h(l), own, pair(1, j), w, r2, vr)
                 y = w*own(pair_keep)*pair(pair_keep, j)
                 call hourglass_viscous(y*own(pair_hold), y*pair(pair_hold, j), &
                                        own(pair_affine + 1), pair(pair_affine + 1, j), dv, r, d, &
@@ -228,25 +236,27 @@ contains
                 acc(l, at_work) = acc(l, at_work) - (e(1)*dv(1) + e(2)*dv(2) + e(3)*dv(3))/2
             end do
         end do
-        f = acc
+        p%sums = acc
     end subroutine sum_plate
 
     !> Stress, viscosity and stiff hourglass force over the direct neighbours. In a total-Lagrangian
     !> body X_ij weighs the pairs, and the stress (there Piola's) acts along it.
-    subroutine sum_stiff(total, p, x, v, x_ref, pair, list, f)
+    subroutine sum_stiff(total, p, x, v, x_ref, pair, h, list)
         real(rk), intent(in) :: total !! 1 in a total-Lagrangian body, else 0
-        type(group_t), intent(in) :: p
+        type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), pair(n_pair, *)
+        real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: f(lanes, n_terms)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), arm(3), own(n_pair), g(3), d(3)
         real(rk) :: w, u, r2, vr
+        type(kernel_t) :: q
         integer :: k, l, j, t
 
         acc = 0
+        call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
+            if (p%variable) call pair_kernels(p, h(j), q)
             !GCC$ unroll 1
             do l = 1, lanes
                 do t = 1, 3
@@ -265,10 +275,10 @@ contains
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
                 w = own(pair_volume)*pair(pair_volume, j) &
-                    *kernel_slope(p%scale, p%half_over_h, &
+                    *kernel_slope(q%scale(l), q%half_over_h(l), &
                                   sqrt(arm(1)*arm(1) + arm(2)*arm(2) + arm(3)*arm(3)))
                 call stress_force(w, own(pair_stress + 1), pair(pair_stress + 1, j), arm, g)
-                u = viscosity(p%h, own, pair(1, j), w, r2, vr)
+                u = viscosity(q%h(l), own, pair(1, j), w, r2, vr)
                 call hourglass_stiff(most_bent, w*own(pair_keep)*pair(pair_keep, j), &
                                      own(pair_hold) + pair(pair_hold, j), own(pair_affine + 1), &
                                      pair(pair_affine + 1, j), dx, r, d)
@@ -280,25 +290,27 @@ contains
                 acc(l, at_heat) = acc(l, at_heat) - u*vr/2
             end do
         end do
-        f = acc
+        p%sums = acc
     end subroutine sum_stiff
 
     !> Stress (with the arms of tilted gradients), viscosity, and stiff hourglass force along the
     !> axes of the material.
-    subroutine sum_axial(p, x, v, x_ref, hold, pair, list, f)
-        type(group_t), intent(in) :: p
+    subroutine sum_axial(p, x, v, x_ref, hold, pair, h, list)
+        type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), pair(n_pair, *)
+        real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         real(real32), intent(in) :: hold(6, *)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: f(lanes, n_terms)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), g(3), d(3)
         real(rk) :: w, u, r2, vr, stiffness(6), arm(3), arm_j(3)
+        type(kernel_t) :: q
         integer :: k, l, j, t
 
         acc = 0
+        call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
+            if (p%variable) call pair_kernels(p, h(j), q)
             !GCC$ unroll 1
             do l = 1, lanes
                 do t = 1, 3
@@ -317,12 +329,12 @@ contains
                 r2 = r(1)*r(1) + r(2)*r(2) + r(3)*r(3)
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
                 w = own(pair_volume)*pair(pair_volume, j) &
-                    *kernel_slope(p%scale, p%half_over_h, sqrt(r2))
+                    *kernel_slope(q%scale(l), q%half_over_h(l), sqrt(r2))
                 call tilted_arm(own(pair_tilt), p%normal, dx, r, arm)
                 call tilted_arm(-pair(pair_tilt, j), p%normal, dx, r, arm_j)
                 call tilted_force(w, own(pair_stress + 1), pair(pair_stress + 1, j), arm, arm_j, &
                                   g)
-                u = viscosity(p%h, own, pair(1, j), w, r2, vr)
+                u = viscosity(q%h(l), own, pair(1, j), w, r2, vr)
                 call hourglass_axial(w*own(pair_keep)*pair(pair_keep, j), stiffness, &
                                      own(pair_affine + 1), pair(pair_affine + 1, j), dx, r, d)
                 do t = 1, 3
@@ -333,7 +345,7 @@ contains
                 acc(l, at_heat) = acc(l, at_heat) - u*vr/2
             end do
         end do
-        f = acc
+        p%sums = acc
     end subroutine sum_axial
 
     !> Monaghan's viscosity of a pair, as a factor of x_ij.

@@ -67,7 +67,7 @@ contains
 
             allocate (place(4, solid%n), source=0.0_dp)
             place(1:3, :) = x
-            if (allocated(solid%h)) place(4, :) = solid%h
+            if (size(solid%h) > 0) place(4, :) = solid%h
             if (tilted) place(4, :) = solid%tilt
             call copy_in(place, buffer, 32_int64*solid%n, err)
         end subroutine put_places

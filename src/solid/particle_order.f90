@@ -29,7 +29,7 @@ contains
             call reorder(storage_size(s%hist)/8*s%n_hist, s%hist)
             call reorder(storage_size(s%damage)/8, s%damage)
             call reorder(storage_size(s%volume)/8, s%volume)
-            if (allocated(s%h)) call reorder(storage_size(s%h)/8, s%h)
+            if (size(s%h) > 0) call reorder(storage_size(s%h)/8, s%h)
             if (allocated(s%tilt)) call reorder(storage_size(s%tilt)/8, s%tilt)
             if (allocated(s%owed)) call reorder(storage_size(s%owed)/8, s%owed)
             call reorder(storage_size(s%id)/8, s%id)

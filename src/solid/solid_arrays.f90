@@ -22,7 +22,7 @@ contains
                       solid%stress(6, n), solid%hist(solid%n_hist, n), solid%damage(n), &
                       solid%volume(n), solid%pair(n_pair, n))
             allocate (solid%id(n), solid%ply(n), solid%support(n), solid%fixed(n), solid%cut(n))
-            if (any(solid%bodies%variable)) allocate (solid%h(n), source=0.0_rk)
+            allocate (solid%h(merge(n, 0, any(solid%bodies%variable))), source=0.0_rk)
             if (any(solid%bodies%directional)) allocate (solid%hold(6, n), source=0.0_real32)
             if (any_tilted(solid)) allocate (solid%tilt(n), source=0.0_real32)
             if (any(solid%bodies%tension_hold > 0)) allocate (solid%held(n_held, n), &
@@ -130,7 +130,7 @@ contains
                     + 1.0_dp*(size(s%fixed) + size(s%cut))
             if (allocated(s%image_first)) bytes = bytes + wide(size(s%image_first))
             if (allocated(s%load)) bytes = bytes + working(size(s%load))
-            if (allocated(s%h)) bytes = bytes + working(size(s%h))
+            bytes = bytes + working(size(s%h))
             if (allocated(s%hold)) bytes = bytes + 4.0_dp*size(s%hold)
             if (allocated(s%tilt)) bytes = bytes + 4.0_dp*size(s%tilt)
             if (allocated(s%held)) bytes = bytes + working(size(s%held) + size(s%owed))
