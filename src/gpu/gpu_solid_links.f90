@@ -151,7 +151,8 @@ contains
         end associate
     end subroutine add_bond_moments
 
-    !> Between the passes: bonds break, interfaces open, then all forces between bodies go into `extra`.
+    !> Between the passes: bonds break, interfaces open, then all forces between bodies go into
+    !> `extra`.
     subroutine contact_pass(gpu, dt, err)
         type(gpu_solid_t), intent(in) :: gpu
         real(dp), intent(in) :: dt !! step just made [s]
