@@ -118,7 +118,11 @@ NOTES := build/log/notes$(KIND).csv
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
 	@$(if $(ARGS)$(filter unit,$@),,rm -f $(NOTES))
-	BRZ_NOTES=$(abspath $(NOTES)) $(B)/tests/$@/run $(PF_XML) build/log/$@.xml $(ARGS)
+	BRZ_NOTES=$(abspath $(NOTES)) $(B)/tests/$@/run $(PF_XML) build/log/$(if $(filter unit,$@),$(or $(UNIT),$@),$@).xml $(ARGS)
+
+unit-mixed: ## run the unit tests in mixed precision, built quickly
+	@$(MAKE) --no-print-directory PRECISION=mixed QUICK=1 UNIT=unit-mixed unit
+.PHONY: unit-mixed
 
 # The same tests on a GPU, or anywhere with the emulated driver. They need no compiler: carry $(B)/tests/gpu and bin.
 GPU_TEST = BRISANCE_PTX=$(PTX) $(B)/tests/gpu/run
@@ -149,7 +153,7 @@ $(B)/tests/gpu/study_gpu: $(patsubst %.f90,$(B)/obj/%.o,tests/gpu/study_gpu.f90 
 
 # --- what users and CI call ---------------------------------------------------------------------
 FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90')
-PARTS  := all unit verify+lint+gpu-check+gpu emulated python figures check-docs vectors
+PARTS  := all unit verify+unit-mixed+lint+gpu-check+gpu emulated python figures check-docs vectors
 setup: ## install what is missing
 	@scripts/setup.sh
 test: setup ## build and run every test
@@ -232,7 +236,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test demo figures lint format gpu-check gpu emulator charts-scenes
+NO_BUILD := clean help setup test demo unit-mixed figures lint format gpu-check gpu emulator charts-scenes
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif

@@ -29,12 +29,15 @@ contains
     end subroutine diagonalise
 
     !> One Jacobi rotation: makes a(i, j) vanish and turns the eigenvectors q with it.
+    !>
+    !> In changes of what is there (Rutishauser 1966): the trace and the length of the eigenvectors
+    !> stay to the rounding of the changes, or bodies that are diagonalised in every step creep.
     !@cuf attributes(host,device) &
     pure subroutine rotate_away(a, q, i, j)
         real(rk), intent(inout) :: a(3, 3), q(3, 3)
         integer, intent(in) :: i, j
         real(rk), parameter :: least = epsilon(1.0_rk)**2 !! angle that is worth a rotation
-        real(rk) :: half, t, c, s, u, w
+        real(rk) :: half, t, c, s, tau, shift, u, w
         integer :: k
 
         if (abs(a(i, j)) <= tiny(1.0_rk) + least*abs(a(j, j) - a(i, i))) return
@@ -42,21 +45,24 @@ contains
         t = sign(1.0_rk, half)/(abs(half) + sqrt(half*half + 1))
         c = 1/sqrt(t*t + 1)
         s = t*c
+        tau = s/(1 + c)
+        shift = t*a(i, j)
+        a(i, i) = a(i, i) - shift
+        a(j, j) = a(j, j) + shift
+        a(i, j) = 0
+        a(j, i) = 0
+        k = 6 - i - j
+        u = a(k, i)
+        w = a(k, j)
+        a(k, i) = u - s*(w + tau*u)
+        a(k, j) = w + s*(u - tau*w)
+        a(i, k) = a(k, i)
+        a(j, k) = a(k, j)
         do k = 1, 3
-            u = a(k, i)
-            w = a(k, j)
-            a(k, i) = c*u - s*w
-            a(k, j) = s*u + c*w
-        end do
-        do k = 1, 3
-            u = a(i, k)
-            w = a(j, k)
-            a(i, k) = c*u - s*w
-            a(j, k) = s*u + c*w
             u = q(k, i)
             w = q(k, j)
-            q(k, i) = c*u - s*w
-            q(k, j) = s*u + c*w
+            q(k, i) = u - s*(w + tau*u)
+            q(k, j) = w + s*(u - tau*w)
         end do
     end subroutine rotate_away
 end module brz_eigen

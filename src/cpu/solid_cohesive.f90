@@ -4,7 +4,7 @@
 !> A point that is broken keeps pressing until none of the particles that it sees is held by its
 !> interface any more: these then meet by contact.
 module brz_solid_cohesive
-    use brz_cohesive_law, only: separate
+    use brz_cohesive_law, only: has_damage, has_held, has_spent, load_point
     use brz_cohesive_points, only: mirror_signs
     use brz_cohesive_state, only: cohesive_t
     use brz_kinds, only: dp, int32
@@ -73,63 +73,41 @@ contains
     subroutine open_point(solid, p)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: p
-        real(dp) :: open (3), t(3, 2), normal(3), traction(3), held, spent
+        real(dp) :: seen(3, 3), state(3)
 
         associate (glue => solid%cohesive)
-            glue%pull(:, :, p) = 0
             if (is_released(solid, p)) then ! what it held in pressure is gone for the contact
+                glue%pull(:, :, p) = 0
                 glue%spent(p) = glue%spent(p) + glue%held(p)
                 glue%held(p) = 0
                 return
             end if
-            call look(solid, p, open, t)
-            normal = [t(2, 1)*t(3, 2) - t(3, 1)*t(2, 2), t(3, 1)*t(1, 2) - t(1, 1)*t(3, 2), &
-                      t(1, 1)*t(2, 2) - t(2, 1)*t(1, 2)]
-            normal = normal/max(norm2(normal), tiny(1.0_dp))
-            open = open - glue%gap(p)*normal
-            spent = 0
-            call separate(glue%law(glue%of(p)), open, normal, glue%damage(p), spent, traction, held)
-            glue%spent(p) = glue%spent(p) + glue%area(p)*spent
-            glue%held(p) = glue%area(p)*held
-            glue%pull(:, 1, p) = -glue%area(p)*traction
-            if (abs(glue%gap(p)) > 0) call turn(glue%gap(p)*glue%area(p), t, traction, normal, &
-                                                glue%pull(:, :, p))
+            call look(solid, p, seen)
+            state = [glue%damage(p), glue%spent(p), glue%held(p)]
+            call load_point(glue%law(glue%of(p)), glue%area(p), glue%gap(p), seen, state, &
+                            glue%pull(:, :, p))
+            glue%damage(p) = state(has_damage)
+            glue%spent(p) = state(has_spent)
+            glue%held(p) = state(has_held)
         end associate
     end subroutine open_point
 
-    !> Forces by which an opening across a gap turns its sides: the normal turns with the tangents.
-    pure subroutine turn(arm, t, traction, normal, pull)
-        real(dp), intent(in) :: arm !! gap times area [m3]
-        real(dp), intent(in) :: t(3, 2), traction(3), normal(3)
-        real(dp), intent(inout) :: pull(3, 3)
-        real(dp) :: g11, g12, g22, p1, p2, det
-
-        g11 = dot_product(t(:, 1), t(:, 1))
-        g12 = dot_product(t(:, 1), t(:, 2))
-        g22 = dot_product(t(:, 2), t(:, 2))
-        det = max(g11*g22 - g12*g12, tiny(1.0_dp))
-        p1 = dot_product(traction, t(:, 1))
-        p2 = dot_product(traction, t(:, 2))
-        pull(:, 2) = -arm*(g22*p1 - g12*p2)/det*normal
-        pull(:, 3) = -arm*(g11*p2 - g12*p1)/det*normal
-    end subroutine turn
-
     !> What a point sees: the far side from the near one, and the tangents.
-    pure subroutine look(solid, p, open, t)
+    pure subroutine look(solid, p, seen)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: p
-        real(dp), intent(out) :: open (3), t(3, 2)
+        real(dp), intent(out) :: seen(3, 3)
         real(dp) :: x(3)
-        integer :: e
+        integer :: c, e
 
         associate (glue => solid%cohesive)
-            open = 0
-            t = glue%rest(:, :, p)
+            seen(:, 1) = 0
+            seen(:, 2:3) = glue%rest(:, :, p)
             do e = glue%first(p), glue%first(p + 1) - 1
                 x = mirror_signs(int(glue%mask(e)))*solid%x(:, glue%place(glue%node(e)))
-                open = open + glue%weight(1, e)*x
-                t(:, 1) = t(:, 1) + glue%weight(2, e)*x
-                t(:, 2) = t(:, 2) + glue%weight(3, e)*x
+                do c = 1, 3
+                    seen(:, c) = seen(:, c) + glue%weight(c, e)*x
+                end do
             end do
         end associate
     end subroutine look

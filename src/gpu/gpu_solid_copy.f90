@@ -5,9 +5,10 @@ module brz_gpu_solid_copy
         free_buffer, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_bodies, only: open_gpu_bodies
+    use brz_gpu_solid_cohesive, only: fetch_gpu_points, open_gpu_cohesive
     use brz_gpu_solid_layout, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, &
-        at_mu, at_stress, at_wave, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_ply, &
-        tag_support
+        at_mu, at_stress, at_wave, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_joined, &
+        tag_ply, tag_support
     use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, open_gpu_solid_memory, part_of
@@ -39,6 +40,7 @@ contains
         call put_rows(solid, gpu, err)
         call put_columns(solid, gpu, err)
         call open_gpu_links(device, solid, gpu, err)
+        call open_gpu_cohesive(device, solid%cohesive, gpu, err)
         call build_gpu_lists(gpu, solid, .false., err)
         call build_gpu_links(gpu, solid, err)
     end subroutine open_gpu_solid
@@ -111,6 +113,7 @@ contains
         if (.not. gpu%linked) return
         call put(gpu%touch, real(solid%links%touch, rk))
         call put_tag(tag_bond, int(solid%links%bond, int32))
+        if (allocated(solid%links%joined)) call put_tag(tag_joined, solid%links%joined)
 
     contains
 
@@ -189,6 +192,7 @@ contains
         if (gpu%fetched .or. failed(err)) return
         call fetch_rows(gpu, solid, err)
         call fetch_columns(gpu, solid, err)
+        call fetch_gpu_points(gpu, .true., solid%cohesive, err)
         gpu%fetched = .not. failed(err)
     end subroutine fetch_solid
 
@@ -271,6 +275,7 @@ contains
         solid%links%touch = real(x, real32)
         call fetch_tag(gpu, tag_bond, marks, err)
         solid%links%bond = int(marks, int8)
+        if (allocated(solid%links%joined)) call fetch_tag(gpu, tag_joined, solid%links%joined, err)
 
     contains
 

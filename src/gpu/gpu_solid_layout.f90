@@ -18,7 +18,7 @@ module brz_gpu_solid_layout
     public :: body_gpu_t, grid_gpu_t, link_gpu_t
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
     public :: tag_id, tag_ply, tag_support, tag_fixed, tag_cut, tag_fault, &
-              tag_bond, n_tag
+              tag_bond, tag_joined, n_tag
     public :: book_viscous, book_friction, book_hold, book_ahead, book_plastic, book_damage, &
               book_clamped, &
               book_force, book_contact, book_contact_heat, book_rub, book_load, n_book, n_total
@@ -38,7 +38,8 @@ module brz_gpu_solid_layout
     integer, parameter :: tag_id = 1, tag_ply = 2, tag_support = 3, tag_fixed = 4, tag_cut = 5
     integer, parameter :: tag_fault = 6 !! 1: an impossible state was seen here
     integer, parameter :: tag_bond = 7 !! bond_none, ...
-    integer, parameter :: n_tag = 7
+    integer, parameter :: tag_joined = 8 !! cohesive interfaces that still hold it, a bit each
+    integer, parameter :: n_tag = 8
 
     ! columns of `book`, since the GPU took over [J, N s]; the place of a particle, not the
     ! particle, keeps them

@@ -6,6 +6,7 @@ module brz_gpu_solid_links
         find_kernel, free_buffer, kernel_t, launch
     use brz_errors, only: error_t
     use brz_gpu_scan, only: running_sum
+    use brz_gpu_solid_cohesive, only: gather_gpu_points, open_gpu_points
     use brz_gpu_solid_layout, only: link_gpu_t, n_terms, slice_width
     use brz_gpu_solid_search, only: order_body
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, part_of
@@ -150,7 +151,8 @@ contains
         end associate
     end subroutine add_bond_moments
 
-    !> Between the passes: bonds break, then all forces between bodies go into `extra`.
+    !> Between the passes: bonds break, interfaces open, then all forces between bodies go into
+    !> `extra`.
     subroutine contact_pass(gpu, dt, err)
         type(gpu_solid_t), intent(in) :: gpu
         real(dp), intent(in) :: dt !! step just made [s]
@@ -158,9 +160,11 @@ contains
 
         if (.not. gpu%linked) return
         if (gpu%bonded .and. dt > 0) call break_bonds(gpu, err)
+        call open_gpu_points(gpu, err)
         call find_pressures(gpu, err)
         call push_bodies(gpu, real(dt, rk), err)
         if (gpu%bonded) call add_bond_forces(gpu, err)
+        call gather_gpu_points(gpu, err)
     end subroutine contact_pass
 
     subroutine break_bonds(gpu, err)

@@ -44,12 +44,25 @@ module brz_gpu_solid_state
         type(kernel_t) :: search, find_press, push, moments, forces, break
     end type gpu_links_t
 
+    !> Cohesive interfaces, arrays of cohesive_t.
+    type :: gpu_cohesive_t
+        logical :: present = .false.
+        logical :: fetched = .true. !! the host has the state of the points
+        integer :: n = 0, nodes = 0
+        type(buffer_t) :: law, bit, of, first, area, gap, rest, weight, back_first, back, row, pull
+        type(buffer_t) :: entry !! node + mask_unit*mask
+        type(buffer_t) :: place_of !! nodes
+        type(buffer_t) :: state !! (3, n) slots of brz_cohesive_law
+        type(kernel_t) :: place, open, join, gather
+    end type gpu_cohesive_t
+
     type :: gpu_solid_t
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         logical :: stepped = .false. !! the GPU has made a step
         logical :: summed = .false. !! `sums` and the ledgers are those of the present state
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
         type(gpu_links_t) :: links
+        type(gpu_cohesive_t) :: glue
         integer :: n = 0, n_state = 0 !! particles, columns of `state`
         ! columns of `state` that not every scene has, 0: none
         integer :: touch = 0 !! kernel sum at which contact begins
@@ -152,7 +165,10 @@ contains
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
 
-        bytes = solid%n*(bytes_of_real*(4 + n_state + n_pair + 9) + 8*n_book &
+        bytes = 0
+        if (solid%cohesive%present) bytes = 36_int64*size(solid%cohesive%node) &
+            + 168_int64*solid%cohesive%n + 8_int64*solid%cohesive%nodes + 4_int64*solid%n
+        bytes = bytes + solid%n*(bytes_of_real*(4 + n_state + n_pair + 9) + 8*n_book &
                          + 4*n_tag + 3*32 + 8 + 3*4 + 8 + 4*neighbours_guess &
                          + merge(20*bytes_of_real, 0_int64, solid%links%present) &
                          + merge(24, 0, allocated(solid%hold) .or. allocated(solid%tilt)) &
@@ -216,7 +232,7 @@ contains
     !> Give the memory back.
     subroutine close_gpu_solid(gpu)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(buffer_t) :: all(35)
+        type(buffer_t) :: all(50)
         integer :: b
 
         all = [gpu%place, gpu%reference, gpu%built, gpu%motion, gpu%state, gpu%tag, gpu%book, &
@@ -224,7 +240,10 @@ contains
                gpu%extra, gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
                gpu%scan%levels, gpu%part, gpu%folded, gpu%box, gpu%links%params, gpu%links%owner, &
                gpu%links%table, gpu%links%cell, gpu%links%press, gpu%links%slice, &
-               gpu%links%count, gpu%links%list, gpu%links%met]
+               gpu%links%count, gpu%links%list, gpu%links%met, gpu%glue%law, gpu%glue%bit, &
+               gpu%glue%of, gpu%glue%first, gpu%glue%area, gpu%glue%gap, gpu%glue%rest, &
+               gpu%glue%weight, gpu%glue%back_first, gpu%glue%back, gpu%glue%row, gpu%glue%pull, &
+               gpu%glue%entry, gpu%glue%place_of, gpu%glue%state]
         do b = 1, size(all)
             call free_buffer(all(b))
         end do

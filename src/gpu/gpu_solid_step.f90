@@ -4,6 +4,7 @@ module brz_gpu_solid_step
     use brz_device, only: arguments_t, clear_buffer, copy_in, copy_out, launch
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
+    use brz_gpu_solid_cohesive, only: place_gpu_nodes
     use brz_gpu_solid_copy, only: faults_of
     use brz_gpu_solid_layout, only: book_force, flag_bad, flag_far, n_book, n_flag, n_total
     use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass
@@ -37,6 +38,7 @@ contains
         gpu%fetched = .false.
         gpu%stepped = .true.
         gpu%summed = .false.
+        gpu%glue%fetched = .false.
         if (solid%steps == 0) then
             call contact_pass(gpu, 0.0_dp, err)
             call force_pass(gpu, dt/2, err)
@@ -55,6 +57,7 @@ contains
         if (flags(flag_far) /= 0) then
             call build_gpu_lists(gpu, solid, .true., err)
             call build_gpu_links(gpu, solid, err)
+            call place_gpu_nodes(gpu, err)
             solid%rebuilds = solid%rebuilds + 1
             call wake_met(solid)
             gpu%bodies%asleep = solid%bodies%asleep
@@ -65,6 +68,7 @@ contains
         call force_pass(gpu, dt, err)
         call balance_drives(gpu, solid, dt, err)
         call fetch_limit(gpu, solid%dt_limit, err)
+        if (gpu%glue%present) solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
         call copy_out(gpu%flags, flags, 4_int64*n_flag, err)
         if (failed(err) .or. flags(flag_bad) == 0) return
         call faults_of(gpu, solid, err)

@@ -223,6 +223,7 @@ contains
         integer, intent(out) :: status
         real(rk) :: s(6), q(3, 3), de(6), trial(6), mu, mu_max, mu_old, dv, v_mid, p_old, p_eos, p
         real(rk) :: stiffest, damage, mises, yield, keep, work, plastic, strain, crushed, released
+        real(rk) :: before(2), slope !! pressure with and without cracks; its slope [Pa]
         logical :: cracks
         integer :: i
 
@@ -248,7 +249,10 @@ contains
         released = 0
         if (cracks) then
             call follow_rate(material%par, crack, dt, l, point%hist)
-            call open_cracks(material%par, crack, s, p_old, trial, p_eos, point%hist, released)
+            before(1) = p_old
+            call hjc_pressure(material%par, point%mu, mu_old, before(2), slope)
+            call open_cracks(material%par, crack, s, before, trial, p_eos, &
+                             point%hist, released)
             released = released*v_mid
         end if
         p = max(p_eos, -material%par(p_t)*(1 - damage))

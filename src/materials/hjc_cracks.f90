@@ -24,8 +24,10 @@ module brz_hjc_cracks
     integer, parameter, public :: by_malvar = 2 !! place of the word of `rate_tension`
     real(rk), parameter :: thinnest = 1e-3_rk !! least density over that of the unloaded concrete
     real(rk), parameter :: steepest = 0.55_rk !! least Gf/(l ft) over k0
-    !> What is left of an open crack: small, and enough to find the uncracked stress again.
-    real(rk), parameter :: least_left = max(1e-6_rk, 100*epsilon(1.0_rk))
+    !> What is left of the stiffness of an open crack, and of its strength: small, and enough to
+    !> find the uncracked stress again, which with s beside the crack errs by epsilon s/(faint ft)
+    !> of itself. The first rules in real64; the second leaves faint (1 - log(faint)/2) of gf.
+    real(rk), parameter :: least_left = 1e-6_rk, faint = 4*sqrt(epsilon(1.0_rk))
 
 contains
 
@@ -33,46 +35,60 @@ contains
     !>
     !> The stress that uncracked concrete would have is found back from the one at the start, moves
     !> on with the strain, and gives the stress with cracks again. (No kappa is kept: D rises with
-    !> it and never falls.)
+    !> it and never falls.) That of the cracks is large beside the stress when they are wide: it
+    !> stands by itself, so that no difference of large numbers is taken.
     !@cuf attributes(host,device) &
     pure subroutine open_cracks(par, crack, s, p_old, trial, p, hist, released)
         real(rk), intent(in) :: par(n_par)
         real(rk), intent(in) :: crack !! width of the smeared crack [m]
-        real(rk), intent(in) :: s(6), p_old !! deviator, in the axes of mid-step, and pressure at
-                                            !! the start [Pa]
+        real(rk), intent(in) :: s(6) !! deviator at the start, in the axes of mid-step [Pa]
+        real(rk), intent(in) :: p_old(2) !! pressure at the start with cracks, uncracked [Pa]
         real(rk), intent(inout) :: trial(6) !! deviator, elastic in, with cracks out [Pa]
         real(rk), intent(inout) :: p !! pressure at the end, uncracked in, with cracks out [Pa]
         real(rk), intent(inout) :: hist(n_hist)
         real(rk), intent(out) :: released !! [J/m3]
-        real(rk) :: old(6), start(6), whole(6), values(3, 3), axes(3, 3)
-        real(rk) :: damage, before, rise, kappa
+        real(rk) :: old(6), parted(6), start(6), rise(6), change(6), values(3, 3), axes(3, 3)
+        real(rk) :: damage, before, kappa, volume, shift, total
         integer :: i
 
         released = 0
         before = hist(h_tension)
         do i = 1, 6
             old(i) = s(i)
-            if (i <= 3) old(i) = s(i) - p_old
-            start(i) = old(i)
+            if (i <= 3) old(i) = s(i) - p_old(1)
+            parted(i) = 0
         end do
-        if (before > 0) call close_cracks(par, before, start)
-        rise = mean_pressure(start) - logarithmic(par, p)
+        volume = 0
+        if (before > 0) &
+            call find_open(par, before, old, logarithmic(par, p_old(2)), parted, volume)
         do i = 1, 6
-            whole(i) = trial(i) - s(i) + start(i)
-            if (i <= 3) whole(i) = whole(i) + rise
+            start(i) = old(i) + parted(i)
+            if (i <= 3) start(i) = start(i) + volume
         end do
-        call principal(whole, values, axes)
-        call carry(par, before, values)
+        shift = mean_pressure(start) - logarithmic(par, p)
+        do i = 1, 6
+            rise(i) = trial(i) - s(i)
+            if (i <= 3) rise(i) = rise(i) + shift
+            change(i) = old(i) + rise(i)
+            parted(i) = parted(i) + change(i)
+        end do
+        total = -3*mean_pressure(change)
+        call principal(parted, values, axes)
+        call carry(par, before, total, values)
         kappa = max(values(1, 1), values(2, 2), values(3, 3))/((1 - before)*par(p_young))
         damage = max(before, crack_damage(par, crack, kappa, hist(h_rate)))
         if (.not. damage > 0) return
         if (damage > before) then
-            call principal(whole, values, axes)
-            call carry(par, damage, values)
+            call principal(parted, values, axes)
+            call carry(par, damage, total, values)
         end if
         call compose(values, axes, trial)
-        if (damage > before) released = max(0.0_rk, elastic(par, old, whole) &
-                                            - elastic(par, trial, start))
+        if (damage > before) then
+            do i = 1, 6
+                change(i) = trial(i) - old(i)
+            end do
+            released = max(0.0_rk, elastic(par, old, rise) - elastic(par, change, start))
+        end if
         hist(h_tension) = damage
         p = mean_pressure(trial)
         do i = 1, 3
@@ -91,35 +107,50 @@ contains
         if (p < 0) pressure = par(p_k_el)*log(max(1 + p/par(p_k_el), thinnest))
     end function logarithmic
 
-    !> The stress that uncracked concrete would have at the same strain.
+    !> What the strain of open cracks adds to the stress that uncracked concrete would have.
+    !>
+    !> It errs by rounding, step after step. The volume does not: what of the difference can be
+    !> rounding is the crack's, not a strain of the concrete beside it.
     !@cuf attributes(host,device) &
-    pure subroutine close_cracks(par, damage, stress)
+    pure subroutine find_open(par, damage, stress, pressure, parted, volume)
         real(rk), intent(in) :: par(n_par), damage
-        real(rk), intent(inout) :: stress(6) !! xx, yy, zz, xy, yz, xz [Pa]
-        real(rk) :: values(3, 3), axes(3, 3), opened(6), nu, volume
+        real(rk), intent(in) :: stress(6) !! xx, yy, zz, xy, yz, xz [Pa]
+        real(rk), intent(in) :: pressure !! of uncracked concrete of the same volume [Pa]
+        real(rk), intent(out) :: parted(6) !! by shear stiffness, along the axes of the cracks [Pa]
+        real(rk), intent(out) :: volume !! on every axis, for their trace [Pa]
+        real(rk), parameter :: rounding = 4*epsilon(1.0_rk) !! of an opening in a step
+        real(rk) :: values(3, 3), axes(3, 3), nu, total, rest
         integer :: i
 
-        call principal(stress, values, axes)
+        call to_matrix(stress, values)
+        call diagonalise(values, axes)
         nu = par(p_young)/(2*par(p_shear)) - 1
+        total = 0
         do i = 1, 3
             values(i, i) = damage/(1 - damage)/(1 + nu)*max(values(i, i), 0.0_rk)
+            total = total + values(i, i)
         end do
-        call compose(values, axes, opened)
-        volume = nu/(1 - 2*nu)*(values(1, 1) + values(2, 2) + values(3, 3))
+        call compose(values, axes, parted)
+        volume = nu/(1 - 2*nu)*total
+        rest = 3*(mean_pressure(stress) - pressure)*(1 - 2*nu)/(1 + nu) - total
+        rest = 1 + min(max(rest, -rounding*total), rounding*total)/max(total, tiny(1.0_rk))
         do i = 1, 6
-            stress(i) = stress(i) + opened(i)
-            if (i <= 3) stress(i) = stress(i) + volume
+            parted(i) = rest*parted(i)
         end do
-    end subroutine close_cracks
+        volume = rest*volume
+    end subroutine find_open
 
     !> Principal stresses with cracks from those without, at the same strain.
     !>
     !> With S the sum of the stresses and w the uncracked ones, sigma_i (1/f_i + nu) = (1 + nu) w_i
     !> + nu (S - W): linear in S once it is known which f_i are 1 - D and which are 1. That depends
     !> on the sign of the left side; the line is that of a convex energy, so few passes find it.
+    !> The part of the uncracked stress that is the same on every axis for the volume of the cracks
+    !> may be left out of w: W is then the sum less that of the part left out.
     !@cuf attributes(host,device) &
-    pure subroutine carry(par, damage, values)
+    pure subroutine carry(par, damage, trace, values)
         real(rk), intent(in) :: par(n_par), damage
+        real(rk), intent(in) :: trace !! W [Pa]
         real(rk), intent(inout) :: values(3, 3) !! principal stresses on the diagonal [Pa]
         real(rk) :: nu, open, total, rest, slope, share
         integer :: i, pass
@@ -130,7 +161,7 @@ contains
         open = (1 - damage)/(1 + nu*(1 - damage))
         total = 0 ! S - W
         do pass = 1, passes
-            rest = -(values(1, 1) + values(2, 2) + values(3, 3))
+            rest = -trace
             slope = 1
             do i = 1, 3
                 share = merge(open, 1/(1 + nu), (1 + nu)*values(i, i) + nu*total > 0)
@@ -200,7 +231,7 @@ contains
         real(rk), intent(in) :: par(n_par)
         real(rk), intent(in) :: crack !! width of the smeared crack [m]
         real(rk), intent(in) :: kappa, rate !! equivalent strain; rate at which it cracked [1/s]
-        real(rk) :: damage, ft, k0, ks, spent
+        real(rk) :: damage, ft, k0, ks, spent, least
 
         ft = par(p_ft)
         if (int(par(p_crack_rate)) == by_malvar) ft = ft*rate_factor(par(p_fc), rate)
@@ -209,7 +240,9 @@ contains
         k0 = ft/par(p_young)
         ks = spent/ft - k0/2
         damage = 0
-        if (kappa > k0) damage = min(1 - least_left, 1 - k0/kappa*exp(-(kappa - k0)/ks))
+        if (.not. kappa > k0) return
+        least = max(least_left, faint*k0/(k0 - ks*log(faint)))
+        damage = 1 - max(least, k0/kappa*exp(-(kappa - k0)/ks))
     end function crack_damage
 
     !> Strength at a rate over that at 1e-6 1/s, after Malvar and Ross.

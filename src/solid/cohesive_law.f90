@@ -13,9 +13,12 @@ module brz_cohesive_law
     use brz_kinds, only: dp
     implicit none
     private
-    public :: cohesive_law_t, separate, mode_of, mixed_bk, mixed_power
+    public :: cohesive_law_t, load_point, separate, mode_of, mixed_bk, mixed_power
+    public :: has_damage, has_spent, has_held
 
     integer, parameter :: mixed_bk = 1, mixed_power = 2
+    ! the state of a point: damage 0..1, energy of the damage so far, energy that comes back [J]
+    integer, parameter :: has_damage = 1, has_spent = 2, has_held = 3
 
     !> The numbers of an interface.
     type :: cohesive_law_t
@@ -46,6 +49,66 @@ contains
         first = 1/(law%stiffness*sqrt(open/law%strength(1)**2 + share/law%strength(2)**2))
         last = max(2*energy/(law%stiffness*first), (1 + 1e-9_dp)*first)
     end subroutine mode_of
+
+    !> State and forces of a point, from what it sees of the particles.
+    !@cuf attributes(host,device) &
+    pure subroutine load_point(law, area, gap, seen, state, pull)
+        type(cohesive_law_t), intent(in) :: law
+        real(dp), intent(in) :: area !! [m2]
+        real(dp), intent(in) :: gap !! unloaded distance of what is seen of both sides [m]
+        real(dp), intent(in) :: seen(3, 3) !! the far side from the near one [m]; two tangents
+        real(dp), intent(inout) :: state(3) !! slots has_damage, ...
+        real(dp), intent(out) :: pull(3, 3) !! by unit weight; 1: [N], 2, 3: [N m]
+        real(dp) :: opening(3), normal(3), traction(3), held, size, spent
+        integer :: c
+
+        normal(1) = seen(2, 2)*seen(3, 3) - seen(3, 2)*seen(2, 3)
+        normal(2) = seen(3, 2)*seen(1, 3) - seen(1, 2)*seen(3, 3)
+        normal(3) = seen(1, 2)*seen(2, 3) - seen(2, 2)*seen(1, 3)
+        size = sqrt(normal(1)*normal(1) + normal(2)*normal(2) + normal(3)*normal(3))
+        do c = 1, 3
+            normal(c) = normal(c)/max(size, tiny(1.0_dp))
+            opening(c) = seen(c, 1) - gap*normal(c)
+        end do
+        spent = 0
+        call separate(law, opening, normal, state(has_damage), spent, traction, held)
+        state(has_spent) = state(has_spent) + area*spent
+        state(has_held) = area*held
+        do c = 1, 3
+            pull(c, 1) = -area*traction(c)
+            pull(c, 2) = 0
+            pull(c, 3) = 0
+        end do
+        if (abs(gap) > 0) call turn(gap*area, seen, traction, normal, pull)
+    end subroutine load_point
+
+    !> Forces by which an opening across a gap turns its sides: the normal turns with the tangents.
+    !@cuf attributes(host,device) &
+    pure subroutine turn(arm, seen, traction, normal, pull)
+        real(dp), intent(in) :: arm !! gap times area [m3]
+        real(dp), intent(in) :: seen(3, 3), traction(3), normal(3)
+        real(dp), intent(inout) :: pull(3, 3)
+        real(dp) :: g11, g12, g22, p1, p2, det
+        integer :: c
+
+        g11 = 0
+        g12 = 0
+        g22 = 0
+        p1 = 0
+        p2 = 0
+        do c = 1, 3
+            g11 = g11 + seen(c, 2)*seen(c, 2)
+            g12 = g12 + seen(c, 2)*seen(c, 3)
+            g22 = g22 + seen(c, 3)*seen(c, 3)
+            p1 = p1 + traction(c)*seen(c, 2)
+            p2 = p2 + traction(c)*seen(c, 3)
+        end do
+        det = max(g11*g22 - g12*g12, tiny(1.0_dp))
+        do c = 1, 3
+            pull(c, 2) = -arm*(g22*p1 - g12*p2)/det*normal(c)
+            pull(c, 3) = -arm*(g11*p2 - g12*p1)/det*normal(c)
+        end do
+    end subroutine turn
 
     !> Traction of an opening, and what the interface holds and has spent.
     !@cuf attributes(host,device) &

@@ -13,6 +13,7 @@ module brz_backend_fetch
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
     use brz_gpu_air_walls, only: fetch_map
     use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, gpu_ledger_totals
+    use brz_gpu_solid_cohesive, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_before, fetch_particles, fetch_solid
     use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
     use brz_kinds, only: dp
@@ -74,11 +75,12 @@ contains
 
     !> Bring what cohesive interfaces hold and have spent up to date on the host.
     subroutine stock_of_interfaces(backend, solid, err)
-        type(backend_t), intent(in) :: backend
+        type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
-        if (.not. (backend%bodies_on_gpu .and. solid%cohesive%present) .or. failed(err)) return
+        if (backend%bodies_on_gpu) &
+            call fetch_gpu_points(backend%solid, .false., solid%cohesive, err)
     end subroutine stock_of_interfaces
 
     !> Bring the whole state to the host, for a dump or a checkpoint.

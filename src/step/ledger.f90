@@ -304,6 +304,7 @@ contains
                 [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, t%damage, &
                  solid%bodies(b)%ledger%load, solid%bodies(b)%reaction]
         end do
+        call stock_of_interfaces(backend, solid, err)
         do b = 1, interfaces_of(solid)
             call cohesive_totals(solid%cohesive, b, sums(1), sums(2), sums(3), sums(4))
             first = 1 + n_body*size(solid%bodies) + n_interface*(b - 1)

@@ -31,6 +31,7 @@ module brz_stress_control
         real(rk) :: rate = 0 !! along the axis [1/s]
         real(rk) :: stress(most) = 0 !! wanted at the end of the step; that of the axis is free [Pa]
         real(rk) :: dt = 0, crack = 0 !! step [s], width of a crack [m]
+        real(rk) :: whole = 0 !! step of which this is a part: its strain says what rounding is [s]
         integer :: n = 0 !! rates that are solved for
         integer :: free(most) = 0 !! which they are
     end type stress_control_t
@@ -58,6 +59,7 @@ contains
         do
             part = control
             part%dt = control%dt/parts
+            part%whole = control%dt
             call list_free(part)
             moved = point
             now = rates
@@ -89,9 +91,9 @@ contains
         real(rk) :: x(most), tried(most), l(3, 3), none
         integer :: i
 
-        none = max(small, 30*epsilon(1.0_rk))*max(maxval(abs(point%stress)), &
+        none = max(small, 100*epsilon(1.0_rk))*max(maxval(abs(point%stress)), &
             maxval(abs(control%stress)), &
-            (material%bulk + material%shear)*abs(control%rate)*control%dt)
+            (material%bulk + material%shear)*abs(control%rate)*control%whole)
         x = 0
         x(:control%n) = rates(control%free(:control%n))
         if (control%axis > 0 .and. maxval(abs(x)) > 2*abs(control%rate)) then

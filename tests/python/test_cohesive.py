@@ -8,6 +8,8 @@ import h5py
 import numpy as np
 import pytest
 from notes import note
+from test_gpu import run as on_gpu
+from test_gpu import stamp
 
 BRISANCE = Path(__file__).parents[2] / "bin" / "brisance"
 
@@ -179,3 +181,70 @@ def test_refused(tmp_path, change, told):
 def test_a_coarse_zone_is_told(tmp_path):
     done = run(tmp_path, PEEL.replace("gi=30", "gi=1"), "--check")
     assert "the cohesive zone between 'a' and 'b' is 1" in done.stderr
+
+
+GPU = """\
+&run t_end=2.2e-5, symmetry='y' /
+&material id='m', model='linear_elastic', density=7800, youngs_modulus=200e9, poisson_ratio=0.3 /
+&body id='a', box=0,0.006, 0,0.003, 0,0.004, spacing=0.001, material='m' /
+&body id='b', box=0,0.006, 0,0.003, 0.004,0.007, spacing=0.001, material='m', spin=0,3e4,0 /
+&interaction bodies='a','b', law='cohesive', tensile_strength=3e8, shear_strength=4e8,
+  gi=2e4, gii=3e4, friction=0.2 /
+&output history_every=5e-7, dump_every=1.1e-5, checkpoint_every=2e-6 /
+"""
+
+
+def numbers(folder, out):
+    return {
+        name: np.genfromtxt(folder / out / f"{name}.csv", delimiter=",", skip_header=1)
+        for name in ("energy", "bodies")
+    }
+
+
+def same(first, second):
+    for name, a in first.items():
+        scale = np.abs(a).max(axis=0)
+        assert np.all(np.abs(a - second[name]) <= 1e-8 * scale + 1e-9), name
+
+
+def test_interfaces_on_the_gpu(tmp_path):
+    """What breaks there is what breaks on the CPU; checkpoints go to and fro; the same bits."""
+    (tmp_path / "g.nml").write_text(GPU)
+    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n", encoding="utf-8")
+    for backend in ("cpu", "gpu"):
+        done = on_gpu(tmp_path, "g.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+        assert ("the bodies run on Emulated" in done.stderr) == (backend == "gpu")
+        assert "m2 broken" in done.stdout
+    cpu, gpu = numbers(tmp_path, "cpu"), numbers(tmp_path, "gpu")
+    same(cpu, gpu)
+    energy = table(tmp_path, "energy", "gpu")
+    bodies = table(tmp_path, "bodies", "gpu")
+    broken = bodies["a+b:broken[m2]"][-1] / 1.8e-5
+    assert 0.1 < broken < 0.9, broken
+    assert energy["bond_heat[J]"][-1] > 0.1
+    assert energy["bond_heat[J]"][-1] == bodies["a+b:bond_heat[J]"][-1]
+    with (
+        h5py.File(tmp_path / "cpu/solid_00002.vtkhdf") as a,
+        h5py.File(tmp_path / "gpu/solid_00002.vtkhdf") as b,
+    ):
+        for name in (
+            "PointData/bond_damage",
+            "FieldData/interface_damage",
+            "FieldData/interface_at",
+        ):
+            x, y = a[f"VTKHDF/{name}"][:], b[f"VTKHDF/{name}"][:]
+            assert np.abs(x - y).max() <= 1e-6 * np.abs(x).max()
+    steps = ("--set", "run.max_steps=60"), ("--set", "run.max_steps=150"), ()
+    for k, backend in enumerate(("cpu", "gpu", "cpu")):
+        restart = () if k == 0 else ("--restart", "latest")
+        done = on_gpu(tmp_path, "g.nml", "--backend", backend, *steps[k], "--out", "p", *restart)
+        assert done.returncode == 0, done.stderr
+    same(cpu, numbers(tmp_path, "p"))
+    for k in range(2):
+        restart = () if k == 0 else ("--restart", "latest")
+        more = steps[0] if k == 0 else ()
+        done = on_gpu(tmp_path, "g.nml", "--backend", "gpu", *more, "--out", "q", *restart)
+        assert done.returncode == 0, done.stderr
+    interface = numbers(tmp_path, "q")["bodies"][:, -3:]
+    assert (interface == gpu["bodies"][:, -3:]).all()
