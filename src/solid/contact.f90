@@ -14,6 +14,7 @@ module brz_contact
     public :: spring_share, crossing_share
     public :: meeting_t, law_none, law_contact, law_bonded, law_cohesive
     public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort, in_core
+    public :: spring_loss, core_loss, surface_velocity, add_moment
 
     integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2, &
                           law_cohesive = 3
@@ -37,6 +38,7 @@ module brz_contact
         logical :: shared !! pressures of the two bodies are shared
         integer :: formulation !! common to both bodies, 0: they differ
         logical :: directional !! both have a hourglass stiffness along axes
+        real(rk) :: arm(2) !! share of x_ij from each to the common surface; 0: it does not turn
         real(rk) :: normal(3, 2) !! of the layers of the first and of the second, 0: no tilts
         real(rk) :: tensile, shear !! strengths of a bond [Pa]
         logical :: quadratic !! both strengths act together
@@ -82,6 +84,41 @@ contains
         u = w*pressure + m%core*gap/(hard_core*m%spacing)/max(distance, 1e-6_rk*m%spacing)
     end subroutine contact_push
 
+    !> What a spring of contact took from the motion over a step and does not hold, per volume: heat,
+    !> or where the step gave more than it took, less of it.
+    !>
+    !> The leapfrog's work over a step is that of the mean of the forces at both ends.
+    !@cuf attributes(host,device) &
+    pure function spring_loss(p, stiffness, ds, p0, stiffness0, ds0) result(loss)
+        real(rk), intent(in) :: p, stiffness !! pressure and stiffness now [Pa]
+        real(rk), intent(in) :: ds !! growth of the kernel sum over the step at the present rate
+        real(rk), intent(in) :: p0, stiffness0, ds0 !! the same a step before
+        real(rk) :: loss !! [J/m3]
+
+        loss = (p*ds + p0*ds0)/2
+        if (p > 0) loss = loss - p*p/(2*stiffness)
+        if (p0 > 0) loss = loss + p0*p0/(2*stiffness0)
+    end function spring_loss
+
+    !> The same of the hard core of a pair [J].
+    !@cuf attributes(host,device) &
+    pure function core_loss(m, dt, r, dv) result(loss)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: dt !! step just made [s]
+        real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
+        real(rk) :: loss
+        real(rk) :: u, u0, energy, energy0, past(3)
+
+        past(1) = r(1) - dt*dv(1)
+        past(2) = r(2) - dt*dv(2)
+        past(3) = r(3) - dt*dv(3)
+        call contact_push(m, 0.0_rk, 0.0_rk, sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)), u, energy)
+        call contact_push(m, 0.0_rk, 0.0_rk, &
+                          sqrt(past(1)*past(1) + past(2)*past(2) + past(3)*past(3)), u0, energy0)
+        loss = -dt/2*(u*(r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)) &
+                      + u0*(past(1)*dv(1) + past(2)*dv(2) + past(3)*dv(3))) - (energy - energy0)
+    end function core_loss
+
     !> True for a pair that is so close that its hard core acts.
     !@cuf attributes(host,device) &
     pure function in_core(m, distance) result(inside)
@@ -91,6 +128,34 @@ contains
 
         inside = distance < hard_core*m%spacing
     end function in_core
+
+    !> Velocity of the surface of i past that of j. Particles of rigid bodies turn with them; so
+    !> drag acts where the surfaces meet, and its arm is that of the surface.
+    !@cuf attributes(host,device) &
+    pure subroutine surface_velocity(m, r, dv, spin_i, spin_j, v)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
+        real(rk), intent(in) :: spin_i(3), spin_j(3) !! of their bodies [1/s]
+        real(rk), intent(out) :: v(3) !! [m/s]
+        real(rk) :: w(3)
+
+        w = m%arm(1)*spin_i + m%arm(2)*spin_j
+        v(1) = dv(1) - (w(2)*r(3) - w(3)*r(2))
+        v(2) = dv(2) - (w(3)*r(1) - w(1)*r(3))
+        v(3) = dv(3) - (w(1)*r(2) - w(2)*r(1))
+    end subroutine surface_velocity
+
+    !> Moment about particle i of a force that acts at the common surface.
+    !@cuf attributes(host,device) &
+    pure subroutine add_moment(m, r, f, moment)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: r(3), f(3) !! x_ij [m], force on i [N]
+        real(rk), intent(inout) :: moment(3) !! [N m]
+
+        moment(1) = moment(1) - m%arm(1)*(r(2)*f(3) - r(3)*f(2))
+        moment(2) = moment(2) - m%arm(1)*(r(3)*f(1) - r(1)*f(3))
+        moment(3) = moment(3) - m%arm(1)*(r(1)*f(2) - r(2)*f(1))
+    end subroutine add_moment
 
     !> Damping on approach, and Coulomb's friction, of a pair that is pressed together.
     !>
