@@ -3,10 +3,11 @@
 !>
 !> Forces are equal and opposite pair by pair and do not depend on the number of threads.
 module brz_solid_contact
-    use brz_contact, only: add_moment, contact_drag, contact_normal, contact_push, crossing_share, &
-                           core_loss, drag_stiffness, in_core, meeting_t, &
-                           spring_loss, spring_share, surface_velocity
-    use brz_kernel, only: kernel_slope, kernel_value
+    use brz_contact, only: add_link, add_moment, contact_drag, contact_normal, contact_push, &
+                           core_loss, crossing_share, drag_stiffness, in_core, link_normal, &
+                           link_pressure, link_stiffness, link_sum, mean_stiffness, meeting_t, &
+                           n_link, spring_loss, spring_share, surface_velocity
+    use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int64, real32, rk
     use brz_pair_force, only: viscous_force
     use brz_solid_links, only: first_link, is_joined, last_link, link_body
@@ -15,14 +16,6 @@ module brz_solid_contact
     implicit none
     private
     public :: contact_pass, find_touch, is_pressed
-
-    !> Kernel sum over other bodies.
-    type :: sum_t
-        real(rk) :: s = 0 !! 1 at a flat surface one spacing away
-        real(rk) :: stiffness = 0 !! mean of the partners [Pa]
-        real(rk) :: normal(3) = 0 !! sum of V F x_ij/touch [1/m]
-        real(rk) :: rate = 0 !! of s [1/s]
-    end type sum_t
 
     !> What the links of one particle add up to.
     type :: sums_t
@@ -94,13 +87,13 @@ contains
     !> bar within concrete, contact begins there.
     subroutine find_touch(solid)
         type(solid_t), intent(inout) :: solid
-        type(sum_t) :: now, before
+        real(rk) :: now(n_link), before(n_link)
         integer :: i
 
         do i = 1, solid%n
             call kernel_sum(solid, i, .true., 0.0_rk, now, before)
             solid%links%touch(i) = max(solid%links%touch(i), &
-                                       nearest(real(now%s, real32), 1.0_real32))
+                                       nearest(real(now(link_sum), real32), 1.0_real32))
         end do
     end subroutine find_touch
 
@@ -120,19 +113,15 @@ contains
         real(rk), intent(in) :: dt !! [s]
         real(rk), intent(out) :: p(5) !! as links%press
         real(rk), intent(out) :: lost !! [J]
-        type(sum_t) :: now, before
-        real(rk) :: past
+        real(rk) :: now(n_link), before(n_link)
 
         call kernel_sum(solid, i, .false., dt, now, before)
-        p(1) = now%stiffness*max(now%s - solid%links%touch(i), 0.0_rk)
-        p(2:4) = now%normal
-        p(5) = now%stiffness
-        past = before%stiffness*max(before%s - solid%links%touch(i), 0.0_rk)
+        p(1) = link_pressure(now, real(solid%links%touch(i), rk))
+        p(2:4) = now(link_normal + 1:link_normal + 3)
+        p(5) = now(link_stiffness)
         lost = 0
-        if (dt > 0 .and. (p(1) > 0 .or. past > 0)) &
-            lost = cell_of(solid, link_body(solid%links, i), i) &
-                   *spring_loss(p(1), now%stiffness, dt*now%rate, past, before%stiffness, &
-                                dt*before%rate)
+        if (dt > 0) lost = cell_of(solid, link_body(solid%links, i), i) &
+            *spring_loss(real(solid%links%touch(i), rk), dt, now, before)
     end subroutine press
 
     !> True where contact at the present positions pushes particle i.
@@ -167,11 +156,13 @@ contains
         integer, intent(in) :: i
         logical, intent(in) :: all !! bonded partners as well
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
-        type(sum_t), intent(out) :: now, before
+        real(rk), intent(out) :: now(n_link), before(n_link) !! see brz_contact
         real(rk) :: s(3), r(3), dv(3), v
         integer :: a, b, j
         integer(int64) :: k
 
+        now = 0
+        before = 0
         a = link_body(solid%links, i)
         do k = first_link(solid%links, i), last_link(solid%links, i)
             j = solid%links%list(k)
@@ -184,29 +175,13 @@ contains
             dv = solid%v(:, i) - s*solid%v(:, j)
             associate (m => solid%links%table(a, b))
                 v = cell_of(solid, b, j)/real(solid%depth, rk)/m%touch
-                call add_neighbour(m, v, r, dv, now)
-                if (dt > 0) call add_neighbour(m, v, r - dt*dv, dv, before)
+                call add_link(m, v, r, dv, now)
+                if (dt > 0) call add_link(m, v, r - dt*dv, dv, before)
             end associate
         end do
-        if (now%s > 0) now%stiffness = now%stiffness/now%s
-        if (before%s > 0) before%stiffness = before%stiffness/before%s
+        call mean_stiffness(now)
+        call mean_stiffness(before)
     end subroutine kernel_sum
-
-    pure subroutine add_neighbour(m, v, r, dv, total)
-        type(meeting_t), intent(in) :: m
-        real(rk), intent(in) :: v !! volume of its cell over `touch`
-        real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
-        type(sum_t), intent(inout) :: total
-        real(rk) :: distance, slope, w
-
-        distance = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
-        slope = kernel_slope(m%scale, m%half_over_h, distance)
-        w = v*kernel_value(slope, m%h, distance)
-        total%s = total%s + w
-        total%stiffness = total%stiffness + w*m%stiffness
-        total%normal = total%normal + v*slope*r
-        total%rate = total%rate - v*slope*(r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3))
-    end subroutine add_neighbour
 
     !> Force on particle i, its share of the energies, and what time step it bears.
     subroutine add_up(solid, dt, i, sums, limit)

@@ -113,6 +113,7 @@ module brz_gpu_solid_layout
     type :: link_gpu_t
         integer :: bodies
         integer :: touch !! column of `state` with the kernel sum at which contact begins
+        integer :: weight !! column of `state` with the weight of a cell in sums of contact
         integer :: holds !! 1: some body has the hold
         real(rk) :: depth !! of directions that are not modelled [m or m2]
     end type link_gpu_t

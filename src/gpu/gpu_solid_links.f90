@@ -37,6 +37,7 @@ contains
             call put(size(solid%links%cell)*bytes_of_real, solid%links%cell, links%cell)
             params%bodies = size(solid%bodies)
             params%touch = gpu%touch
+            params%weight = gpu%weight
             params%holds = merge(1, 0, gpu%owed > 0)
             params%depth = real(solid%depth, rk)
             call allocate_buffer(links%params, int(storage_size(params)/8, int64), err)
@@ -158,7 +159,7 @@ contains
 
         if (.not. gpu%linked) return
         if (gpu%bonded .and. dt > 0) call break_bonds(gpu, err)
-        call find_pressures(gpu, err)
+        call find_pressures(gpu, real(dt, rk), err)
         call push_bodies(gpu, real(dt, rk), err)
         if (gpu%bonded) call add_bond_forces(gpu, err)
     end subroutine contact_pass
@@ -194,16 +195,18 @@ contains
                             gpu%reference, gpu%motion, gpu%row])
     end subroutine begin_bonds
 
-    subroutine find_pressures(gpu, err)
+    subroutine find_pressures(gpu, dt, err)
         type(gpu_solid_t), intent(in) :: gpu
+        real(rk), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
         call arguments%add(gpu%n)
+        call arguments%add(dt)
         associate (links => gpu%links)
             call arguments%add([links%params, links%owner, links%table, links%cell, gpu%place, &
-                                gpu%state, gpu%tag, links%slice, links%count, links%list, &
-                                links%press])
+                                gpu%motion, gpu%state, gpu%tag, links%slice, links%count, &
+                                links%list, links%press, gpu%book])
             call launch_awake(gpu, links%find_press, arguments, err)
         end associate
     end subroutine find_pressures

@@ -8,6 +8,7 @@
 !>
 !> Source: docs/solid.md section 9
 module brz_contact
+    use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, rk
     implicit none
     private
@@ -15,6 +16,8 @@ module brz_contact
     public :: meeting_t, law_none, law_contact, law_bonded, law_cohesive
     public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort, in_core
     public :: spring_loss, core_loss, surface_velocity, add_moment
+    public :: add_link, mean_stiffness, link_pressure
+    public :: n_link, link_sum, link_stiffness, link_rate, link_normal
 
     integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2, &
                           law_cohesive = 3
@@ -22,6 +25,13 @@ module brz_contact
 
     real(dp), parameter :: spring_share = 0.5_dp !! of the period of a contact over 2 pi
     real(dp), parameter :: crossing_share = 0.2_dp !! spacings that a pair may approach in a step
+
+    ! kernel sums of a particle over other bodies
+    integer, parameter :: link_sum = 1 !! 1 at a flat surface one spacing away
+    integer, parameter :: link_stiffness = 2 !! mean of the partners [Pa]
+    integer, parameter :: link_rate = 3 !! how fast the sum grows [1/s]
+    integer, parameter :: link_normal = 3 !! + 1..3: sum of V F x_ij/touch [1/m]
+    integer, parameter :: n_link = 6
 
     !> How a particle of one body meets those of another.
     type :: meeting_t
@@ -84,20 +94,61 @@ contains
         u = w*pressure + m%core*gap/(hard_core*m%spacing)/max(distance, 1e-6_rk*m%spacing)
     end subroutine contact_push
 
-    !> What a spring of contact took from the motion over a step and does not hold, per volume: heat,
-    !> or where the step gave more than it took, less of it.
+    !> Add a particle of another body to the kernel sums.
+    !@cuf attributes(host,device) &
+    pure subroutine add_link(m, v, r, dv, sums)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: v !! volume of its cell over `touch` and depth
+        real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
+        real(rk), intent(inout) :: sums(n_link)
+        real(rk) :: distance, slope, w
+
+        distance = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
+        slope = kernel_slope(m%scale, m%half_over_h, distance)
+        w = v*kernel_value(slope, m%h, distance)
+        sums(link_sum) = sums(link_sum) + w
+        sums(link_stiffness) = sums(link_stiffness) + w*m%stiffness
+        sums(link_rate) = sums(link_rate) - v*slope*(r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3))
+        sums(link_normal + 1) = sums(link_normal + 1) + v*slope*r(1)
+        sums(link_normal + 2) = sums(link_normal + 2) + v*slope*r(2)
+        sums(link_normal + 3) = sums(link_normal + 3) + v*slope*r(3)
+    end subroutine add_link
+
+    !> Make the sum of the stiffness the mean of the partners.
+    !@cuf attributes(host,device) &
+    pure subroutine mean_stiffness(sums)
+        real(rk), intent(inout) :: sums(n_link)
+
+        if (sums(link_sum) > 0) sums(link_stiffness) = sums(link_stiffness)/sums(link_sum)
+    end subroutine mean_stiffness
+
+    !> Pressure of contact of a particle [Pa].
+    !@cuf attributes(host,device) &
+    pure function link_pressure(sums, touch) result(p)
+        real(rk), intent(in) :: sums(n_link)
+        real(rk), intent(in) :: touch !! sum at which contact begins
+        real(rk) :: p
+
+        p = sums(link_stiffness)*max(sums(link_sum) - touch, 0.0_rk)
+    end function link_pressure
+
+    !> What the spring of a particle took from the motion over a step and does not hold, per volume:
+    !> heat, or where the step gave more than it took, less of it.
     !>
     !> The leapfrog's work over a step is that of the mean of the forces at both ends.
     !@cuf attributes(host,device) &
-    pure function spring_loss(p, stiffness, ds, p0, stiffness0, ds0) result(loss)
-        real(rk), intent(in) :: p, stiffness !! pressure and stiffness now [Pa]
-        real(rk), intent(in) :: ds !! growth of the kernel sum over the step at the present rate
-        real(rk), intent(in) :: p0, stiffness0, ds0 !! the same a step before
+    pure function spring_loss(touch, dt, now, before) result(loss)
+        real(rk), intent(in) :: touch !! sum at which contact begins
+        real(rk), intent(in) :: dt !! step just made [s]
+        real(rk), intent(in) :: now(n_link), before(n_link) !! sums after it and before it
         real(rk) :: loss !! [J/m3]
+        real(rk) :: p, p0
 
-        loss = (p*ds + p0*ds0)/2
-        if (p > 0) loss = loss - p*p/(2*stiffness)
-        if (p0 > 0) loss = loss + p0*p0/(2*stiffness0)
+        p = link_pressure(now, touch)
+        p0 = link_pressure(before, touch)
+        loss = dt/2*(p*now(link_rate) + p0*before(link_rate))
+        if (p > 0) loss = loss - p*p/(2*now(link_stiffness))
+        if (p0 > 0) loss = loss + p0*p0/(2*before(link_stiffness))
     end function spring_loss
 
     !> The same of the hard core of a pair [J].
