@@ -39,10 +39,11 @@ contains
         real(dp) :: limit
         integer :: i, k
 
+        solid%bodies%ledger%early = 0
         if (.not. solid%links%present) return
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, lost)
         do k = 1, size(solid%block, 2)
-            solid%search%sums(1:3, k) = 0
+            solid%search%sums(1:4, k) = 0
             if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
                 associate (row => solid%links%row(i))
@@ -79,6 +80,7 @@ contains
                 ledger%contact = ledger%contact + sums(1)
                 ledger%contact_heat = ledger%contact_heat + sums(2)
                 ledger%friction = ledger%friction + sums(3)
+                ledger%early = ledger%early + sums(4)
             end associate
         end do
     end subroutine book
@@ -211,6 +213,7 @@ contains
                                              + total%lost)/solid%mass(i)
         sums(1) = sums(1) + total%energy
         sums(2) = sums(2) + (dt*total%heat(1) + total%lost)
+        sums(4) = sums(4) + dt/2*(total%heat(1) + total%heat(2))
         sums(3) = sums(3) + dt*total%heat(2)
     end subroutine add_up
 

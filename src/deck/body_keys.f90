@@ -178,7 +178,7 @@ contains
                       meaning="contact: Coulomb's coefficient."), &
                 key_t(group=g, key='stiffness', default='1.0', lower=0.1_dp, upper=2*one, &
                       meaning='contact: stiffness over that of one spacing of material.'), &
-                key_t(group=g, key='damping', default='1.0', lower=zero, upper=2*one, &
+                key_t(group=g, key='damping', default='0.0', lower=zero, upper=2*one, &
                       meaning='contact: damping on approach over half the linear viscosity.'), &
                 key_t(group=g, key='shared_pressure', kind=kind_logical, default='.false.', &
                       meaning='contact: share pressure and viscosity across the contact, for '// &

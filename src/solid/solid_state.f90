@@ -62,6 +62,7 @@ module brz_solid_state
         real(dp) :: hourglass = 0 !! energy held by (or fed to) the stiff hourglass force
         real(dp) :: artificial = 0 !! energy held by the artificial stress
         real(dp) :: ahead = 0 !! change of one of these two in the half step to come
+        real(dp) :: early = 0 !! heat of the half step to come, in the internal energy already
         real(dp) :: load = 0 !! work of the air on the body
         real(dp) :: plastic = 0 !! plastic work
         real(dp) :: damage = 0 !! work spent in damage
