@@ -4,13 +4,13 @@
 !> Forces are equal and opposite pair by pair and do not depend on the number of threads.
 module brz_solid_contact
     use brz_contact, only: add_link, add_moment, contact_drag, contact_normal, contact_push, &
-                           core_loss, crossing_share, drag_stiffness, in_core, link_normal, &
-                           link_pressure, link_stiffness, link_sum, mean_stiffness, meeting_t, &
-                           n_link, spring_loss, spring_share, surface_velocity
+                           core_loss, crossing_share, drag_stiffness, in_core, law_shared, &
+                           link_normal, link_pressure, link_stiffness, link_sum, mean_stiffness, &
+                           meeting_t, n_link, spring_loss, spring_share, surface_velocity
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int64, real32, rk
     use brz_pair_force, only: viscous_force
-    use brz_solid_links, only: first_link, is_joined, last_link, link_body
+    use brz_solid_links, only: first_link, is_tied, last_link, link_body
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: pair_linear, pair_quadratic, pair_spin, solid_t, worth_threads
     implicit none
@@ -126,7 +126,7 @@ contains
             *spring_loss(real(solid%links%touch(i), rk), dt, now, before)
     end subroutine press
 
-    !> True where contact at the present positions pushes particle i.
+    !> True where contact at the present positions pushes particle i, or may after one more step.
     pure logical function is_pressed(solid, i)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
@@ -139,13 +139,14 @@ contains
         call press(solid, i, 0.0_rk, own, lost)
         do k = first_link(solid%links, i), last_link(solid%links, i)
             j = solid%links%list(k)
-            if (is_joined(solid%links, i, j)) cycle
             associate (m => solid%links%table(link_body(solid%links, i), link_body(solid%links, j)))
+                if (is_tied(solid%links, i, j) .and. m%law /= law_shared) cycle
                 distance = real(norm2(solid%x(:, i) - signs(int(solid%links%mask(k))) &
                                       *solid%x(:, j)), rk)
                 if (distance > 2*m%h) cycle
                 call press(solid, j, 0.0_rk, other, lost)
-                is_pressed = own(1) + other(1) > 0 .or. in_core(m, distance)
+                is_pressed = own(1) + other(1) > 0 .or. m%law == law_shared .or. &
+                             in_core(m, distance - real(crossing_share, rk)*m%spacing)
             end associate
             if (is_pressed) return
         end do
@@ -169,7 +170,7 @@ contains
         do k = first_link(solid%links, i), last_link(solid%links, i)
             j = solid%links%list(k)
             if (.not. all) then
-                if (is_joined(solid%links, i, j)) cycle
+                if (is_tied(solid%links, i, j)) cycle
             end if
             b = link_body(solid%links, j)
             s = signs(int(solid%links%mask(k)))
@@ -201,7 +202,6 @@ contains
                 total%stiffness = v*p(5)*dot_product(p(2:4), p(2:4))
             end if
             do k = first_link(solid%links, i), last_link(solid%links, i)
-                if (is_joined(solid%links, i, solid%links%list(k))) cycle
                 call add_pair(solid, dt, i, k, total, limit)
             end do
         end associate
@@ -241,7 +241,9 @@ contains
                    p => solid%links%press(:, solid%links%row(i)), &
                    q => solid%links%press(:, solid%links%row(j)))
             if (distance > 2*m%h) return
+            if (is_tied(solid%links, i, j) .and. m%law /= law_shared) return
             if (vr < 0) limit = min(limit, crossing_share*m%spacing*distance/(-real(vr, dp)))
+            if (m%law == law_shared) return
             slope = kernel_slope(m%scale, m%half_over_h, distance)
             cells = cell_of(solid, a, i)*cell_of(solid, b, j)/real(solid%depth, rk)
             call contact_push(m, cells*slope, p(1)/m%touch + q(1)/back%touch, distance, u, energy)

@@ -13,14 +13,15 @@ module brz_contact
     implicit none
     private
     public :: spring_share, crossing_share
-    public :: meeting_t, law_none, law_contact, law_bonded, law_cohesive
+    public :: meeting_t, law_none, law_contact, law_bonded, law_shared, law_cohesive
     public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort, in_core
     public :: spring_loss, core_loss, surface_velocity, add_moment
     public :: add_link, mean_stiffness, link_pressure
+    public :: joins, takes_part
     public :: n_link, link_sum, link_stiffness, link_rate, link_normal
 
-    integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2, &
-                          law_cohesive = 3
+    integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2, law_shared = 3, &
+                          law_cohesive = 4
     real(rk), parameter :: hard_core = 0.5_rk !! closer than this many spacings a pair is a spring
 
     real(dp), parameter :: spring_share = 0.5_dp !! of the period of a contact over 2 pi
@@ -49,6 +50,7 @@ module brz_contact
         integer :: formulation !! common to both bodies, 0: they differ
         logical :: directional !! both have a hourglass stiffness along axes
         real(rk) :: arm(2) !! share of x_ij from each to the common surface; 0: it does not turn
+        real(rk) :: rest(2) !! volume per mass of both, unloaded [m3/kg]
         real(rk) :: normal(3, 2) !! of the layers of the first and of the second, 0: no tilts
         real(rk) :: tensile, shear !! strengths of a bond [Pa]
         logical :: quadratic !! both strengths act together
@@ -56,6 +58,31 @@ module brz_contact
     end type meeting_t
 
 contains
+
+    !> True where the particles of a pair may take part in each other's sums: they share them, or
+    !> their bond is whole.
+    !@cuf attributes(host,device) &
+    pure function joins(m, whole) result(yes)
+        type(meeting_t), intent(in) :: m
+        logical, intent(in) :: whole !! at both particles
+        logical :: yes
+
+        yes = m%law == law_shared .or. (m%law == law_bonded .and. whole)
+    end function joins
+
+    !> True where a pair that shares its sums takes part in them in this step: it approaches, or is
+    !> compressed. Both passes see the same velocities and volumes, so the forces of the second are
+    !> those that the gradients of the first work with.
+    !@cuf attributes(host,device) &
+    pure function takes_part(m, mass_i, volume_i, mass_j, volume_j, vr) result(yes)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: mass_i, volume_i, mass_j, volume_j !! [kg], [m3]
+        real(rk), intent(in) :: vr !! v_ij.x_ij [m2/s]
+        logical :: yes
+
+        yes = vr < 0 .or. m%rest(1)*mass_i/volume_i + m%rest(2)*mass_j/volume_j &
+              > 2 + 64*epsilon(vr)
+    end function takes_part
 
     !> Common normal of a pair, from j to i: that of the surfaces that press, or along the pair
     !> where only hard cores meet.
