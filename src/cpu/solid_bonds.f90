@@ -31,7 +31,6 @@ module brz_solid_bonds
         real(rk) :: r(3) = 0, dv(3) = 0, dx(3) = 0 !! x_ij, v_ij, X_ij
         real(rk) :: slope = 0 !! F_ij
         logical :: shared = .false. !! of bodies that share their sums
-        logical :: part = .false. !! such a pair takes part in this step
     end type pair_t
 
 contains
@@ -54,11 +53,21 @@ contains
             p%slope = kernel_slope(m%scale, m%half_over_h, &
                                    sqrt(p%r(1)**2 + p%r(2)**2 + p%r(3)**2))
             p%shared = m%law == law_shared
-            if (p%shared) p%part = takes_part(m, solid%mass(i), solid%volume(i), &
-                                              solid%mass(p%j), solid%volume(p%j), &
-                                              dot_product(p%r, p%dv))
         end associate
     end subroutine look
+
+    !> True where a pair that shares its sums takes part, by its volumes at the beginning of the step.
+    pure logical function takes_part_now(solid, i, p, volume_i, volume_j)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        type(pair_t), intent(in) :: p
+        real(rk), intent(in) :: volume_i, volume_j !! [m3]
+
+        takes_part_now = takes_part(solid%links%table(link_body(solid%links, i), &
+                                                      link_body(solid%links, p%j)), &
+                                    solid%mass(i), volume_i, solid%mass(p%j), volume_j, &
+                                    dot_product(p%r, p%dv))
+    end function takes_part_now
 
     !> Add the bonded partners of particle i to its moments and gradients (see pass 1).
     subroutine add_bonded_gradients(solid, i, normal, sums)
@@ -77,7 +86,7 @@ contains
             w = solid%volume(p%j)*p%slope
             call moment_terms(w, p%r, m)
             if (p%shared) then
-                if (.not. p%part) cycle
+                if (.not. takes_part_now(solid, i, p, solid%volume(i), solid%volume(p%j))) cycle
                 other = other + m
                 call outer_terms(w, p%dv, p%r, g)
                 sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
@@ -119,8 +128,10 @@ contains
         do k = first_link(solid%links, i), last_link(solid%links, i)
             if (.not. is_joined(solid%links, i, solid%links%list(k))) cycle
             call look(solid, i, k, p)
-            if (p%shared .and. .not. p%part) cycle
             other = mirrored_row(p%s, solid%pair(:, p%j))
+            if (p%shared) then
+                if (.not. takes_part_now(solid, i, p, own(pair_volume), other(pair_volume))) cycle
+            end if
             associate (m => solid%links%table(c, link_body(solid%links, p%j)), &
                        drag => f(at_drag + 1:at_drag + 3), r => p%r)
                 w = own(pair_volume)*other(pair_volume)*p%slope

@@ -114,7 +114,7 @@ module brz_gpu_solid_layout
 
     !> Pairs of particles of different bodies.
     type :: link_gpu_t
-        integer :: bodies
+        integer :: bodies, dimension
         integer :: touch !! column of `state` with the kernel sum at which contact begins
         integer :: weight !! column of `state` with the weight of a cell in sums of contact
         integer :: holds !! 1: some body has the hold

@@ -38,6 +38,7 @@ contains
             params%bodies = size(solid%bodies)
             params%touch = gpu%touch
             params%weight = gpu%weight
+            params%dimension = solid%dimension
             params%holds = merge(1, 0, gpu%owed > 0)
             params%depth = real(solid%depth, rk)
             call allocate_buffer(links%params, int(storage_size(params)/8, int64), err)
@@ -145,8 +146,8 @@ contains
         call arguments%add(gpu%n)
         associate (links => gpu%links)
             call arguments%add([links%params, links%owner, links%table, gpu%place, gpu%reference, &
-                                gpu%motion, gpu%tag, links%slice, links%count, links%list, &
-                                gpu%row, gpu%grad, gpu%hold, gpu%held])
+                                gpu%motion, gpu%state, gpu%tag, links%slice, links%count, &
+                                links%list, gpu%row, gpu%grad, gpu%hold, gpu%held])
             call launch_awake(gpu, links%moments, arguments, err)
         end associate
     end subroutine add_bond_moments
@@ -180,7 +181,7 @@ contains
         type(arguments_t) :: arguments
 
         call begin_bonds(gpu, arguments)
-        call arguments%add([gpu%hold, gpu%held, gpu%tag, gpu%links%slice, gpu%links%count, &
+        call arguments%add([gpu%state, gpu%hold, gpu%held, gpu%tag, gpu%links%slice, gpu%links%count, &
                             gpu%links%list, gpu%extra])
         call launch_awake(gpu, gpu%links%forces, arguments, err)
     end subroutine add_bond_forces
