@@ -1,15 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> Bonds between bodies: their particles take part in each other's sums as one continuum does,
-!> until a bond breaks for good.
+!> until a bond breaks for good. Bodies that share their sums do so whenever they approach or are
+!> compressed, though they start apart.
 module brz_solid_bonds
-    use brz_contact, only: bond_effort, law_bonded
+    use brz_contact, only: bond_effort, law_bonded, law_shared, takes_part
     use brz_gradient, only: moment_terms, outer_terms
     use brz_solid_gradient_sums, only: at_g, at_s, at_x, at_y, n_sum => n_terms
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: int64, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, &
                               most_bent, most_drawn, viscous_force
-    use brz_solid_links, only: first_link, is_bonded, last_link, link_body
+    use brz_shared_sums, only: carried_along
+    use brz_solid_links, only: first_link, is_joined, last_link, link_body
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, at_work, &
                                    n_terms
@@ -29,6 +31,7 @@ module brz_solid_bonds
         real(rk) :: s(3) = 1 !! signs of the mirrored components
         real(rk) :: r(3) = 0, dv(3) = 0, dx(3) = 0 !! x_ij, v_ij, X_ij
         real(rk) :: slope = 0 !! F_ij
+        logical :: shared = .false. !! of bodies that share their sums
     end type pair_t
 
 contains
@@ -50,8 +53,22 @@ contains
         associate (m => solid%links%table(a, b))
             p%slope = kernel_slope(m%scale, m%half_over_h, &
                                    sqrt(p%r(1)**2 + p%r(2)**2 + p%r(3)**2))
+            p%shared = m%law == law_shared
         end associate
     end subroutine look
+
+    !> True where a pair that shares its sums takes part, by its volumes at the beginning of the step.
+    pure logical function takes_part_now(solid, i, p, volume_i, volume_j)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        type(pair_t), intent(in) :: p
+        real(rk), intent(in) :: volume_i, volume_j !! [m3]
+
+        takes_part_now = takes_part(solid%links%table(link_body(solid%links, i), &
+                                                      link_body(solid%links, p%j)), &
+                                    solid%mass(i), volume_i, solid%mass(p%j), volume_j, &
+                                    dot_product(p%r, p%dv))
+    end function takes_part_now
 
     !> Add the bonded partners of particle i to its moments and gradients (see pass 1).
     subroutine add_bonded_gradients(solid, i, normal, sums)
@@ -60,15 +77,25 @@ contains
         real(rk), intent(in) :: normal(3) !! of the plies of its body
         real(rk), intent(inout) :: sums(n_sum) !! see brz_solid_gradient_sums
         type(pair_t) :: p
-        real(rk) :: y(3), m(6), g(9), w
+        real(rk) :: y(3), m(6), g(9), w, other(6), cross_sum(9), reference_sum(6)
         integer(int64) :: k
 
+        other = 0
         do k = first_link(solid%links, i), last_link(solid%links, i)
-            if (.not. is_bonded(solid%links, i, solid%links%list(k))) cycle
+            if (.not. is_joined(solid%links, i, solid%links%list(k))) cycle
             call look(solid, i, k, p)
             w = solid%volume(p%j)*p%slope
-            call tilted_arm(solid%pair(pair_tilt, i), normal, p%dx, p%r, y)
             call moment_terms(w, p%r, m)
+            if (p%shared) then
+                if (.not. takes_part_now(solid, i, p, solid%volume(i), solid%volume(p%j))) cycle
+                other = other + m
+                call outer_terms(w, p%dv, p%r, g)
+                sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
+                call outer_terms(w, p%r, p%r, g)
+                sums(at_y + 1:) = sums(at_y + 1:) + g
+                cycle
+            end if
+            call tilted_arm(solid%pair(pair_tilt, i), normal, p%dx, p%r, y)
             sums(:at_g) = sums(:at_g) + m
             call outer_terms(w, p%dv, y, g)
             sums(at_g + 1:at_x) = sums(at_g + 1:at_x) + g
@@ -79,6 +106,12 @@ contains
             call outer_terms(w, p%r, y, g)
             sums(at_y + 1:) = sums(at_y + 1:) + g
         end do
+        if (.not. maxval(other(:3)) > 0) return
+        call carried_along(solid%dimension, sums(:at_g), sums(at_x + 1:at_s), other, cross_sum, &
+                           reference_sum)
+        sums(:at_g) = sums(:at_g) + other
+        sums(at_x + 1:at_s) = sums(at_x + 1:at_s) + cross_sum
+        sums(at_s + 1:at_y) = sums(at_s + 1:at_y) + reference_sum
     end subroutine add_bonded_gradients
 
     !> Add the forces of the bonded partners of particle i (see pass 2).
@@ -94,9 +127,12 @@ contains
         c = link_body(solid%links, i)
         own = solid%pair(:, i)
         do k = first_link(solid%links, i), last_link(solid%links, i)
-            if (.not. is_bonded(solid%links, i, solid%links%list(k))) cycle
+            if (.not. is_joined(solid%links, i, solid%links%list(k))) cycle
             call look(solid, i, k, p)
             other = mirrored_row(p%s, solid%pair(:, p%j))
+            if (p%shared) then
+                if (.not. takes_part_now(solid, i, p, own(pair_volume), other(pair_volume))) cycle
+            end if
             associate (m => solid%links%table(c, link_body(solid%links, p%j)), &
                        drag => f(at_drag + 1:at_drag + 3), r => p%r)
                 w = own(pair_volume)*other(pair_volume)*p%slope
@@ -104,12 +140,17 @@ contains
                 u = viscous_force(w, m%h, dot_product(r, r), vr, &
                                   own(pair_linear) + other(pair_linear), &
                                   own(pair_quadratic) + other(pair_quadratic))
+                drag = drag + u*r
+                f(at_heat) = f(at_heat) - u*vr/2
+                if (p%shared) then
+                    call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), r, r, g)
+                    if (dot_product(g, r) > 0) f(1:3) = f(1:3) + g ! never in tension
+                    cycle
+                end if
                 call tilted_arm(own(pair_tilt), m%normal(:, 1), p%dx, r, arm)
                 call tilted_arm(-other(pair_tilt), p%s*m%normal(:, 2), p%dx, r, arm_j)
                 call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
                 f(1:3) = f(1:3) + g
-                drag = drag + u*r
-                f(at_heat) = f(at_heat) - u*vr/2
                 y = w*own(pair_keep)*other(pair_keep)
                 if (m%formulation == form_bending) then
                     if (m%directional) then

@@ -63,6 +63,7 @@ contains
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)), sums => solid%search%sums(:, k))
                 body%ledger%viscous = body%ledger%viscous + sums(1)
+                body%ledger%early = body%ledger%early + (sums(1) + sums(7))/2
                 body%ledger%hourglass_heat = body%ledger%hourglass_heat + sums(7)
                 if (body%tension_hold > 0) body%ledger%hourglass = body%ledger%hourglass + sums(8)
                 if (body%artificial == artificial_none) then

@@ -16,8 +16,8 @@ module brz_solid_gradients
                                place_group, place_images
     use brz_solid_rows, only: fill_hold, fill_row
     use brz_solid_state, only: body_t, form_bending, form_rigid, form_total, form_uncorrected, &
-                               held_stiffness, intact_share, is_gone, lanes, pair_stress, &
-                               pair_tilt, pair_volume, solid_t, worth_threads
+                               held_stiffness, intact_share, is_gone, lanes, pair_spin, &
+                               pair_stress, pair_tilt, pair_volume, solid_t, worth_threads
     use brz_tension_hold, only: may_be_drawn
     use brz_tilted_arm, only: tilted_correction
     implicit none
@@ -85,6 +85,9 @@ contains
             associate (from => solid%block(2, k), to => solid%block(3, k))
                 solid%pair(:, from:to) = 0 ! contact and bonds read these rows
                 solid%pair(pair_volume, from:to) = solid%volume(from:to)
+                do i = from, to
+                    solid%pair(pair_spin + 1:pair_spin + 3, i) = real(body%rigid%spin, rk)
+                end do
             end associate
             limit = min(limit, real(body%cfl*body%h, dp)/solid%materials(body%material)%c_wave)
             return

@@ -4,13 +4,13 @@
 !> Like the neighbour lists they depend on `x_built` and the order of the particles alone.
 module brz_solid_links
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid
-    use brz_contact, only: law_bonded, law_cohesive, law_none
+    use brz_contact, only: joins, law_bonded, law_cohesive, law_none
     use brz_kinds, only: dp, int32, int64, int8
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: bond_whole, is_gone, links_t, solid_t, worth_threads
     implicit none
     private
-    public :: build_links, is_bonded, is_joined, link_body, first_link, last_link, first_bonds
+    public :: build_links, is_bonded, is_joined, is_tied, link_body, first_link, last_link, first_bonds
 
 contains
 
@@ -155,7 +155,7 @@ contains
         if (ubound(links%push, 2) < rows) then
             most = rows + rows/4
             deallocate (links%first, links%press, links%push)
-            allocate (links%first(0:most + 1), links%press(5, 0:most), links%push(6, 0:most))
+            allocate (links%first(0:most + 1), links%press(5, 0:most), links%push(9, 0:most))
         end if
         if (allocated(links%list)) then
             if (size(links%list, kind=int64) >= n) return
@@ -201,18 +201,29 @@ contains
                     links%bond(i) == bond_whole .and. links%bond(j) == bond_whole
     end function is_bonded
 
-    !> True where a pair has no contact: it is bonded, or a cohesive interface holds both.
+    !> True where a pair may take part in all sums: its bond is whole, or its bodies share them.
     pure logical function is_joined(links, i, j)
         type(links_t), intent(in) :: links
         integer, intent(in) :: i, j
 
-        is_joined = is_bonded(links, i, j)
-        if (is_joined .or. .not. allocated(links%joined)) return
-        associate (m => links%table(link_body(links, i), link_body(links, j)))
-            is_joined = m%law == law_cohesive .and. &
-                        iand(iand(links%joined(i), links%joined(j)), m%bit) /= 0
-        end associate
+        is_joined = .false.
+        if (.not. links%bonds) return
+        is_joined = joins(links%table(link_body(links, i), link_body(links, j)), &
+                          links%bond(i) == bond_whole .and. links%bond(j) == bond_whole)
     end function is_joined
+
+    !> True where a pair has no contact: it is joined, or a cohesive interface holds both.
+    pure logical function is_tied(links, i, j)
+        type(links_t), intent(in) :: links
+        integer, intent(in) :: i, j
+
+        is_tied = is_joined(links, i, j)
+        if (is_tied .or. .not. allocated(links%joined)) return
+        associate (m => links%table(link_body(links, i), link_body(links, j)))
+            is_tied = m%law == law_cohesive .and. &
+                      iand(iand(links%joined(i), links%joined(j)), m%bit) /= 0
+        end associate
+    end function is_tied
 
     !> Bond the particles that have a partner within reach at the start; others never bond.
     subroutine first_bonds(solid)

@@ -112,7 +112,8 @@ contains
                            + solid%links%push(4:6, solid%links%row(i))
                     if (solid%cohesive%present) push = push + cohesive_push(solid, i)
                     b%force = b%force + push
-                    b%torque = b%torque + cross(solid%x(:, i) - b%x, push)
+                    b%torque = b%torque + cross(solid%x(:, i) - b%x, push) &
+                               + solid%links%push(7:9, solid%links%row(i))
                 end do
             end if
             call settle_rigid(body, solid%time, dt, v)
@@ -122,7 +123,27 @@ contains
                                            - solid%v(:, i)), rk)
             end do
         end associate
+        if (solid%links%present) call settle_drag(solid, body, dt)
     end subroutine balance_body
+
+    !> The heat of drag is that of the velocity before the kick; it works with the mean of those
+    !> before and after it (see `accelerate` of brz_solid_forces).
+    subroutine settle_drag(solid, body, dt)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(inout) :: body
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: heat
+        integer :: i
+
+        do i = body%first, body%last
+            associate (push => solid%links%push(:, solid%links%row(i)))
+                heat = -dt*(dt/2*dot_product(push(4:6), solid%a(:, i)) &
+                            + dot_product(push(7:9), body%rigid%omega - body%rigid%spin))
+            end associate
+            solid%energy(i) = solid%energy(i) + real(heat/solid%mass(i), rk)
+            body%ledger%contact_heat = body%ledger%contact_heat + heat
+        end do
+    end subroutine settle_drag
 
     !> Force of a body on what is driven, the work of the half step up to now, and its velocity.
     subroutine balance_drive(solid, body, b, dt)

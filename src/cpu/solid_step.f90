@@ -21,6 +21,7 @@ module brz_solid_step
     use brz_solid_mirror, only: signs
     use brz_solid_neighbours, only: build_neighbours, needs_rebuild
     use brz_solid_rigid, only: balance_rigid, move_rigid
+    use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: form_bending, form_rigid, intact_share, is_free, solid_t, &
                                worth_threads
@@ -67,7 +68,9 @@ contains
         type(solid_t), intent(inout) :: solid
 
         if (solid%links%bonds) call first_bonds(solid)
-        if (solid%links%present) call find_touch(solid)
+        if (.not. solid%links%present) return
+        call find_skin(solid)
+        call find_touch(solid)
     end subroutine meet
 
     !> After a restart: what a checkpoint does not hold follows from what it holds.

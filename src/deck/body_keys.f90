@@ -170,15 +170,15 @@ contains
                 key_t(group=g, key='bodies', kind=kind_text, n_max=2, default="'*'", &
                       meaning="Ids of two bodies; one: that body and every other; '*': all."), &
                 key_t(group=g, key='law', kind=kind_text, default=required, &
-                      choices='contact|bonded|cohesive|none', &
-                      meaning='contact: they press, damp and rub; bonded: one continuum; '// &
-                      'cohesive: glued, with a strength and an energy of the interface, then '// &
-                      'in contact; none: they pass through each other.'), &
+                      choices='contact|bonded|shared|cohesive|none', &
+                      meaning='contact: they press and rub; bonded: one continuum; shared: '// &
+                      'the same while pressed together; cohesive: glued, an interface with '// &
+                      'strength and energy, then contact; none: they pass each other.'), &
                 key_t(group=g, key='friction', default='0.0', lower=zero, upper=2*one, &
                       meaning="contact: Coulomb's coefficient."), &
                 key_t(group=g, key='stiffness', default='1.0', lower=0.1_dp, upper=2*one, &
                       meaning='contact: stiffness over that of one spacing of material.'), &
-                key_t(group=g, key='damping', default='1.0', lower=zero, upper=2*one, &
+                key_t(group=g, key='damping', default='0.0', lower=zero, upper=2*one, &
                       meaning='contact: damping on approach over half the linear viscosity.'), &
                 key_t(group=g, key='shared_pressure', kind=kind_logical, default='.false.', &
                       meaning='contact: share pressure and viscosity across the contact, for '// &

@@ -147,9 +147,9 @@ module brz_case
     type :: interaction_case_t
         integer :: body(2) = 0 !! places of the bodies, 0: every body
         character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
-        character(name_len) :: law = 'contact' !! or 'bonded', 'cohesive', 'none'
+        character(name_len) :: law = 'contact' !! or 'bonded', 'shared', 'cohesive', 'none'
         real(dp) :: friction = 0 !! Coulomb's coefficient
-        real(dp) :: stiffness = 1, damping = 1 !! factors
+        real(dp) :: stiffness = 1, damping = 0 !! factors
         logical :: shared_pressure = .false.
         real(dp) :: tensile_strength = huge(1.0_dp), shear_strength = huge(1.0_dp) !! [Pa]
         character(name_len) :: bond_law = 'quadratic' !! or 'cut_off'

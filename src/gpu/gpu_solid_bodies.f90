@@ -6,14 +6,14 @@ module brz_gpu_solid_bodies
     use brz_detonation_products, only: detonation_products
     use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel
     use brz_errors, only: error_t
-    use brz_gpu_solid_layout, only: body_gpu_t, n_pose, slice_width
+    use brz_gpu_solid_layout, only: body_gpu_t, n_pose, pose_spin, slice_width
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_body_t, gpu_solid_t
     use brz_gruneisen, only: gruneisen
     use brz_hjc, only: hjc
     use brz_ideal_gas, only: ideal_gas
     use brz_johnson_cook, only: johnson_cook
     use brz_kernel, only: kernel_scale
-    use brz_kinds, only: int64, rk
+    use brz_kinds, only: dp, int64, rk
     use brz_linear_elastic, only: linear_elastic
     use brz_material, only: class_elastic, material_t
     use brz_orthotropic_ply, only: orthotropic_ply
@@ -95,6 +95,7 @@ contains
         type(error_t), intent(inout) :: err
         type(body_gpu_t) :: params
         type(material_t) :: material
+        real(dp) :: pose(n_pose)
         integer(int64) :: bytes
 
         material = solid%materials(solid%bodies(b)%material)
@@ -116,6 +117,9 @@ contains
         call allocate_buffer(gpu%material, bytes, err)
         call copy_in(material, gpu%material, bytes, err)
         call allocate_buffer(gpu%drive, 8_int64*n_pose, err)
+        pose = 0
+        pose(pose_spin + 1:pose_spin + 3) = solid%bodies(b)%rigid%spin
+        call copy_in(pose, gpu%drive, 8_int64*n_pose, err)
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
         gpu%tilted = any(params%normal > 0)
         call find_kernel(device, moment_name(gpu), gpu%moments, err)

@@ -112,6 +112,7 @@ contains
         if (gpu%owed > 0) call put(gpu%owed, solid%owed)
         if (.not. gpu%linked) return
         call put(gpu%touch, real(solid%links%touch, rk))
+        call put(gpu%weight, real(solid%links%weight, rk))
         call put_tag(tag_bond, int(solid%links%bond, int32))
         if (allocated(solid%links%joined)) call put_tag(tag_joined, solid%links%joined)
 
@@ -273,6 +274,8 @@ contains
         if (.not. gpu%linked) return
         call fetch(gpu%touch, x)
         solid%links%touch = real(x, real32)
+        call fetch(gpu%weight, x)
+        solid%links%weight = real(x, real32)
         call fetch_tag(gpu, tag_bond, marks, err)
         solid%links%bond = int(marks, int8)
         if (allocated(solid%links%joined)) call fetch_tag(gpu, tag_joined, solid%links%joined, err)

@@ -21,7 +21,8 @@ module brz_gpu_solid_layout
               tag_bond, tag_joined, n_tag
     public :: book_viscous, book_friction, book_hold, book_ahead, book_plastic, book_damage, &
               book_clamped, &
-              book_force, book_contact, book_contact_heat, book_rub, book_load, n_book, n_total
+              book_force, book_early, book_contact_early, book_contact, book_contact_heat, &
+              book_rub, book_load, n_book, n_total
     public :: pose_centre, pose_x, pose_velocity, pose_spin, pose_turn, pose_half, n_pose
     public :: at_heat, at_friction, at_drag, at_hold, at_work, n_terms
     public :: pass_drawn, pass_deviation, pass_trace
@@ -53,7 +54,9 @@ module brz_gpu_solid_layout
     integer, parameter :: book_contact_heat = 11, book_rub = 12 !! heat of contact, of friction
     integer, parameter :: book_load = 13 !! work of the load
     integer, parameter :: book_clamped = 14 !! steps at the edge of the material's range
-    integer, parameter :: n_book = 14
+    integer, parameter :: book_early = 15 !! heat of the half step to come, see ledger_t
+    integer, parameter :: book_contact_early = 16 !! the same of contact
+    integer, parameter :: n_book = 16
     integer, parameter :: n_total = 16 !! sums of the state of a body, see brz_solid_totals
 
     ! sums of pass 2: 1..3 force of the stress [N]
@@ -112,8 +115,9 @@ module brz_gpu_solid_layout
 
     !> Pairs of particles of different bodies.
     type :: link_gpu_t
-        integer :: bodies
+        integer :: bodies, dimension
         integer :: touch !! column of `state` with the kernel sum at which contact begins
+        integer :: weight !! column of `state` with the weight of a cell in sums of contact
         integer :: holds !! 1: some body has the hold
         real(rk) :: depth !! of directions that are not modelled [m or m2]
     end type link_gpu_t

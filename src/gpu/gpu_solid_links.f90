@@ -38,6 +38,8 @@ contains
             call put(size(solid%links%cell)*bytes_of_real, solid%links%cell, links%cell)
             params%bodies = size(solid%bodies)
             params%touch = gpu%touch
+            params%weight = gpu%weight
+            params%dimension = solid%dimension
             params%holds = merge(1, 0, gpu%owed > 0)
             params%depth = real(solid%depth, rk)
             call allocate_buffer(links%params, int(storage_size(params)/8, int64), err)
@@ -145,8 +147,8 @@ contains
         call arguments%add(gpu%n)
         associate (links => gpu%links)
             call arguments%add([links%params, links%owner, links%table, gpu%place, gpu%reference, &
-                                gpu%motion, gpu%tag, links%slice, links%count, links%list, &
-                                gpu%row, gpu%grad, gpu%hold, gpu%held])
+                                gpu%motion, gpu%state, gpu%tag, links%slice, links%count, &
+                                links%list, gpu%row, gpu%grad, gpu%hold, gpu%held])
             call launch_awake(gpu, links%moments, arguments, err)
         end associate
     end subroutine add_bond_moments
@@ -161,7 +163,7 @@ contains
         if (.not. gpu%linked) return
         if (gpu%bonded .and. dt > 0) call break_bonds(gpu, err)
         call open_gpu_points(gpu, err)
-        call find_pressures(gpu, err)
+        call find_pressures(gpu, real(dt, rk), err)
         call push_bodies(gpu, real(dt, rk), err)
         if (gpu%bonded) call add_bond_forces(gpu, err)
         call gather_gpu_points(gpu, err)
@@ -183,7 +185,7 @@ contains
         type(arguments_t) :: arguments
 
         call begin_bonds(gpu, arguments)
-        call arguments%add([gpu%hold, gpu%held, gpu%tag, gpu%links%slice, gpu%links%count, &
+        call arguments%add([gpu%state, gpu%hold, gpu%held, gpu%tag, gpu%links%slice, gpu%links%count, &
                             gpu%links%list, gpu%extra])
         call launch_awake(gpu, gpu%links%forces, arguments, err)
     end subroutine add_bond_forces
@@ -198,16 +200,18 @@ contains
                             gpu%reference, gpu%motion, gpu%row])
     end subroutine begin_bonds
 
-    subroutine find_pressures(gpu, err)
+    subroutine find_pressures(gpu, dt, err)
         type(gpu_solid_t), intent(in) :: gpu
+        real(rk), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
         call arguments%add(gpu%n)
+        call arguments%add(dt)
         associate (links => gpu%links)
             call arguments%add([links%params, links%owner, links%table, links%cell, gpu%place, &
-                                gpu%state, gpu%tag, links%slice, links%count, links%list, &
-                                links%press])
+                                gpu%motion, gpu%state, gpu%tag, links%slice, links%count, &
+                                links%list, links%press, gpu%book])
             call launch_awake(gpu, links%find_press, arguments, err)
         end associate
     end subroutine find_pressures

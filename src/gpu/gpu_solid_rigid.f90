@@ -69,7 +69,7 @@ contains
 
         associate (there => gpu%bodies(b))
             call arguments%add(gpu%n)
-            call arguments%add([there%params, there%material, gpu%motion, gpu%row, gpu%rate])
+            call arguments%add([there%params, there%material, there%drive, gpu%motion, gpu%row, gpu%rate])
             call launch(gpu%rigid_row, threads_of(there), arguments, err)
         end associate
     end subroutine fill_rigid
@@ -101,9 +101,11 @@ contains
                          8_int64*n_pose, err)
             arguments%n = 0
             call arguments%add(gpu%n)
+            call arguments%add(merge(1, 0, gpu%linked))
             call arguments%add(there%params)
             call arguments%add(dt)
-            call arguments%add([there%drive, gpu%place, gpu%motion, gpu%state])
+            call arguments%add([there%drive, gpu%place, gpu%motion, gpu%row, gpu%extra, gpu%state, &
+                                gpu%book])
             call launch(gpu%rigid_accelerate, threads_of(there), arguments, err)
         end associate
     end subroutine balance_rigid

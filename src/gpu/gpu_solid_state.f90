@@ -66,6 +66,7 @@ module brz_gpu_solid_state
         integer :: n = 0, n_state = 0 !! particles, columns of `state`
         ! columns of `state` that not every scene has, 0: none
         integer :: touch = 0 !! kernel sum at which contact begins
+        integer :: weight = 0 !! of a cell in sums of contact
         integer :: owed = 0 !! energy that the hold owes [J]
         integer :: load = 0 !! + 1..3: force of the air [N]
         integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
@@ -144,8 +145,9 @@ contains
 
         gpu%n_state = at_hist + solid%n_hist
         if (gpu%linked) then
-            gpu%n_state = gpu%n_state + 1
-            gpu%touch = gpu%n_state
+            gpu%touch = gpu%n_state + 1
+            gpu%weight = gpu%n_state + 2
+            gpu%n_state = gpu%weight
         end if
         if (allocated(solid%owed)) then
             gpu%n_state = gpu%n_state + 1

@@ -5,9 +5,8 @@ module brz_gpu_solid_sums
     use brz_device, only: arguments_t, copy_out, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
-        book_contact_heat, book_damage, &
-        book_force, book_friction, book_hold, book_load, book_plastic, book_rub, book_viscous, &
-        n_book, n_total
+        book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
+        book_friction, book_hold, book_load, book_plastic, book_rub, book_viscous, n_book, n_total
     use brz_gpu_solid_state, only: fold_threads, gpu_solid_t, sum_threads, total_threads
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
@@ -109,6 +108,10 @@ contains
             ledger%clamped = before%clamped + book(book_clamped)
             if (.not. gpu%bodies(b)%rigid) ledger%load = before%load + book(book_load)
             ledger%ahead = book(book_ahead)
+            ledger%early = 0
+            if (.not. solid%bodies(b)%asleep) ledger%early = book(book_early)
+            if (gpu%linked .and. .not. solid%bodies(b)%asleep) &
+                ledger%early = ledger%early + book(book_contact_early)
             if (gpu%linked) ledger%contact = book(book_contact)
             ledger%contact_heat = before%contact_heat + book(book_contact_heat)
             ledger%friction = before%friction + book(book_rub)

@@ -80,6 +80,7 @@ contains
         call carry_bodies(file, solid, err)
         if (.not. solid%links%present) return
         call carry(file, 'solid/touch', solid%links%touch, err)
+        call carry(file, 'solid/contact_weight', solid%links%weight, err)
         call carry(file, 'solid/bond', solid%links%bond, err)
         if (.not. solid%cohesive%present) return
         call carry(file, 'solid/interface_damage', solid%cohesive%damage, err)

@@ -5,7 +5,7 @@
 module brz_body_setup
     use brz_bar_layers, only: layers_across
     use brz_body_points, only: lay_shapes, place_points, points_t
-    use brz_body_shape, only: inside, shape_t, whole_sides
+    use brz_body_shape, only: axis_of, inside, shape_t, whole_sides
     use brz_case, only: body_case_t, case_t, label
     use brz_cohesive_setup, only: set_up_cohesive
     use brz_crack_band, only: judge_crack
@@ -218,6 +218,11 @@ contains
         body%id = input%id
         body%material = input%material_index
         body%spacing = input%spacing
+        if (input%shape == 'sphere' .or. input%shape == 'cylinder') then
+            body%round%centre = input%centre
+            body%round%radius = [input%radius, input%inner_radius]
+            if (input%shape == 'cylinder') body%round%axis = axis_of(input)
+        end if
         call settle_formulation(input, material, dimension, speed, body, err)
     end subroutine settle
 

@@ -8,19 +8,31 @@
 !>
 !> Source: docs/solid.md section 9
 module brz_contact
+    use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, rk
     implicit none
     private
     public :: spring_share, crossing_share
-    public :: meeting_t, law_none, law_contact, law_bonded, law_cohesive
+    public :: meeting_t, law_none, law_contact, law_bonded, law_shared, law_cohesive
     public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort, in_core
+    public :: spring_loss, core_loss, surface_velocity, add_moment
+    public :: add_link, mean_stiffness, link_pressure
+    public :: joins, takes_part
+    public :: n_link, link_sum, link_stiffness, link_rate, link_normal
 
-    integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2, &
-                          law_cohesive = 3
+    integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2, law_shared = 3, &
+                          law_cohesive = 4
     real(rk), parameter :: hard_core = 0.5_rk !! closer than this many spacings a pair is a spring
 
     real(dp), parameter :: spring_share = 0.5_dp !! of the period of a contact over 2 pi
     real(dp), parameter :: crossing_share = 0.2_dp !! spacings that a pair may approach in a step
+
+    ! kernel sums of a particle over other bodies
+    integer, parameter :: link_sum = 1 !! 1 at a flat surface one spacing away
+    integer, parameter :: link_stiffness = 2 !! mean of the partners [Pa]
+    integer, parameter :: link_rate = 3 !! how fast the sum grows [1/s]
+    integer, parameter :: link_normal = 3 !! + 1..3: sum of V F x_ij/touch [1/m]
+    integer, parameter :: n_link = 6
 
     !> How a particle of one body meets those of another.
     type :: meeting_t
@@ -37,6 +49,8 @@ module brz_contact
         logical :: shared !! pressures of the two bodies are shared
         integer :: formulation !! common to both bodies, 0: they differ
         logical :: directional !! both have a hourglass stiffness along axes
+        real(rk) :: arm(2) !! share of x_ij from each to the common surface; 0: it does not turn
+        real(rk) :: rest(2) !! volume per mass of both, unloaded [m3/kg]
         real(rk) :: normal(3, 2) !! of the layers of the first and of the second, 0: no tilts
         real(rk) :: tensile, shear !! strengths of a bond [Pa]
         logical :: quadratic !! both strengths act together
@@ -44,6 +58,31 @@ module brz_contact
     end type meeting_t
 
 contains
+
+    !> True where the particles of a pair may take part in each other's sums: they share them, or
+    !> their bond is whole.
+    !@cuf attributes(host,device) &
+    pure function joins(m, whole) result(yes)
+        type(meeting_t), intent(in) :: m
+        logical, intent(in) :: whole !! at both particles
+        logical :: yes
+
+        yes = m%law == law_shared .or. (m%law == law_bonded .and. whole)
+    end function joins
+
+    !> True where a pair that shares its sums takes part in them in this step: it approaches, or is
+    !> compressed. Both passes see the same velocities and volumes, so the forces of the second are
+    !> those that the gradients of the first work with.
+    !@cuf attributes(host,device) &
+    pure function takes_part(m, mass_i, volume_i, mass_j, volume_j, vr) result(yes)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: mass_i, volume_i, mass_j, volume_j !! [kg], [m3]
+        real(rk), intent(in) :: vr !! v_ij.x_ij [m2/s]
+        logical :: yes
+
+        yes = vr < 0 .or. m%rest(1)*mass_i/volume_i + m%rest(2)*mass_j/volume_j &
+              > 2 + 64*epsilon(vr)
+    end function takes_part
 
     !> Common normal of a pair, from j to i: that of the surfaces that press, or along the pair
     !> where only hard cores meet.
@@ -82,6 +121,82 @@ contains
         u = w*pressure + m%core*gap/(hard_core*m%spacing)/max(distance, 1e-6_rk*m%spacing)
     end subroutine contact_push
 
+    !> Add a particle of another body to the kernel sums.
+    !@cuf attributes(host,device) &
+    pure subroutine add_link(m, v, r, dv, sums)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: v !! volume of its cell over `touch` and depth
+        real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
+        real(rk), intent(inout) :: sums(n_link)
+        real(rk) :: distance, slope, w
+
+        distance = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
+        slope = kernel_slope(m%scale, m%half_over_h, distance)
+        w = v*kernel_value(slope, m%h, distance)
+        sums(link_sum) = sums(link_sum) + w
+        sums(link_stiffness) = sums(link_stiffness) + w*m%stiffness
+        sums(link_rate) = sums(link_rate) - v*slope*(r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3))
+        sums(link_normal + 1) = sums(link_normal + 1) + v*slope*r(1)
+        sums(link_normal + 2) = sums(link_normal + 2) + v*slope*r(2)
+        sums(link_normal + 3) = sums(link_normal + 3) + v*slope*r(3)
+    end subroutine add_link
+
+    !> Make the sum of the stiffness the mean of the partners.
+    !@cuf attributes(host,device) &
+    pure subroutine mean_stiffness(sums)
+        real(rk), intent(inout) :: sums(n_link)
+
+        if (sums(link_sum) > 0) sums(link_stiffness) = sums(link_stiffness)/sums(link_sum)
+    end subroutine mean_stiffness
+
+    !> Pressure of contact of a particle [Pa].
+    !@cuf attributes(host,device) &
+    pure function link_pressure(sums, touch) result(p)
+        real(rk), intent(in) :: sums(n_link)
+        real(rk), intent(in) :: touch !! sum at which contact begins
+        real(rk) :: p
+
+        p = sums(link_stiffness)*max(sums(link_sum) - touch, 0.0_rk)
+    end function link_pressure
+
+    !> What the spring of a particle took from the motion over a step and does not hold, per volume:
+    !> heat, or where the step gave more than it took, less of it.
+    !>
+    !> The leapfrog's work over a step is that of the mean of the forces at both ends.
+    !@cuf attributes(host,device) &
+    pure function spring_loss(touch, dt, now, before) result(loss)
+        real(rk), intent(in) :: touch !! sum at which contact begins
+        real(rk), intent(in) :: dt !! step just made [s]
+        real(rk), intent(in) :: now(n_link), before(n_link) !! sums after it and before it
+        real(rk) :: loss !! [J/m3]
+        real(rk) :: p, p0
+
+        p = link_pressure(now, touch)
+        p0 = link_pressure(before, touch)
+        loss = dt/2*(p*now(link_rate) + p0*before(link_rate))
+        if (p > 0) loss = loss - p*p/(2*now(link_stiffness))
+        if (p0 > 0) loss = loss + p0*p0/(2*before(link_stiffness))
+    end function spring_loss
+
+    !> The same of the hard core of a pair [J].
+    !@cuf attributes(host,device) &
+    pure function core_loss(m, dt, r, dv) result(loss)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: dt !! step just made [s]
+        real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
+        real(rk) :: loss
+        real(rk) :: u, u0, energy, energy0, past(3)
+
+        past(1) = r(1) - dt*dv(1)
+        past(2) = r(2) - dt*dv(2)
+        past(3) = r(3) - dt*dv(3)
+        call contact_push(m, 0.0_rk, 0.0_rk, sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)), u, energy)
+        call contact_push(m, 0.0_rk, 0.0_rk, &
+                          sqrt(past(1)*past(1) + past(2)*past(2) + past(3)*past(3)), u0, energy0)
+        loss = -dt/2*(u*(r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)) &
+                      + u0*(past(1)*dv(1) + past(2)*dv(2) + past(3)*dv(3))) - (energy - energy0)
+    end function core_loss
+
     !> True for a pair that is so close that its hard core acts.
     !@cuf attributes(host,device) &
     pure function in_core(m, distance) result(inside)
@@ -91,6 +206,34 @@ contains
 
         inside = distance < hard_core*m%spacing
     end function in_core
+
+    !> Velocity of the surface of i past that of j. Particles of rigid bodies turn with them; so
+    !> drag acts where the surfaces meet, and its arm is that of the surface.
+    !@cuf attributes(host,device) &
+    pure subroutine surface_velocity(m, r, dv, spin_i, spin_j, v)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
+        real(rk), intent(in) :: spin_i(3), spin_j(3) !! of their bodies [1/s]
+        real(rk), intent(out) :: v(3) !! [m/s]
+        real(rk) :: w(3)
+
+        w = m%arm(1)*spin_i + m%arm(2)*spin_j
+        v(1) = dv(1) - (w(2)*r(3) - w(3)*r(2))
+        v(2) = dv(2) - (w(3)*r(1) - w(1)*r(3))
+        v(3) = dv(3) - (w(1)*r(2) - w(2)*r(1))
+    end subroutine surface_velocity
+
+    !> Moment about particle i of a force that acts at the common surface.
+    !@cuf attributes(host,device) &
+    pure subroutine add_moment(m, r, f, moment)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: r(3), f(3) !! x_ij [m], force on i [N]
+        real(rk), intent(inout) :: moment(3) !! [N m]
+
+        moment(1) = moment(1) - m%arm(1)*(r(2)*f(3) - r(3)*f(2))
+        moment(2) = moment(2) - m%arm(1)*(r(3)*f(1) - r(1)*f(3))
+        moment(3) = moment(3) - m%arm(1)*(r(1)*f(2) - r(2)*f(1))
+    end subroutine add_moment
 
     !> Damping on approach, and Coulomb's friction, of a pair that is pressed together.
     !>

@@ -2,11 +2,12 @@
 !> The table of laws between bodies, from the deck and the bodies themselves.
 module brz_interaction_setup
     use brz_case, only: case_t, interaction_case_t, label
-    use brz_contact, only: law_bonded, law_cohesive, law_contact, law_none, meeting_t
+    use brz_contact, only: law_bonded, law_cohesive, law_contact, law_none, law_shared, meeting_t
     use brz_errors, only: error_t, exit_deck, raise
-    use brz_kernel, only: kernel_scale, kernel_slope, kernel_value
+    use brz_flat_surface, only: flat_sum
+    use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: form_total, solid_t
+    use brz_solid_state, only: form_rigid, form_total, solid_t
     use brz_text, only: to_text
     implicit none
     private
@@ -32,13 +33,17 @@ contains
                     call find_rule(case, a, b, rule)
                     if (a == b) rule%law = 'none'
                     call make_meeting(solid, rule, a, b, solid%links%table(a, b))
-                    if (a < b .and. rule%law == 'bonded') call judge_bond(solid, &
-                        a, b, label('body', case%bodies(b)%id, case%bodies(b)%place), err)
+                    if (a >= b) cycle
+                    if (rule%law == 'bonded') call judge_bond(solid, a, b, label('body', &
+                        case%bodies(b)%id, case%bodies(b)%place)//'it is bonded to', err)
+                    if (rule%law == 'shared') call judge_bond(solid, a, b, label('body', &
+                        case%bodies(b)%id, case%bodies(b)%place)//'it shares its sums with', err)
                 end do
             end do
         end associate
         solid%links%present = any(solid%links%table%law /= law_none)
-        solid%links%bonds = any(solid%links%table%law == law_bonded)
+        solid%links%bonds = any(solid%links%table%law == law_bonded .or. &
+                                solid%links%table%law == law_shared)
         if (.not. solid%links%present) return
         solid%links%cell = [(real(1/(solid%materials(solid%bodies(b)%material)%density &
                                      *solid%bodies(b)%volume_scale), rk), b=1, size(solid%bodies))]
@@ -84,6 +89,7 @@ contains
             select case (rule%law)
             case ('none'); m%law = law_none
             case ('bonded'); m%law = law_bonded
+            case ('shared'); m%law = law_shared
             case ('cohesive'); m%law = law_cohesive
             case default; m%law = law_contact
             end select
@@ -91,7 +97,7 @@ contains
             m%scale = kernel_scale(m%h, solid%dimension)
             m%half_over_h = 1/(2*m%h)
             m%spacing = real((p%spacing + q%spacing)/2, rk)
-            call sum_flat(solid%dimension, q%spacing, m, touch, slope)
+            call flat_sum(solid%dimension, q%spacing, m, real(m%spacing, dp), touch, slope)
             m%touch = real(touch, rk)
             m%slope = real(slope*m%spacing, rk)
             bulk = 2*real(s%bulk, dp)*t%bulk/(real(s%bulk, dp) + t%bulk)*rule%stiffness
@@ -106,40 +112,15 @@ contains
             m%directional = p%directional .and. q%directional
             if (p%directional .neqv. q%directional) m%formulation = 0
             m%normal = reshape([p%normal, q%normal], [3, 2])
+            m%rest = [1/s%density, 1/t%density]
+            m%arm = real([p%spacing, q%spacing]/(p%spacing + q%spacing), rk)
+            where ([p%formulation, q%formulation] /= form_rigid) m%arm = 0
         end associate
         m%tensile = real(min(rule%tensile_strength, real(huge(1.0_rk), dp)), rk)
         m%shear = real(min(rule%shear_strength, real(huge(1.0_rk), dp)), rk)
         m%quadratic = rule%bond_law == 'quadratic'
         m%bit = 0
     end subroutine make_meeting
-
-    !> Kernel sum over a flat surface of a lattice whose first layer is one mean spacing away,
-    !> and how fast it falls with the distance [1/m].
-    subroutine sum_flat(dimension, spacing, m, touch, slope)
-        integer, intent(in) :: dimension
-        real(dp), intent(in) :: spacing !! of that lattice [m]
-        type(meeting_t), intent(in) :: m
-        real(dp), intent(out) :: touch, slope
-        real(dp) :: r, z, f
-        integer :: i, j, k, n, most(2)
-
-        n = ceiling(2*m%h/spacing)
-        most = 0
-        most(:dimension - 1) = n
-        touch = 0
-        slope = 0
-        do k = 0, n
-            do j = -most(2), most(2)
-                do i = -most(1), most(1)
-                    z = m%spacing + k*spacing
-                    r = sqrt((i*spacing)**2 + (j*spacing)**2 + z**2)
-                    f = spacing**dimension*kernel_slope(m%scale, m%half_over_h, real(r, rk))
-                    touch = touch + kernel_value(real(f, rk), m%h, real(r, rk))
-                    slope = slope + f*z
-                end do
-            end do
-        end do
-    end subroutine sum_flat
 
     !> A bond joins one continuum: lattices must not differ too much.
     subroutine judge_bond(solid, a, b, start, err)
@@ -151,15 +132,15 @@ contains
 
         associate (p => solid%bodies(a), q => solid%bodies(b))
             if (p%formulation == form_total .or. q%formulation == form_total .or. p%variable .or. &
-                q%variable) call raise(err, exit_deck, start//"it is bonded to '"//trim(p%id)// &
+                q%variable) call raise(err, exit_deck, start//" '"//trim(p%id)// &
                 "', and that goes neither with formulation="// &
                 "'total_lagrangian' nor with variable_h; take 'bending' and a constant h")
             ratio = max(p%h/q%h, q%h/p%h)
-            if (ratio > most_ratio) call raise(err, exit_deck, start//"it is bonded to '"// &
+            if (ratio > most_ratio) call raise(err, exit_deck, start//" '"// &
                 trim(p%id)//"', but their smoothing lengths "// &
                 'differ by a factor of '//to_text(ratio)//'; at most '//to_text(most_ratio))
             if (ratio > good_ratio) solid%notes = solid%notes//"bodies '"//trim(p%id)//"' and '"// &
-                trim(q%id)//"' are bonded with smoothing lengths that differ by a factor of "// &
+                trim(q%id)//"' are joined with smoothing lengths that differ by a factor of "// &
                 to_text(ratio)//': waves are reflected at the bond'//new_line('a')
         end associate
     end subroutine judge_bond

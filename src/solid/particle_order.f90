@@ -39,6 +39,7 @@ contains
             call reorder(1, s%cut)
             if (.not. s%links%present) return
             call reorder(storage_size(s%links%touch)/8, s%links%touch)
+            call reorder(storage_size(s%links%weight)/8, s%links%weight)
             call reorder(1, s%links%bond)
         end associate
 

@@ -64,13 +64,14 @@ contains
         type(solid_t), intent(inout) :: solid
 
         associate (n => solid%n, links => solid%links)
-            allocate (links%row(n), links%touch(n), links%bond(n))
-            allocate (links%first(0:1), links%press(5, 0:0), links%push(6, 0:0))
+            allocate (links%row(n), links%touch(n), links%weight(n), links%bond(n))
+            allocate (links%first(0:1), links%press(5, 0:0), links%push(9, 0:0))
             allocate (links%met(size(solid%bodies), size(solid%bodies)), source=.false.)
             links%ends = solid%bodies%last
             links%first = 1
             links%row = 0
             links%touch = 1
+            links%weight = 1
             links%bond = bond_none
             links%press = 0
             links%push = 0
@@ -134,7 +135,8 @@ contains
             if (allocated(s%hold)) bytes = bytes + 4.0_dp*size(s%hold)
             if (allocated(s%tilt)) bytes = bytes + 4.0_dp*size(s%tilt)
             if (allocated(s%held)) bytes = bytes + working(size(s%held) + size(s%owed))
-            if (s%links%present) bytes = bytes + 4.0_dp*(size(s%links%row) + size(s%links%touch)) &
+            if (s%links%present) bytes = bytes + 4.0_dp*(size(s%links%row) + size(s%links%touch) &
+                                                           + size(s%links%weight)) &
                 + size(s%links%bond) + wide(size(s%links%first)) &
                 + working(size(s%links%press) + size(s%links%push))
         end associate

@@ -19,7 +19,7 @@ module brz_solid_state
     public :: bond_none, bond_whole, bond_broken, intact_share
     public :: is_free, is_held, is_gone
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
-              pair_affine, pair_hold, pair_tilt
+              pair_affine, pair_hold, pair_spin, pair_tilt
     public :: n_held, held_stiffness, held_affine, held_energy, held_whole
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
@@ -43,6 +43,7 @@ module brz_solid_state
     integer, parameter :: pair_stress = 4 !! + 1..9: stress times gradient correction [Pa]
     !> + 1..9: stiff hourglass force: stiffness times dx/dX [Pa]; artificial stress: R; else dv/dx
     integer, parameter :: pair_affine = 13
+    integer, parameter :: pair_spin = 13 !! + 1..3 of a rigid body: half a step before [1/s]
     integer, parameter :: pair_tilt = 23 !! tilt of the gradient in this step, 0: none [1/m]
     integer, parameter :: pair_keep = 24 !! share of the hourglass force that is left, 0..1
     integer, parameter :: n_pair = 24 !! a whole number of cache lines; also a buffer for sorting
@@ -61,6 +62,7 @@ module brz_solid_state
         real(dp) :: hourglass = 0 !! energy held by (or fed to) the stiff hourglass force
         real(dp) :: artificial = 0 !! energy held by the artificial stress
         real(dp) :: ahead = 0 !! change of one of these two in the half step to come
+        real(dp) :: early = 0 !! heat of the half step to come, in the internal energy already
         real(dp) :: load = 0 !! work of the air on the body
         real(dp) :: plastic = 0 !! plastic work
         real(dp) :: damage = 0 !! work spent in damage
@@ -70,6 +72,12 @@ module brz_solid_state
         real(dp) :: drive = 0 !! work of prescribed motion
         real(dp) :: clamped = 0 !! no energy: particle steps at the edge of the material's range
     end type ledger_t
+
+    !> Surface of a round body in its first place; radius 0: it is not round.
+    type :: round_t
+        real(dp) :: centre(3) = 0, radius(2) = 0 !! outer and inner, 0: none [m]
+        integer :: axis = 0 !! of a cylinder, 0: a sphere
+    end type round_t
 
     !> One body: particles first..last, one material, one formulation.
     type :: body_t
@@ -105,6 +113,7 @@ module brz_solid_state
         type(ledger_t) :: ledger
         type(rigid_t) :: rigid !! of a rigid body
         type(motion_t) :: motion !! that is prescribed
+        type(round_t) :: round !! its surface, where that is known to be round
     end type body_t
 
     !> Work arrays of the neighbour search and of the block sums, kept from one use to the next.
@@ -134,12 +143,15 @@ module brz_solid_state
         integer(int8), allocatable :: mask(:) !! mirrored axes of an entry, bits 0..2
         real(rk), allocatable :: cell(:) !! (bodies) lattice volume per mass of particle [m3/kg]
         real(real32), allocatable :: touch(:) !! (n) kernel sum at which contact begins
+        real(real32), allocatable :: weight(:) !! (n) of its cell in sums of contact, 1 but at the
+                                               !! surface of round bodies
         integer(int8), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
         integer(int32), allocatable :: joined(:) !! (n) cohesive interfaces that still hold a
                                                  !! particle, a bit each; only where there are some
         real(rk), allocatable :: press(:, :) !! (5, 0:rows) pressure of contact [Pa]; its gradient
                                              !! of the kernel sum [1/m]; stiffness [Pa]
-        real(rk), allocatable :: push(:, :) !! (6, 0:rows) forces of contact: springs, drag [N]
+        real(rk), allocatable :: push(:, :) !! (9, 0:rows) forces of contact: springs, drag [N];
+                                            !! moment of drag on what turns [N m]
     end type links_t
 
     type :: solid_t

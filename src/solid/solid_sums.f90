@@ -55,10 +55,12 @@ contains
             totals%hourglass = sum(solid%bodies%ledger%hourglass)
             totals%artificial = sum(solid%bodies%ledger%artificial)
             totals%contact = sum(solid%bodies%ledger%contact)
+            totals%internal = totals%internal - sum(solid%bodies%ledger%early)
         else
             totals%hourglass = solid%bodies(b)%ledger%hourglass
             totals%artificial = solid%bodies(b)%ledger%artificial
             totals%contact = solid%bodies(b)%ledger%contact
+            totals%internal = totals%internal - solid%bodies(b)%ledger%early
         end if
     end subroutine totals_of_sums
 end module brz_solid_sums

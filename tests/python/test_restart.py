@@ -93,6 +93,30 @@ BESIDE_A_RIGID_BODY = """\
 """
 
 
+ROUND_AND_SHARED = """\
+&run t_end=1.5e-6, dimension=2 /
+&material id='s', preset='al2024' /
+&body id='wheel', shape='sphere', centre=0,0.0026,0, radius=0.002, spacing=5e-4, material='s',
+      formulation='rigid', velocity=300,-400,0 /
+&body id='plate', box=-0.004,0.004,-0.002,0,0,1, spacing=5e-4, material='s' /
+&body id='flyer', box=-0.004,0.004,-0.0045,-0.0028,0,1, spacing=5e-4, material='s',
+      velocity=0,900,0 /
+&interaction law='contact', friction=0.3 /
+&interaction law='shared', bodies='plate','flyer' /
+"""
+
+
+def test_wheels_and_shared_sums_go_on_after_a_restart(tmp_path):
+    """The weights of a round surface are kept; who shares its sums follows from the state."""
+    (tmp_path / "scene.nml").write_text(ROUND_AND_SHARED)
+    code, words = run(tmp_path, "--out", "whole")
+    assert code == 0, words
+    for last in (4, 17, 30):
+        run(tmp_path, "--out", f"{last}", "--set", f"run.max_steps={last}")
+        run(tmp_path, "--out", f"{last}", "--restart", "latest")
+        assert state(tmp_path / f"{last}", 0) == state(tmp_path / "whole", 0)
+
+
 def test_a_rigid_body_shares_what_it_has_after_a_restart_too(tmp_path):
     """The pressure and viscosity that a rigid body shares are nothing, not what a sort left."""
     (tmp_path / "scene.nml").write_text(BESIDE_A_RIGID_BODY)
