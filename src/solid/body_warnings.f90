@@ -1,0 +1,85 @@
+! SPDX-License-Identifier: MIT
+!> Warnings of the set-up about bodies and what lies in them.
+module brz_body_warnings
+    use brz_bar_layers, only: layers_across
+    use brz_body_points, only: points_t
+    use brz_body_shape, only: inside, shape_t
+    use brz_case, only: body_case_t, case_t, label
+    use brz_kinds, only: dp, real32
+    use brz_stl, only: is_inside
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: judge_gauges, judge_spacing, judge_bars
+
+    real(dp), parameter :: anisotropy = 0.02_dp !! larger differences of the spacings are reported
+
+contains
+
+    !> A gauge of the air within a body measures nothing of its own.
+    subroutine judge_gauges(case, points, notes)
+        type(case_t), intent(in) :: case
+        type(points_t), intent(in) :: points(:)
+        character(:), allocatable, intent(inout) :: notes
+        integer :: b, g
+
+        do g = 1, size(case%gauges)
+            if (case%gauges(g)%body_index > 0) cycle
+            do b = 1, size(points)
+                associate (body => case%bodies(b), gauge => case%gauges(g))
+                    if (.not. holds(body, points(b), gauge%at)) cycle
+                    notes = notes//label('gauge', gauge%id, gauge%place)//"warning: it lies "// &
+                        "in the body '"//trim(body%id)//"' and shows the nearest gas, if there "// &
+                        'is any; move it out of the body, by half a cell of the air or more'// &
+                        new_line('a')
+                    exit
+                end associate
+            end do
+        end do
+    end subroutine judge_gauges
+
+    !> True for a point within a body; a body from a file of particles has no inside.
+    logical function holds(body, points, x)
+        type(body_case_t), intent(in) :: body
+        type(points_t), intent(in) :: points
+        real(dp), intent(in) :: x(3) !! [m]
+        logical :: within(1, 1, 1)
+
+        if (body%shape == 'stl') then
+            call is_inside(points%mesh, x - body%spacing/2, spread(body%spacing, 1, 3), within)
+            holds = within(1, 1, 1)
+        else
+            holds = inside(body, points%shape, x, 1e-6_dp*body%spacing)
+        end if
+    end function holds
+
+    !> Report a box whose sides are no whole number of spacings.
+    subroutine judge_spacing(input, shape, notes)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        character(:), allocatable, intent(inout) :: notes
+        character(12) :: d(3)
+        real(dp) :: s(shape%dimension)
+
+        s = shape%spacing(:shape%dimension)
+        if (maxval(s) <= (1 + anisotropy)*minval(s)) return
+        write (d, '(es12.5)') shape%spacing
+        notes = notes//label('body', input%id, input%place)//'warning: sides are no whole '// &
+            'number of spacings; layers are '//d(1)//', '//d(2)//', '//d(3)//' m apart'// &
+            new_line('a')
+    end subroutine judge_spacing
+
+    !> Particles across a bar; one alone has the right area but not the right stiffness.
+    subroutine judge_bars(input, across, notes)
+        type(body_case_t), intent(in) :: input
+        integer, intent(out) :: across
+        character(:), allocatable, intent(inout) :: notes
+
+        across = layers_across(input, input%spacing)
+        if (across > 1) return
+        notes = notes//label('body', input%id, input%place)//'warning: one particle across a '// &
+            'bar is too stiff along it (by half in steel); two at least are right: use a '// &
+            'spacing of at most '//to_text(real(input%diameter/1.5_dp, real32))//' m'// &
+            new_line('a')
+    end subroutine judge_bars
+end module brz_body_warnings
