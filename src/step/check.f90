@@ -6,6 +6,7 @@ module brz_check
     use brz_body_setup, only: meeting_speed
     use brz_case, only: body_case_t, case_t
     use brz_check_bodies, only: body_box
+    use brz_check_meetings, only: print_meetings
     use brz_cohesive_setup, only: zone_over_spacing
     use brz_cohesive_state, only: cohesive_totals
     use brz_crack_band, only: crack_report
@@ -43,6 +44,7 @@ contains
         write (output_unit, '(a)') 'check of '//trim(sim%case%run%job)//': '//sim%case%run%title
         if (sim%air%present) call check_air(sim)
         if (sim%solid%present) call check_solid(sim)
+        if (sim%solid%present) call print_meetings(sim%case)
         if (sim%solid%present) call check_materials(sim%case, sim%solid)
         exact = size_of
         exact%particles = sim%solid%n
@@ -73,6 +75,7 @@ contains
                 call print_settings(case, size_of%solid, b)
             end associate
         end do
+        if (size_of%solid%present) call print_meetings(case)
         if (size_of%solid%present) call check_materials(case, size_of%solid)
         call print_cost(case, size_of)
         call print_verdict(case, size_of%solid, 'sound as far as it can be read; a run builds '// &

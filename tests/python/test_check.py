@@ -188,3 +188,30 @@ def test_steps_of_bodies_are_counted(tmp_path):
     alone = float(re.search(r"^time step +([\d.E+-]+) s", out, re.MULTILINE)[1])
     assert alone == pytest.approx(float(solid[1]), rel=1e-3)
     assert "solid steps" not in out
+
+
+MEETINGS = """\
+&run t_end=1e-6 /
+&material id='s', model='linear_elastic', density=7850, youngs_modulus=2e11, poisson_ratio=0.3 /
+&body id='slab', box=0,0.06, 0,0.06, 0,0.02, spacing=0.002, material='s' /
+&body id='bar', shape='bars', axis='x', bars=1,1, diameter=0.006, box=0,0.06, 0.02,0.04,
+  0.006,0.014, spacing=0.002, material='s', cuts='slab' /
+&body id='p1', box=0,0.01, 0,0.01, 0.03,0.04, spacing=0.002, material='s' /
+&body id='p2', box=0.02,0.03, 0,0.01, 0.03,0.04, spacing=0.002, material='s' /
+&body id='p3', box=0.04,0.05, 0,0.01, 0.03,0.04, spacing=0.002, material='s' /
+&interaction bodies='p1','slab', law='contact', friction=0.3 /
+&interaction bodies='p2','slab', law='none' /
+"""
+
+
+def test_how_bodies_meet_is_told(tmp_path):
+    """Law, reason and pairs; of many pairs of a kind the first."""
+    code, out, err = check(tmp_path, MEETINGS)
+    assert code == 0, err
+    told = [" ".join(line.split()) for line in out.splitlines() if line.startswith("meeting")]
+    assert told == [
+        "meeting bonded (default: one cuts the other): slab+bar",
+        "meeting contact, friction 0.3 (case.nml:9): slab+p1",
+        "meeting none (case.nml:10): slab+p2",
+        "meeting contact (default): slab+p3, bar+p1, bar+p2, bar+p3 and 3 more pairs",
+    ]
