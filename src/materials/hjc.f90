@@ -250,7 +250,9 @@ contains
         if (cracks) then
             call follow_rate(material%par, crack, dt, l, point%hist)
             before(1) = p_old
-            call hjc_pressure(material%par, point%mu, mu_old, before(2), slope)
+            before(2) = 0 ! only asked for where there are cracks
+            if (point%hist(h_tension) > 0) &
+                call hjc_pressure(material%par, point%mu, mu_old, before(2), slope)
             call open_cracks(material%par, crack, s, before, trial, p_eos, &
                              point%hist, released)
             released = released*v_mid
