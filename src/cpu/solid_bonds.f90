@@ -56,7 +56,7 @@ contains
         end associate
     end subroutine look
 
-    !> True where a pair that shares its sums takes part, by its volumes at the beginning of the step.
+    !> True where a pair that shares its sums takes part, by its volumes before the step.
     pure logical function takes_part_now(solid, i, p, volume_i, volume_j)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i

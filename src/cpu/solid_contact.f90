@@ -225,7 +225,8 @@ contains
         integer(int64), intent(in) :: k
         type(sums_t), intent(inout) :: total
         real(dp), intent(inout) :: limit
-        real(rk) :: r(3), dv(3), slip(3), n(3), f(3), s(3), heat(2), cells, distance, slope, u, vr, energy
+        real(rk) :: r(3), dv(3), slip(3), n(3), f(3), s(3), heat(2), cells, distance, slope, u, vr
+        real(rk) :: energy
         real(rk) :: area, toward, share
         integer :: a, b, j
 
@@ -257,8 +258,8 @@ contains
             call contact_normal(p(1), p(2:4), q(1), s*q(2:4), r, n)
             toward = r(1)*n(1) + r(2)*n(2) + r(3)*n(3)
             area = cells*slope*max(toward, 0.0_rk)*2/(m%slope + back%slope)
-            call surface_velocity(m, r, dv, solid%pair(pair_spin + 1:pair_spin + 3, i), s(1)*s(2)*s(3)*s* &
-                                  solid%pair(pair_spin + 1:pair_spin + 3, j), slip)
+            call surface_velocity(m, r, dv, solid%pair(pair_spin + 1:pair_spin + 3, i), &
+                                  product(s)*s*solid%pair(pair_spin + 1:pair_spin + 3, j), slip)
             call contact_drag(m, area, u*toward, slip, n, f, heat)
             total%drag = total%drag + f
             call add_moment(m, r, f, total%moment)

@@ -10,7 +10,8 @@ module brz_solid_links
     use brz_solid_state, only: bond_whole, is_gone, links_t, solid_t, worth_threads
     implicit none
     private
-    public :: build_links, is_bonded, is_joined, is_tied, link_body, first_link, last_link, first_bonds
+    public :: build_links, is_bonded, is_joined, is_tied, link_body, first_link, last_link, &
+              first_bonds
 
 contains
 

@@ -181,8 +181,8 @@ contains
         type(arguments_t) :: arguments
 
         call begin_bonds(gpu, arguments)
-        call arguments%add([gpu%state, gpu%hold, gpu%held, gpu%tag, gpu%links%slice, gpu%links%count, &
-                            gpu%links%list, gpu%extra])
+        call arguments%add([gpu%state, gpu%hold, gpu%held, gpu%tag, gpu%links%slice, &
+                            gpu%links%count, gpu%links%list, gpu%extra])
         call launch_awake(gpu, gpu%links%forces, arguments, err)
     end subroutine add_bond_forces
 

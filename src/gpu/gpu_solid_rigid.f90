@@ -69,7 +69,8 @@ contains
 
         associate (there => gpu%bodies(b))
             call arguments%add(gpu%n)
-            call arguments%add([there%params, there%material, there%drive, gpu%motion, gpu%row, gpu%rate])
+            call arguments%add([there%params, there%material, there%drive, gpu%motion, gpu%row, &
+                                gpu%rate])
             call launch(gpu%rigid_row, threads_of(there), arguments, err)
         end associate
     end subroutine fill_rigid

@@ -1,11 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> From the bodies of the deck to particles.
-!>
-!> `set_up_solid` fills all but lists and accelerations; start_solid (brz_solid_step) does that.
+!> From the bodies of the deck to particles. `set_up_solid` fills all but lists and accelerations;
+!> start_solid (brz_solid_step) does that.
 module brz_body_setup
     use brz_bar_layers, only: layers_across
     use brz_body_points, only: lay_shapes, place_points, points_t
-    use brz_body_shape, only: axis_of, inside, shape_t, whole_sides
+    use brz_body_shape, only: inside, round_of, shape_t, whole_sides
     use brz_case, only: body_case_t, case_t, label
     use brz_cohesive_setup, only: set_up_cohesive
     use brz_crack_band, only: judge_crack
@@ -219,11 +218,7 @@ contains
         body%id = input%id
         body%material = input%material_index
         body%spacing = input%spacing
-        if (input%shape == 'sphere' .or. input%shape == 'cylinder') then
-            body%round%centre = input%centre
-            body%round%radius = [input%radius, input%inner_radius]
-            if (input%shape == 'cylinder') body%round%axis = axis_of(input)
-        end if
+        body%round = round_of(input)
         call settle_formulation(input, material, dimension, speed, body, err)
     end subroutine settle
 

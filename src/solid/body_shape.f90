@@ -6,10 +6,11 @@ module brz_body_shape
     use brz_bar_layers, only: bar_at, bar_count, bar_offset, bar_span, bars_modelled, span_t
     use brz_case, only: body_case_t
     use brz_kinds, only: dp
+    use brz_solid_state, only: round_t
     implicit none
     private
     public :: shape_t, lay_shape, take_lattice, point_of, inside, exact_volume, modelled_share, &
-              axis_of, bar_weight, overlap, whole_sides
+              axis_of, bar_weight, overlap, round_of, whole_sides
 
     real(dp), parameter :: pi = acos(-1.0_dp)
 
@@ -135,6 +136,16 @@ contains
 
         axis_of = max(1, index('xyz', body%axis))
     end function axis_of
+
+    !> Surface of a body, where it is round.
+    pure type(round_t) function round_of(body) result(round)
+        type(body_case_t), intent(in) :: body
+
+        if (body%shape /= 'sphere' .and. body%shape /= 'cylinder') return
+        round%centre = body%centre
+        round%radius = [body%radius, body%inner_radius]
+        if (body%shape == 'cylinder') round%axis = axis_of(body)
+    end function round_of
 
     !> Lattice point of the layers i.
     pure function point_of(s, i) result(x)

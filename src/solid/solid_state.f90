@@ -13,7 +13,7 @@ module brz_solid_state
     use brz_rigid, only: rigid_t
     implicit none
     private
-    public :: solid_t, body_t, ledger_t, search_t
+    public :: solid_t, body_t, ledger_t, round_t, search_t
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_names, form_total, lanes, worth_threads, links_t
     public :: bond_none, bond_whole, bond_broken, intact_share
