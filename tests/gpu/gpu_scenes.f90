@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Solids from the text of a deck, for tests of the GPU, which may run far from the sources.
 module gpu_scenes
+    use, intrinsic :: iso_c_binding, only: c_int
     use brz_body_setup, only: set_up_solid
     use brz_build_case, only: build_case
     use brz_case, only: case_t
@@ -12,10 +13,16 @@ module gpu_scenes
     use brz_scanner, only: read_deck
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: start_solid
-    use brz_text, only: string_t
+    use brz_text, only: string_t, to_text
     implicit none
     private
     public :: make_solid
+
+    interface
+        integer(c_int) function c_getpid() bind(c, name='getpid')
+            import :: c_int
+        end function c_getpid
+    end interface
 
 contains
 
@@ -25,13 +32,14 @@ contains
         type(solid_t), intent(out) :: solid
         real(rk), intent(in), optional :: speed !! of a random velocity for every particle [m/s]
         logical, intent(in), optional :: asleep !! leave out what a large scene takes long for
-        character(*), parameter :: path = 'gpu_scene.nml'
+        character(:), allocatable :: path
         type(key_t), allocatable :: keys(:)
         type(deck_t) :: deck
         type(case_t) :: case
         type(error_t) :: err
         integer :: unit, at, next
 
+        path = 'gpu_scene_'//to_text(int(c_getpid()))//'.nml' ! runs beside each other
         open (newunit=unit, file=path, status='replace', action='write')
         if (index(text, '&run') == 0) write (unit, '(a)') '&run t_end=1 /'
         at = 1
@@ -77,3 +85,4 @@ contains
         end do
     end subroutine stir
 end module gpu_scenes
+    use, intrinsic :: iso_c_binding, only: c_int
