@@ -7,7 +7,7 @@ module brz_solid_bonds
     use brz_gradient, only: moment_terms, outer_terms
     use brz_solid_gradient_sums, only: at_g, at_s, at_x, at_y, n_sum => n_terms
     use brz_kernel, only: kernel_slope
-    use brz_kinds, only: int64, rk
+    use brz_kinds, only: dp, int64, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, &
                               most_bent, most_drawn, viscous_force
     use brz_shared_sums, only: carried_along
@@ -15,15 +15,15 @@ module brz_solid_bonds
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
     use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, at_work, &
                                    n_terms
-    use brz_solid_state, only: bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
-                               held_affine, held_stiffness, held_whole, n_held, n_pair, &
-                               pair_affine, pair_hold, pair_keep, pair_linear, &
-                               pair_quadratic, pair_stress, pair_tilt, pair_volume, solid_t, &
-                               worth_threads
+    use brz_solid_state, only: body_t, bond_broken, bond_whole, form_bending, &
+                               form_corrected_hourglass, held_affine, held_stiffness, &
+                               held_whole, n_held, n_pair, pair_affine, pair_hold, pair_keep, &
+                               pair_linear, pair_quadratic, pair_stress, pair_tilt, &
+                               pair_volume, solid_t, worth_threads
     use brz_tilted_arm, only: tilted_arm, tilted_force
     implicit none
     private
-    public :: add_bonded_gradients, add_bonded_forces, break_bonds
+    public :: add_bonded_gradients, add_bonded_forces, push_rigid_bonds, break_bonds
 
     !> Geometry of one bonded pair.
     type :: pair_t
@@ -176,6 +176,28 @@ contains
             end associate
         end do
     end subroutine add_bonded_forces
+
+    !> Forces of the bonded partners on the particles of a rigid body, to those of contact; their
+    !> share of the heat over dt, the step just made.
+    subroutine push_rigid_bonds(solid, body, dt)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(inout) :: body
+        real(dp), intent(in) :: dt !! [s]
+        real(rk) :: f(n_terms)
+        integer :: i
+
+        do i = body%first, body%last
+            if (solid%links%row(i) == 0) cycle
+            f = 0
+            call add_bonded_forces(solid, i, f)
+            associate (push => solid%links%push(:, solid%links%row(i)))
+                push(1:3) = push(1:3) + f(1:3)
+                push(4:6) = push(4:6) + f(at_drag + 1:at_drag + 3)
+            end associate
+            solid%energy(i) = solid%energy(i) + real(dt, rk)*f(at_heat)/solid%mass(i)
+            body%ledger%contact_heat = body%ledger%contact_heat + dt*f(at_heat)
+        end do
+    end subroutine push_rigid_bonds
 
     !> Break the bonds of particles whose traction on the bond exceeds its strength.
     subroutine break_bonds(solid)

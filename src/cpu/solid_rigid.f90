@@ -9,6 +9,7 @@ module brz_solid_rigid
     use brz_motion, only: mean_velocity, velocity_of
     use brz_rigid, only: attitude, cross
     use brz_rigid_motion, only: advance_rigid, settle_rigid
+    use brz_solid_bonds, only: push_rigid_bonds
     use brz_solid_cohesive, only: cohesive_push
     use brz_solid_state, only: body_t, form_rigid, is_held, solid_t, worth_threads
     implicit none
@@ -90,7 +91,10 @@ contains
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
                 if (body%asleep .and. dt > 0) cycle
-                if (body%formulation == form_rigid) call balance_body(solid, body, dt)
+                if (body%formulation == form_rigid) then
+                    if (solid%links%bonds) call push_rigid_bonds(solid, body, dt)
+                    call balance_body(solid, body, dt)
+                end if
                 if (body%motion%n > 0) call balance_drive(solid, body, b, dt)
             end associate
         end do

@@ -85,4 +85,3 @@ contains
         end do
     end subroutine stir
 end module gpu_scenes
-    use, intrinsic :: iso_c_binding, only: c_int
