@@ -248,3 +248,16 @@ def test_interfaces_on_the_gpu(tmp_path):
         assert done.returncode == 0, done.stderr
     interface = numbers(tmp_path, "q")["bodies"][:, -3:]
     assert (interface == gpu["bodies"][:, -3:]).all()
+
+
+def test_glued_bodies_at_rest_have_no_energy_error(tmp_path):
+    """The glue opens by rounding alone."""
+    deck = PEEL.replace("0,0.05,0, 0,0.05,0", "0,0,0, 0,0,0").replace("t_end=2.2e-3", "t_end=1e-4")
+    run(
+        tmp_path,
+        deck.replace(
+            "formulation='rigid',\n  motion_time=0,1, motion_velocity=0,0,0, 0,0,0", "fix='y+'"
+        ),
+    )
+    energy = table(tmp_path, "energy")
+    assert not energy["error[-]"].any() and energy["bond_heat[J]"][-1] == 0
