@@ -15,28 +15,30 @@ module brz_solid_artificial
 contains
 
     !> Add the artificial stress of all pairs of a particle, images included.
-    subroutine add_artificial(solid, body, p, f)
+    subroutine add_artificial(solid, body, i, p, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(centre_t), intent(in) :: p
+        integer, intent(in) :: i
+        type(centre_t), intent(in) :: p !! kernel
         real(rk), intent(inout) :: f(n_terms)
         integer(int64) :: k
         integer :: g
 
-        g = group_of(body, p%i)
+        g = group_of(body, i)
         do k = solid%first(g), solid%first(g + 1) - 1
-            call add_pair(solid, body, p, solid%list(k), 0, f)
+            call add_pair(solid, body, i, p, solid%list(k), 0, f)
         end do
         if (.not. any(solid%mirror)) return
         do k = solid%image_first(g), solid%image_first(g + 1) - 1
-            call add_pair(solid, body, p, solid%image(k), int(solid%mask(k)), f)
+            call add_pair(solid, body, i, p, solid%image(k), int(solid%mask(k)), f)
         end do
     end subroutine add_artificial
 
     !> Add that of one pair, if either is in tension.
-    subroutine add_pair(solid, body, p, j, mask, f)
+    subroutine add_pair(solid, body, i, p, j, mask, f)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
+        integer, intent(in) :: i
         type(centre_t), intent(in) :: p
         integer, intent(in) :: j, mask !! mirrored axes, bits 0..2
         real(rk), intent(inout) :: f(n_terms)
@@ -44,19 +46,19 @@ contains
         real(rk) :: s(3), r(3), own(9), other(9), g(3), w, shape, distance
         integer :: t
 
-        own = solid%pair(pair_affine + 1:pair_affine + 9, p%i)
+        own = solid%pair(pair_affine + 1:pair_affine + 9, i)
         other = solid%pair(pair_affine + 1:pair_affine + 9, j)
         if (own(1) + own(5) + own(9) + other(1) + other(5) + other(9) <= 0) return
         q = p
         s = signs(mask)
-        r = real(solid%x(:, p%i) - s*solid%x(:, j), rk)
+        r = real(solid%x(:, i) - s*solid%x(:, j), rk)
         do t = 1, 3
             other(3*t - 2:3*t) = s(t)*s*other(3*t - 2:3*t)
         end do
-        if (body%variable) call pair_kernel(solid%dimension, solid%h(p%i), solid%h(j), q%h, &
+        if (body%variable) call pair_kernel(solid%dimension, solid%h(i), solid%h(j), q%h, &
                                             q%scale, q%half_over_h)
         distance = norm2(r)
-        w = solid%mass(p%i)*solid%mass(j)*kernel_slope(q%scale, q%half_over_h, distance)
+        w = solid%mass(i)*solid%mass(j)*kernel_slope(q%scale, q%half_over_h, distance)
         if (w == 0) return
         shape = kernel_shape(q%half_over_h, distance)/body%shape_at_spacing
         call stress_force(-w*shape**body%artificial_power, own, other, r, g)

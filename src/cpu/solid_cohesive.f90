@@ -5,9 +5,9 @@
 !> interface any more: these then meet by contact.
 module brz_solid_cohesive
     use brz_cohesive_law, only: has_damage, has_held, has_spent, load_point
-    use brz_cohesive_points, only: mirror_signs
     use brz_cohesive_state, only: cohesive_t
     use brz_kinds, only: dp, int32
+    use brz_solid_mirror, only: signs
     use brz_solid_state, only: is_gone, solid_t
     implicit none
     private
@@ -104,7 +104,7 @@ contains
             seen(:, 1) = 0
             seen(:, 2:3) = glue%rest(:, :, p)
             do e = glue%first(p), glue%first(p + 1) - 1
-                x = mirror_signs(int(glue%mask(e)))*solid%x(:, glue%place(glue%node(e)))
+                x = signs(int(glue%mask(e)))*solid%x(:, glue%place(glue%node(e)))
                 do c = 1, 3
                     seen(:, c) = seen(:, c) + glue%weight(c, e)*x
                 end do
@@ -144,7 +144,7 @@ contains
         do k = glue%back_first(r), glue%back_first(r + 1) - 1
             e = glue%back(1, k)
             p = glue%back(2, k)
-            glue%push(:, r) = glue%push(:, r) + mirror_signs(int(glue%mask(e))) &
+            glue%push(:, r) = glue%push(:, r) + signs(int(glue%mask(e))) &
                               *matmul(glue%pull(:, :, p), glue%weight(:, e))
         end do
     end subroutine gather

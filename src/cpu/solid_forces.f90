@@ -247,10 +247,7 @@ contains
         integer, intent(in) :: i
         type(centre_t), intent(in) :: p !! kernel
         real(rk), intent(inout) :: f(n_terms)
-        type(centre_t) :: q
 
-        q = p
-        q%i = i
         if (solid%links%bonds) call add_bonded_forces(solid, i, f)
         if (solid%links%present) then
             associate (push => solid%links%push(:, solid%links%row(i)))
@@ -259,7 +256,7 @@ contains
             end associate
         end if
         if (solid%cohesive%present) f(1:3) = f(1:3) + real(cohesive_push(solid, i), rk)
-        if (body%artificial /= artificial_none) call add_artificial(solid, body, q, f)
+        if (body%artificial /= artificial_none) call add_artificial(solid, body, i, p, f)
     end subroutine add_rest
 
     !> Volumes and smoothing lengths of a block as its compression says.

@@ -3,10 +3,8 @@
 module brz_check_interactions
     use brz_case, only: case_t, interaction_case_t, name_len
     use brz_check_bodies, only: reference_hint
-    use brz_deck, only: add_warning, complain, deck_t, find_entry, group_label, place
-    use brz_get, only: get, is_given, is_usable
-    use brz_kinds, only: dp
-    use brz_text, only: to_text
+    use brz_deck, only: add_warning, complain, deck_t, group_label, place
+    use brz_get, only: get, get_boxes, is_given
     implicit none
     private
     public :: check_interactions
@@ -25,7 +23,8 @@ contains
             if (deck%groups(g)%name /= 'interaction') cycle
             k = k + 1
             call fill(deck, g, case%interactions(k))
-            call fill_open_boxes(deck, g, case%interactions(k))
+            call get_boxes(deck, g, 'open_box', case%interactions(k)%open_box, &
+                           case%interactions(k)%n_open_boxes)
             call find_bodies(deck, g, case, case%interactions(k))
             call check_keys(deck, g, case%interactions(k))
         end do
@@ -53,24 +52,6 @@ contains
             call get(group, 'interface_stiffness', i%interface_stiffness)
         end associate
     end subroutine fill
-
-    !> Regions that are not glued, six numbers each.
-    subroutine fill_open_boxes(deck, g, i)
-        type(deck_t), intent(inout) :: deck
-        integer, intent(in) :: g
-        type(interaction_case_t), intent(inout) :: i
-        real(dp) :: box(size(i%open_box))
-        integer :: n
-
-        if (.not. is_usable(deck%groups(g), 'open_box')) return
-        n = deck%groups(g)%entries(find_entry(deck%groups(g), 'open_box'))%n
-        box = 0
-        call get(deck%groups(g), 'open_box', box)
-        i%open_box = reshape(box, shape(i%open_box))
-        i%n_open_boxes = n/6
-        if (mod(n, 6) /= 0) call complain(deck, g, 'open_box', 'open_box takes six numbers for '// &
-            'each region: x0, x1, y0, y1, z0, z1; found '//to_text(n))
-    end subroutine fill_open_boxes
 
     !> Places of the bodies that are named.
     subroutine find_bodies(deck, g, case, interaction)

@@ -6,7 +6,7 @@ module brz_fill_case
     use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_entry, place, &
                         find_group, group_t
     use brz_explosives, only: explosives, find_explosive
-    use brz_get, only: get, is_usable
+    use brz_get, only: get, get_boxes, is_usable
     use brz_kinds, only: dp
     use brz_layup, only: parse_layup
     use brz_text, only: to_text
@@ -220,7 +220,7 @@ contains
         if (body%file /= '' .and. body%file(1:1) /= '/') &
             body%file = deck%file(:index(deck%file, '/', back=.true.))//body%file
         call fill_plies(deck, g, body)
-        call fill_regions(deck, g, body)
+        call get_boxes(deck, g, 'fix_box', body%fix_box, body%n_fix_boxes)
         call fill_motion(deck, g, body)
     end subroutine fill_body
 
@@ -258,24 +258,6 @@ contains
         n = 0
         if (is_usable(group, key)) n = group%entries(find_entry(group, key))%n
     end function count_values
-
-    !> Regions that are held, six numbers each.
-    subroutine fill_regions(deck, g, body)
-        type(deck_t), intent(inout) :: deck
-        integer, intent(in) :: g
-        type(body_case_t), intent(inout) :: body
-        real(dp) :: box(size(body%fix_box))
-        integer :: n
-
-        if (.not. is_usable(deck%groups(g), 'fix_box')) return
-        n = deck%groups(g)%entries(find_entry(deck%groups(g), 'fix_box'))%n
-        box = 0
-        call get(deck%groups(g), 'fix_box', box)
-        body%fix_box = reshape(box, shape(body%fix_box))
-        body%n_fix_boxes = n/6
-        if (mod(n, 6) /= 0) call complain(deck, g, 'fix_box', 'fix_box takes six numbers for '// &
-            'each region: x0, x1, y0, y1, z0, z1; found '//to_text(n))
-    end subroutine fill_regions
 
     subroutine fill_plies(deck, g, body)
         type(deck_t), intent(inout) :: deck

@@ -1,11 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Values of a converted group by key. A key that is absent or in error leaves its variable alone.
 module brz_get
-    use brz_deck, only: find_entry, group_t
+    use brz_deck, only: complain, deck_t, find_entry, group_t
     use brz_kinds, only: dp
+    use brz_text, only: to_text
     implicit none
     private
-    public :: get, is_given, is_usable
+    public :: get, get_boxes, is_given, is_usable
 
     interface get
         module procedure :: get_real, get_reals, get_integer, get_integers, get_logical
@@ -109,4 +110,24 @@ contains
             values(i) = group%entries(e)%word(i)%s
         end do
     end subroutine get_texts
+
+    !> Boxes of a key, six numbers each: x0, x1, y0, y1, z0, z1. Another count is complained of.
+    subroutine get_boxes(deck, g, key, boxes, n)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g !! place of the group
+        character(*), intent(in) :: key
+        real(dp), intent(inout) :: boxes(:, :) !! (6, most)
+        integer, intent(inout) :: n !! how many there are
+        real(dp) :: numbers(size(boxes))
+        integer :: given
+
+        if (.not. is_usable(deck%groups(g), key)) return
+        given = deck%groups(g)%entries(find_entry(deck%groups(g), key))%n
+        numbers = 0
+        call get(deck%groups(g), key, numbers)
+        boxes = reshape(numbers, shape(boxes))
+        n = given/6
+        if (mod(given, 6) /= 0) call complain(deck, g, key, key//' takes six numbers for '// &
+            'each region: x0, x1, y0, y1, z0, z1; found '//to_text(given))
+    end subroutine get_boxes
 end module brz_get

@@ -18,11 +18,9 @@ module brz_device
     use brz_timer, only: wall_seconds
     implicit none
     private
-    public :: device_t, buffer_t, kernel_t, arguments_t
-    public :: open_device, measure_memory, load_kernels, find_kernel
-    public :: allocate_buffer, reserve_buffer, free_buffer
-    public :: copy_in, copy_out, clear_buffer, launch, wait_for_device
-    public :: start_timer, stop_timer
+    public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
+    public :: find_kernel, allocate_buffer, put_buffer, reserve_buffer, free_buffer, copy_in, &
+              copy_out, clear_buffer, launch, wait_for_device, start_timer, stop_timer
 
     integer, parameter :: threads_per_block = 128 !! all along x
     integer, parameter :: most_arguments = 40
@@ -321,6 +319,16 @@ contains
         call check(cu_to_device(buffer%address, c_loc(x), int(bytes, c_size_t)), &
                    'copying to the GPU', err)
     end subroutine copy_in
+
+    !> A new buffer that holds a contiguous array.
+    subroutine put_buffer(x, buffer, bytes, err)
+        type(*), intent(in), target, contiguous :: x(..)
+        type(buffer_t), intent(out) :: buffer
+        integer(int64), intent(in) :: bytes
+        type(error_t), intent(inout) :: err
+        call allocate_buffer(buffer, bytes, err)
+        call copy_in(x, buffer, bytes, err)
+    end subroutine put_buffer
 
     !> Copy from the GPU to a contiguous array; waits for all work before it.
     subroutine copy_out(buffer, x, bytes, err)

@@ -3,8 +3,8 @@
 module brz_gpu_solid_cohesive
     use brz_cohesive_law, only: has_damage, has_held, has_spent
     use brz_cohesive_state, only: cohesive_t
-    use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
-        find_kernel, launch
+    use brz_device, only: allocate_buffer, arguments_t, copy_out, device_t, find_kernel, launch, &
+        put_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: mask_unit
     use brz_gpu_solid_state, only: gpu_solid_t
@@ -28,38 +28,28 @@ contains
         associate (there => gpu%glue)
             there%n = glue%n
             there%nodes = glue%nodes
-            call put(size(glue%law)*(storage_size(glue%law)/8_int64), glue%law, there%law)
-            call put(4_int64*size(glue%bit), glue%bit, there%bit)
-            call put(4_int64*glue%n, glue%of, there%of)
-            call put(4_int64*(glue%n + 1), glue%first, there%first)
-            call put(4_int64*size(glue%node), glue%node + int(glue%mask, int32)*mask_unit, &
-                     there%entry)
-            call put(8_int64*size(glue%weight), glue%weight, there%weight)
-            call put(8_int64*glue%n, glue%area, there%area)
-            call put(8_int64*glue%n, glue%gap, there%gap)
-            call put(8_int64*size(glue%rest), glue%rest, there%rest)
-            call put(4_int64*(glue%nodes + 1), glue%back_first, there%back_first)
-            call put(4_int64*size(glue%back), glue%back, there%back)
-            call put(4_int64*size(glue%row), glue%row, there%row)
-            call put(4_int64*glue%nodes, glue%place, there%place_of)
-            call put(24_int64*glue%n, state_of(glue), there%state)
+            call put_buffer(glue%law, there%law, &
+                            size(glue%law)*(storage_size(glue%law)/8_int64), err)
+            call put_buffer(glue%bit, there%bit, 4_int64*size(glue%bit), err)
+            call put_buffer(glue%of, there%of, 4_int64*glue%n, err)
+            call put_buffer(glue%first, there%first, 4_int64*(glue%n + 1), err)
+            call put_buffer(glue%node + int(glue%mask, int32)*mask_unit, there%entry, &
+                            4_int64*size(glue%node), err)
+            call put_buffer(glue%weight, there%weight, 8_int64*size(glue%weight), err)
+            call put_buffer(glue%area, there%area, 8_int64*glue%n, err)
+            call put_buffer(glue%gap, there%gap, 8_int64*glue%n, err)
+            call put_buffer(glue%rest, there%rest, 8_int64*size(glue%rest), err)
+            call put_buffer(glue%back_first, there%back_first, 4_int64*(glue%nodes + 1), err)
+            call put_buffer(glue%back, there%back, 4_int64*size(glue%back), err)
+            call put_buffer(glue%row, there%row, 4_int64*size(glue%row), err)
+            call put_buffer(glue%place, there%place_of, 4_int64*glue%nodes, err)
+            call put_buffer(state_of(glue), there%state, 24_int64*glue%n, err)
             call allocate_buffer(there%pull, 72_int64*glue%n, err)
             call find_kernel(device, 'cohesive_place', there%place, err)
             call find_kernel(device, 'cohesive_open', there%open, err)
             call find_kernel(device, 'cohesive_join', there%join, err)
             call find_kernel(device, 'cohesive_gather', there%gather, err)
         end associate
-
-    contains
-
-        subroutine put(bytes, x, buffer)
-            integer(int64), intent(in) :: bytes
-            type(*), intent(in), target, contiguous :: x(..)
-            type(buffer_t), intent(out) :: buffer
-
-            call allocate_buffer(buffer, bytes, err)
-            call copy_in(x, buffer, bytes, err)
-        end subroutine put
     end subroutine open_gpu_cohesive
 
     !> Damage and energies of all points, as the kernels have them.

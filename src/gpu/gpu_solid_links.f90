@@ -2,8 +2,8 @@
 !> Contact and bonds between bodies on the GPU: memory, lists of links, launches.
 module brz_gpu_solid_links
     use brz_contact, only: law_none
-    use brz_device, only: allocate_buffer, arguments_t, clear_buffer, copy_in, copy_out, device_t, &
-        find_kernel, free_buffer, kernel_t, launch
+    use brz_device, only: allocate_buffer, arguments_t, clear_buffer, copy_out, device_t, &
+        find_kernel, free_buffer, kernel_t, launch, put_buffer
     use brz_errors, only: error_t
     use brz_gpu_scan, only: running_sum
     use brz_gpu_solid_cohesive, only: gather_gpu_points, open_gpu_points
@@ -31,19 +31,19 @@ contains
         if (.not. gpu%linked) return
         n = gpu%n
         associate (links => gpu%links)
-            call put(4*n, [(spread(b, 1, solid%bodies(b)%last - solid%bodies(b)%first + 1), &
-                            b=1, size(solid%bodies))], links%owner)
+            call put_buffer([(spread(b, 1, solid%bodies(b)%last - solid%bodies(b)%first + 1), &
+                              b=1, size(solid%bodies))], links%owner, 4*n, err)
             bytes = size(solid%links%table)*(storage_size(solid%links%table)/8_int64)
-            call put(bytes, solid%links%table, links%table)
-            call put(size(solid%links%cell)*bytes_of_real, solid%links%cell, links%cell)
+            call put_buffer(solid%links%table, links%table, bytes, err)
+            call put_buffer(solid%links%cell, links%cell, &
+                            size(solid%links%cell)*bytes_of_real, err)
             params%bodies = size(solid%bodies)
             params%touch = gpu%touch
             params%weight = gpu%weight
             params%dimension = solid%dimension
             params%holds = merge(1, 0, gpu%owed > 0)
             params%depth = real(solid%depth, rk)
-            call allocate_buffer(links%params, int(storage_size(params)/8, int64), err)
-            call copy_in(params, links%params, int(storage_size(params)/8, int64), err)
+            call put_buffer(params, links%params, int(storage_size(params)/8, int64), err)
             call allocate_buffer(links%press, 8*bytes_of_real*n, err)
             call allocate_buffer(links%count, 4*n, err)
             call allocate_buffer(links%met, 4_int64*size(solid%bodies)**2, err)
@@ -57,18 +57,6 @@ contains
             call find_kernel(device, 'solid_bond_forces', links%forces, err)
             call find_kernel(device, 'solid_bond_break', links%break, err)
         end associate
-
-    contains
-
-        subroutine put(bytes, x, buffer)
-            use brz_device, only: buffer_t
-            integer(int64), intent(in) :: bytes
-            type(*), intent(in), target, contiguous :: x(..)
-            type(buffer_t), intent(out) :: buffer
-
-            call allocate_buffer(buffer, bytes, err)
-            call copy_in(x, buffer, bytes, err)
-        end subroutine put
     end subroutine open_gpu_links
 
     !> Build the links for the positions `built`: count them, then list them, body by body.

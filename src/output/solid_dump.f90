@@ -7,6 +7,7 @@
 !> of the material history appear under the names that the models give them; particles of other
 !> materials have 0 there.
 module brz_solid_dump
+    use brz_cohesive_setup, only: interface_name
     use brz_errors, only: error_t
     use brz_hdf5_array, only: h5_write
     use brz_hdf5_file, only: h5_t
@@ -197,8 +198,7 @@ contains
                 end do
             end do
             do k = 1, size(names)
-                names(k) = trim(solid%bodies(minval(glue%body(:, k)))%id)//'+'// &
-                           trim(solid%bodies(maxval(glue%body(:, k)))%id)
+                names(k) = interface_name(solid, k)
             end do
             call write_field(file, 'PointData/bond_damage', '-', field(order), err)
             call write_field(file, 'FieldData/interface_at', 'm', at, err)

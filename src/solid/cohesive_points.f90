@@ -11,10 +11,11 @@ module brz_cohesive_points
     use brz_cohesive_state, only: cohesive_t
     use brz_kinds, only: dp, int32, int8
     use brz_linear_weights, only: linear_weights
+    use brz_solid_mirror, only: signs
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: begin_points, lay_points, link_nodes, mirror_signs
+    public :: begin_points, lay_points, link_nodes
 
     integer, parameter :: most = 128 !! particles that a point sees of one side
     real(dp), parameter :: reach_over_spacing = 2
@@ -112,7 +113,7 @@ contains
 
         n = 0
         do m = 0, 7
-            s = mirror_signs(m)
+            s = signs(m)
             if (any(s < 0 .and. .not. solid%mirror)) cycle
             call cell_span(solid%search, s*at, reach, lo, hi)
             do c3 = lo(3), hi(3)
@@ -161,17 +162,6 @@ contains
             x(:, j + 1) = y
         end do
     end subroutine sort_views
-
-    !> Signs of the components that a mask mirrors.
-    pure function mirror_signs(mask) result(s)
-        integer, intent(in) :: mask !! bits 0..2
-        real(dp) :: s(3)
-        integer :: a
-
-        do a = 1, 3
-            s(a) = merge(-1, 1, btest(mask, a - 1))
-        end do
-    end function mirror_signs
 
     !> Room for n entries.
     subroutine grow(view, n)
@@ -241,7 +231,7 @@ contains
                 gap = 0
                 seen = 0
                 do e = glue%first(p), glue%first(p + 1) - 1
-                    x = mirror_signs(int(glue%mask(e)))*solid%x_ref(:, glue%node(e))
+                    x = signs(int(glue%mask(e)))*solid%x_ref(:, glue%node(e))
                     gap = gap + glue%weight(1, e)*x
                     seen(:, 1) = seen(:, 1) + glue%weight(2, e)*x
                     seen(:, 2) = seen(:, 2) + glue%weight(3, e)*x

@@ -16,7 +16,7 @@ module brz_cohesive_setup
     use brz_text, only: to_text
     implicit none
     private
-    public :: set_up_cohesive, zone_over_spacing
+    public :: interface_name, set_up_cohesive, zone_over_spacing
 
     real(dp), parameter :: usual_stiffness = 10 !! times the modulus of one spacing
     real(dp), parameter :: stable_share = 0.8_dp !! of the stable step of a spring, 2/omega
@@ -323,4 +323,15 @@ contains
             end if
         end associate
     end subroutine judge_interface
+
+    !> The two bodies of a cohesive interface: 'low+high'.
+    pure function interface_name(solid, k) result(name)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: k
+        character(:), allocatable :: name
+
+        associate (b => solid%cohesive%body(:, k))
+            name = trim(solid%bodies(minval(b))%id)//'+'//trim(solid%bodies(maxval(b))%id)
+        end associate
+    end function interface_name
 end module brz_cohesive_setup

@@ -7,12 +7,11 @@ module brz_check
     use brz_case, only: body_case_t, case_t
     use brz_check_bodies, only: body_box
     use brz_check_meetings, only: print_meetings
-    use brz_cohesive_setup, only: zone_over_spacing
+    use brz_cohesive_setup, only: interface_name, zone_over_spacing
     use brz_cohesive_state, only: cohesive_totals
     use brz_crack_band, only: crack_report
     use brz_errors, only: error_t
     use brz_kinds, only: dp, real32
-    use brz_ledger, only: interface_name
     use brz_material_report, only: material_report
     use brz_scene_size, only: count_text, memory_text, scene_size_t
     use brz_screen, only: say

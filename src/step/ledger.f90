@@ -6,6 +6,7 @@ module brz_ledger
     use brz_air_state, only: air_t
     use brz_backend, only: backend_t
     use brz_backend_fetch, only: stock_of_air, stock_of_interfaces, stock_of_solid
+    use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
@@ -15,7 +16,7 @@ module brz_ledger
     implicit none
     private
     public :: ledger_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
-    public :: body_names, body_row, judge, interface_name
+    public :: body_names, body_row, judge
 
     integer, parameter :: n_energy = 52, n_body = 14, n_interface = 3
 
@@ -279,17 +280,6 @@ contains
         n = 0
         if (solid%cohesive%present) n = size(solid%cohesive%law)
     end function interfaces_of
-
-    !> The two bodies of a cohesive interface: 'low+high'.
-    pure function interface_name(solid, k) result(name)
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: k
-        character(:), allocatable :: name
-
-        associate (b => solid%cohesive%body(:, k))
-            name = trim(solid%bodies(minval(b))%id)//'+'//trim(solid%bodies(maxval(b))%id)
-        end associate
-    end function interface_name
 
     !> The row that belongs to the columns of bodies.csv.
     subroutine body_row(time, backend, solid, row, err)

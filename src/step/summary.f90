@@ -2,11 +2,12 @@
 !> What a run prints at its end: balances, gauges, and what it cost.
 module brz_summary
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+    use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
     use brz_errors, only: error_t, failed
     use brz_kernel_profile, only: print_profile, profiling
     use brz_kinds, only: dp
-    use brz_ledger, only: interface_name, ledger_start_t, ledger_t, take_stock
+    use brz_ledger, only: ledger_start_t, ledger_t, take_stock
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
     use brz_simulation, only: simulation_t
