@@ -5,14 +5,16 @@
 module brz_solid_contact
     use brz_contact, only: add_link, add_moment, contact_drag, contact_normal, contact_push, &
                            core_loss, crossing_share, drag_stiffness, in_core, law_shared, &
-                           link_normal, link_pressure, link_stiffness, link_sum, mean_stiffness, &
-                           meeting_t, n_link, spring_loss, spring_share, surface_velocity
+                           link_grip, link_normal, link_pressure, link_stiffness, link_sum, &
+                           mean_stiffness, meeting_t, n_link, spring_loss, spring_share, &
+                           surface_velocity
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int64, real32, rk
     use brz_pair_force, only: viscous_force
     use brz_solid_links, only: first_link, is_tied, last_link, link_body
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: pair_linear, pair_quadratic, pair_spin, solid_t, worth_threads
+    use brz_solid_state, only: form_rigid, pair_linear, pair_quadratic, pair_spin, solid_t, &
+                               worth_threads
     implicit none
     private
     public :: contact_pass, find_touch, is_pressed
@@ -205,9 +207,11 @@ contains
                 call add_pair(solid, dt, i, k, total, limit)
             end do
         end associate
-        solid%links%push(:, solid%links%row(i)) = [total%force, total%drag, total%moment]
-        if (total%stiffness > 0) limit = min(limit, spring_share*sqrt(real(solid%mass(i), dp) &
-                                                                      /total%stiffness))
+        solid%links%push(:, solid%links%row(i)) = [total%force, total%drag, total%moment, &
+                                                   total%stiffness]
+        if (total%stiffness > 0 .and. &
+            solid%bodies(link_body(solid%links, i))%formulation /= form_rigid) & ! see rigid_step
+            limit = min(limit, spring_share*sqrt(real(solid%mass(i), dp)/total%stiffness))
         if (total%damping > 0) limit = min(limit, real(solid%mass(i), dp)/total%damping)
         solid%energy(i) = solid%energy(i) + (real(dt, rk)*(total%heat(1) + total%heat(2)) &
                                              + total%lost)/solid%mass(i)
@@ -264,8 +268,8 @@ contains
             total%drag = total%drag + f
             call add_moment(m, r, f, total%moment)
             total%heat = total%heat + heat/2
-            total%stiffness = total%stiffness + cells*q(5)*(slope*distance/back%touch)**2 &
-                              *cell_of(solid, a, i)
+            total%stiffness = total%stiffness + link_grip( &
+                m, [cells, cell_of(solid, a, i)], slope/back%touch, r, [s*q(2:4), q(5)])
             if (energy > 0) total%stiffness = total%stiffness + m%core/(m%spacing/2)
             total%drag = total%drag + share*r
             total%heat(1) = total%heat(1) - share*vr/2

@@ -89,8 +89,7 @@ contains
                     solid%pair(pair_spin + 1:pair_spin + 3, i) = real(body%rigid%spin, rk)
                 end do
             end associate
-            limit = min(limit, real(body%cfl*body%h, dp)/solid%materials(body%material)%c_wave)
-            return
+            return ! its time step: rigid_step of brz_rigid_motion
         end if
         call place_body(solid, body, p)
         do first = solid%block(2, k), solid%block(3, k), lanes

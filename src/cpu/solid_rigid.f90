@@ -8,7 +8,7 @@ module brz_solid_rigid
     use brz_kinds, only: dp, rk
     use brz_motion, only: mean_velocity, velocity_of
     use brz_rigid, only: attitude, cross
-    use brz_rigid_motion, only: advance_rigid, settle_rigid
+    use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
     use brz_solid_bonds, only: push_rigid_bonds
     use brz_solid_cohesive, only: cohesive_push
     use brz_solid_state, only: body_t, form_rigid, is_held, solid_t, worth_threads
@@ -104,9 +104,10 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt
-        real(dp) :: push(3), v(3)
+        real(dp) :: push(3), v(3), stiffness
         integer :: i
 
+        stiffness = 0
         associate (b => body%rigid)
             b%force = 0
             b%torque = 0
@@ -118,9 +119,12 @@ contains
                     b%force = b%force + push
                     b%torque = b%torque + cross(solid%x(:, i) - b%x, push) &
                                + solid%links%push(7:9, solid%links%row(i))
+                    stiffness = stiffness + solid%links%push(10, solid%links%row(i))
                 end do
             end if
             call settle_rigid(body, solid%time, dt, v)
+            body%dt_limit = rigid_step(body, stiffness)
+            solid%dt_limit = min(solid%dt_limit, body%dt_limit)
             if (.not. dt > 0) return
             do i = body%first, body%last
                 solid%a(:, i) = real(2/dt*(v + cross(b%omega, solid%x(:, i) - b%x) &

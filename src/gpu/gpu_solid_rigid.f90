@@ -4,14 +4,14 @@ module brz_gpu_solid_rigid
     use brz_device, only: arguments_t, copy_in, launch
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: n_pose, pose_centre, pose_half, pose_spin, pose_turn, &
+    use brz_gpu_solid_layout, only: n_pose, n_rigid, pose_centre, pose_half, pose_spin, pose_turn, &
         pose_velocity, pose_x
     use brz_gpu_solid_state, only: gpu_solid_t, sum_threads, threads_of
     use brz_gpu_solid_sums, only: fold_sums
     use brz_kinds, only: dp, int64
     use brz_motion, only: mean_velocity
     use brz_rigid, only: attitude
-    use brz_rigid_motion, only: advance_rigid, settle_rigid
+    use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
     use brz_solid_state, only: body_t, solid_t
     implicit none
     private
@@ -69,13 +69,12 @@ contains
 
         associate (there => gpu%bodies(b))
             call arguments%add(gpu%n)
-            call arguments%add([there%params, there%material, there%drive, gpu%motion, gpu%row, &
-                                gpu%rate])
+            call arguments%add([there%params, there%drive, gpu%motion, gpu%row, gpu%rate])
             call launch(gpu%rigid_row, threads_of(there), arguments, err)
         end associate
     end subroutine fill_rigid
 
-    !> Force and torque of contact on body b at the step, and `a` of its particles.
+    !> Force and torque of contact on body b at the step, `a` of its particles, its time step.
     subroutine balance_rigid(gpu, solid, b, dt, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -83,7 +82,7 @@ contains
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        real(dp) :: push(6), v(3)
+        real(dp) :: push(n_rigid), v(3)
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             push = 0
@@ -98,6 +97,7 @@ contains
             body%rigid%force = push(1:3)
             body%rigid%torque = push(4:6)
             call settle_rigid(body, solid%time, dt, v)
+            body%dt_limit = rigid_step(body, push(n_rigid))
             call copy_in(pose_of(body, v, body%rigid%omega, body%rigid%q), there%drive, &
                          8_int64*n_pose, err)
             arguments%n = 0

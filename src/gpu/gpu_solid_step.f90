@@ -68,6 +68,7 @@ contains
         call force_pass(gpu, dt, err)
         call balance_drives(gpu, solid, dt, err)
         call fetch_limit(gpu, solid%dt_limit, err)
+        solid%dt_limit = min(solid%dt_limit, minval(solid%bodies%dt_limit, mask=gpu%bodies%rigid))
         if (gpu%glue%present) solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
         call copy_out(gpu%flags, flags, 4_int64*n_flag, err)
         if (failed(err) .or. flags(flag_bad) == 0) return

@@ -16,7 +16,7 @@ module brz_contact
     public :: meeting_t, law_none, law_contact, law_bonded, law_shared, law_cohesive
     public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort, in_core
     public :: spring_loss, core_loss, surface_velocity, add_moment
-    public :: add_link, mean_stiffness, link_pressure
+    public :: add_link, mean_stiffness, link_pressure, link_grip
     public :: joins, takes_part
     public :: n_link, link_sum, link_stiffness, link_rate, link_normal
 
@@ -47,6 +47,7 @@ module brz_contact
         real(rk) :: friction !! Coulomb's coefficient
         real(rk) :: stick !! impedance of friction below Coulomb's limit [kg/(m2 s)]
         logical :: shared !! pressures of the two bodies are shared
+        logical :: rigid !! the first body is
         integer :: formulation !! common to both bodies, 0: they differ
         logical :: directional !! both have a hourglass stiffness along axes
         real(rk) :: arm(2) !! share of x_ij from each to the common surface; 0: it does not turn
@@ -158,6 +159,25 @@ contains
 
         p = sums(link_stiffness)*max(sums(link_sum) - touch, 0.0_rk)
     end function link_pressure
+
+    !> What the spring of particle j adds to the stiffness that i feels: that of a small motion of i
+    !> alone or, where its body is rigid, of all of the body.
+    !@cuf attributes(host,device) &
+    pure function link_grip(m, volumes, push, r, sums) result(k)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: volumes(2) !! V_i V_j over depth, V_i, of lattice cells
+        real(rk), intent(in) :: push !! F_ij over `touch` of j
+        real(rk), intent(in) :: r(3) !! x_ij [m]
+        real(rk), intent(in) :: sums(4) !! of j: gradient of its kernel sum, stiffness
+        real(rk) :: k !! [N/m]
+
+        if (m%rigid) then
+            k = max(-push*(r(1)*sums(1) + r(2)*sums(2) + r(3)*sums(3)), 0.0_rk)
+        else
+            k = push*push*(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))*volumes(2)
+        end if
+        k = volumes(1)*sums(4)*k
+    end function link_grip
 
     !> What the spring of a particle took from the motion over a step and does not hold, per volume:
     !> heat, or where the step gave more than it took, less of it.

@@ -45,6 +45,13 @@ contains
         solid%links%bonds = any(solid%links%table%law == law_bonded .or. &
                                 solid%links%table%law == law_shared)
         if (.not. solid%links%present) return
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b), laws => solid%links%table(:, b)%law)
+                if (any(laws == law_bonded .or. laws == law_shared .or. laws == law_cohesive)) &
+                    body%rigid%bond_step = real(body%cfl*body%h, dp) &
+                                           /solid%materials(body%material)%c_wave
+            end associate
+        end do
         solid%links%cell = [(real(1/(solid%materials(solid%bodies(b)%material)%density &
                                      *solid%bodies(b)%volume_scale), rk), b=1, size(solid%bodies))]
     end subroutine set_up_interactions
@@ -108,6 +115,7 @@ contains
             m%impedance = real(rule%damping/2, rk)*(p%alpha + q%alpha)/2*m%stick
             m%friction = real(rule%friction, rk)
             m%shared = rule%shared_pressure
+            m%rigid = p%formulation == form_rigid
             m%formulation = merge(p%formulation, 0, p%formulation == q%formulation)
             m%directional = p%directional .and. q%directional
             if (p%directional .neqv. q%directional) m%formulation = 0

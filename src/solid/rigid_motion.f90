@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> The two halves of the time step of one rigid body: kick and drift, and the balance at the step.
 module brz_rigid_motion
+    use brz_contact, only: spring_share
     use brz_kinds, only: dp
     use brz_motion, only: velocity_of
     use brz_rigid, only: spin_of, turn
     use brz_solid_state, only: body_t
     implicit none
     private
-    public :: advance_rigid, settle_rigid
+    public :: advance_rigid, settle_rigid, rigid_step
 
 contains
 
@@ -51,4 +52,25 @@ contains
             body%reaction = body%reaction + dt*b%force*(1 - b%moves)
         end associate
     end subroutine settle_rigid
+
+    !> Time step that a rigid body bears [s]: no waves run through it, so its parts may move by a
+    !> part `cfl` of h, and the springs of contact carry its mass, at the lever of its farthest part.
+    pure real(dp) function rigid_step(body, stiffness) result(dt)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: stiffness !! of all its springs [N/m]
+        real(dp) :: speed, give
+        integer :: k
+
+        associate (b => body%rigid)
+            speed = norm2(b%p)/b%mass + norm2(b%omega)*b%reach
+            do k = 1, body%motion%n
+                speed = max(speed, norm2(body%motion%v(:, k)) + norm2(b%omega)*b%reach)
+            end do
+            dt = min(b%bond_step, body%cfl*body%h/max(speed, tiny(speed)))
+            if (body%motion%n > 0 .or. .not. stiffness > 0) return
+            give = maxval(b%moves)/b%mass &
+                + b%reach**2*(b%compliance(1, 1) + b%compliance(2, 2) + b%compliance(3, 3))
+            dt = min(dt, spring_share/sqrt(max(give*stiffness, tiny(give))))
+        end associate
+    end function rigid_step
 end module brz_rigid_motion

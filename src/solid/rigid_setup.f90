@@ -107,6 +107,7 @@ contains
             inertia = 0
             do i = body%first, body%last
                 d = solid%x(:, i) - b%x
+                b%reach = max(b%reach, norm2(d) + body%spacing)
                 m = solid%mass(i)
                 do a = 1, 3
                     inertia(:, a) = inertia(:, a) - m*d*d(a)
