@@ -97,7 +97,7 @@ contains
             body%rigid%force = push(1:3)
             body%rigid%torque = push(4:6)
             call settle_rigid(body, solid%time, dt, v)
-            body%dt_limit = rigid_step(body, push(n_rigid))
+            body%dt_limit = rigid_step(body, push(7:8))
             call copy_in(pose_of(body, v, body%rigid%omega, body%rigid%q), there%drive, &
                          8_int64*n_pose, err)
             arguments%n = 0

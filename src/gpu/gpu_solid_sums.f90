@@ -150,6 +150,7 @@ contains
         folded = 0
         call copy_out(gpu%folded, folded, 8_int64*fold_threads, err)
         limit = 0 ! no step is possible with a rate that is no number
-        if (all(folded <= huge(limit)) .and. .not. failed(err)) limit = 1/max(maxval(folded), tiny(limit))
+        if (all(folded <= huge(limit)) .and. .not. failed(err)) &
+            limit = 1/max(maxval(folded), tiny(limit))
     end subroutine fetch_limit
 end module brz_gpu_solid_sums

@@ -122,6 +122,7 @@ contains
             m%normal = reshape([p%normal, q%normal], [3, 2])
             m%rest = [1/s%density, 1/t%density]
             m%arm = real([p%spacing, q%spacing]/(p%spacing + q%spacing), rk)
+            m%ahead = m%core/m%spacing*(2*m%arm(1))**(solid%dimension - 1)
             where ([p%formulation, q%formulation] /= form_rigid) m%arm = 0
         end associate
         m%tensile = real(min(rule%tensile_strength, real(huge(1.0_rk), dp)), rk)

@@ -54,10 +54,10 @@ contains
     end subroutine settle_rigid
 
     !> Time step that a rigid body bears [s]: no waves run through it, so its parts may move by a
-    !> part `cfl` of h, and the springs of contact carry its mass, at the lever of its farthest part.
-    pure real(dp) function rigid_step(body, stiffness) result(dt)
+    !> part `cfl` of h, and contact and friction move its mass, at the lever of its farthest part.
+    pure real(dp) function rigid_step(body, ties) result(dt)
         type(body_t), intent(in) :: body
-        real(dp), intent(in) :: stiffness !! of all its springs [N/m]
+        real(dp), intent(in) :: ties(2) !! sums over its links: stiffness [N/m], resistance [N s/m]
         real(dp) :: speed, give
         integer :: k
 
@@ -67,10 +67,10 @@ contains
                 speed = max(speed, norm2(body%motion%v(:, k)) + norm2(b%omega)*b%reach)
             end do
             dt = min(b%bond_step, body%cfl*body%h/max(speed, tiny(speed)))
-            if (body%motion%n > 0 .or. .not. stiffness > 0) return
+            if (body%motion%n > 0) return
             give = maxval(b%moves)/b%mass &
                 + b%reach**2*(b%compliance(1, 1) + b%compliance(2, 2) + b%compliance(3, 3))
-            dt = min(dt, spring_share/sqrt(max(give*stiffness, tiny(give))))
+            dt = min(dt, spring_share/max(sqrt(give*ties(1)), give*ties(2), tiny(give)))
         end associate
     end function rigid_step
 end module brz_rigid_motion
