@@ -103,8 +103,9 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LIB)
 # Studies: programs whose results are recorded in docs/data.
 STUDY    := $(sort $(wildcard tests/study/*.f90))
 STUDIES  := $(patsubst %.f90,$(B)/%,$(filter tests/study/study_%,$(STUDY)))
-PROBLEMS := $(addprefix tests/verify/,air_problems.f90 exact_blasts.f90 exact_riemann.f90 \
-            solid_bodies.f90 solid_problems.f90 solid_scenes.f90 taylor_bars.f90 taylor_elements.f90)
+PROBLEMS := $(addprefix tests/verify/,air_problems.f90 drawn_bodies.f90 exact_blasts.f90 \
+            exact_riemann.f90 scene_tools.f90 solid_bodies.f90 solid_problems.f90 solid_scenes.f90 \
+            taylor_bars.f90 taylor_elements.f90)
 $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	@mkdir -p $(@D)
 	$(call say,link $@)

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> Where each formulation of the solids fails, and what its accuracy costs, as CSV.
 !>
-!> usage: study_solid stability|charts|plates [formulation]   all, or the one of that number
+!> usage: study_solid stability|drawn|charts|plates [formulation]   all, or the one of that number
 program study_solid
     use solid_problems, only: cantilever, patch, planar_impact, plate, pulled_bar, spin, &
                               taylor_bar, zigzag
     use solid_scenes, only: form_t, forms, seen_t
     use brz_kinds, only: dp
+    use drawn_bodies, only: crack, elastic_bar, rebar, rebar_t, ring, ring_t
     use taylor_bars, only: copper, particle_bar, shape_t
     implicit none
 
@@ -22,14 +23,14 @@ program study_solid
         last = first
     end if
     select case (what)
-    case ('stability')
+    case ('stability', 'drawn')
         call stability()
     case ('charts')
         call charts()
     case ('plates')
         call plates()
     case default
-        error stop 'usage: study_solid stability|charts|plates'
+        error stop 'usage: study_solid stability|drawn|charts|plates'
     end select
 
 contains
@@ -41,6 +42,10 @@ contains
         if (first == 1) print '(a)', 'test,formulation,seen,quantity,value,energy error,'// &
             'longest link,shortest link'
         do f = first, last
+            if (what == 'drawn') then
+                call drawn(forms(f))
+                cycle
+            end if
             call spin(forms(f), 5.0_dp, 2.0_dp, seen)
             call report('slow spin', 'angular momentum lost', forms(f), seen, 1e-3_dp)
             call spin(forms(f), 50.0_dp, 3.0_dp, seen)
@@ -63,8 +68,63 @@ contains
             call report('impact 2 km/s', 'pressure error', forms(f), seen, 0.03_dp)
             call taylor_bar(forms(f), 6, seen)
             call report('Taylor bar', 'shape error', forms(f), seen, 0.1_dp)
+            call drawn(forms(f))
         end do
     end subroutine stability
+
+    !> Bodies that are drawn (drawn_bodies). A total Lagrangian body cannot part.
+    subroutine drawn(form)
+        type(form_t), intent(in) :: form
+        type(seen_t) :: seen
+        type(rebar_t) :: bar
+        type(ring_t) :: parts
+        real(dp) :: found
+        integer :: across
+
+        call elastic_bar(form, 2e-3_dp, found, seen)
+        seen%value = found - 1
+        call report('elastic bar 1.8 %', 'stress error', form, seen, 0.05_dp)
+        seen = seen_t()
+        do across = 2, 5
+            call rebar(across, 100.0_dp, 0.03_dp, changed(form, '')//whole(form), bar)
+            if (abs(bar%stress - 1) > abs(seen%value)) seen%value = bar%stress - 1
+            seen%energy = max(seen%energy, abs(bar%energy))
+            seen%ended = seen%ended .or. bar%ended
+        end do
+        call report('rebar 3 %, 2 to 5 across', 'stress error', form, seen, 0.02_dp)
+        if (form%formulation == 'total_lagrangian') return
+        seen = seen_t()
+        call ring(changed(form, ''), 4, parts)
+        seen%value = 1 - min(parts%through, 1.0_dp)
+        seen%energy = parts%energy
+        seen%ended = parts%ended
+        if (parts%pieces > 1 .and. seen%value > 0.35_dp) seen%longest = 2 ! parted, and sound there
+        call report('ring of 4340', 'sound where it parted', form, seen, 0.35_dp)
+        seen = seen_t()
+        call crack(changed(form, '(strip)'), seen%value, seen%ended)
+        seen%value = seen%value - 1
+        call report('notched strip', 'error of gf', form, seen, 0.15_dp)
+    end subroutine drawn
+
+    !> What a deck says of a formulation, as changes.
+    function changed(form, body) result(words)
+        type(form_t), intent(in) :: form
+        character(*), intent(in) :: body !! (its name), or nothing: the only one
+        character(:), allocatable :: words
+
+        words = 'body'//body//'.formulation='//trim(form%formulation)//' body'//body// &
+                '.artificial_stress='//trim(form%artificial)
+        if (form%hold >= 0) words = words//' body'//body//'.tension_hold=0'
+    end function changed
+
+    !> Metal that does not fail, where a formulation demands that.
+    function whole(form) result(words)
+        type(form_t), intent(in) :: form
+        character(:), allocatable :: words
+
+        words = ''
+        if (form%formulation == 'total_lagrangian') words = ' material.failure_strain=none'
+    end function whole
 
     !> One line of the map. Fractured: lattice neighbours came apart; clumped: they met.
     subroutine report(test, quantity, form, seen, bound)

@@ -7,11 +7,13 @@ module drawn_bodies
     use brz_solid_state, only: solid_t
     use solid_bodies, only: sound_pieces
     use brz_solid_totals, only: solid_totals, solid_totals_t
-    use scene_tools, only: open_scene, step_scene, tools_scene_t => scene_t
+    use brz_errors, only: failed
+    use brz_time_step, only: advance_scene => advance
+    use scene_tools, only: open_scene, tools_scene_t => scene_t
     use solid_scenes, only: advance, begin, choose, elastic, finish, form_t, scene_t, seen_t, total
     implicit none
     private
-    public :: elastic_bar, rebar_t, rebar, ring_t, ring, strip
+    public :: elastic_bar, rebar_t, rebar, ring_t, ring, strip, crack
 
     real(dp), parameter :: young = 200e9_dp, yield = 500e6_dp, tangent = 1.5e9_dp
     real(dp), parameter :: cowper_d = 40.4_dp, cowper_p = 5 !! of the preset rebar
@@ -20,6 +22,7 @@ module drawn_bodies
         real(dp) :: stress = 0 !! of its middle over that of its law
         real(dp) :: energy = 0 !! error of the total over the work
         real(dp) :: hourglass = 0 !! energy that the hold has, over the work
+        logical :: ended = .false. !! the program stopped with an error
     end type rebar_t
 
     type :: ring_t
@@ -27,6 +30,7 @@ module drawn_bodies
         real(dp) :: through = 0 !! failed particles for each of them over the layers of the ring
         real(dp) :: energy = 0 !! error of the total over the kinetic energy at the start
         real(dp) :: angular = 0 !! change of the angular momentum over mass, radius and speed
+        logical :: ended = .false. !! the program stopped with an error
     end type ring_t
 
 contains
@@ -109,8 +113,10 @@ contains
             solid%v(1, :) = real(min(solid%x(1, :)/half, 1.0_dp)*rate*half, rk)
             start = total(solid)
             do while (sim%clock%time*rate < last)
-                call step_scene(scene)
+                call advance_scene(sim, scene%err)
+                if (failed(scene%err)) exit
             end do
+            found%ended = failed(scene%err)
             allocate (middle(solid%n))
             call look(solid, half/2, middle, strain)
             found%stress = sum(solid%stress(1, :), middle)/count(middle) &
@@ -149,8 +155,10 @@ contains
             end do
             start = total(solid)
             do while (sim%clock%time < sim%case%run%t_end)
-                call step_scene(scene)
+                call advance_scene(sim, scene%err)
+                if (failed(scene%err)) exit
             end do
+            found%ended = failed(scene%err)
             found%pieces = sound_pieces(solid)
             found%through = real(count(solid%damage >= 1), dp)/max(found%pieces, 1)/layers
             found%energy = total(solid)/start - 1
@@ -164,7 +172,7 @@ contains
     end subroutine ring
 
     !> A notched strip of concrete, drawn at a rate of 5 1/s until it has parted: its largest mean
-    !> stress [Pa], and the work that its crack took [J/m].
+    !> stress [Pa], and the work that its crack took [J/m], that of an error without end.
     subroutine strip(changes, peak, work)
         character(*), intent(in) :: changes !! of the deck
         real(dp), intent(out) :: peak, work
@@ -186,12 +194,32 @@ contains
             start = t%kinetic
             peak = 0
             do while (sim%clock%time < sim%case%run%t_end)
-                call step_scene(scene)
+                call advance_scene(sim, scene%err)
+                if (failed(scene%err)) exit
                 far = solid%x_ref(1, :) > half/3 .and. solid%x_ref(1, :) < 2*half/3
                 peak = max(peak, sum(real(solid%stress(1, :), dp), far)/count(far))
             end do
             call solid_totals(solid, 0, t)
             work = sum(solid%bodies%ledger%drive) + start - t%kinetic
+            if (failed(scene%err)) work = huge(work)
         end associate
     end subroutine strip
+    !> Work per area that a crack in concrete takes, over its fracture energy; and whether it ended.
+    subroutine crack(changes, work, ended)
+        character(*), intent(in) :: changes !! of the deck
+        real(dp), intent(out) :: work
+        logical, intent(out) :: ended !! with an error
+        real(dp), parameter :: ligament = 0.012_dp, energy = 146.5_dp !! [m], [J/m2]
+        type(tools_scene_t) :: scene
+
+        call open_scene('notched_strip', changes, scene)
+        associate (sim => scene%sim)
+            do while (sim%clock%time < sim%case%run%t_end)
+                call advance_scene(sim, scene%err)
+                if (failed(scene%err)) exit
+            end do
+            work = 2*sim%solid%bodies(1)%ledger%drive/ligament/energy
+            ended = failed(scene%err)
+        end associate
+    end subroutine crack
 end module drawn_bodies

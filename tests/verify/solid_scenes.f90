@@ -43,12 +43,14 @@ module solid_scenes
         real(dp) :: time = 0, dt = 0, start = 0, energy = 0
     end type scene_t
 
-    type(form_t), parameter :: forms(8) = [ &
+    type(form_t), parameter :: forms(9) = [ &
                                form_t('uncorrected', 'uncorrected'), &
                                form_t('paper', 'paper'), &
                                form_t('uncorrected + gray', 'uncorrected', 'gray'), &
                                form_t('corrected', 'corrected'), &
                                form_t('corrected + gray', 'corrected', 'gray'), &
+                               form_t('corrected_hourglass, no hold', 'corrected_hourglass', &
+                                      hold=0.0_dp), &
                                form_t('corrected_hourglass', 'corrected_hourglass'), &
                                form_t('bending', 'bending'), &
                                form_t('total_lagrangian', 'total_lagrangian')]
