@@ -91,6 +91,7 @@ contains
 
         dt = solid%dt_limit
         if (solid%dt_last > 0) dt = min(dt, growth*solid%dt_last)
+        dt = min(dt, solid%loads%step)
     end function solid_time_step
 
     !> One time step under the present `load`. The first kick is half a step; its heat is booked

@@ -5,6 +5,7 @@ module brz_build_case
     use brz_check_bodies, only: check_bodies
     use brz_check_air, only: check_air, check_charges, check_gas
     use brz_check_interactions, only: check_interactions
+    use brz_check_loads, only: check_loads
     use brz_check_materials, only: check_materials
     use brz_check_gauges, only: check_gauges
     use brz_complete, only: ensure_group, parse_defaults
@@ -49,6 +50,7 @@ contains
         call check_charges(deck, case)
         call check_bodies(deck, case)
         call check_interactions(deck, case)
+        call check_loads(deck, case)
         call check_gauges(deck, case)
         call check_materials(deck, keys)
         call check_use(deck, case)

@@ -11,7 +11,7 @@ module brz_case
     public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
                  body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t, &
                  point_case_t, segment_case_t
-    public :: name_len, max_plies, max_motion, interaction_case_t, label
+    public :: name_len, max_plies, max_motion, interaction_case_t, load_case_t, label
 
     integer, parameter :: name_len = 32 !! longest id or option word
     integer, parameter :: max_plies = 256 !! most plies of one body
@@ -161,6 +161,18 @@ module brz_case
         real(dp) :: open_box(6, 8) = 0 !! regions that are not glued: x0, x1, ... [m]
     end type interaction_case_t
 
+    !> &load: a pressure on faces of a body
+    type :: load_case_t
+        character(name_len) :: id = ''
+        character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
+        integer :: body = 0 !! its place
+        logical :: faces(6) = .false. !! x-, x+, y-, ...
+        real(dp), allocatable :: time(:), pressure(:) !! history of the overpressure [s, Pa]
+        real(dp) :: mass = 0 !! of a sphere of TNT in free air; 0: the history [kg]
+        real(dp) :: at(3) = 0 !! of its centre [m]
+        real(dp) :: start = 0 !! when it detonates [s]
+    end type load_case_t
+
     !> &gauge
     type :: gauge_case_t
         character(name_len) :: id = ''
@@ -206,6 +218,7 @@ module brz_case
         type(material_case_t), allocatable :: materials(:)
         type(body_case_t), allocatable :: bodies(:)
         type(interaction_case_t), allocatable :: interactions(:)
+        type(load_case_t), allocatable :: loads(:)
         type(gauge_case_t), allocatable :: gauges(:)
         type(solid_case_t) :: solid
         type(coupling_case_t) :: coupling

@@ -6,6 +6,7 @@
 module brz_core_keys
     use brz_body_keys, only: body_keys
     use brz_explosives, only: explosive_names
+    use brz_check_loads, only: load_keys
     use brz_gauge_quantities, only: quantity_choices
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text, none, required
     use brz_kinds, only: dp
@@ -30,6 +31,7 @@ contains
         call charge_keys(keys)
         call material_group_keys(keys)
         call body_keys(keys)
+        call load_keys(keys)
         call gauge_keys(keys)
         call settings_keys(keys)
         call point_keys(keys)

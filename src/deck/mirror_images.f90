@@ -155,7 +155,8 @@ contains
         n = 0
         do k = 1, deck%n
             out = k == g
-            if (deck%groups(k)%name == 'gauge') out = names(deck%groups(k), 'body', id)
+            if (any(deck%groups(k)%name == [character(5) :: 'gauge', 'load'])) &
+                out = names(deck%groups(k), 'body', id)
             if (deck%groups(k)%name == 'interaction') out = names(deck%groups(k), 'bodies', id)
             if (out) cycle
             n = n + 1

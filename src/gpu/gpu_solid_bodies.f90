@@ -37,6 +37,7 @@ contains
                 why = "the material of body '"//trim(solid%bodies(b)%id)//"'"
         end do
         if (solid%remove) why = "leave='remove'"
+        if (allocated(solid%loads%of)) why = '&load'
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
 

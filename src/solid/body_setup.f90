@@ -12,6 +12,7 @@ module brz_body_setup
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation, only: settle_formulation
     use brz_interaction_setup, only: set_up_interactions
+    use brz_load_setup, only: set_up_loads
     use brz_kinds, only: dp, int16, int8, rk
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
@@ -47,6 +48,7 @@ contains
             call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
         end do
         call set_up_cohesive(case, points%shape, solid, err)
+        call set_up_loads(case, points%shape, solid, err)
         do b = 1, size(solid%bodies)
             call set_up_rigid(case%bodies(b), points(b)%shape%on_plane, solid, solid%bodies(b), err)
         end do

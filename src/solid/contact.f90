@@ -176,7 +176,7 @@ contains
         if (m%rigid) then
             k = max(-push*(r(1)*sums(1) + r(2)*sums(2) + r(3)*sums(3)), 0.0_rk)
         else
-            k = push*sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)) ! F_ij^2 may exceed real32
+            k = push*sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)) ! push*push may be too large
             k = k*k*volumes(2)
         end if
         k = volumes(1)*sums(4)*k

@@ -6,6 +6,7 @@
 module brz_solid_state
     use brz_artificial_stress, only: artificial_none
     use brz_cohesive_state, only: cohesive_t
+    use brz_face_load, only: loads_t
     use brz_contact, only: meeting_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
     use brz_material, only: material_t
@@ -214,5 +215,6 @@ module brz_solid_state
         integer(int8), allocatable :: mask(:) !! mirrored axes of an image, bits 0..2
         type(links_t) :: links !! between different bodies
         type(cohesive_t) :: cohesive !! interfaces with a law of their own
+        type(loads_t) :: loads !! pressures on faces, in scenes without air
     end type solid_t
 end module brz_solid_state

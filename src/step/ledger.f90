@@ -140,6 +140,7 @@ contains
         end if
         ledger%air_work = coupling%work
         ledger%reference_work = coupling%work_reference
+        if (allocated(solid%loads%of)) ledger%reference_work = -ledger%load_work ! from outside
         ledger%impulse = coupling%impulse + coupling%impulse_reference
         all = ledger%gas + ledger%kept + ledger%outflow
         all(2:4) = all(2:4) + ledger%impulse

@@ -1,0 +1,142 @@
+! SPDX-License-Identifier: MIT
+!> Loads: their keys, their values, and the bodies that they name.
+module brz_check_loads
+    use brz_case, only: case_t, load_case_t, name_len
+    use brz_check_bodies, only: reference_hint
+    use brz_deck, only: complain, deck_t, find_entry, group_label, place
+    use brz_get, only: get, is_given, is_usable
+    use brz_key, only: key_t, kind_text, required
+    use brz_kinds, only: dp
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: load_keys, check_loads
+
+    integer, parameter :: most_points = 200 !! of a history
+    character(2), parameter :: names(6) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
+
+contains
+
+    !> Append the rows of &load.
+    subroutine load_keys(keys)
+        type(key_t), allocatable, intent(inout) :: keys(:)
+        character(*), parameter :: g = 'load'
+        real(dp), parameter :: zero = 0
+
+        keys = [keys, &
+                key_t(group=g, meaning='A pressure on faces of a body in a scene without air: '// &
+                      'a history, or a blast by Kingery-Bulmash. It follows the faces as they '// &
+                      'deform.'), &
+                key_t(group=g, key='id', kind=kind_text, meaning='Name of the load.'), &
+                key_t(group=g, key='body', kind=kind_text, default=required, &
+                      meaning='Id of the body that is loaded.'), &
+                key_t(group=g, key='faces', kind=kind_text, n_max=6, default=required, &
+                      choices='x-|x+|y-|y+|z-|z+', &
+                      meaning='Faces of it, seen along an axis: the outermost particles there.'), &
+                key_t(group=g, key='time', n_max=most_points, unit='s', &
+                      meaning='Times of the history, growing; straight lines between them, 0 '// &
+                      'before and after. Not needed for one constant pressure.'), &
+                key_t(group=g, key='pressure', n_max=most_points, unit='Pa', &
+                      meaning='Overpressure at these times; positive pushes on the face.'), &
+                key_t(group=g, key='mass', unit='kg', lower=zero, open_lower=.true., &
+                      meaning='Sphere of TNT that detonates in free air, in place of a '// &
+                      'history. A hemisphere on the ground: 1.8 times its mass.'), &
+                key_t(group=g, key='at', n_min=3, n_max=3, unit='m', &
+                      meaning='mass: centre of the charge.'), &
+                key_t(group=g, key='detonation_time', unit='s', default='0.0', &
+                      meaning='mass: when it detonates; may be negative.')]
+    end subroutine load_keys
+
+    !> Fill and check the loads of a case; its bodies must be there.
+    subroutine check_loads(deck, case)
+        type(deck_t), intent(inout) :: deck
+        type(case_t), intent(inout) :: case
+        integer :: g, k
+
+        allocate (case%loads(count(deck%groups(:deck%n)%name == 'load')))
+        k = 0
+        do g = 1, deck%n
+            if (deck%groups(g)%name /= 'load') cycle
+            k = k + 1
+            call fill(deck, g, case, case%loads(k))
+            call check_keys(deck, g, case%loads(k))
+            if (case%air%present) call complain(deck, g, 'body', group_label(deck%groups(g))// &
+                'is for scenes without air, and this one has &air; take one of them out')
+        end do
+    end subroutine check_loads
+
+    subroutine fill(deck, g, case, load)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(load_case_t), intent(inout) :: load
+        character(name_len) :: body, faces(6)
+        integer :: i, n
+
+        load%place = place(deck, deck%groups(g)%line)
+        load%id = deck%groups(g)%id
+        body = ''
+        call get(deck%groups(g), 'body', body)
+        load%body = findloc(case%bodies%id, body, 1)
+        if (load%body == 0 .and. is_usable(deck%groups(g), 'body')) call complain(deck, g, 'body', &
+            "there is no &body with id='"//trim(body)//"'"//reference_hint(trim(body), &
+                                                                          case%bodies%id))
+        faces = ''
+        call get(deck%groups(g), 'faces', faces, n)
+        load%faces = [(any(faces == names(i)), i=1, 6)]
+        call fill_list(deck, g, 'time', load%time)
+        call fill_list(deck, g, 'pressure', load%pressure)
+        call get(deck%groups(g), 'mass', load%mass)
+        call get(deck%groups(g), 'at', load%at)
+        call get(deck%groups(g), 'detonation_time', load%start)
+    end subroutine fill
+
+    !> The values of a key, none if it is absent.
+    subroutine fill_list(deck, g, key, list)
+        type(deck_t), intent(in) :: deck
+        integer, intent(in) :: g
+        character(*), intent(in) :: key
+        real(dp), allocatable, intent(out) :: list(:)
+        integer :: n
+
+        n = 0
+        if (is_given(deck%groups(g), key) .and. is_usable(deck%groups(g), key)) &
+            n = deck%groups(g)%entries(find_entry(deck%groups(g), key))%n
+        allocate (list(n))
+        if (n > 0) call get(deck%groups(g), key, list)
+    end subroutine fill_list
+
+    !> A history or a charge, and all that it needs.
+    subroutine check_keys(deck, g, load)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(load_case_t), intent(in) :: load
+        character(15), parameter :: of_charge(2) = [character(15) :: 'at', 'detonation_time']
+        integer :: i
+
+        associate (group => deck%groups(g), n => size(load%pressure), m => size(load%time))
+            if (is_given(group, 'mass') .eqv. is_given(group, 'pressure')) call complain(deck, g, &
+                'body', 'a load is a history (time, pressure) or the blast of a charge (mass, '// &
+                'at); give one of them')
+            if (is_given(group, 'mass')) then
+                if (.not. is_given(group, 'at')) call complain(deck, g, 'mass', &
+                    'a charge needs its place; add at = x, y, z')
+                if (is_given(group, 'time')) call complain(deck, g, 'time', &
+                    "time belongs to a history of pressure; take it out")
+                return
+            end if
+            do i = 1, size(of_charge)
+                if (is_given(group, trim(of_charge(i)))) call complain(deck, g, &
+                    trim(of_charge(i)), trim(of_charge(i))//' belongs to a charge (mass); take '// &
+                    'it out')
+            end do
+            if (m /= n .and. .not. (n == 1 .and. m == 0)) call complain(deck, g, 'pressure', &
+                to_text(n)//' pressures for '//to_text(m)//' times; give as many of both, or '// &
+                'one constant pressure')
+            if (m == n .and. n == 1) call complain(deck, g, 'time', 'a history needs two '// &
+                'times; take time out for a constant pressure')
+            if (any(load%time(2:) <= load%time(:max(m - 1, 0)))) call complain(deck, g, 'time', &
+                'the times must grow')
+        end associate
+    end subroutine check_keys
+end module brz_check_loads

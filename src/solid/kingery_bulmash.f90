@@ -1,0 +1,153 @@
+! SPDX-License-Identifier: MIT
+!> Blast of a sphere of TNT in free air, by the curves of Kingery and Bulmash.
+!>
+!> Source: C. N. Kingery, G. Bulmash, ARBRL-TR-02555 (1984), in the form that ConWep uses: with
+!> x = log10 of the scaled distance in ft/lb^(1/3), log10 of a quantity is a polynomial of
+!> shift + scale x. The same table serves the Python tools (post/data/kb_free_air.csv).
+module brz_kingery_bulmash
+    use brz_kinds, only: dp
+    implicit none
+    private
+    public :: blast_t, free_air_blast, friedlander_decay, friedlander_impulse
+    public :: nearest, farthest
+
+    real(dp), parameter :: lb = 0.45359237_dp, foot = 0.3048_dp, psi = 6894.757293_dp
+    real(dp), parameter :: nearest = 0.0589_dp, farthest = 39.6_dp !! scaled distances [m/kg^(1/3)]
+    integer, parameter :: peak = 1, reflected = 2, arrival = 3, duration = 4, impulse = 5, &
+                          reflected_impulse = 6
+
+    !> What a rigid surface meets at one distance.
+    type :: blast_t
+        real(dp) :: peak = 0, reflected = 0 !! overpressure, incident and of normal reflection [Pa]
+        real(dp) :: arrival = 0, duration = 0 !! after the detonation; of the positive phase [s]
+        real(dp) :: impulse = 0, reflected_impulse = 0 !! of these overpressures [Pa s]
+    end type blast_t
+
+    !> One polynomial.
+    type :: curve_t
+        integer :: quantity
+        real(dp) :: last !! largest x
+        real(dp) :: shift, scale
+        real(dp) :: c(0:9)
+    end type curve_t
+
+    type(curve_t), parameter :: curves(10) = [ &
+        curve_t(peak, 2.0_dp, -0.756579301809_dp, 1.35034249993_dp, &
+            [1.77284970457_dp, -1.69012801396_dp, 0.00804973591951_dp, 0.336743114941_dp, &
+             -0.00516226351334_dp, -0.0809228619888_dp, -0.00478507266747_dp, &
+             0.00793030472242_dp, 0.0007684469735_dp, 0.0_dp]), &
+        curve_t(reflected, 2.0_dp, -0.756579301809_dp, 1.35034249993_dp, &
+            [2.39106134946_dp, -2.21400538997_dp, 0.035119031446_dp, 0.657599992109_dp, &
+             0.0141818951887_dp, -0.243076636231_dp, -0.0158699803158_dp, 0.0492741184234_dp, &
+             0.00227639644004_dp, -0.00397126276058_dp]), &
+        curve_t(arrival, 2.0_dp, -0.80501734056_dp, 1.37407043777_dp, &
+            [-0.0423733936826_dp, 1.36456871214_dp, -0.0570035692784_dp, -0.182832224796_dp, &
+             0.0118851436014_dp, 0.0432648687627_dp, -0.0007997367834_dp, &
+             -0.00436073555033_dp, 0.0_dp, 0.0_dp]), &
+        curve_t(duration, -0.34_dp, 0.0_dp, 0.0_dp, [-0.824_dp, spread(0.0_dp, 1, 9)]), &
+        curve_t(duration, 0.350248_dp, 0.209440059933_dp, 5.11588554305_dp, &
+            [-0.801052722864_dp, 0.164953518069_dp, 0.127788499497_dp, 0.00291430135946_dp, &
+             0.00187957449227_dp, 0.0173413962543_dp, 0.00269739758043_dp, &
+             -0.00361976502798_dp, -0.00100926577934_dp, 0.0_dp]), &
+        curve_t(duration, 0.7596678_dp, -5.06778493835_dp, 9.2996288611_dp, &
+            [0.115874238335_dp, -0.0297944268969_dp, 0.0306329542941_dp, 0.018340557407_dp, &
+             -0.0173964666286_dp, -0.00106321963576_dp, 0.0056206003128_dp, &
+             0.0001618217499_dp, -0.0006860188944_dp, 0.0_dp]), &
+        curve_t(duration, 2.0_dp, -4.39590184126_dp, 3.1524725264_dp, &
+            [0.50659210403_dp, 0.0967031995552_dp, -0.00801302059667_dp, 0.00482705779732_dp, &
+             0.00187587272287_dp, -0.00246738509321_dp, -0.000841116668_dp, 0.0006193291052_dp, &
+             0.0_dp, 0.0_dp]), &
+        curve_t(reflected_impulse, 2.0_dp, -0.757659920369_dp, 1.37882996018_dp, &
+            [1.60579280091_dp, -0.903118886091_dp, 0.101771877942_dp, -0.0242139751146_dp, &
+             spread(0.0_dp, 1, 6)]), &
+        curve_t(impulse, 0.30103_dp, 1.04504877747_dp, 3.24299066475_dp, &
+            [1.43534136453_dp, -0.443749377691_dp, 0.168825414684_dp, 0.0348138030308_dp, &
+             -0.010435192824_dp, spread(0.0_dp, 1, 5)]), &
+        curve_t(impulse, 2.0_dp, -2.67912519532_dp, 2.30629231803_dp, &
+            [0.599008468099_dp, -0.40463292088_dp, -0.0142721946082_dp, 0.00912366316617_dp, &
+             -0.0006750681404_dp, -0.00800863718901_dp, 0.00314819515931_dp, &
+             0.00152044783382_dp, -0.0007470265899_dp, 0.0_dp])]
+
+contains
+
+    !> The blast of a mass of TNT at a distance, scaled distances from `nearest` to `farthest`.
+    pure function free_air_blast(mass, distance) result(blast)
+        real(dp), intent(in) :: mass, distance !! [kg], [m]
+        type(blast_t) :: blast
+        real(dp) :: x, root, time
+
+        root = (mass/lb)**(1/3.0_dp)
+        x = log10(distance/foot/root)
+        time = 1e-3_dp*root
+        blast%peak = psi*value_of(peak, x)
+        blast%reflected = psi*value_of(reflected, x)
+        blast%arrival = time*value_of(arrival, x)
+        blast%duration = time*value_of(duration, x)
+        blast%impulse = psi*time*value_of(impulse, x)
+        blast%reflected_impulse = psi*time*value_of(reflected_impulse, x)
+    end function free_air_blast
+
+    !> Value of a curve in its own unit: psi, ms/lb^(1/3), psi ms/lb^(1/3).
+    pure real(dp) function value_of(quantity, x) result(value)
+        integer, intent(in) :: quantity
+        real(dp), intent(in) :: x
+        real(dp) :: u
+        integer :: i, k
+
+        do i = 1, size(curves)
+            if (curves(i)%quantity /= quantity) cycle
+            u = curves(i)%shift + curves(i)%scale*x
+            value = curves(i)%c(9)
+            do k = 8, 0, -1
+                value = value*u + curves(i)%c(k)
+            end do
+            if (x <= curves(i)%last) exit
+        end do
+        value = 10**value
+    end function value_of
+
+    !> Decay b of a Friedlander wave p (1 - t/T) exp(-b t/T) from its impulse.
+    pure real(dp) function friedlander_decay(peak, duration, impulse) result(b)
+        real(dp), intent(in) :: peak, duration, impulse !! [Pa], [s], [Pa s]
+        real(dp) :: low, high
+        integer :: round
+
+        low = -50 ! the impulse over p T falls from large values to 0 as b grows
+        high = 1e4_dp
+        do round = 1, 200
+            b = (low + high)/2
+            if (share(b) > impulse/(peak*duration)) then
+                low = b
+            else
+                high = b
+            end if
+        end do
+
+    contains
+
+        !> Impulse over p T: 1/b - (1 - exp(-b))/b^2.
+        pure real(dp) function share(b)
+            real(dp), intent(in) :: b
+
+            if (abs(b) < 1e-3_dp) then
+                share = 0.5_dp - b/6 + b*b/24 - b**3/120
+            else
+                share = 1/b - (1 - exp(-b))/(b*b)
+            end if
+        end function share
+    end function friedlander_decay
+
+    !> Impulse of a Friedlander wave until a time after its arrival: that of its positive phase.
+    pure real(dp) function friedlander_impulse(peak, duration, b, t) result(impulse)
+        real(dp), intent(in) :: peak, duration, b, t !! [Pa], [s], [-], [s]
+        real(dp) :: x
+
+        x = max(0.0_dp, min(1.0_dp, t/duration))
+        if (abs(b) < 1e-4_dp) then
+            impulse = x - x*x/2 - b*(x*x/2 - x**3/3)
+        else
+            impulse = (b - 1 + exp(-b*x)*(1 - b + b*x))/(b*b)
+        end if
+        impulse = impulse*peak*duration
+    end function friedlander_impulse
+end module brz_kingery_bulmash

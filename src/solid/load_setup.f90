@@ -1,0 +1,200 @@
+! SPDX-License-Identifier: MIT
+!> The facets that carry the loads of a deck, from the unloaded bodies.
+module brz_load_setup
+    use brz_body_shape, only: shape_t
+    use brz_case, only: case_t, load_case_t, label
+    use brz_errors, only: error_t, exit_deck, raise
+    use brz_face_load, only: facets_t
+    use brz_kinds, only: dp, rk
+    use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest
+    use brz_solid_state, only: body_t, solid_t
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: set_up_loads
+
+    real(dp), parameter :: fine = 0.01_dp !! step over the length of a load
+    real(dp), parameter :: most_stretch = 2 !! of a facet that still carries more load
+
+contains
+
+    !> Facets of all loads, and room for forces.
+    subroutine set_up_loads(case, shapes, solid, err)
+        type(case_t), intent(in) :: case
+        type(shape_t), intent(in) :: shapes(:) !! of the bodies
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        integer :: k
+
+        if (size(case%loads) == 0) return
+        if (.not. allocated(solid%load)) allocate (solid%load(3, solid%n), source=0.0_rk)
+        allocate (solid%loads%of(size(case%loads)), solid%loads%place(solid%n))
+        do k = 1, size(case%loads)
+            associate (load => case%loads(k), facets => solid%loads%of(k))
+                call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), facets)
+                if (facets%n == 0) call raise(err, exit_deck, label('load', load%id, load%place)// &
+                    'no particle of the body lies on these faces; name others')
+                facets%blast = load%mass > 0
+                facets%time = load%time
+                facets%pressure = load%pressure
+                if (facets%blast) call find_waves(load, solid, facets, err)
+                if (facets%blast) solid%loads%step = min(solid%loads%step, &
+                                                         minval(facets%wave(2, :))*fine)
+                if (size(load%time) > 1) solid%loads%step = min(solid%loads%step, fine* &
+                                                     (load%time(size(load%time)) - load%time(1)))
+            end associate
+        end do
+    end subroutine set_up_loads
+
+    !> Particles with no neighbour on the lattice across a face, and their neighbours in the layer.
+    subroutine find_facets(load, shape, solid, body, facets)
+        type(load_case_t), intent(in) :: load
+        type(shape_t), intent(in) :: shape
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        type(facets_t), intent(out) :: facets
+        integer, allocatable :: cell(:, :, :)
+        integer :: at(3), axis, i, low(3), high(3), n, pass, side, steps(3)
+
+        call fill_lattice(solid, body, shape%spacing, cell, low, high)
+        do pass = 1, 2
+            n = 0
+            do axis = 1, solid%dimension
+                do side = -1, 1, 2
+                    if (.not. load%faces(merge(2*axis - 1, 2*axis, side < 0))) cycle
+                    steps = 0
+                    steps(axis) = side
+                    do i = body%first, body%last
+                        at = place_of(solid, i, body%first, shape%spacing)
+                        if (number_at(cell, low, high, at + steps) /= 0) cycle
+                        if (side < 0 .and. solid%mirror(axis) .and. &
+                            solid%x_ref(axis, i) < shape%spacing(axis)) cycle
+                        n = n + 1
+                        if (pass == 2) call lay_facet(i, axis, side, n)
+                    end do
+                end do
+            end do
+            if (pass == 1) allocate (facets%id(n), facets%beside(4, n), facets%mirror(4, n), &
+                                     facets%width(2, n), facets%most(2, n), &
+                                     facets%side(n))
+        end do
+        facets%n = n
+
+    contains
+
+        !> Facet k: that of particle i. A neighbour beyond a plane of symmetry is its own image; at
+        !> an edge of the face the span is that to the one other neighbour.
+        subroutine lay_facet(i, axis, side, k)
+            integer, intent(in) :: i, axis, side, k
+            integer :: a, j, m, step(3), tangent, up
+
+            facets%id(k) = solid%id(i)
+            facets%side(k) = side*axis
+            do tangent = 1, 2
+                a = mod(axis + tangent - 1, 3) + 1
+                facets%width(tangent, k) = 0
+                facets%most(tangent, k) = most_stretch*shape%spacing(a)
+                do up = 0, 1
+                    m = 2*tangent - 1 + up
+                    facets%beside(m, k) = 0
+                    facets%mirror(m, k) = 0
+                    if (a > solid%dimension) cycle
+                    step = 0
+                    step(a) = 1 - 2*up
+                    j = number_at(cell, low, high, &
+                                  place_of(solid, i, body%first, shape%spacing) + step)
+                    if (j > 0) then
+                        facets%beside(m, k) = solid%id(j)
+                    else if (up == 1 .and. solid%mirror(a) .and. &
+                             solid%x_ref(a, i) < shape%spacing(a)) then
+                        facets%mirror(m, k) = a
+                    else
+                        cycle
+                    end if
+                    facets%width(tangent, k) = facets%width(tangent, k) + 1
+                end do
+                if (facets%width(tangent, k) > 0) &
+                    facets%width(tangent, k) = 1/facets%width(tangent, k)
+            end do
+        end subroutine lay_facet
+    end subroutine find_facets
+
+    !> Numbers of the particles of a body on its lattice.
+    subroutine fill_lattice(solid, body, spacing, cell, low, high)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: spacing(3)
+        integer, allocatable, intent(out) :: cell(:, :, :)
+        integer, intent(out) :: low(3), high(3)
+        integer :: at(3), i
+
+        low = huge(low)
+        high = -huge(high)
+        do i = body%first, body%last
+            at = place_of(solid, i, body%first, spacing)
+            low = min(low, at)
+            high = max(high, at)
+        end do
+        allocate (cell(low(1):high(1), low(2):high(2), low(3):high(3)), source=0)
+        do i = body%first, body%last
+            at = place_of(solid, i, body%first, spacing)
+            cell(at(1), at(2), at(3)) = i
+        end do
+    end subroutine fill_lattice
+
+    !> Layers of a particle, from those of the first of its body; 0 where nothing is modelled.
+    pure function place_of(solid, i, first, spacing) result(at)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i, first
+        real(dp), intent(in) :: spacing(3)
+        integer :: at(3)
+
+        at = 0
+        associate (n => solid%dimension)
+            at(:n) = nint((solid%x_ref(:n, i) - solid%x_ref(:n, first))/spacing(:n))
+        end associate
+    end function place_of
+
+    pure integer function number_at(cell, low, high, at) result(i)
+        integer, intent(in) :: low(3), high(3), at(3)
+        integer, intent(in) :: cell(low(1):high(1), low(2):high(2), low(3):high(3))
+
+        i = 0
+        if (all(at >= low) .and. all(at <= high)) i = cell(at(1), at(2), at(3))
+    end function number_at
+
+    !> Waves of a blast on the facets of the unloaded body: reflected and incident part by the
+    !> angle of incidence, p_r cos^2 + p_i (1 + cos^2 - 2 cos); none on faces that look away.
+    subroutine find_waves(load, solid, facets, err)
+        type(load_case_t), intent(in) :: load
+        type(solid_t), intent(in) :: solid
+        type(facets_t), intent(inout) :: facets
+        type(error_t), intent(inout) :: err
+        type(blast_t) :: blast
+        real(dp) :: arm(3), c, distance, near, far
+        integer :: i, k
+
+        allocate (facets%wave(6, facets%n), source=0.0_dp)
+        near = huge(near)
+        far = 0
+        do k = 1, facets%n
+            i = findloc(solid%id, facets%id(k), 1)
+            arm = load%at - solid%x_ref(:, i)
+            arm(solid%dimension + 1:) = 0
+            distance = norm2(arm)
+            near = min(near, distance/load%mass**(1/3.0_dp))
+            far = max(far, distance/load%mass**(1/3.0_dp))
+            if (near < nearest .or. far > farthest) cycle
+            blast = free_air_blast(load%mass, distance)
+            c = max(sign(1, facets%side(k))*arm(abs(facets%side(k)))/distance, 0.0_dp)
+            facets%wave(:, k) = [load%start + blast%arrival, blast%duration, &
+                c*c*blast%reflected, (1 + c*c - 2*c)*blast%peak, &
+                friedlander_decay(blast%reflected, blast%duration, blast%reflected_impulse), &
+                friedlander_decay(blast%peak, blast%duration, blast%impulse)]
+        end do
+        if (near < nearest .or. far > farthest) call raise(err, exit_deck, &
+            label('load', load%id, load%place)//'scaled distances from '//to_text(near)//' to '// &
+            to_text(far)//' m/kg^(1/3) leave the range of the Kingery-Bulmash curves, '// &
+            to_text(nearest)//' to '//to_text(farthest)//'; move the charge, or compute the air')
+    end subroutine find_waves
+end module brz_load_setup

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: MIT
+"""Pressures on faces of bodies, in scenes without air: histories and blasts by Kingery-Bulmash."""
+
+import math
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from notes import note
+
+HOME = Path(__file__).parents[2]
+sys.path.insert(0, str(HOME))
+
+from post.blast import free_air  # noqa: E402
+
+BRISANCE = HOME / "bin" / "brisance"
+STEEL = """\
+&material id='s', model='linear_elastic', density=7800, youngs_modulus=200e9, poisson_ratio=0.3 /
+"""
+
+
+def run(folder, deck, *options):
+    """Rows of bodies.csv and energy.csv, by column; what was printed."""
+    (folder / "load.nml").write_text(deck)
+    done = subprocess.run([BRISANCE, "run", "load.nml", "--replace", *options], cwd=folder,
+                          capture_output=True, text=True)  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    out = folder / "out" / "load"
+    tables = {}
+    for name in ("bodies", "energy", "gauges"):
+        path = out / f"{name}.csv"
+        if not path.exists():
+            continue
+        with path.open() as file:
+            names = [column.strip() for column in file.readline().split(",")]
+            rows = np.loadtxt(file, delimiter=",", ndmin=2)
+        tables[name] = dict(zip(names, rows.T, strict=True))
+    return tables
+
+
+def momentum(tables, body="b"):
+    """Of a body at the end [N s]."""
+    b = tables["bodies"]
+    mass = b[f"{body}:mass[kg]"][-1]
+    return np.array([mass * b[f"{body}:velocity_{a}[m/s]"][-1] for a in "xyz"])
+
+
+BLOCK = (
+    STEEL
+    + """\
+&body id='b', box=0,0.01, 0,0.006, 0,0.004, spacing={dx}, material='s', formulation='{form}' /
+&output history_every=1e-6, dump_every=1 /
+"""
+)
+
+
+# A triangle of 100 MPa and 20 us on a face pushes with its impulse times the area of the face.
+@pytest.mark.parametrize(("dimension", "symmetry", "form"), [
+    (1, "", "auto"), (2, "", "auto"), (3, "", "auto"), (3, "symmetry='y','z'", "auto"),
+    (3, "", "corrected_hourglass"), (3, "", "total_lagrangian"), (3, "", "rigid"),
+])  # fmt: skip
+def test_impulse_of_a_history(tmp_path, dimension, symmetry, form):
+    deck = f"&run t_end=2e-5, dimension={dimension} {symmetry} /\n" + BLOCK.format(
+        dx=1e-3, form=form
+    )
+    deck += "&load body='b', faces='x-', time=0,1e-5,2e-5, pressure=0,1e8,0 /\n"
+    tables = run(tmp_path, deck)
+    area = {1: 1.0, 2: 0.006, 3: 0.006 * 0.004}[dimension]
+    wanted = 1e8 * 1e-5 * area
+    got = momentum(tables)
+    # the area of a face that deforms grows a little under the pulse
+    even = dimension == 1 or form == "rigid"
+    assert got[0] == pytest.approx(wanted, rel=1e-6 if even else 3e-4)
+    assert symmetry or abs(got[1:]).max() < 1e-9 * wanted
+    assert abs(tables["energy"]["error[-]"][-1]) < 1e-4
+    work = tables["energy"]["load_work[J]"][-1]
+    assert work >= 0.99 * got[0] ** 2 / 2 / tables["bodies"]["b:mass[kg]"][-1]
+
+
+def test_pressure_on_all_faces_of_what_turns_is_balanced(tmp_path):
+    """It follows the faces: the net force stays zero and the body is squeezed evenly."""
+    deck = "&run t_end=5e-5 /\n" + BLOCK.format(dx=1e-3, form="bending")
+    deck = deck.replace("material='s'", "material='s', spin=0,0,2e4, alpha=0")
+    deck += "&load body='b', faces='x-','x+','y-','y+','z-','z+', pressure=1e7 /\n"
+    tables = run(tmp_path, deck)
+    scale = 1e7 * 0.006 * 0.004 * 5e-5  # impulse on one face
+    note("pressure on all faces of what turns: force left", abs(momentum(tables)).max() / scale)
+    assert abs(momentum(tables)).max() < 2e-3 * scale
+    assert abs(tables["energy"]["error[-]"]).max() < 1e-3
+
+
+def test_blast_is_that_of_kingery_bulmash(tmp_path):
+    """A small rigid plate that looks at the charge, one at 60 degrees, and one that looks away."""
+    mass, far = 2.0, 1.5
+    blast = free_air(mass, far)
+    end = 1.05 * (blast.arrival + blast.duration)
+    head = f"&run t_end={end} /\n" + STEEL.replace("7800", "1e6")  # it hardly turns
+    plate = """\
+&body id='b', box=-0.01,0.01, -0.01,0.01, 0,0.01, spacing=5e-3, material='s', formulation='rigid' /
+&output history_every={every}, dump_every=1 /
+&load body='b', faces='{face}', mass={mass}, at={at} /
+"""
+    area = 0.02**2
+    for angle, face in ((0, "z-"), (60, "z-"), (180, "z+")):
+        turn = math.radians(angle if face == "z-" else 0)
+        level = 2.5e-3 if face == "z-" else 7.5e-3  # of the layer that is loaded
+        at = f"{far * math.sin(turn)},0,{level - far * math.cos(turn)}"
+        deck = head + plate.format(every=end / 100, face=face, mass=mass, at=at)
+        tables = run(tmp_path, deck)
+        got = -momentum(tables)[2] if face == "z+" else momentum(tables)[2]
+        _, wanted = blast.on_surface(turn)
+        if face == "z+":  # the incident wave passes over it
+            wanted = blast.incident_impulse
+        note(f"blast on a plate at {angle} degrees: impulse over Kingery-Bulmash",
+             got / (wanted * area))  # fmt: skip
+        assert got == pytest.approx(wanted * area, rel=1e-3)
+
+
+def clamped_beam(elements=200):
+    """First frequencies and shapes of the strip below, by Timoshenko elements: (omega, w(t))."""
+    young, ratio, density, high, length = 200e9 / (1 - 0.09), 0.3, 7800.0, 0.01, 0.2
+    shear, size = 200e9 / 2 / (1 + ratio), length / elements
+    n = 2 * elements + 2
+    stiff, mass = np.zeros((n, n)), np.zeros(n)
+    slope = np.array([-1 / size, -0.5, 1 / size, -0.5])
+    turn = np.array([0, -1 / size, 0, 1 / size])
+    element = size * (5 / 6 * shear * high * np.outer(slope, slope)
+                      + young * high**3 / 12 * np.outer(turn, turn))  # fmt: skip
+    for k in range(elements):
+        at = slice(2 * k, 2 * k + 4)
+        stiff[at, at] += element
+        mass[at] += density * size / 2 * np.array([high, high**3 / 12] * 2)
+    free = slice(2, -2)
+    root = np.sqrt(mass[free])
+    squares, modes = np.linalg.eigh(stiff[free, free] / np.outer(root, root))
+    force = np.zeros(n)
+    force[0::2] = size
+    part = modes.T @ (force[free] / root)
+    middle = modes[elements - 2] / root[elements - 2]
+    return np.sqrt(squares), part * middle
+
+
+def test_clamped_strip_under_a_triangular_pulse(tmp_path):
+    """Deflection of an elastic strip in plane strain against the sum over the modes of a beam."""
+    peak, long = 1e6, 2e-4
+    # three columns are held; the clamp acts at the first of them (docs/solid.md)
+    deck = f"""\
+&run t_end=6e-4, dimension=2, symmetry='x' /
+{STEEL}
+&body id='b', box=0,{0.1 + 2.5 * 2e-3}, 0,0.01, 0,1, spacing=2e-3, material='s', fix='x+' /
+&load body='b', faces='y-', time=0,{long}, pressure={peak},0 /
+&gauge id='mid', at=0,0.005,0, body='b', quantity='displacement_y' /
+&output history_every=2e-6, dump_every=1 /
+"""
+    tables = run(tmp_path, deck)
+    t, w = (list(tables["gauges"].values())[k] for k in (0, 1))
+    omega, part = clamped_beam()
+    exact = np.zeros_like(t)
+    for o, a in zip(omega[:60], part[:60], strict=True):
+        # response to p0 (1 - t/T) until T, by superposition of ramps
+        def ramp(s, o=o):
+            s = np.maximum(s, 0)
+            return (s - np.sin(o * s) / o) / o**2
+
+        step = (1 - np.cos(o * t)) / o**2
+        exact += a * peak * (step - ramp(t) / long + ramp(t - long) / long)
+    error = abs(w.max() / exact.max() - 1)
+    note("clamped strip under a triangular pulse: largest deflection over that of a beam",
+         w.max() / exact.max())  # fmt: skip
+    late = t[np.argmax(w)] / t[np.argmax(exact)]
+    note("clamped strip under a triangular pulse: its time over that of a beam", late)
+    assert error < 0.02
+    assert late == pytest.approx(1, abs=0.02)
+
+
+def test_restart_is_the_same_run(tmp_path):
+    deck = "&run t_end=2e-5 /\n" + BLOCK.format(dx=1e-3, form="auto")
+    deck += "&load body='b', faces='x-','z+', time=0,1e-5,2e-5, pressure=0,1e8,0 /\n"
+    whole = run(tmp_path, deck)
+    (tmp_path / "load.nml").write_text(deck)
+    common = {"cwd": tmp_path, "capture_output": True, "text": True}
+    done = subprocess.run([BRISANCE, "run", "load.nml", "--replace", "--set", "run.max_steps=20"],
+                          **common)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    done = subprocess.run([BRISANCE, "run", "load.nml", "--restart", "latest"], **common)
+    assert done.returncode == 0, done.stderr
+    text = (tmp_path / "out" / "load" / "energy.csv").read_text().splitlines()
+    last = dict(zip((c.strip() for c in text[0].split(",")), text[-1].split(","), strict=True))
+    assert float(last["solid_kinetic[J]"]) == whole["energy"]["solid_kinetic[J]"][-1]
+
+
+BAD = {
+    "body='c', faces='z-', pressure=1": "there is no &body with id='c'",
+    "body='b', faces='z-'": "give one of them",
+    "body='b', faces='z-', pressure=1, mass=1, at=0,0,0": "give one of them",
+    "body='b', faces='z-', mass=1": "add at = x, y, z",
+    "body='b', faces='z-', pressure=1,2": "2 pressures for 0 times",
+    "body='b', faces='z-', pressure=1,2, time=1,1": "the times must grow",
+    "body='b', faces='z-', pressure=1, time=1": "take time out",
+    "body='b', faces='z-', mass=1, at=0,0,-50": "leave the range of the Kingery-Bulmash curves",
+    "body='b', faces='z-', mass=1, at=0,0,-1, time=1": "time belongs to a history",
+    "body='b', faces='z-', pressure=1, detonation_time=1": "belongs to a charge",
+}
+
+
+@pytest.mark.parametrize("line", BAD)
+def test_bad_loads(tmp_path, line):
+    deck = "&run t_end=1e-6 /\n" + BLOCK.format(dx=1e-3, form="auto") + f"&load {line} /\n"
+    (tmp_path / "bad.nml").write_text(deck)
+    done = subprocess.run([BRISANCE, "run", "bad.nml"], cwd=tmp_path, capture_output=True,
+                          text=True)  # fmt: skip
+    assert done.returncode == 2
+    assert "bad.nml:5: &load" in done.stderr and BAD[line] in done.stderr
+
+
+def test_a_load_wants_no_air(tmp_path):
+    deck = "&run t_end=1e-6 /\n&air box=-1,1,-1,1,-1,1, cells=4,4,4 /\n"
+    deck += BLOCK.format(dx=1e-3, form="auto") + "&load body='b', faces='z-', pressure=1 /\n"
+    (tmp_path / "bad.nml").write_text(deck)
+    done = subprocess.run([BRISANCE, "run", "bad.nml"], cwd=tmp_path, capture_output=True,
+                          text=True)  # fmt: skip
+    assert done.returncode == 2 and "for scenes without air" in done.stderr
