@@ -182,8 +182,8 @@ contains
         k = volumes(1)*sums(4)*k
     end function link_grip
 
-    !> Stiffness that a particle of a rigid body will meet before long, as surfaces that overlap by d
-    !> press with K d/spacing: no wave of its own keeps the time step short until it touches.
+    !> Stiffness that a particle of a rigid body will meet before long, as surfaces that overlap by
+    !> d press with K d/spacing: no wave of its own keeps the time step short until it touches.
     !@cuf attributes(host,device) &
     pure function grip_ahead(m, distance) result(k)
         type(meeting_t), intent(in) :: m

@@ -91,7 +91,7 @@ contains
             seen%energy = max(seen%energy, abs(bar%energy))
             seen%ended = seen%ended .or. bar%ended
         end do
-        call report('rebar 3 %, 2 to 5 across', 'stress error', form, seen, 0.02_dp)
+        call report('rebar of 2 to 5', 'stress error', form, seen, 0.02_dp)
         if (form%formulation == 'total_lagrangian') return
         seen = seen_t()
         call ring(changed(form, ''), 4, parts)

@@ -49,7 +49,7 @@ module solid_scenes
                                form_t('uncorrected + gray', 'uncorrected', 'gray'), &
                                form_t('corrected', 'corrected'), &
                                form_t('corrected + gray', 'corrected', 'gray'), &
-                               form_t('corrected_hourglass, no hold', 'corrected_hourglass', &
+                               form_t('corrected_hourglass - hold', 'corrected_hourglass', &
                                       hold=0.0_dp), &
                                form_t('corrected_hourglass', 'corrected_hourglass'), &
                                form_t('bending', 'bending'), &
