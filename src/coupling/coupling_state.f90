@@ -9,6 +9,7 @@ module brz_coupling_state
     use brz_carrier_rules, only: carrier_t
     use brz_cell_shells, only: shells_t
     use brz_column_rules, only: side_of
+    use brz_coupling_box, only: box_t
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
@@ -25,7 +26,10 @@ module brz_coupling_state
         real(rk) :: spread = 1.5_rk !! depth over which a load is spread, in air cells
         real(rk) :: reference_pressure = 0 !! taken off every load [Pa]
         logical :: wraps(3) = .false. !! periodic directions of the air
+        type(box_t) :: box !! of the air
         type(wall_t) :: wall
+        integer(int32), allocatable :: cell(:) !! (n_cells) number of each solid cell
+        integer(int32), allocatable :: gas(:) !! (n_faces) number of the gas cell of a wall face
         type(shells_t) :: shells !! neighbours of a cell in order of distance
         integer(int8), allocatable :: mark(:, :, :) !! (n1, n2, n3) map being built; then the donors
         ! particles by air cell
@@ -43,13 +47,16 @@ module brz_coupling_state
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0
         real(rk), allocatable :: donation(:, :) !! (n_var, n_donors) share of each receiver
-        real(rk), allocatable :: ledger(:, :) !! (n_var, n_cells) copy of the ledgers
+        real(rk), allocatable :: ledger(:, :) !! (max_var, n_cells) copy; or what a face hands over
         real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
         ! debts of gas cells
         integer :: n_debts = 0
         integer(int32), allocatable :: slot(:, :, :) !! (n1, n2, n3) place among the debts, or 0
         integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
         real(rk), allocatable :: debt(:, :) !! (n_var, n_debts) per cell volume, as air%u
+        integer(int32), allocatable :: next_cell(:) !! room for the list without what is paid
+        real(rk), allocatable :: next_debt(:, :)
+        integer(int32), allocatable :: start(:) !! counts that become places in lists
         ! loads
         type(carrier_t), allocatable :: carrier(:) !! (bodies) how those move that carry particles
         real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]

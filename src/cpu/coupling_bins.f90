@@ -4,7 +4,7 @@ module brz_coupling_bins
     use brz_air_state, only: air_t
     use brz_carrier_rules, only: carried_velocity, carrier_at, is_carried
     use brz_cell_place, only: cell_middle, cell_number
-    use brz_cell_shells, only: cell_at
+    use brz_cell_shells, only: cell_at, number_of
     use brz_coupling_carriers, only: see_carriers
     use brz_coupling_state, only: coupling_t, mark_solid, side_of
     use brz_kinds, only: int32, rk
@@ -12,7 +12,7 @@ module brz_coupling_bins
     implicit none
     private
     public :: find_cells, mark_cells, index_faces, fill_bins, move_walls, &
-              carrier_of, at_least
+              carrier_of, at_least, running_sum
 
 contains
 
@@ -63,11 +63,14 @@ contains
     end subroutine mark_cells
 
     !> Wall faces by solid cell and side, from the lists of build_walls.
-    subroutine index_faces(coupling)
+    subroutine index_faces(air, coupling)
+        type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
         integer :: f, c, n
 
         n = coupling%wall%n_cells
+        call at_least(coupling%cell, n)
+        call at_least(coupling%gas, coupling%wall%n_faces)
         if (.not. allocated(coupling%face_of)) allocate (coupling%face_of(6, n + n/4))
         if (size(coupling%face_of, 2) < n) then
             deallocate (coupling%face_of)
@@ -75,10 +78,12 @@ contains
         end if
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do c = 1, n
+            coupling%cell(c) = number_of(air%n, coupling%wall%cell(:, c))
             coupling%face_of(:, c) = 0
         end do
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do f = 1, coupling%wall%n_faces
+            coupling%gas(f) = number_of(air%n, coupling%wall%face(1:3, f))
             coupling%face_of(side_of(coupling%wall%face(4, f), coupling%wall%face(5, f)), &
                              coupling%wall%face_cell(f)) = f
         end do
@@ -169,4 +174,20 @@ contains
         end if
         allocate (a(n + n/4))
     end subroutine at_least
+
+    !> Every one of n integers becomes the sum of those before it, one more behind them that of all.
+    pure subroutine running_sum(x, n, total)
+        integer(int32), intent(inout) :: x(*) !! (n + 1)
+        integer, intent(in) :: n
+        integer, intent(out) :: total
+        integer :: i, more
+
+        total = 0
+        do i = 1, n
+            more = x(i)
+            x(i) = total
+            total = total + more
+        end do
+        x(n + 1) = total
+    end subroutine running_sum
 end module brz_coupling_bins

@@ -9,9 +9,8 @@ module brz_coupling_events
     use brz_cell_shells, only: cell_at, neighbour, number_of
     use brz_coupling_bins, only: at_least, fill_bins, find_cells, index_faces, mark_cells, &
                                  move_walls
-    use brz_coupling_debts, only: limit_ledgers, release_debts, settle_covered
+    use brz_coupling_debts, only: level_ledgers, limit_ledgers, release_debts, settle_covered
     use brz_coupling_donors, only: choose_receivers, collect, list_buried, size_donors
-    use brz_coupling_level, only: level_ledgers
     use brz_coupling_state, only: coupling_t, from_uncovered, mark_solid
     use brz_fresh_rules, only: add_gas, mean_gas, no_gas, surrounding_t
     use brz_kinds, only: rk
@@ -113,7 +112,7 @@ contains
             coupling%mark(c(1), c(2), c(3)) = from_uncovered
         end do
         call build_walls(air, coupling%wall)
-        call index_faces(coupling)
+        call index_faces(air, coupling)
         call size_walls(coupling)
         call settle_covered(air, coupling)
         call list_buried(air, coupling)
@@ -201,7 +200,7 @@ contains
             if (size(coupling%excess) < n) deallocate (coupling%excess, coupling%ledger)
         end if
         if (.not. allocated(coupling%excess)) then
-            allocate (coupling%excess(n + n/4), coupling%ledger(coupling%n_var, n + n/4))
+            allocate (coupling%excess(n + n/4), coupling%ledger(max_var, n + n/4))
         end if
         n = coupling%wall%n_faces
         if (allocated(coupling%surface)) then

@@ -131,7 +131,7 @@ contains
             call mark_cells(air, solid, coupling)
             coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = coupling%mark
             call build_walls(air, coupling%wall)
-            call index_faces(coupling)
+            call index_faces(air, coupling)
             call fill_bins(air, solid, coupling)
         end if
         call move_walls(air, solid, coupling)

@@ -66,8 +66,9 @@ contains
         call arguments%add(gpu%shells)
         call arguments%add(air%rho_rest)
         call arguments%add(air%p_rest)
-        call arguments%add([gpu%left, gpu%mark, there%walls%solid, there%walls%cell_of, &
-                                 there%walls%v, there%u, gpu%donor, gpu%donation])
+        call arguments%add_all(gpu%left, gpu%mark, there%walls%solid, there%walls%cell_of, &
+                               there%walls%v, there%u, gpu%donor)
+        call arguments%add_all(gpu%donation)
         call launch(gpu%fresh, [left, 1, 1], arguments, err)
     end subroutine fill_left
 
@@ -84,7 +85,7 @@ contains
         call arguments%add(gpu%n_cells)
         call arguments%add(gpu%box%n_var)
         call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, there%walls%face_of, there%u, gpu%start])
+        call arguments%add_all(gpu%cell, there%walls%face_of, there%u, gpu%start)
         call launch(gpu%buried, [gpu%n_cells, 1, 1], arguments, err)
         call running_sum(gpu%scan, gpu%start, gpu%n_cells, err, buried)
         donors = left + buried
@@ -94,7 +95,7 @@ contains
         call arguments%add(gpu%box%n_var)
         call arguments%add(left)
         call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, gpu%start, there%u, gpu%mark, gpu%donor, gpu%donation])
+        call arguments%add_all(gpu%cell, gpu%start, there%u, gpu%mark, gpu%donor, gpu%donation)
         call launch(gpu%list_buried, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine list_buried
 
@@ -112,9 +113,9 @@ contains
         call arguments%add(left)
         call arguments%add(gpu%box%n_var)
         call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%shells, gpu%donor, there%walls%solid, there%walls%cell_of, &
-                                 there%walls%face_of, there%u, gpu%shell, gpu%donation, gpu%start, &
-                                 gpu%counts])
+        call arguments%add_all(gpu%shells, gpu%donor, there%walls%solid, there%walls%cell_of, &
+                               there%walls%face_of, there%u, gpu%shell)
+        call arguments%add_all(gpu%donation, gpu%start, gpu%counts)
         call launch(gpu%shells_of, [donors, 1, 1], arguments, err)
         call running_sum(gpu%scan, gpu%start, donors, err, opened)
         counts = 0
@@ -127,8 +128,8 @@ contains
             call arguments%add(left)
             call arguments%add(gpu%box%n_var)
             call arguments%add(gpu%n_debts)
-            call arguments%add([gpu%start, gpu%donor, gpu%donation, gpu%slot, &
-                                     gpu%debt_cell(1), gpu%debt(1)])
+            call arguments%add_all(gpu%start, gpu%donor, gpu%donation, gpu%slot, &
+                                   gpu%debt_cell(1), gpu%debt(1))
             call launch(gpu%owe, [left, 1, 1], arguments, err)
             gpu%n_debts = gpu%n_debts + opened
         end if
@@ -138,8 +139,9 @@ contains
         call arguments%add(left)
         call arguments%add(gpu%box%n_var)
         call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%shells, gpu%cell, there%walls%face_of, gpu%mark, gpu%donor, &
-                                 gpu%shell, gpu%donation, there%u])
+        call arguments%add_all(gpu%shells, gpu%cell, there%walls%face_of, gpu%mark, gpu%donor, &
+                               gpu%shell, gpu%donation)
+        call arguments%add_all(there%u)
         call launch(gpu%collect, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine donate
 end module brz_gpu_coupling_events

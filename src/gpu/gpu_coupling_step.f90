@@ -43,8 +43,8 @@ contains
         call arguments%add(gpu%n_faces)
         call add_grid(gpu, there, arguments)
         call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-        call arguments%add([gpu%gas, gpu%rows, gpu%owner, there%u, there%walls%v, gpu%force, &
-                                 gpu%impedance])
+        call arguments%add_all(gpu%gas, gpu%rows, gpu%owner, there%u, there%walls%v, gpu%force, &
+                               gpu%impedance)
         call launch(gpu%feel, [gpu%n_faces, 1, 1], arguments, err)
         call move_gpu_carriers(gpu, particles, solid, coupling, dt, err)
         arguments%n = 0
@@ -56,15 +56,16 @@ contains
         call arguments%add(real(coupling%dt_before, rk))
         call arguments%add(particles%load)
         call arguments%add(particles%before)
-        call arguments%add([gpu%carrier, gpu%gas, gpu%owner, there%walls%face_of, gpu%above, &
-                                 gpu%ends, gpu%binned, particles%place, particles%motion, &
-                                 particles%state, particles%tag, gpu%surface, gpu%weight, &
-                                 gpu%force, gpu%impedance, there%walls%v])
+        call arguments%add_all(gpu%carrier, gpu%gas, gpu%owner, there%walls%face_of, gpu%above, &
+                               gpu%ends, gpu%binned)
+        call arguments%add_all(particles%place, particles%motion, particles%state, &
+                               particles%tag, gpu%surface, gpu%weight, gpu%force)
+        call arguments%add_all(gpu%impedance, there%walls%v)
         call launch(gpu%push, [gpu%n_cells, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(particles%n)
         call arguments%add(particles%before)
-        call arguments%add([particles%motion, particles%state])
+        call arguments%add_all(particles%motion, particles%state)
         call launch(gpu%keep, [particles%n, 1, 1], arguments, err)
         coupling%dt_before = dt
     end subroutine gpu_set_wall_velocity
@@ -80,9 +81,10 @@ contains
         call arguments%add(particles%n)
         call arguments%add(gpu%n_faces)
         call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%gas, gpu%rows, gpu%owner, gpu%cell, there%walls%solid, &
-                                 there%walls%cell_of, gpu%ends, gpu%binned, particles%place, &
-                                 particles%state, gpu%surface, gpu%weight])
+        call arguments%add_all(gpu%gas, gpu%rows, gpu%owner, gpu%cell, there%walls%solid, &
+                               there%walls%cell_of, gpu%ends)
+        call arguments%add_all(gpu%binned, particles%place, particles%state, gpu%surface, &
+                               gpu%weight)
         call launch(gpu%weigh, [gpu%n_faces, 1, 1], arguments, err)
     end subroutine weigh_columns
 
@@ -101,15 +103,16 @@ contains
         call arguments%add(gpu%n_faces)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
         call arguments%add(dt)
-        call arguments%add([gpu%rows, gpu%owner, there%walls%impulse, there%walls%v, &
-                                 gpu%force, gpu%book])
+        call arguments%add_all(gpu%rows, gpu%owner, there%walls%impulse, there%walls%v, &
+                               gpu%force, gpu%book)
         call launch(gpu%force_of, [book_threads, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(particles%n)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
         call arguments%add(particles%load)
-        call arguments%add([gpu%home, gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
-                                 particles%place, particles%state])
+        call arguments%add_all(gpu%home, gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
+                               particles%place)
+        call arguments%add_all(particles%state)
         call launch(gpu%load, [particles%n, 1, 1], arguments, err)
         call load_gpu_carriers(gpu, particles, solid, coupling, err)
     end subroutine gpu_spread_load
@@ -133,7 +136,7 @@ contains
             call arguments%add(b)
             call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
             call arguments%add(dt)
-            call arguments%add([gpu%home, gpu%above, there%walls%impulse, gpu%part])
+            call arguments%add_all(gpu%home, gpu%above, there%walls%impulse, gpu%part)
             call launch(gpu%loaded, [last(b) - first(b) + 1, 1, 1], arguments, err)
         end do
         marks = 0
