@@ -7,10 +7,16 @@
 module brz_coupling_box
     use brz_air_grid, only: grid_t, place_of
     use brz_cell_shells, only: cell_at, neighbour
-    use brz_kinds, only: dp, int32, int64, rk
+    use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
     public :: box_t, place_at, place_beside
+    public :: is_gas, is_solid, is_left, is_buried
+
+    ! what a cell is in the map `mark`
+    integer(int8), parameter :: is_gas = 0, is_solid = 1
+    integer(int8), parameter :: is_left = 2 !! gas: the solid has left it
+    integer(int8), parameter :: is_buried = 3 !! solid that has lost touch with the gas
 
     type :: box_t
         integer :: n(3) !! cells

@@ -13,11 +13,7 @@ module brz_coupling_state
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
-    public :: coupling_t, side_of, from_uncovered, from_buried, mark_solid
-
-    integer(int8), parameter :: mark_solid = 1 !! cell that holds particles now
-    integer(int8), parameter :: from_uncovered = 2 !! cell that the solid left: it gives gas away
-    integer(int8), parameter :: from_buried = 3 !! solid cell that lost touch with the gas, likewise
+    public :: coupling_t, side_of
 
     type :: coupling_t
         logical :: present = .false.
@@ -46,7 +42,7 @@ module brz_coupling_state
         integer :: n_donors = 0, n_buried = 0
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0
-        real(rk), allocatable :: donation(:, :) !! (n_var, n_donors) share of each receiver
+        real(rk), allocatable :: donation(:, :) !! (max_var, n_donors) share of each receiver
         real(rk), allocatable :: ledger(:, :) !! (max_var, n_cells) copy; or what a face hands over
         real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
         ! debts of gas cells

@@ -5,8 +5,9 @@ module brz_coupling_bins
     use brz_carrier_rules, only: carried_velocity, carrier_at, is_carried
     use brz_cell_place, only: cell_middle, cell_number
     use brz_cell_shells, only: cell_at, number_of
+    use brz_coupling_box, only: is_solid
     use brz_coupling_carriers, only: see_carriers
-    use brz_coupling_state, only: coupling_t, mark_solid, side_of
+    use brz_coupling_state, only: coupling_t, side_of
     use brz_kinds, only: int32, rk
     use brz_solid_state, only: is_gone, is_held, solid_t, worth_threads
     implicit none
@@ -58,7 +59,7 @@ contains
             if (coupling%cell_of(p) == 0) cycle
             c = cell_at(air%n, coupling%cell_of(p))
             !$omp atomic write
-            coupling%mark(c(1), c(2), c(3)) = mark_solid
+            coupling%mark(c(1), c(2), c(3)) = is_solid
         end do
     end subroutine mark_cells
 

@@ -2,7 +2,6 @@
 !> Ledgers of solid cells and debts of gas cells, in every step.
 module brz_coupling_debts
     use brz_air_state, only: air_t
-    use brz_cell_shells, only: cell_at
     use brz_coupling_bins, only: at_least, running_sum
     use brz_coupling_state, only: coupling_t
     use brz_debt_loops, only: each_enter_debt, each_move_debt, each_pay_debt, each_settle_debt
@@ -11,7 +10,7 @@ module brz_coupling_debts
         each_judge_ledger, each_level_ledger, each_open_excess, each_take_excess
     implicit none
     private
-    public :: add_debt, level_ledgers, limit_ledgers, release_debts, settle_covered, enter_debts
+    public :: size_debts, level_ledgers, limit_ledgers, release_debts, settle_covered, enter_debts
 
 contains
 
@@ -149,25 +148,4 @@ contains
         end if
         allocate (cell(n), debt(n_var, n))
     end subroutine room_for_debts
-
-    !> Add to the debt of a gas cell.
-    subroutine add_debt(air, coupling, cell, q)
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(inout) :: coupling
-        integer(int32), intent(in) :: cell !! number of the cell
-        real(rk), intent(in) :: q(:) !! (n_var)
-        integer :: c(3), e
-
-        c = cell_at(air%n, cell)
-        e = coupling%slot(c(1), c(2), c(3))
-        if (e == 0) then
-            call size_debts(coupling, coupling%n_debts + 1)
-            e = coupling%n_debts + 1
-            coupling%n_debts = e
-            coupling%slot(c(1), c(2), c(3)) = e
-            coupling%debt_cell(e) = cell
-            coupling%debt(:, e) = 0
-        end if
-        coupling%debt(:, e) = coupling%debt(:, e) + q
-    end subroutine add_debt
 end module brz_coupling_debts

@@ -3,6 +3,7 @@
 module brz_gpu_coupling_copy
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
+    use brz_coupling_box, only: is_solid
     use brz_coupling_state, only: coupling_t
     use brz_debt_loops, only: each_enter_debt
     use brz_device, only: arguments_t, clear_buffer, copy_in, copy_out, device_t, launch
@@ -11,7 +12,7 @@ module brz_gpu_coupling_copy
     use brz_gpu_coupling_carriers, only: put_carriers
     use brz_gpu_coupling_debts, only: make_room
     use brz_gpu_coupling_layout, only: book_given, book_high, book_low, book_taken, &
-        book_taken_work, book_threads, book_work, is_solid, n_book, n_count
+        book_taken_work, book_threads, book_work, n_book, n_count
     use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, open_memory, particles_t
     use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
         look_at_particles, move_gpu_walls

@@ -1,20 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> What the kernels of the coupling share with the host: names and plain data.
 module brz_gpu_coupling_layout
-    use brz_kinds, only: int8
     use brz_tallies, only: tally_threads
     implicit none
     private
     public :: book_threads, n_book
-    public :: is_gas, is_solid, is_uncovered, is_buried
     public :: count_moved, count_outside, count_covered, count_uncovered, count_over, count_kept, &
               n_count
     public :: book_work, book_taken_work, book_given, book_taken, book_low, book_high
-
-    ! the map `mark` of a step: what the particles make of a cell
-    integer(int8), parameter :: is_gas = 0, is_solid = 1
-    integer(int8), parameter :: is_uncovered = 2 !! gas: the solid has left it
-    integer(int8), parameter :: is_buried = 3 !! solid that has lost touch with the gas
 
     ! what the kernels count
     integer, parameter :: count_moved = 1 !! 1: some particle has changed its cell

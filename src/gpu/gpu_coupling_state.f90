@@ -12,6 +12,7 @@ module brz_gpu_coupling_state
     use brz_debt_launches, only: debt_kernels_t
     use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel, free_buffer, kernel_t, &
         reserve_buffer
+    use brz_donor_launches, only: donor_kernels_t
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_layout, only: book_threads, n_book, n_count
@@ -75,8 +76,8 @@ module brz_gpu_coupling_state
         type(kernel_t) :: carrier_shift, carrier_push, carrier_load, fold
         type(ledger_kernels_t) :: ledgers
         type(debt_kernels_t) :: debts
+        type(donor_kernels_t) :: donors
         type(kernel_t) :: words
-        type(kernel_t) :: fresh, buried, list_buried, shells_of, owe, collect
     end type gpu_coupling_t
 
 contains
@@ -146,13 +147,8 @@ contains
         call find_kernel(device, 'fastest_walls', gpu%fastest, err)
         call gpu%ledgers%open(device, err)
         call gpu%debts%open(device, err)
+        call gpu%donors%open(device, err)
         call find_kernel(device, 'copy_words', gpu%words, err)
-        call find_kernel(device, 'fresh_cells', gpu%fresh, err)
-        call find_kernel(device, 'buried_flag', gpu%buried, err)
-        call find_kernel(device, 'buried_list', gpu%list_buried, err)
-        call find_kernel(device, 'donor_shells', gpu%shells_of, err)
-        call find_kernel(device, 'donor_debts', gpu%owe, err)
-        call find_kernel(device, 'donor_collect', gpu%collect, err)
     end subroutine find_kernels
 
     !> Room for n solid cells.

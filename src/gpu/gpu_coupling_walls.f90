@@ -5,9 +5,10 @@ module brz_gpu_coupling_walls
     use brz_air_state, only: air_t
     use brz_buffers, only: arguments_t, buffer_t, integers_t
     use brz_device, only: clear_buffer, copy_out, launch
+    use brz_coupling_box, only: is_solid
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: gpu_air_t, mark_near_walls
-    use brz_gpu_coupling_layout, only: is_solid, n_count
+    use brz_gpu_coupling_layout, only: n_count
     use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, particles_t, size_cells, &
         size_faces
     use brz_gpu_scan, only: running_sum
