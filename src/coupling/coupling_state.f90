@@ -25,16 +25,18 @@ module brz_coupling_state
         type(box_t) :: box !! of the air
         type(wall_t) :: wall
         integer(int32), allocatable :: cell(:) !! (n_cells) number of each solid cell
-        integer(int32), allocatable :: gas(:) !! (n_faces) number of the gas cell of a wall face
+        integer(int32), allocatable :: gas(:), rows(:) !! (n_faces) gas cell, row of face_of
         type(shells_t) :: shells !! neighbours of a cell in order of distance
         integer(int8), allocatable :: mark(:, :, :) !! (n1, n2, n3) map being built; then the donors
         ! particles by air cell
         integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0: outside
         integer(int32), allocatable :: place_of(:) !! (particles) place of it in the wall list
-        integer(int32), allocatable :: first(:) !! (n_cells+1) first of a cell's in `binned`
+        integer(int32), allocatable :: ends(:) !! (n_cells+1) last of the cell before in `binned`
         integer(int32), allocatable :: binned(:) !! (particles) particles, cell by cell
         integer :: outside = 0 !! particles outside the box
         integer(int32), allocatable :: face_of(:, :) !! (6, n_cells) wall face by side_of, or 0
+        integer(int32), allocatable :: above(:, :)
+        !! (6, n_cells) face that begins the column of a cell and is near enough to load it, or 0
         ! cells that changed hands in this step, by number of the cell
         integer :: n_covered = 0, n_uncovered = 0
         integer(int32), allocatable :: covered(:), uncovered(:)

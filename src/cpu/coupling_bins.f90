@@ -5,6 +5,7 @@ module brz_coupling_bins
     use brz_carrier_rules, only: carried_velocity, carrier_at, is_carried
     use brz_cell_place, only: cell_middle, cell_number
     use brz_cell_shells, only: cell_at, number_of
+    use brz_column_loops, only: each_find_above
     use brz_coupling_box, only: is_solid
     use brz_coupling_carriers, only: see_carriers
     use brz_coupling_state, only: coupling_t, side_of
@@ -72,11 +73,12 @@ contains
         n = coupling%wall%n_cells
         call at_least(coupling%cell, n)
         call at_least(coupling%gas, coupling%wall%n_faces)
-        if (.not. allocated(coupling%face_of)) allocate (coupling%face_of(6, n + n/4))
-        if (size(coupling%face_of, 2) < n) then
-            deallocate (coupling%face_of)
-            allocate (coupling%face_of(6, n + n/4))
+        call at_least(coupling%rows, coupling%wall%n_faces)
+        if (allocated(coupling%face_of)) then
+            if (size(coupling%face_of, 2) < n) deallocate (coupling%face_of, coupling%above)
         end if
+        if (.not. allocated(coupling%face_of)) &
+            allocate (coupling%face_of(6, n + n/4), coupling%above(6, n + n/4))
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do c = 1, n
             coupling%cell(c) = number_of(air%n, coupling%wall%cell(:, c))
@@ -85,9 +87,11 @@ contains
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do f = 1, coupling%wall%n_faces
             coupling%gas(f) = number_of(air%n, coupling%wall%face(1:3, f))
-            coupling%face_of(side_of(coupling%wall%face(4, f), coupling%wall%face(5, f)), &
-                             coupling%wall%face_cell(f)) = f
+            coupling%rows(f) = side_of(coupling%wall%face(4, f), coupling%wall%face(5, f))
+            coupling%face_of(coupling%rows(f), coupling%wall%face_cell(f)) = f
         end do
+        call each_find_above(n, coupling%box, coupling%cell, coupling%wall%solid, &
+                             coupling%wall%index, coupling%face_of, coupling%above)
     end subroutine index_faces
 
     !> Sort the particles by solid cell: a counting sort, in their own order within a cell.
@@ -98,7 +102,7 @@ contains
         integer :: p, c, n, ijk(3)
 
         n = coupling%wall%n_cells
-        call at_least(coupling%first, n + 2)
+        call at_least(coupling%ends, n + 2)
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(ijk)
         do p = 1, solid%n
             coupling%place_of(p) = 0
@@ -106,21 +110,18 @@ contains
             ijk = cell_at(air%n, coupling%cell_of(p))
             coupling%place_of(p) = coupling%wall%index(ijk(1), ijk(2), ijk(3))
         end do
-        ! first(c+1) counts cell c-1 before the fill, which moves it to the start of cell c+1
-        coupling%first(1:n + 2) = 0
+        ! ends(c+1) counts cell c, then is its start, which the fill moves to its end
+        coupling%ends(1:n + 2) = 0
         do p = 1, solid%n
             c = coupling%place_of(p)
-            if (c > 0) coupling%first(c + 2) = coupling%first(c + 2) + 1
+            if (c > 0) coupling%ends(c + 1) = coupling%ends(c + 1) + 1
         end do
-        coupling%first(1:2) = 1
-        do c = 3, n + 2
-            coupling%first(c) = coupling%first(c) + coupling%first(c - 1)
-        end do
+        call running_sum(coupling%ends(2:), n, p)
         do p = 1, solid%n
             c = coupling%place_of(p)
             if (c == 0) cycle
-            coupling%binned(coupling%first(c + 1)) = p
-            coupling%first(c + 1) = coupling%first(c + 1) + 1
+            coupling%ends(c + 1) = coupling%ends(c + 1) + 1
+            coupling%binned(coupling%ends(c + 1)) = p
         end do
     end subroutine fill_bins
 
@@ -139,7 +140,7 @@ contains
         do c = 1, coupling%wall%n_cells
             mass = 0
             v = 0
-            do i = coupling%first(c), coupling%first(c + 1) - 1
+            do i = coupling%ends(c) + 1, coupling%ends(c + 1)
                 p = coupling%binned(i)
                 b = carrier_of(solid, coupling, p)
                 mass = mass + solid%mass(p)

@@ -105,7 +105,7 @@ contains
         empty_part = 0
         if (.not. any(coupling%face_of(:, c) > 0)) return
         full = 0
-        do i = coupling%first(c), coupling%first(c + 1) - 1
+        do i = coupling%ends(c) + 1, coupling%ends(c + 1)
             full = full + solid%volume(coupling%binned(i))
         end do
         empty_part = real(max(1 - full/product(air%dx), 0.0_dp), rk)

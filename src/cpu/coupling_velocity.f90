@@ -1,15 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> Velocities of the walls for the next step of the air, from the particles in the solid cells.
 module brz_coupling_velocity
-    use brz_air_state, only: air_t, cell_gamma
+    use brz_air_state, only: air_t
     use brz_carrier_rules, only: carried_velocity
     use brz_cell_place, only: cell_middle
+    use brz_column_loops, only: each_feel_gas
     use brz_coupling_bins, only: carrier_of, move_walls
     use brz_coupling_carriers, only: move_carriers
-    use brz_coupling_columns, only: area, face_above, weigh_columns, weight_of
+    use brz_coupling_columns, only: weigh_columns, weight_of
     use brz_coupling_state, only: coupling_t, side_of
     use brz_kinds, only: dp, rk
-    use brz_load_rules, only: gas_push, pushed_velocity
+    use brz_load_rules, only: pushed_velocity
     use brz_solid_state, only: is_held, solid_t, worth_threads
     implicit none
     private
@@ -39,14 +40,13 @@ contains
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
-        integer :: c, f, p
+        integer :: c, p
 
         call move_walls(air, solid, coupling)
-        call weigh_columns(air, solid, coupling)
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static)
-        do f = 1, coupling%wall%n_faces
-            call feel_gas(air, coupling, f)
-        end do
+        call weigh_columns(solid, coupling)
+        call each_feel_gas(coupling%wall%n_faces, coupling%box, air%scheme, coupling%gas, &
+                           coupling%rows, coupling%wall%face_cell, air%u, coupling%wall%v, &
+                           coupling%force, coupling%impedance)
         call move_carriers(air, solid, coupling, dt)
         !$omp parallel if(solid%n >= worth_threads)
         !$omp do schedule(dynamic, 64)
@@ -61,22 +61,6 @@ contains
         !$omp end parallel
         coupling%dt_before = dt
     end subroutine set_wall_velocity
-
-    !> Force of the gas on a face if the wall keeps its velocity, and its fall if the wall yields.
-    subroutine feel_gas(air, coupling, f)
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(inout) :: coupling
-        integer, intent(in) :: f !! wall face
-        real(rk) :: u(5)
-        integer :: d, g(3)
-
-        g = coupling%wall%face(1:3, f)
-        d = coupling%wall%face(4, f)
-        u = air%u(g(1), g(2), g(3), 1:5)
-        call gas_push(side_of(d, coupling%wall%face(5, f)), cell_gamma(air, g(1), g(2), g(3)), u, &
-                      coupling%wall%v(d, coupling%wall%face_cell(f)), area(air, d), &
-                      coupling%reference_pressure, coupling%force(f), coupling%impedance(f))
-    end subroutine feel_gas
 
     !> Carry one wall to the middle of the step, in the directions in which it meets gas.
     subroutine push_cell(air, solid, coupling, c, dt)
@@ -98,9 +82,9 @@ contains
             impedance = 0
             change = -cell%load(d)
             do s = -1, 1, 2
-                f = face_above(air, coupling, d, s, c)
+                f = coupling%above(side_of(d, s), c)
                 if (f == 0) cycle
-                part = part_of(air, solid, coupling, f, c)
+                part = part_of(solid, coupling, f, c)
                 change = change + part*coupling%force(f)
                 if (coupling%wall%face_cell(f) /= c) cycle
                 impedance = impedance + part*coupling%impedance(f)
@@ -119,7 +103,7 @@ contains
         type(cell_t), intent(out) :: cell
         integer :: b, i, p
 
-        do i = coupling%first(c), coupling%first(c + 1) - 1
+        do i = coupling%ends(c) + 1, coupling%ends(c + 1)
             p = coupling%binned(i)
             b = carrier_of(solid, coupling, p)
             cell%held = cell%held .or. solid%fixed(p) == is_held
@@ -139,18 +123,17 @@ contains
     end subroutine look_into
 
     !> Part of the load of a face that falls on what no body carries in a cell, 0..1.
-    pure real(rk) function part_of(air, solid, coupling, f, c) result(part)
-        type(air_t), intent(in) :: air
+    pure real(rk) function part_of(solid, coupling, f, c) result(part)
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(in) :: coupling
         integer, intent(in) :: f, c !! face, place in the wall list
         integer :: i, p
 
         part = 0
-        do i = coupling%first(c), coupling%first(c + 1) - 1
+        do i = coupling%ends(c) + 1, coupling%ends(c + 1)
             p = coupling%binned(i)
             if (carrier_of(solid, coupling, p) > 0) cycle
-            part = part + weight_of(air, solid, coupling, f, p)
+            part = part + weight_of(solid, coupling, f, p)
         end do
         part = part/coupling%weight(f)
     end function part_of

@@ -8,6 +8,7 @@ module brz_gpu_coupling_state
     use brz_carrier_rules, only: n_push
     use brz_coupling_state, only: coupling_t
     use brz_buffers, only: arguments_t, buffer_t, bytes_t, doubles_t, integers_t, reals_t
+    use brz_column_launches, only: column_kernels_t
     use brz_coupling_box, only: box_t
     use brz_debt_launches, only: debt_kernels_t
     use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel, free_buffer, kernel_t, &
@@ -70,10 +71,11 @@ module brz_gpu_coupling_state
         type(reals_t) :: debt(2)
         integer :: room_debts = 0
         type(kernel_t) :: find, compare, count_kind, list_kind
-        type(kernel_t) :: index, images, count, list, reach_down
+        type(kernel_t) :: index, images, count, list
         type(kernel_t) :: bin_count, bin_fill, bin_sort, bin_velocity, keep
-        type(kernel_t) :: weigh, feel, push, force_of, load, loaded, fastest
+        type(kernel_t) :: push, loaded, fastest
         type(kernel_t) :: carrier_shift, carrier_push, carrier_load, fold
+        type(column_kernels_t) :: columns
         type(ledger_kernels_t) :: ledgers
         type(debt_kernels_t) :: debts
         type(donor_kernels_t) :: donors
@@ -128,23 +130,19 @@ contains
         call find_kernel(device, 'wall_images', gpu%images, err)
         call find_kernel(device, 'wall_count', gpu%count, err)
         call find_kernel(device, 'wall_list', gpu%list, err)
-        call find_kernel(device, 'wall_above', gpu%reach_down, err)
         call find_kernel(device, 'bin_count', gpu%bin_count, err)
         call find_kernel(device, 'bin_fill', gpu%bin_fill, err)
         call find_kernel(device, 'sort_cells', gpu%bin_sort, err)
         call find_kernel(device, 'bin_velocity', gpu%bin_velocity, err)
         call find_kernel(device, 'keep_velocity', gpu%keep, err)
-        call find_kernel(device, 'column_weights', gpu%weigh, err)
-        call find_kernel(device, 'wall_feel', gpu%feel, err)
         call find_kernel(device, 'wall_push', gpu%push, err)
         call find_kernel(device, 'carrier_shift', gpu%carrier_shift, err)
         call find_kernel(device, 'carrier_push', gpu%carrier_push, err)
         call find_kernel(device, 'carrier_load', gpu%carrier_load, err)
         call find_kernel(device, 'solid_fold', gpu%fold, err)
-        call find_kernel(device, 'wall_force', gpu%force_of, err)
-        call find_kernel(device, 'load_particles', gpu%load, err)
         call find_kernel(device, 'loaded_bodies', gpu%loaded, err)
         call find_kernel(device, 'fastest_walls', gpu%fastest, err)
+        call gpu%columns%open(device, err)
         call gpu%ledgers%open(device, err)
         call gpu%debts%open(device, err)
         call gpu%donors%open(device, err)

@@ -6,17 +6,19 @@
 module brz_gpu_coupling_step
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
+    use brz_buffers, only: arguments_t, from, reals_t
+    use brz_device, only: clear_buffer, copy_out, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: gpu_air_t
     use brz_gpu_coupling_carriers, only: load_gpu_carriers, move_gpu_carriers, &
         see_gpu_carriers
     use brz_gpu_coupling_debts, only: level_gpu_ledgers, limit_gpu_ledgers, release_gpu_debts
     use brz_gpu_coupling_events, only: change_gpu_hands
-    use brz_gpu_coupling_layout, only: book_threads, count_covered, count_moved, count_outside, &
+    use brz_gpu_coupling_layout, only: count_covered, count_moved, count_outside, &
         count_uncovered, n_count
-    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, particles_t
+    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
     use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles, move_gpu_walls
+    use brz_gpu_solid_layout, only: at_mass
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     implicit none
@@ -39,15 +41,13 @@ contains
 
         call see_gpu_carriers(gpu, particles, solid, coupling, err)
         call move_gpu_walls(gpu, there, particles, err)
-        call weigh_columns(gpu, there, particles, err)
-        call arguments%add(gpu%n_faces)
-        call add_grid(gpu, there, arguments)
-        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-        call arguments%add_all(gpu%gas, gpu%rows, gpu%owner, there%u, there%walls%v, gpu%force, &
-                               gpu%impedance)
-        call launch(gpu%feel, [gpu%n_faces, 1, 1], arguments, err)
+        call gpu%columns%weigh_column(gpu%n_faces, gpu%box, 4, gpu%gas, gpu%rows, gpu%owner, &
+                                      gpu%cell, there%walls%solid, there%walls%cell_of, gpu%ends, &
+                                      gpu%binned, particles%place, column(particles, at_mass), &
+                                      gpu%surface, gpu%weight, err)
+        call gpu%columns%feel_gas(gpu%n_faces, gpu%box, air%scheme, gpu%gas, gpu%rows, gpu%owner, &
+                                  there%u, there%walls%v, gpu%force, gpu%impedance, err)
         call move_gpu_carriers(gpu, particles, solid, coupling, dt, err)
-        arguments%n = 0
         call arguments%add(particles%n)
         call arguments%add(gpu%n_cells)
         call arguments%add(gpu%bodies)
@@ -70,23 +70,13 @@ contains
         coupling%dt_before = dt
     end subroutine gpu_set_wall_velocity
 
-    !> Surface of the column behind each face, and the sum of the weights in it.
-    subroutine weigh_columns(gpu, there, particles, err)
-        type(gpu_coupling_t), intent(in) :: gpu
-        type(gpu_air_t), intent(in) :: there
+    !> A column of what the particles have, from its number.
+    pure type(reals_t) function column(particles, number)
         type(particles_t), intent(in) :: particles
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
+        integer, intent(in) :: number
 
-        call arguments%add(particles%n)
-        call arguments%add(gpu%n_faces)
-        call add_grid(gpu, there, arguments)
-        call arguments%add_all(gpu%gas, gpu%rows, gpu%owner, gpu%cell, there%walls%solid, &
-                               there%walls%cell_of, gpu%ends)
-        call arguments%add_all(gpu%binned, particles%place, particles%state, gpu%surface, &
-                               gpu%weight)
-        call launch(gpu%weigh, [gpu%n_faces, 1, 1], arguments, err)
-    end subroutine weigh_columns
+        column = from(particles%state, (number - 1_int64)*particles%n + 1)
+    end function column
 
     !> Loads on the particles from the impulses of the step, and the books of work and impulse, as
     !> spread_load has them.
@@ -98,22 +88,15 @@ contains
         type(coupling_t), intent(in) :: coupling
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call arguments%add(gpu%n_faces)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add(dt)
-        call arguments%add_all(gpu%rows, gpu%owner, there%walls%impulse, there%walls%v, &
-                               gpu%force, gpu%book)
-        call launch(gpu%force_of, [book_threads, 1, 1], arguments, err)
-        arguments%n = 0
-        call arguments%add(particles%n)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add(particles%load)
-        call arguments%add_all(gpu%home, gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
-                               particles%place)
-        call arguments%add_all(particles%state)
-        call launch(gpu%load, [particles%n, 1, 1], arguments, err)
+        call gpu%columns%press_face(gpu%n_faces, gpu%box, dt, gpu%rows, there%walls%impulse, &
+                                    gpu%force, err)
+        call gpu%columns%book_face(gpu%n_faces, gpu%box, dt, gpu%rows, gpu%owner, &
+                                   there%walls%impulse, there%walls%v, gpu%book, err)
+        call gpu%columns%load_particle(particles%n, gpu%box, 4, particles%n, 1, gpu%home, &
+                                       gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
+                                       particles%place, column(particles, at_mass), &
+                                       column(particles, particles%load + 1), err)
         call load_gpu_carriers(gpu, particles, solid, coupling, err)
     end subroutine gpu_spread_load
 

@@ -100,12 +100,8 @@ contains
         call size_faces(gpu, there, faces, err)
         call arguments%add_all(there%walls%face_of, gpu%gas, gpu%rows, gpu%owner)
         call launch(gpu%list, [n, 1, 1], arguments, err)
-        arguments%n = 0
-        call arguments%add(n)
-        call add_grid(gpu, there, arguments)
-        call arguments%add_all(gpu%cell, there%walls%solid, there%walls%cell_of, &
-                               there%walls%face_of, gpu%above)
-        call launch(gpu%reach_down, [n, 6, 1], arguments, err)
+        call gpu%columns%find_above(n, gpu%box, gpu%cell, there%walls%solid, there%walls%cell_of, &
+                                    there%walls%face_of, gpu%above, err)
     end subroutine build_gpu_walls
 
     !> Sort the particles by solid cell.
