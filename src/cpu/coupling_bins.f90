@@ -2,19 +2,19 @@
 !> Particles by air cell: which cells hold solid, and which particles a cell holds.
 module brz_coupling_bins
     use brz_air_state, only: air_t
-    use brz_carrier_rules, only: carried_velocity, carrier_at, is_carried
-    use brz_cell_place, only: cell_middle, cell_number
+    use brz_cell_place, only: cell_number
     use brz_cell_shells, only: cell_at, number_of
     use brz_column_loops, only: each_find_above
     use brz_coupling_box, only: is_solid
     use brz_coupling_carriers, only: see_carriers
     use brz_coupling_state, only: coupling_t, side_of
-    use brz_kinds, only: int32, rk
-    use brz_solid_state, only: is_gone, is_held, solid_t, worth_threads
+    use brz_kinds, only: int32
+    use brz_solid_state, only: is_gone, solid_t, worth_threads
+    use brz_velocity_loops, only: each_mean_velocity_of
     implicit none
     private
     public :: find_cells, mark_cells, index_faces, fill_bins, move_walls, &
-              carrier_of, at_least, running_sum
+              at_least, running_sum
 
 contains
 
@@ -131,39 +131,18 @@ contains
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
-        real(rk) :: mass, v(3)
-        integer :: b, c, i, p
+        integer :: p
 
-        call see_carriers(air, solid, coupling)
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static, 64) &
-        !$omp private(mass, v, b, i, p)
-        do c = 1, coupling%wall%n_cells
-            mass = 0
-            v = 0
-            do i = coupling%ends(c) + 1, coupling%ends(c + 1)
-                p = coupling%binned(i)
-                b = carrier_of(solid, coupling, p)
-                mass = mass + solid%mass(p)
-                if (b == 0) then
-                    v = v + solid%mass(p)*solid%v(:, p)
-                else
-                    v = v + solid%mass(p)*carried_velocity( &
-                        coupling%carrier(b), cell_middle(solid%x(:, p), air%lo, air%dx))
-                end if
-            end do
-            coupling%wall%v(:, c) = v/mass
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static)
+        do p = 1, solid%n
+            coupling%fixed(p) = solid%fixed(p)
         end do
+        call see_carriers(air, solid, coupling)
+        call each_mean_velocity_of(coupling%wall%n_cells, coupling%box, size(solid%x, 1), &
+                                   size(coupling%carrier), coupling%carrier, coupling%ends, &
+                                   coupling%binned, solid%x, solid%v, solid%mass, coupling%fixed, &
+                                   coupling%wall%v)
     end subroutine move_walls
-
-    !> The body that carries a particle, or 0.
-    pure integer function carrier_of(solid, coupling, p) result(b)
-        type(solid_t), intent(in) :: solid
-        type(coupling_t), intent(in) :: coupling
-        integer, intent(in) :: p
-
-        b = carrier_at(size(coupling%carrier), coupling%carrier, p)
-        if (.not. is_carried(coupling%carrier(b)%carries, solid%fixed(p) == is_held)) b = 0
-    end function carrier_of
 
     !> Make room for n entries; what was there is lost.
     subroutine at_least(a, n)

@@ -45,6 +45,7 @@ contains
         call fill_gpu_bins(gpu, there, particles, err)
         call put_carriers(gpu, coupling%carrier, err)
         call move_gpu_walls(gpu, there, particles, err)
+        call copy_in(coupling%v_before, gpu%before, 3*bytes_of_real*particles%n, err)
         call put_debts(gpu, coupling, err)
         call put_books(gpu, coupling, err)
     end subroutine open_gpu_coupling
@@ -116,6 +117,8 @@ contains
             gpu%fetched_changes = changes
         end if
         call copy_out(there%walls%v, coupling%wall%v, 3*bytes_of_real*gpu%n_cells, err)
+        call copy_out(gpu%before, coupling%v_before, &
+                      size(coupling%v_before, kind=int64)*bytes_of_real, err)
         call fetch_debts(gpu, coupling, err)
         call fetch_books(gpu, coupling, err)
     end subroutine fetch_coupling

@@ -7,7 +7,8 @@
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: n_push
     use brz_coupling_state, only: coupling_t
-    use brz_buffers, only: arguments_t, buffer_t, bytes_t, doubles_t, integers_t, reals_t
+    use brz_buffers, only: arguments_t, buffer_t, bytes_t, doubles_t, from, &
+        integers_t, reals_t
     use brz_column_launches, only: column_kernels_t
     use brz_coupling_box, only: box_t
     use brz_debt_launches, only: debt_kernels_t
@@ -22,10 +23,11 @@ module brz_gpu_coupling_state
     use brz_kinds, only: int64
     use brz_ledger_launches, only: ledger_kernels_t
     use brz_scheme, only: max_var
+    use brz_velocity_launches, only: velocity_kernels_t
     implicit none
     private
     public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
-    public :: size_cells, size_faces, add_grid, fold_rows
+    public :: size_cells, size_faces, add_grid, column_of, tags_of, fold_rows
 
     integer, parameter :: fold_rows = 16 !! partial sums of a body that are left for the host
     integer, parameter :: most_threads = 65536 !! for the sums over all bodies
@@ -37,7 +39,6 @@ module brz_gpu_coupling_state
         type(reals_t) :: motion, state
         type(integers_t) :: tag
         integer :: load = 0 !! columns of `state` before those of the load of the air
-        integer :: before = 0 !! before those of the velocity a step of the air ago
     end type particles_t
 
     type :: gpu_coupling_t
@@ -56,6 +57,7 @@ module brz_gpu_coupling_state
         type(buffer_t) :: carrier !! (bodies) as in coupling_t
         type(doubles_t) :: carrier_part, carrier_sums !! what the gas does to them
         type(integers_t) :: cell_of, home, binned !! (particles) cell, place of it in the list, bins
+        type(reals_t) :: before !! (3, particles by id) velocity a step of the air before [m/s]
         type(integers_t) :: ends !! (n_cells + 1) of the bins
         type(integers_t) :: cell !! (n_cells) number of each solid cell
         type(integers_t) :: above !! (6, n_cells) face that loads the column of a cell, or 0
@@ -72,10 +74,11 @@ module brz_gpu_coupling_state
         integer :: room_debts = 0
         type(kernel_t) :: find, compare, count_kind, list_kind
         type(kernel_t) :: index, images, count, list
-        type(kernel_t) :: bin_count, bin_fill, bin_sort, bin_velocity, keep
-        type(kernel_t) :: push, loaded, fastest
+        type(kernel_t) :: bin_count, bin_fill, bin_sort
+        type(kernel_t) :: loaded, fastest
         type(kernel_t) :: carrier_shift, carrier_push, carrier_load, fold
         type(column_kernels_t) :: columns
+        type(velocity_kernels_t) :: velocities
         type(ledger_kernels_t) :: ledgers
         type(debt_kernels_t) :: debts
         type(donor_kernels_t) :: donors
@@ -108,6 +111,7 @@ contains
         call allocate_buffer(gpu%cell_of, 4_int64*particles, err)
         call allocate_buffer(gpu%home, 4_int64*particles, err)
         call allocate_buffer(gpu%binned, 4_int64*particles, err)
+        call allocate_buffer(gpu%before, 3*bytes_of_real*particles, err)
         gpu%bodies = size(coupling%carrier)
         gpu%carrier_threads = fold_rows*max(4, most_threads/fold_rows/max(16, gpu%bodies))
         bytes = storage_size(coupling%carrier)/8
@@ -133,9 +137,6 @@ contains
         call find_kernel(device, 'bin_count', gpu%bin_count, err)
         call find_kernel(device, 'bin_fill', gpu%bin_fill, err)
         call find_kernel(device, 'sort_cells', gpu%bin_sort, err)
-        call find_kernel(device, 'bin_velocity', gpu%bin_velocity, err)
-        call find_kernel(device, 'keep_velocity', gpu%keep, err)
-        call find_kernel(device, 'wall_push', gpu%push, err)
         call find_kernel(device, 'carrier_shift', gpu%carrier_shift, err)
         call find_kernel(device, 'carrier_push', gpu%carrier_push, err)
         call find_kernel(device, 'carrier_load', gpu%carrier_load, err)
@@ -143,6 +144,7 @@ contains
         call find_kernel(device, 'loaded_bodies', gpu%loaded, err)
         call find_kernel(device, 'fastest_walls', gpu%fastest, err)
         call gpu%columns%open(device, err)
+        call gpu%velocities%open(device, err)
         call gpu%ledgers%open(device, err)
         call gpu%debts%open(device, err)
         call gpu%donors%open(device, err)
@@ -198,6 +200,21 @@ contains
         call arguments%add_structure(there%grid, storage_size(there%grid)/8)
     end subroutine add_grid
 
+    !> A column of what the particles have.
+    pure type(reals_t) function column_of(particles, number)
+        type(particles_t), intent(in) :: particles
+        integer, intent(in) :: number !! of the column
+
+        column_of = from(particles%state, (number - 1_int64)*particles%n + 1)
+    end function column_of
+
+    pure type(integers_t) function tags_of(particles, number)
+        type(particles_t), intent(in) :: particles
+        integer, intent(in) :: number !! of the column
+
+        tags_of = from(particles%tag, (number - 1_int64)*particles%n + 1)
+    end function tags_of
+
     !> Give the memory back.
     subroutine close_gpu_coupling(gpu)
         type(gpu_coupling_t), intent(inout) :: gpu
@@ -213,6 +230,7 @@ contains
         call free_buffer(gpu%cell_of)
         call free_buffer(gpu%home)
         call free_buffer(gpu%binned)
+        call free_buffer(gpu%before)
         call free_buffer(gpu%ends)
         call free_buffer(gpu%cell)
         call free_buffer(gpu%above)

@@ -6,7 +6,7 @@
 module brz_gpu_coupling_step
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t
-    use brz_buffers, only: arguments_t, from, reals_t
+    use brz_buffers, only: arguments_t
     use brz_device, only: clear_buffer, copy_out, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: gpu_air_t
@@ -16,9 +16,9 @@ module brz_gpu_coupling_step
     use brz_gpu_coupling_events, only: change_gpu_hands
     use brz_gpu_coupling_layout, only: count_covered, count_moved, count_outside, &
         count_uncovered, n_count
-    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
+    use brz_gpu_coupling_state, only: column_of, gpu_coupling_t, particles_t, tags_of
     use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles, move_gpu_walls
-    use brz_gpu_solid_layout, only: at_mass
+    use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     implicit none
@@ -37,46 +37,27 @@ contains
         type(coupling_t), intent(inout) :: coupling !! dt_before and the carriers are set
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
         call see_gpu_carriers(gpu, particles, solid, coupling, err)
         call move_gpu_walls(gpu, there, particles, err)
         call gpu%columns%weigh_column(gpu%n_faces, gpu%box, 4, gpu%gas, gpu%rows, gpu%owner, &
                                       gpu%cell, there%walls%solid, there%walls%cell_of, gpu%ends, &
-                                      gpu%binned, particles%place, column(particles, at_mass), &
+                                      gpu%binned, particles%place, column_of(particles, at_mass), &
                                       gpu%surface, gpu%weight, err)
         call gpu%columns%feel_gas(gpu%n_faces, gpu%box, air%scheme, gpu%gas, gpu%rows, gpu%owner, &
                                   there%u, there%walls%v, gpu%force, gpu%impedance, err)
         call move_gpu_carriers(gpu, particles, solid, coupling, dt, err)
-        call arguments%add(particles%n)
-        call arguments%add(gpu%n_cells)
-        call arguments%add(gpu%bodies)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add(real(dt, rk))
-        call arguments%add(real(coupling%dt_before, rk))
-        call arguments%add(particles%load)
-        call arguments%add(particles%before)
-        call arguments%add_all(gpu%carrier, gpu%gas, gpu%owner, there%walls%face_of, gpu%above, &
-                               gpu%ends, gpu%binned)
-        call arguments%add_all(particles%place, particles%motion, particles%state, &
-                               particles%tag, gpu%surface, gpu%weight, gpu%force)
-        call arguments%add_all(gpu%impedance, there%walls%v)
-        call launch(gpu%push, [gpu%n_cells, 1, 1], arguments, err)
-        arguments%n = 0
-        call arguments%add(particles%n)
-        call arguments%add(particles%before)
-        call arguments%add_all(particles%motion, particles%state)
-        call launch(gpu%keep, [particles%n, 1, 1], arguments, err)
+        call gpu%velocities%push_wall( &
+            gpu%n_cells, gpu%box, 4, particles%n, 1, gpu%bodies, real(dt, rk), &
+            real(coupling%dt_before, rk), gpu%carrier, gpu%gas, gpu%owner, there%walls%face_of, &
+            gpu%above, gpu%ends, gpu%binned, particles%place, particles%motion, &
+            column_of(particles, at_mass), column_of(particles, particles%load + 1), gpu%before, &
+            tags_of(particles, tag_id), tags_of(particles, tag_fixed), gpu%surface, gpu%weight, &
+            gpu%force, gpu%impedance, there%walls%v, err)
+        call gpu%velocities%keep_velocity(particles%n, 4, particles%motion, &
+                                          tags_of(particles, tag_id), gpu%before, err)
         coupling%dt_before = dt
     end subroutine gpu_set_wall_velocity
-
-    !> A column of what the particles have, from its number.
-    pure type(reals_t) function column(particles, number)
-        type(particles_t), intent(in) :: particles
-        integer, intent(in) :: number
-
-        column = from(particles%state, (number - 1_int64)*particles%n + 1)
-    end function column
 
     !> Loads on the particles from the impulses of the step, and the books of work and impulse, as
     !> spread_load has them.
@@ -95,8 +76,8 @@ contains
                                    there%walls%impulse, there%walls%v, gpu%book, err)
         call gpu%columns%load_particle(particles%n, gpu%box, 4, particles%n, 1, gpu%home, &
                                        gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
-                                       particles%place, column(particles, at_mass), &
-                                       column(particles, particles%load + 1), err)
+                                       particles%place, column_of(particles, at_mass), &
+                                       column_of(particles, particles%load + 1), err)
         call load_gpu_carriers(gpu, particles, solid, coupling, err)
     end subroutine gpu_spread_load
 

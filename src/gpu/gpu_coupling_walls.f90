@@ -9,10 +9,10 @@ module brz_gpu_coupling_walls
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: gpu_air_t, mark_near_walls
     use brz_gpu_coupling_layout, only: n_count
-    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, particles_t, size_cells, &
-        size_faces
+    use brz_gpu_coupling_state, only: add_grid, column_of, gpu_coupling_t, particles_t, &
+        size_cells, size_faces, tags_of
     use brz_gpu_scan, only: running_sum
-    use brz_gpu_solid_layout, only: scan_chunk
+    use brz_gpu_solid_layout, only: at_mass, scan_chunk, tag_fixed
     use brz_kinds, only: int64, int8
     implicit none
     private
@@ -139,15 +139,10 @@ contains
         type(gpu_air_t), intent(in) :: there
         type(particles_t), intent(in) :: particles
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call arguments%add(particles%n)
-        call arguments%add(gpu%n_cells)
-        call arguments%add(gpu%bodies)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add_all(gpu%carrier, gpu%ends, gpu%binned, particles%place, &
-                               particles%motion, particles%state, particles%tag)
-        call arguments%add_all(there%walls%v)
-        call launch(gpu%bin_velocity, [gpu%n_cells, 1, 1], arguments, err)
+        call gpu%velocities%mean_velocity_of(gpu%n_cells, gpu%box, 4, gpu%bodies, gpu%carrier, &
+                                             gpu%ends, gpu%binned, particles%place, &
+                                             particles%motion, column_of(particles, at_mass), &
+                                             tags_of(particles, tag_fixed), there%walls%v, err)
     end subroutine move_gpu_walls
 end module brz_gpu_coupling_walls

@@ -100,7 +100,7 @@ contains
             particles = particles_t(solid%n, doubles_t(buffer_t=solid%place), &
                                     reals_t(buffer_t=solid%motion), &
                                     reals_t(buffer_t=solid%state), &
-                                    integers_t(buffer_t=solid%tag), solid%load, solid%before)
+                                    integers_t(buffer_t=solid%tag), solid%load)
         end associate
     end function particles_of
 end module brz_backend
