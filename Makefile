@@ -37,7 +37,7 @@ say       = $(if $(V),,@echo '  $(1)')
 # --- sources: whatever is there ----------------------------------------------------------------
 SRC  := $(sort $(shell find src -name '*.f90' -o -name '*.F90'))
 MAIN := $(wildcard src/main.f90)
-# Loops, kernels and launches are written around items, and typed launches of kernels.
+# Loops, kernels and launches are written around items: docs/extending.md
 MADE  := build/items
 ITEMS := $(filter %_items.f90,$(SRC))
 ITEM_NAMES := $(patsubst %_items,%,$(basename $(notdir $(ITEMS))))
@@ -77,7 +77,7 @@ $(EMULATOR): $(DEVICE) $(KERNELS) scripts/gpu_emulate.py tests/gpu/emulator.c te
 	$(Q)$(PY) scripts/gpu_emulate.py --work build/gpu/emulated$(KIND) --out $@ \
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(SRC) $(KERNELS) >/dev/null
 $(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels.CUF $(MADE)/%_launches.f90: $f%_items.f90 scripts/items.py ; \
-    @mkdir -p $(MADE) && python3 scripts/items.py $$< $(MADE)))
+    @mkdir -p $(MADE) && scripts/items.py $$< $(MADE)))
 $(B)/obj/%.o: %.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)

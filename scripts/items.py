@@ -18,23 +18,25 @@ BUFFER |= {"integer": "integers_t", "integer(int32)": "integers_t"}
 TALLY = {"count": "+", "sum": "+", "least": "min", "most": "max"}
 KNOWN = {"worth_threads": "brz_solid_state", "tally_threads": "brz_tallies", "dp": "brz_kinds"}
 KNOWN |= dict.fromkeys(["find_kernel", "kernel_t", "launch", "device_t"], "brz_device")
-KNOWN |= dict.fromkeys([*BUFFER.values(), "buffer_t", "arguments_t"], "brz_buffers")
-KNOWN |= {"error_t": "brz_errors"}
+KNOWN |= {"error_t": "brz_errors"} | dict.fromkeys(
+    [*BUFFER.values(), "buffer_t", "arguments_t"], "brz_buffers"
+)
 
 
 class Argument:
     """One argument of an item: its declaration, and where it lies."""
 
     def __init__(self, name, shape, kind, intent, comment=""):
-        tag = re.match(r"@(\w+)", comment)
-        self.name, self.shape, self.kind, self.intent = name, shape, kind, intent
+        tag = re.match(r"@(\w+) *", comment)
+        self.name, self.kind, self.intent = name, kind, intent
         self.tally = tag[1] if tag and tag[1] in TALLY else ""
         self.in_memory = bool(tag or shape) and not self.tally
-        comment = re.sub(r"^@(buffer *)?", "", comment.strip())
+        self.whole = kind.startswith("type") and not self.in_memory  # a structure by value
+        comment = re.sub("^@(buffer)?", "", comment.strip())
         self.comment = f" !! {comment}" if comment else ""
-
-    def declared(self, words):
-        return f"{self.kind}, {words} :: {self.name}{self.shape}{self.comment}"
+        self.end = name + shape + self.comment
+        size = int(shape.strip("()")) if self.tally and shape else 0
+        self.elements = [f"{name}({k + 1})" for k in range(size)] or [name]
 
 
 class Item:
@@ -43,26 +45,21 @@ class Item:
     def __init__(self, doc, clauses, name, rest):
         self.doc, self.name = doc.strip(), name
         self.clauses = clauses or "if(n >= worth_threads) schedule(static)"
-        rest = re.sub(r" *& *\n *&?", " ", rest[: rest.index("end subroutine")])
-        found = {}
+        rest, found = re.sub(r" *& *\n *&?", " ", rest[: rest.index("end subroutine")]), {}
         for kind, intent, names, comment in LINE.findall(rest):
             for one, shape in re.findall(r"(\w+)(\([^)]*\))?", names):
-                found[one] = (one, shape, kind, intent, comment)
+                found[one] = Argument(one, shape, kind, intent, comment)
         names = re.findall(r"\w+", rest[: rest.index(")")])
-        self.index, *self.rest = (Argument(*found[x]) for x in names)
+        self.index, *self.rest = (found[x] for x in names)
         self.call = fold(f"call {name}({', '.join(names)})")
+        self.n = "n" + self.index.comment
         self.counts = [a.name for a in self.rest if a.tally == "count"]
-        self.sums = []
-        for a in self.rest:
-            if a.tally not in ("", "count"):
-                size = int(a.shape.strip("()") or 0)
-                self.sums += [f"{a.name}({k + 1})" for k in range(size)] or [a.name]
+        self.sums = [x for a in self.rest if a.tally not in ("", "count") for x in a.elements]
         # a kernel is given all but sums and counts, which lie in two buffers
         self.given = [a for a in self.rest if not a.tally]
-        if self.sums:
-            self.given += [Argument("sums", "(tally_threads, *)", "real(dp)", "intent(inout)")]
-        if self.counts:
-            self.given += [Argument("counts", "(*)", "integer", "intent(inout)")]
+        buffers = [("sums", "(tally_threads, *)", "real(dp)", self.sums)]
+        buffers += [("counts", "(*)", "integer", self.counts)]
+        self.given += [Argument(*b[:3], "intent(inout)") for b in buffers if b[3]]
 
 
 def fold(text, mark=""):
@@ -87,8 +84,8 @@ def loop(item):
     body = fold(" ".join(["parallel do", item.clauses, *tallies]), "!$omp ")
     body *= not any(a.tally == "sum" for a in item.rest)
     body += [f"do {i.name} = 1, n", *inner(item.call), "end do"]
-    declared = [f"integer, intent(in) :: n{i.comment}"]
-    declared += [*(a.declared(a.intent) for a in item.rest), f"integer :: {i.name}"]
+    declared = [f"integer, intent(in) :: {item.n}"]
+    declared += [f"{a.kind}, {a.intent} :: {a.end}" for a in item.rest] + [f"integer :: {i.name}"]
     names = ["n", *(a.name for a in item.rest)]
     return procedure(item.doc, f"subroutine each_{item.name}", names, declared, body)
 
@@ -96,9 +93,9 @@ def loop(item):
 def kernel(item):
     """The item for 1..n on the GPU: a thread for each; a fixed number where numbers are summed."""
     i, step = item.index, "(blockIdx%x - 1)*blockDim%x + threadIdx%x"
-    declared = [f"integer, value :: n{i.comment}"]
-    declared += [a.declared("device, " + a.intent if a.in_memory else "value") for a in item.given]
-    declared += [f"{a.kind} :: {a.name}{a.shape}" for a in item.rest if a.tally]
+    declared, how = [f"integer, value :: {item.n}"], ("value", "device, {}")
+    declared += [f"{a.kind}, {how[a.in_memory].format(a.intent)} :: {a.end}" for a in item.given]
+    declared += [f"{a.kind} :: {a.end}" for a in item.rest if a.tally]
     declared += [f"integer :: {i.name}" + ", t" * bool(item.sums) + ", old" * bool(item.counts)]
     begin = [f"{x} = sums(t, {k})" for k, x in enumerate(item.sums, 1)]
     begin += [f"{x} = 0" for x in item.counts]
@@ -116,15 +113,13 @@ def kernel(item):
 
 def launch(number, stem, item):
     """A procedure that launches the kernel, with arguments of the types that this takes."""
-    declared = [f"class({stem}_kernels_t), intent(in) :: self"]
-    declared += [f"integer, intent(in) :: n{item.index.comment}"]
+    declared = [f"class({stem}_kernels_t), intent(in) :: self", f"integer, intent(in) :: {item.n}"]
     body = ["call a%add(n)"]
     for a in item.given:
         kind = f"type({BUFFER.get(a.kind, 'buffer_t')})" if a.in_memory else a.kind
         declared += [f"{kind}, intent(in) :: {a.name}{a.comment}"]
-        structure = a.kind.startswith("type") and not a.in_memory
-        how = f"_structure({a.name}, storage_size({a.name})/8)" if structure else f"({a.name})"
-        body += [f"call a%add{how}"]
+        how = "_structure({0}, storage_size({0})/8)" if a.whole else "({0})"
+        body += ["call a%add" + how.format(a.name)]
     declared += ["type(error_t), intent(inout) :: err", "type(arguments_t) :: a"]
     threads = "tally_threads" if item.sums else "n"
     body += [f"call launch(self%kernel({number}), [{threads}, 1, 1], a, err)"]
