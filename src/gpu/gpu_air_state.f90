@@ -8,6 +8,7 @@ module brz_gpu_air_state
     use brz_air_grid, only: grid_of, grid_t, place_of
     use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, bc_periodic, set_scale
+    use brz_brick_launches, only: brick_kernels_t
     use brz_buffers, only: arguments_t, buffer_t, bytes_t, integers_t, reals_t
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, &
         device_t, find_kernel, free_buffer, kernel_t, launch
@@ -40,8 +41,9 @@ module brz_gpu_air_state
     !> Which bricks of the air something has reached, and which are computed, as air_t has them.
     type :: gpu_bricks_t
         logical :: swept = .false. !! every brick has been computed once
-        type(buffer_t) :: reached, awake !! one byte for each brick
-        type(kernel_t) :: look, settle, wake
+        type(bytes_t) :: reached, awake !! one byte for each brick
+        type(kernel_t) :: look, settle
+        type(brick_kernels_t) :: wake
     end type gpu_bricks_t
 
     type :: gpu_air_t
@@ -188,7 +190,7 @@ contains
         call find_kernel(device, 'scatter_cells', gpu%walls%scatter, err)
         call find_kernel(device, 'air_look', gpu%bricks%look, err)
         call find_kernel(device, 'air_settle', gpu%bricks%settle, err)
-        call find_kernel(device, 'air_wake', gpu%bricks%wake, err)
+        call gpu%bricks%wake%open(device, err)
         call find_kernel(device, 'max_strided', gpu%most, err)
         call find_kernel(device, 'sum_strided', gpu%sum, err)
     end subroutine find_kernels
