@@ -37,13 +37,18 @@ say       = $(if $(V),,@echo '  $(1)')
 # --- sources: whatever is there ----------------------------------------------------------------
 SRC  := $(sort $(shell find src -name '*.f90' -o -name '*.F90'))
 MAIN := $(wildcard src/main.f90)
-OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)))) $(B)/obj/version.o $(B)/obj/presets.o
+# Loops, kernels and launches are written around items: docs/extending.md
+MADE  := build/items
+ITEMS := $(filter %_items.f90,$(SRC))
+ITEM_NAMES := $(patsubst %_items,%,$(basename $(notdir $(ITEMS))))
+LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(ITEM_NAMES:%=$(MADE)/%_launches.f90)
+OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o
 LIB  := $(B)/brisance.o
-KERNELS := $(sort $(wildcard cuda/*.CUF))
+KERNELS := $(sort $(wildcard cuda/*.CUF)) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF)
 PARTS_OF_KERNELS := $(wildcard cuda/*.inc cuda/*.ll)
 PTX  := $(BIN).ptx
 # what the GPU code is made from; the executable refuses a PTX file of other sources
-DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(KERNELS) $(PARTS_OF_KERNELS)
+DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(wildcard cuda/*.CUF) $(PARTS_OF_KERNELS) scripts/items.py
 STAMP := $(shell cat $(DEVICE) scripts/cuda_fortran.py | sha1sum | cut -c 1-16)
 SAVE := scripts/write_if_changed.sh
 
@@ -67,10 +72,12 @@ $(PTX): $(SRC) $(KERNELS) $(PARTS_OF_KERNELS) scripts/cuda_fortran.py scripts/gp
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(if $(filter off,$(FMA)),--no-fma) $(SRC) $(KERNELS)
 EMULATOR := build/gpu/emulator$(KIND)/libcuda.so.1
 emulator: $(EMULATOR) ## a CUDA driver that runs the kernels on the CPU: LD_LIBRARY_PATH=build/gpu/emulator
-$(EMULATOR): $(DEVICE) scripts/gpu_emulate.py tests/gpu/emulator.c tests/gpu/emulated_cuda.f90
+$(EMULATOR): $(DEVICE) $(KERNELS) scripts/gpu_emulate.py tests/gpu/emulator.c tests/gpu/emulated_cuda.f90
 	$(call say,emulate $@)
 	$(Q)$(PY) scripts/gpu_emulate.py --work build/gpu/emulated$(KIND) --out $@ \
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(SRC) $(KERNELS) >/dev/null
+$(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels.CUF $(MADE)/%_launches.f90: $f%_items.f90 scripts/items.py ; \
+    @mkdir -p $(MADE) && scripts/items.py $$< $(MADE)))
 $(B)/obj/%.o: %.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
@@ -227,7 +234,7 @@ gpu-check: ## compile all point physics as CUDA Fortran for the GPU
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
+SCANNED = $(SRC) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
           $(FLOORS) $(STUDY)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }

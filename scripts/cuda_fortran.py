@@ -126,13 +126,16 @@ def special_register(found):
 
 
 def layout_of(kind, text, work):
-    """Name of a derived type in the IR of a file, and its definition where that is elsewhere."""
+    """Name of a derived type in the IR of a file; what defines it where that is elsewhere."""
     definition = re.compile(rf"^(%_QM\w+T{kind.lower()}) = type .*$", re.M)
     if found := definition.search(text):
         return found[1], ""
     for other in sorted(work.glob("*.ll")):
         if found := definition.search(other.read_text(encoding="utf-8")):
-            return found[1], found[0] + "\n"
+            needed = found[0] + "\n"
+            for part in re.findall(r"%_QM\w+?T(\w+)", found[0].partition("=")[2]):
+                needed += layout_of(part, text + needed, work)[1]
+            return found[1], needed
     raise Fault(f"the structure {kind} is nowhere defined")
 
 

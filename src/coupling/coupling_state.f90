@@ -9,14 +9,11 @@ module brz_coupling_state
     use brz_carrier_rules, only: carrier_t
     use brz_cell_shells, only: shells_t
     use brz_column_rules, only: side_of
+    use brz_coupling_box, only: box_t
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
-    public :: coupling_t, side_of, from_uncovered, from_buried, mark_solid
-
-    integer(int8), parameter :: mark_solid = 1 !! cell that holds particles now
-    integer(int8), parameter :: from_uncovered = 2 !! cell that the solid left: it gives gas away
-    integer(int8), parameter :: from_buried = 3 !! solid cell that lost touch with the gas, likewise
+    public :: coupling_t, side_of
 
     type :: coupling_t
         logical :: present = .false.
@@ -25,16 +22,22 @@ module brz_coupling_state
         real(rk) :: spread = 1.5_rk !! depth over which a load is spread, in air cells
         real(rk) :: reference_pressure = 0 !! taken off every load [Pa]
         logical :: wraps(3) = .false. !! periodic directions of the air
+        type(box_t) :: box !! of the air
         type(wall_t) :: wall
+        integer(int32), allocatable :: cell(:) !! (n_cells) number of each solid cell
+        integer(int32), allocatable :: gas(:), rows(:) !! (n_faces) gas cell, row of face_of
         type(shells_t) :: shells !! neighbours of a cell in order of distance
         integer(int8), allocatable :: mark(:, :, :) !! (n1, n2, n3) map being built; then the donors
         ! particles by air cell
         integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0: outside
         integer(int32), allocatable :: place_of(:) !! (particles) place of it in the wall list
-        integer(int32), allocatable :: first(:) !! (n_cells+1) first of a cell's in `binned`
+        integer(int32), allocatable :: fixed(:) !! (particles) as in solid_t
+        integer(int32), allocatable :: ends(:) !! (n_cells+1) last of the cell before in `binned`
         integer(int32), allocatable :: binned(:) !! (particles) particles, cell by cell
         integer :: outside = 0 !! particles outside the box
         integer(int32), allocatable :: face_of(:, :) !! (6, n_cells) wall face by side_of, or 0
+        integer(int32), allocatable :: above(:, :)
+        !! (6, n_cells) face that begins the column of a cell and is near enough to load it, or 0
         ! cells that changed hands in this step, by number of the cell
         integer :: n_covered = 0, n_uncovered = 0
         integer(int32), allocatable :: covered(:), uncovered(:)
@@ -42,14 +45,17 @@ module brz_coupling_state
         integer :: n_donors = 0, n_buried = 0
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0
-        real(rk), allocatable :: donation(:, :) !! (n_var, n_donors) share of each receiver
-        real(rk), allocatable :: ledger(:, :) !! (n_var, n_cells) copy of the ledgers
+        real(rk), allocatable :: donation(:, :) !! (max_var, n_donors) share of each receiver
+        real(rk), allocatable :: ledger(:, :) !! (max_var, n_cells) copy; or what a face hands over
         real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
         ! debts of gas cells
         integer :: n_debts = 0
         integer(int32), allocatable :: slot(:, :, :) !! (n1, n2, n3) place among the debts, or 0
         integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
         real(rk), allocatable :: debt(:, :) !! (n_var, n_debts) per cell volume, as air%u
+        integer(int32), allocatable :: next_cell(:) !! room for the list without what is paid
+        real(rk), allocatable :: next_debt(:, :)
+        integer(int32), allocatable :: start(:) !! counts that become places in lists
         ! loads
         type(carrier_t), allocatable :: carrier(:) !! (bodies) how those move that carry particles
         real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]

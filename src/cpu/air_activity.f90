@@ -8,8 +8,9 @@
 !> one into them are awake too. The rates of all other cells are zero to the bit, so leaving them
 !> out changes nothing.
 module brz_air_activity
-    use brz_air_grid, only: layers_around
+    use brz_air_grid, only: grid_of, layers_around
     use brz_air_state, only: air_t, brick, bc_periodic, lines_per_block, wall_t
+    use brz_brick_loops, only: each_wake_near
     use brz_grid_lines, only: first_cell_of, n_lines
     use brz_kinds, only: int8, rk
     use brz_scheme, only: reach_of
@@ -75,42 +76,16 @@ contains
     end subroutine settle
 
     !> Awake are the reached bricks and those as near as a step reaches.
-    pure subroutine wake_neighbours(air)
+    subroutine wake_neighbours(air)
         type(air_t), intent(inout) :: air
-        integer :: layers(3), i, j, k
+        integer :: layers(3)
 
-        air%awake = 0
         layers = layers_around(air%n, air%bc(1, :) == bc_periodic, &
-            air%n_stages*reach_of(air%scheme))
-        do k = 1, size(air%reached, 3)
-            do j = 1, size(air%reached, 2)
-                do i = 1, size(air%reached, 1)
-                    if (air%reached(i, j, k) /= 0) call wake_around(air, [i, j, k], layers)
-                end do
-            end do
-        end do
+                               air%n_stages*reach_of(air%scheme))
+        call each_wake_near(size(air%awake), grid_of(air%n, air%g, air%n_var, real(air%dx, rk), &
+                            air%bc, bc_periodic), layers(1), layers(2), layers(3), air%reached, &
+                            air%awake)
     end subroutine wake_neighbours
-
-    !> Wake the bricks around one, across periodic boundaries too.
-    pure subroutine wake_around(air, at, layers)
-        type(air_t), intent(inout) :: air
-        integer, intent(in) :: at(3) !! brick
-        integer, intent(in) :: layers(3) !! bricks to each side
-        integer :: d, i, j, k, m(3), n(3)
-
-        n = shape(air%awake)
-        do k = -layers(3), layers(3)
-            do j = -layers(2), layers(2)
-                do i = -layers(1), layers(1)
-                    m = at + [i, j, k]
-                    do d = 1, 3
-                        if (air%bc(1, d) == bc_periodic) m(d) = modulo(m(d) - 1, n(d)) + 1
-                    end do
-                    if (all(m >= 1 .and. m <= n)) air%awake(m(1), m(2), m(3)) = 1
-                end do
-            end do
-        end do
-    end subroutine wake_around
 
     !> Bricks along a block of lines of which some line is awake.
     pure subroutine awake_along(air, d, b, awake)

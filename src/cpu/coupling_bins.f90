@@ -2,17 +2,19 @@
 !> Particles by air cell: which cells hold solid, and which particles a cell holds.
 module brz_coupling_bins
     use brz_air_state, only: air_t
-    use brz_carrier_rules, only: carried_velocity, carrier_at, is_carried
-    use brz_cell_place, only: cell_middle, cell_number
-    use brz_cell_shells, only: cell_at
+    use brz_cell_place, only: cell_number
+    use brz_cell_shells, only: cell_at, number_of
+    use brz_column_loops, only: each_find_above
+    use brz_coupling_box, only: is_solid
     use brz_coupling_carriers, only: see_carriers
-    use brz_coupling_state, only: coupling_t, mark_solid, side_of
-    use brz_kinds, only: int32, rk
-    use brz_solid_state, only: is_gone, is_held, solid_t, worth_threads
+    use brz_coupling_state, only: coupling_t, side_of
+    use brz_kinds, only: int32
+    use brz_solid_state, only: is_gone, solid_t, worth_threads
+    use brz_velocity_loops, only: each_mean_velocity_of
     implicit none
     private
     public :: find_cells, mark_cells, index_faces, fill_bins, move_walls, &
-              carrier_of, at_least
+              at_least, running_sum
 
 contains
 
@@ -58,30 +60,38 @@ contains
             if (coupling%cell_of(p) == 0) cycle
             c = cell_at(air%n, coupling%cell_of(p))
             !$omp atomic write
-            coupling%mark(c(1), c(2), c(3)) = mark_solid
+            coupling%mark(c(1), c(2), c(3)) = is_solid
         end do
     end subroutine mark_cells
 
     !> Wall faces by solid cell and side, from the lists of build_walls.
-    subroutine index_faces(coupling)
+    subroutine index_faces(air, coupling)
+        type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
         integer :: f, c, n
 
         n = coupling%wall%n_cells
-        if (.not. allocated(coupling%face_of)) allocate (coupling%face_of(6, n + n/4))
-        if (size(coupling%face_of, 2) < n) then
-            deallocate (coupling%face_of)
-            allocate (coupling%face_of(6, n + n/4))
+        call at_least(coupling%cell, n)
+        call at_least(coupling%gas, coupling%wall%n_faces)
+        call at_least(coupling%rows, coupling%wall%n_faces)
+        if (allocated(coupling%face_of)) then
+            if (size(coupling%face_of, 2) < n) deallocate (coupling%face_of, coupling%above)
         end if
+        if (.not. allocated(coupling%face_of)) &
+            allocate (coupling%face_of(6, n + n/4), coupling%above(6, n + n/4))
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do c = 1, n
+            coupling%cell(c) = number_of(air%n, coupling%wall%cell(:, c))
             coupling%face_of(:, c) = 0
         end do
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do f = 1, coupling%wall%n_faces
-            coupling%face_of(side_of(coupling%wall%face(4, f), coupling%wall%face(5, f)), &
-                             coupling%wall%face_cell(f)) = f
+            coupling%gas(f) = number_of(air%n, coupling%wall%face(1:3, f))
+            coupling%rows(f) = side_of(coupling%wall%face(4, f), coupling%wall%face(5, f))
+            coupling%face_of(coupling%rows(f), coupling%wall%face_cell(f)) = f
         end do
+        call each_find_above(n, coupling%box, coupling%cell, coupling%wall%solid, &
+                             coupling%wall%index, coupling%face_of, coupling%above)
     end subroutine index_faces
 
     !> Sort the particles by solid cell: a counting sort, in their own order within a cell.
@@ -92,7 +102,7 @@ contains
         integer :: p, c, n, ijk(3)
 
         n = coupling%wall%n_cells
-        call at_least(coupling%first, n + 2)
+        call at_least(coupling%ends, n + 2)
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(ijk)
         do p = 1, solid%n
             coupling%place_of(p) = 0
@@ -100,21 +110,18 @@ contains
             ijk = cell_at(air%n, coupling%cell_of(p))
             coupling%place_of(p) = coupling%wall%index(ijk(1), ijk(2), ijk(3))
         end do
-        ! first(c+1) counts cell c-1 before the fill, which moves it to the start of cell c+1
-        coupling%first(1:n + 2) = 0
+        ! ends(c+1) counts cell c, then is its start, which the fill moves to its end
+        coupling%ends(1:n + 2) = 0
         do p = 1, solid%n
             c = coupling%place_of(p)
-            if (c > 0) coupling%first(c + 2) = coupling%first(c + 2) + 1
+            if (c > 0) coupling%ends(c + 1) = coupling%ends(c + 1) + 1
         end do
-        coupling%first(1:2) = 1
-        do c = 3, n + 2
-            coupling%first(c) = coupling%first(c) + coupling%first(c - 1)
-        end do
+        call running_sum(coupling%ends(2:), n, p)
         do p = 1, solid%n
             c = coupling%place_of(p)
             if (c == 0) cycle
-            coupling%binned(coupling%first(c + 1)) = p
-            coupling%first(c + 1) = coupling%first(c + 1) + 1
+            coupling%ends(c + 1) = coupling%ends(c + 1) + 1
+            coupling%binned(coupling%ends(c + 1)) = p
         end do
     end subroutine fill_bins
 
@@ -124,39 +131,18 @@ contains
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
-        real(rk) :: mass, v(3)
-        integer :: b, c, i, p
+        integer :: p
 
-        call see_carriers(air, solid, coupling)
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static, 64) &
-        !$omp private(mass, v, b, i, p)
-        do c = 1, coupling%wall%n_cells
-            mass = 0
-            v = 0
-            do i = coupling%first(c), coupling%first(c + 1) - 1
-                p = coupling%binned(i)
-                b = carrier_of(solid, coupling, p)
-                mass = mass + solid%mass(p)
-                if (b == 0) then
-                    v = v + solid%mass(p)*solid%v(:, p)
-                else
-                    v = v + solid%mass(p)*carried_velocity( &
-                        coupling%carrier(b), cell_middle(solid%x(:, p), air%lo, air%dx))
-                end if
-            end do
-            coupling%wall%v(:, c) = v/mass
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static)
+        do p = 1, solid%n
+            coupling%fixed(p) = solid%fixed(p)
         end do
+        call see_carriers(air, solid, coupling)
+        call each_mean_velocity_of(coupling%wall%n_cells, coupling%box, size(solid%x, 1), &
+                                   size(coupling%carrier), coupling%carrier, coupling%ends, &
+                                   coupling%binned, solid%x, solid%v, solid%mass, coupling%fixed, &
+                                   coupling%wall%v)
     end subroutine move_walls
-
-    !> The body that carries a particle, or 0.
-    pure integer function carrier_of(solid, coupling, p) result(b)
-        type(solid_t), intent(in) :: solid
-        type(coupling_t), intent(in) :: coupling
-        integer, intent(in) :: p
-
-        b = carrier_at(size(coupling%carrier), coupling%carrier, p)
-        if (.not. is_carried(coupling%carrier(b)%carries, solid%fixed(p) == is_held)) b = 0
-    end function carrier_of
 
     !> Make room for n entries; what was there is lost.
     subroutine at_least(a, n)
@@ -169,4 +155,20 @@ contains
         end if
         allocate (a(n + n/4))
     end subroutine at_least
+
+    !> Every one of n integers becomes the sum of those before it, one more behind them that of all.
+    pure subroutine running_sum(x, n, total)
+        integer(int32), intent(inout) :: x(*) !! (n + 1)
+        integer, intent(in) :: n
+        integer, intent(out) :: total
+        integer :: i, more
+
+        total = 0
+        do i = 1, n
+            more = x(i)
+            x(i) = total
+            total = total + more
+        end do
+        x(n + 1) = total
+    end subroutine running_sum
 end module brz_coupling_bins

@@ -7,8 +7,8 @@ module brz_coupling_carriers
     use brz_carrier_rules, only: add_force, add_yield, carries_all, carries_none, &
                                  is_carried, n_push
     use brz_cell_place, only: cell_middle
-    use brz_coupling_columns, only: face_above, weight_of
-    use brz_coupling_state, only: coupling_t
+    use brz_coupling_columns, only: weight_of
+    use brz_coupling_state, only: coupling_t, side_of
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: is_held, solid_t, worth_threads
     implicit none
@@ -92,9 +92,9 @@ contains
             do d = 1, 3
                 if (air%n(d) == 1) cycle
                 do s = -1, 1, 2
-                    f = face_above(air, coupling, d, s, coupling%place_of(p))
+                    f = coupling%above(side_of(d, s), coupling%place_of(p))
                     if (f == 0) cycle
-                    part = weight_of(air, solid, coupling, f, p)/coupling%weight(f)
+                    part = weight_of(solid, coupling, f, p)/coupling%weight(f)
                     force(d) = force(d) + part*coupling%force(f)
                     impedance(d) = impedance(d) + part*coupling%impedance(f)
                 end do

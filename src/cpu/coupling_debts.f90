@@ -1,189 +1,151 @@
 ! SPDX-License-Identifier: MIT
-!> Debts of gas cells, and the band that ledgers are kept in.
+!> Ledgers of solid cells and debts of gas cells, in every step.
 module brz_coupling_debts
     use brz_air_state, only: air_t
-    use brz_cell_shells, only: cell_at, number_of
+    use brz_coupling_bins, only: at_least, running_sum
     use brz_coupling_state, only: coupling_t
+    use brz_debt_loops, only: each_enter_debt, each_move_debt, each_pay_debt, each_settle_debt
     use brz_kinds, only: int32, rk
-    use brz_ledger_rules, only: ledger_excess, ledger_ratio, release_debt
-    use brz_positivity, only: floors_of
-    use brz_scheme, only: max_var
-    use brz_solid_state, only: worth_threads
+    use brz_ledger_loops, only: each_copy_ledger, each_first_excess, each_give_excess, &
+        each_judge_ledger, each_level_ledger, each_open_excess, each_take_excess
     implicit none
     private
-    public :: add_debt, limit_ledgers, release_debts, settle_covered
+    public :: size_debts, level_ledgers, limit_ledgers, release_debts, settle_covered, enter_debts
 
 contains
 
-    !> Add to the debt of a gas cell.
-    subroutine add_debt(air, coupling, cell, q)
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(inout) :: coupling
-        integer(int32), intent(in) :: cell !! number of the cell
-        real(rk), intent(in) :: q(:) !! (n_var)
-        integer :: c(3), e
-
-        c = cell_at(air%n, cell)
-        e = coupling%slot(c(1), c(2), c(3))
-        if (e == 0) then
-            call size_debts(coupling, coupling%n_debts + 1)
-            e = coupling%n_debts + 1
-            coupling%n_debts = e
-            coupling%slot(c(1), c(2), c(3)) = e
-            coupling%debt_cell(e) = cell
-            coupling%debt(:, e) = 0
-        end if
-        coupling%debt(:, e) = coupling%debt(:, e) + q
-    end subroutine add_debt
-
-    !> A cell that was covered takes its debt into its ledger.
-    subroutine settle_covered(air, coupling)
+    !> Exchange parts of the ledgers of neighbours. In one dimension there are no such neighbours.
+    subroutine level_ledgers(air, coupling)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
-        integer :: c(3), e
+        real(rk) :: part
 
-        do e = 1, coupling%n_debts
-            c = cell_at(air%n, coupling%debt_cell(e))
-            if (coupling%wall%solid(c(1), c(2), c(3)) == 0) cycle
-            air%u(c(1), c(2), c(3), :) = air%u(c(1), c(2), c(3), :) + coupling%debt(:, e)
-            coupling%debt(:, e) = 0
-        end do
-        call drop_paid(air, coupling)
-    end subroutine settle_covered
+        if (coupling%shells%n < 3 .or. count(air%n > 1) == 1) return
+        part = 1/3.0_rk**count(air%n > 1)
+        associate (wall => coupling%wall)
+            call each_copy_ledger(wall%n_cells, coupling%box, coupling%cell, air%u, coupling%ledger)
+            call each_level_ledger(wall%n_cells, coupling%box, coupling%shells, part, &
+                                   coupling%cell, wall%solid, wall%index, coupling%face_of, &
+                                   coupling%ledger, air%u)
+        end associate
+    end subroutine level_ledgers
 
-    !> Keep each ledger between -1 and +2 cells of the gas beside it; the excess becomes debt there.
+    !> Keep each ledger in its band; the excess becomes debt of the gas beside.
     subroutine limit_ledgers(air, coupling)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
-        real(rk) :: low, high, ratio
-        integer :: c, over
+        integer :: opened, over
 
-        low = coupling%ledger_low
-        high = coupling%ledger_high
         over = 0
-        !$omp parallel do if(coupling%wall%n_cells >= worth_threads) schedule(static) &
-        !$omp private(ratio) reduction(+:over) reduction(min:low) reduction(max:high)
-        do c = 1, coupling%wall%n_cells
-            coupling%excess(c) = 0
-            if (.not. any(coupling%face_of(:, c) > 0)) cycle
-            ratio = ratio_of(air, coupling, c)
-            coupling%excess(c) = ledger_excess(ratio)
-            ratio = ratio*(1 - coupling%excess(c))
-            low = min(low, ratio)
-            high = max(high, ratio)
-            if (coupling%excess(c) > 0) over = over + 1
-        end do
-        coupling%ledger_low = low
-        coupling%ledger_high = high
-        if (over == 0) return
-        do c = 1, coupling%wall%n_cells
-            if (coupling%excess(c) > 0) call move_excess(air, coupling, c)
-        end do
+        associate (wall => coupling%wall)
+            call each_judge_ledger(wall%n_cells, coupling%box, coupling%cell, coupling%gas, &
+                                   coupling%face_of, air%u, coupling%excess, &
+                                   coupling%ledger_low, coupling%ledger_high, over)
+            if (over == 0) return
+            call each_take_excess(wall%n_cells, coupling%box, coupling%cell, coupling%face_of, &
+                                  coupling%excess, air%u, coupling%ledger)
+            call at_least(coupling%start, wall%n_faces + 1)
+            call each_first_excess(wall%n_faces, coupling%box, coupling%gas, wall%face_cell, &
+                                   wall%solid, wall%index, coupling%face_of, coupling%excess, &
+                                   coupling%slot, coupling%start)
+            call running_sum(coupling%start, wall%n_faces, opened)
+            call size_debts(coupling, coupling%n_debts + opened)
+            call each_open_excess(wall%n_faces, coupling%n_var, coupling%n_debts, coupling%start, &
+                                  coupling%gas, coupling%slot, coupling%debt_cell, coupling%debt)
+            coupling%n_debts = coupling%n_debts + opened
+            call each_give_excess(wall%n_faces, coupling%box, coupling%n_var, coupling%gas, &
+                                  wall%face_cell, wall%solid, wall%index, coupling%face_of, &
+                                  coupling%excess, coupling%ledger, coupling%slot, coupling%debt)
+        end associate
     end subroutine limit_ledgers
-
-    !> Ledger of a solid cell over the mean of the gas cells that it touches.
-    pure real(rk) function ratio_of(air, coupling, c) result(ratio)
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(in) :: coupling
-        integer, intent(in) :: c !! place in the wall list
-        real(rk) :: rho, energy, u(5)
-        integer :: f, n, side, g(3)
-
-        rho = 0
-        energy = 0
-        n = 0
-        do side = 1, 6
-            f = coupling%face_of(side, c)
-            if (f == 0) cycle
-            g = coupling%wall%face(1:3, f)
-            rho = rho + air%u(g(1), g(2), g(3), 1)
-            energy = energy + air%u(g(1), g(2), g(3), 5)
-            n = n + 1
-        end do
-        g = coupling%wall%cell(:, c)
-        u = air%u(g(1), g(2), g(3), 1:5)
-        ratio = ledger_ratio(u, rho/n, energy/n)
-    end function ratio_of
-
-    !> Move the excess of a ledger, in equal shares, to the debts of the gas cells that it touches.
-    subroutine move_excess(air, coupling, c)
-        type(air_t), intent(inout) :: air
-        type(coupling_t), intent(inout) :: coupling
-        integer, intent(in) :: c !! place in the wall list
-        real(rk) :: q(air%n_var)
-        integer :: f, side, ijk(3)
-
-        ijk = coupling%wall%cell(:, c)
-        q = coupling%excess(c)*air%u(ijk(1), ijk(2), ijk(3), :)
-        air%u(ijk(1), ijk(2), ijk(3), :) = air%u(ijk(1), ijk(2), ijk(3), :) - q
-        q = q/count(coupling%face_of(:, c) > 0)
-        do side = 1, 6
-            f = coupling%face_of(side, c)
-            if (f > 0) call add_debt(air, coupling, number_of(air%n, coupling%wall%face(1:3, f)), q)
-        end do
-    end subroutine move_excess
 
     !> Pay a part of each debt.
     subroutine release_debts(air, coupling)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
-        real(rk) :: u(max_var), debt(max_var), floors(3)
-        integer :: c(3), e
 
         if (coupling%n_debts == 0) return
-        floors = floors_of(.true., air%scheme%gamma, air%rho_rest, air%p_rest)
-        !$omp parallel do if(coupling%n_debts >= worth_threads) schedule(static) private(c, u, debt)
-        do e = 1, coupling%n_debts
-            c = cell_at(air%n, coupling%debt_cell(e))
-            u(6) = 0
-            debt(6) = 0
-            u(:air%n_var) = air%u(c(1), c(2), c(3), :)
-            debt(:air%n_var) = coupling%debt(:, e)
-            call release_debt(floors, u, debt)
-            air%u(c(1), c(2), c(3), :) = u(:air%n_var)
-            coupling%debt(:, e) = debt(:air%n_var)
-        end do
-        call drop_paid(air, coupling)
+        call at_least(coupling%start, coupling%n_debts + 1)
+        call each_pay_debt(coupling%n_debts, coupling%box, coupling%n_var, coupling%debt_cell, &
+                           air%u, coupling%debt, coupling%start)
+        call drop_paid(coupling)
     end subroutine release_debts
 
-    !> Close the gaps in the list that paid debts leave.
-    subroutine drop_paid(air, coupling)
-        type(air_t), intent(in) :: air
+    !> Cells that were covered take their debts into their ledgers.
+    subroutine settle_covered(air, coupling)
+        type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
-        integer :: c(3), e, n
 
-        n = 0
-        do e = 1, coupling%n_debts
-            c = cell_at(air%n, coupling%debt_cell(e))
-            if (all(abs(coupling%debt(:, e)) <= 0)) then
-                coupling%slot(c(1), c(2), c(3)) = 0
-                cycle
-            end if
-            n = n + 1
-            coupling%slot(c(1), c(2), c(3)) = n
-            coupling%debt_cell(n) = coupling%debt_cell(e)
-            coupling%debt(:, n) = coupling%debt(:, e)
-        end do
-        coupling%n_debts = n
+        if (coupling%n_debts == 0) return
+        call at_least(coupling%start, coupling%n_debts + 1)
+        call each_settle_debt(coupling%n_debts, coupling%box, coupling%n_var, coupling%debt_cell, &
+                              coupling%wall%solid, air%u, coupling%debt, coupling%start)
+        call drop_paid(coupling)
+    end subroutine settle_covered
+
+    !> Close the gaps in the list that paid debts leave; `start` holds 1 for each that stays.
+    subroutine drop_paid(coupling)
+        type(coupling_t), intent(inout) :: coupling
+        integer :: left
+
+        call running_sum(coupling%start, coupling%n_debts, left)
+        if (left == coupling%n_debts) return
+        call room_for_debts(coupling%n_var, size(coupling%debt_cell), coupling%next_cell, &
+                            coupling%next_debt)
+        call each_move_debt(coupling%n_debts, coupling%n_var, coupling%start, coupling%debt_cell, &
+                            coupling%debt, coupling%slot, coupling%next_cell, coupling%next_debt)
+        coupling%n_debts = left
+        call swap_lists(coupling)
     end subroutine drop_paid
+
+    subroutine swap_lists(coupling)
+        type(coupling_t), intent(inout) :: coupling
+        integer(int32), allocatable :: cell(:)
+        real(rk), allocatable :: debt(:, :)
+
+        call move_alloc(coupling%debt_cell, cell)
+        call move_alloc(coupling%debt, debt)
+        call move_alloc(coupling%next_cell, coupling%debt_cell)
+        call move_alloc(coupling%next_debt, coupling%debt)
+        call move_alloc(cell, coupling%next_cell)
+        call move_alloc(debt, coupling%next_debt)
+    end subroutine swap_lists
+
+    !> Enter all debts in the map of cells.
+    subroutine enter_debts(coupling)
+        type(coupling_t), intent(inout) :: coupling
+
+        coupling%slot = 0
+        if (coupling%n_debts > 0) &
+            call each_enter_debt(coupling%n_debts, coupling%debt_cell, coupling%slot)
+    end subroutine enter_debts
 
     !> Room for n debts; those already listed are kept.
     subroutine size_debts(coupling, n)
         type(coupling_t), intent(inout) :: coupling
         integer, intent(in) :: n
-        integer(int32), allocatable :: cell(:)
-        real(rk), allocatable :: debt(:, :)
-        integer :: have
 
-        have = 0
-        if (allocated(coupling%debt_cell)) have = size(coupling%debt_cell)
-        if (have >= n) return
-        allocate (cell(2*n + 64), debt(coupling%n_var, 2*n + 64))
-        if (have > 0) then
-            cell(1:have) = coupling%debt_cell
-            debt(:, 1:have) = coupling%debt
+        if (allocated(coupling%debt_cell)) then
+            if (size(coupling%debt_cell) >= n) return
         end if
-        call move_alloc(cell, coupling%debt_cell)
-        call move_alloc(debt, coupling%debt)
+        call room_for_debts(coupling%n_var, 2*n + 64, coupling%next_cell, coupling%next_debt)
+        associate (have => coupling%n_debts)
+            if (have > 0) coupling%next_cell(:have) = coupling%debt_cell(:have)
+            if (have > 0) coupling%next_debt(:, :have) = coupling%debt(:, :have)
+        end associate
+        call swap_lists(coupling)
     end subroutine size_debts
+
+    !> A list with room for n debts; what was in it is lost.
+    subroutine room_for_debts(n_var, n, cell, debt)
+        integer, intent(in) :: n_var, n
+        integer(int32), allocatable, intent(inout) :: cell(:)
+        real(rk), allocatable, intent(inout) :: debt(:, :)
+
+        if (allocated(cell)) then
+            if (size(cell) >= n) return
+            deallocate (cell, debt)
+        end if
+        allocate (cell(n), debt(n_var, n))
+    end subroutine room_for_debts
 end module brz_coupling_debts

@@ -108,10 +108,10 @@ contains
             ijk = coupling%wall%cell(:, c)
             call paper_force(air%rate(ijk(1), ijk(2), ijk(3), 1:4), coupling%wall%v(:, c), force)
             force = real(share*product(air%dx), rk)*force
-            do i = coupling%first(c), coupling%first(c + 1) - 1
+            do i = coupling%ends(c) + 1, coupling%ends(c + 1)
                 p = coupling%binned(i)
                 solid%load(:, p) = solid%load(:, p) &
-                                   + force/(coupling%first(c + 1) - coupling%first(c))
+                                   + force/(coupling%ends(c + 1) - coupling%ends(c))
             end do
             coupling%impulse = coupling%impulse + force*dt
             coupling%work = coupling%work + dt*dot_product(force, coupling%wall%v(:, c))
@@ -131,7 +131,7 @@ contains
             call mark_cells(air, solid, coupling)
             coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = coupling%mark
             call build_walls(air, coupling%wall)
-            call index_faces(coupling)
+            call index_faces(air, coupling)
             call fill_bins(air, solid, coupling)
         end if
         call move_walls(air, solid, coupling)

@@ -4,7 +4,9 @@ module brz_coupling_totals
     use brz_air_state, only: air_t
     use brz_air_sums, only: air_totals, products_mass
     use brz_coupling_state, only: coupling_t
+    use brz_debt_loops, only: each_total_debt
     use brz_kinds, only: dp
+    use brz_ledger_loops, only: each_total_ledger
     implicit none
     private
     public :: coupling_totals, coupling_products, ledger_totals
@@ -34,16 +36,11 @@ contains
         real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
         real(dp), intent(out) :: products !! mass of products of explosives [kg]
         real(dp) :: total(6)
-        integer :: c, e, ijk(3)
 
         total = 0
-        do c = 1, coupling%wall%n_cells
-            ijk = coupling%wall%cell(:, c)
-            total(:air%n_var) = total(:air%n_var) + air%u(ijk(1), ijk(2), ijk(3), :)
-        end do
-        do e = 1, coupling%n_debts
-            total(:air%n_var) = total(:air%n_var) + coupling%debt(:, e)
-        end do
+        call each_total_ledger(coupling%wall%n_cells, coupling%box, coupling%cell, air%u, total)
+        if (coupling%n_debts > 0) &
+            call each_total_debt(coupling%n_debts, coupling%n_var, coupling%debt, total)
         kept = total(1:5)*product(air%dx)
         products = total(6)*product(air%dx)
     end subroutine ledger_totals

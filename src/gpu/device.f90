@@ -6,6 +6,7 @@
 module brz_device
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_float, &
         c_int, c_int64_t, c_intptr_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_signed_char, c_size_t
+    use brz_buffers, only: arguments_t, buffer_t, most_arguments
     use brz_cuda_driver, only: cu_allocate, cu_context_retain, cu_context_set, cu_device, &
         cu_device_attribute, cu_device_count, cu_device_name, cu_driver_version, &
         cu_event_create, cu_event_elapsed, cu_event_record, cu_event_synchronize, &
@@ -23,8 +24,6 @@ module brz_device
               copy_out, clear_buffer, launch, wait_for_device, start_timer, stop_timer
 
     integer, parameter :: threads_per_block = 128 !! all along x
-    integer, parameter :: most_arguments = 40
-    integer, parameter :: most_words = 200 !! of eight bytes, for all arguments of a launch
 
     type :: device_t
         logical :: open = .false.
@@ -33,91 +32,12 @@ module brz_device
         type(c_ptr) :: module = c_null_ptr, started = c_null_ptr, ended = c_null_ptr
     end type device_t
 
-    type :: buffer_t
-        integer(c_intptr_t) :: address = 0
-        integer(c_size_t) :: bytes = 0
-    end type buffer_t
-
     type :: kernel_t
         type(c_ptr) :: handle = c_null_ptr
         character(32) :: name = ''
     end type kernel_t
 
-    !> Values for one launch, in the order and of the types of the arguments of the kernel.
-    type :: arguments_t
-        integer :: n = 0
-        integer :: first(most_arguments + 1) = 1 !! word of each argument
-        integer(c_int64_t) :: value(most_words) = 0
-    contains
-        procedure :: add_structure
-        procedure, private :: add_integer, add_long, add_single, add_double, add_buffer, add_buffers
-        generic :: add => add_integer, add_long, add_single, add_double, add_buffer, add_buffers
-    end type arguments_t
-
 contains
-
-    subroutine add_integer(self, x)
-        class(arguments_t), intent(inout) :: self
-        integer(c_int), intent(in) :: x
-
-        call self%add_long(int(x, c_int64_t)) ! little endian: the low word comes first
-    end subroutine add_integer
-
-    subroutine add_long(self, x)
-        class(arguments_t), intent(inout) :: self
-        integer(c_int64_t), intent(in) :: x
-
-        self%value(self%first(self%n + 1)) = x
-        self%n = self%n + 1
-        self%first(self%n + 1) = self%first(self%n) + 1
-    end subroutine add_long
-
-    !> Add a structure of plain data, which the kernel takes with the attribute `value`.
-    subroutine add_structure(self, x, bytes)
-        class(arguments_t), intent(inout) :: self
-        type(*), intent(in), target, contiguous :: x(..)
-        integer, intent(in) :: bytes
-        character(kind=c_char), pointer :: from(:)
-        integer :: words
-
-        words = (bytes - 1)/8 + 1
-        call c_f_pointer(c_loc(x), from, [bytes])
-        self%value(self%first(self%n + 1):self%first(self%n + 1) + words - 1) = &
-            transfer([from, spread(c_null_char, 1, 8*words - bytes)], self%value)
-        self%n = self%n + 1
-        self%first(self%n + 1) = self%first(self%n) + words
-    end subroutine add_structure
-
-    subroutine add_single(self, x)
-        class(arguments_t), intent(inout) :: self
-        real(c_float), intent(in) :: x
-
-        call self%add_integer(transfer(x, 0_c_int))
-    end subroutine add_single
-
-    subroutine add_double(self, x)
-        class(arguments_t), intent(inout) :: self
-        real(c_double), intent(in) :: x
-
-        call self%add_long(transfer(x, 0_c_int64_t))
-    end subroutine add_double
-
-    subroutine add_buffer(self, x)
-        class(arguments_t), intent(inout) :: self
-        type(buffer_t), intent(in) :: x
-
-        call self%add_long(int(x%address, c_int64_t))
-    end subroutine add_buffer
-
-    subroutine add_buffers(self, x)
-        class(arguments_t), intent(inout) :: self
-        type(buffer_t), intent(in) :: x(:)
-        integer :: i
-
-        do i = 1, size(x)
-            call self%add_buffer(x(i))
-        end do
-    end subroutine add_buffers
 
     !> Record what the driver refused.
     subroutine check(code, what, err)
@@ -269,7 +189,7 @@ contains
 
     !> Reserve memory on the GPU, all bytes zero.
     subroutine allocate_buffer(buffer, bytes, err)
-        type(buffer_t), intent(out) :: buffer
+        class(buffer_t), intent(out) :: buffer
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
 
@@ -282,7 +202,7 @@ contains
 
     !> Make room in a buffer that may hold some; what was there is lost where it grows.
     subroutine reserve_buffer(buffer, bytes, err)
-        type(buffer_t), intent(inout) :: buffer
+        class(buffer_t), intent(inout) :: buffer
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
 
@@ -293,7 +213,7 @@ contains
 
     !> Give memory back. Nothing happens to a buffer that holds none.
     subroutine free_buffer(buffer)
-        type(buffer_t), intent(inout) :: buffer
+        class(buffer_t), intent(inout) :: buffer
         integer(c_int) :: code
 
         if (buffer%address /= 0) code = cu_free(buffer%address)
@@ -301,7 +221,7 @@ contains
     end subroutine free_buffer
 
     subroutine clear_buffer(buffer, err)
-        type(buffer_t), intent(in) :: buffer
+        class(buffer_t), intent(in) :: buffer
         type(error_t), intent(inout) :: err
 
         if (failed(err)) return
@@ -311,7 +231,7 @@ contains
     !> Copy a contiguous array to the GPU.
     subroutine copy_in(x, buffer, bytes, err)
         type(*), intent(in), target, contiguous :: x(..)
-        type(buffer_t), intent(in) :: buffer
+        class(buffer_t), intent(in) :: buffer
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
 
@@ -323,7 +243,7 @@ contains
     !> A new buffer that holds a contiguous array.
     subroutine put_buffer(x, buffer, bytes, err)
         type(*), intent(in), target, contiguous :: x(..)
-        type(buffer_t), intent(out) :: buffer
+        class(buffer_t), intent(out) :: buffer
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
         call allocate_buffer(buffer, bytes, err)
@@ -332,7 +252,7 @@ contains
 
     !> Copy from the GPU to a contiguous array; waits for all work before it.
     subroutine copy_out(buffer, x, bytes, err)
-        type(buffer_t), intent(in) :: buffer
+        class(buffer_t), intent(in) :: buffer
         type(*), intent(inout), target, contiguous :: x(..)
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err

@@ -43,14 +43,9 @@ contains
         if (air%activity .and. gpu%bricks%swept) then
             layers = layers_around(air%n, air%bc(1, :) == bc_periodic, &
                 air%n_stages*reach_of(air%scheme))
-            arguments%n = 0
-            call add_grid(gpu, arguments)
-            call arguments%add(layers(1))
-            call arguments%add(layers(2))
-            call arguments%add(layers(3))
-            call arguments%add(gpu%bricks%reached)
-            call arguments%add(gpu%bricks%awake)
-            call launch(gpu%bricks%wake, gpu%grid%bricks, arguments, err)
+            call gpu%bricks%wake%wake_near(product(gpu%grid%bricks), gpu%grid, layers(1), &
+                                           layers(2), layers(3), gpu%bricks%reached, &
+                                           gpu%bricks%awake, err)
         end if
         gpu%bricks%swept = .true.
     end subroutine find_awake_bricks

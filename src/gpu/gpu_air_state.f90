@@ -8,7 +8,9 @@ module brz_gpu_air_state
     use brz_air_grid, only: grid_of, grid_t, place_of
     use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, bc_periodic, set_scale
-    use brz_device, only: allocate_buffer, arguments_t, buffer_t, clear_buffer, copy_in, copy_out, &
+    use brz_brick_launches, only: brick_kernels_t
+    use brz_buffers, only: arguments_t, buffer_t, bytes_t, integers_t, reals_t
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, &
         device_t, find_kernel, free_buffer, kernel_t, launch
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_kinds, only: dp, int64, int8, rk
@@ -25,11 +27,11 @@ module brz_gpu_air_state
     !> The cells that hold solid, as wall_t has them; without walls the buffers hold nothing.
     type :: gpu_walls_t
         integer :: n_cells = 0, n_faces = 0
-        type(buffer_t) :: solid, near !! one byte for each cell, see air_near
-        type(buffer_t) :: cell_of !! place of each cell in the list of solid cells
-        type(buffer_t) :: v !! (3, n_cells) velocity of the walls
-        type(buffer_t) :: face_of !! (6, n_cells) wall face on each side
-        type(buffer_t) :: push, impulse !! (n_faces) impulse of a stage, of the step
+        type(bytes_t) :: solid, near !! see air_near
+        type(integers_t) :: cell_of !! place of each cell in the list of solid cells
+        type(reals_t) :: v !! (3, n_cells) velocity of the walls
+        type(integers_t) :: face_of !! (6, n_cells) wall face on each side
+        type(reals_t) :: push, impulse !! (n_faces) impulse of a stage, of the step
         type(kernel_t) :: mark_near, add_impulse, scatter
         integer, allocatable :: shared(:, :) !! (3, n) cells that the host changes between steps
         real(rk), allocatable :: values(:, :) !! (n, n_var) their state, on its way
@@ -39,15 +41,16 @@ module brz_gpu_air_state
     !> Which bricks of the air something has reached, and which are computed, as air_t has them.
     type :: gpu_bricks_t
         logical :: swept = .false. !! every brick has been computed once
-        type(buffer_t) :: reached, awake !! one byte for each brick
-        type(kernel_t) :: look, settle, wake
+        type(bytes_t) :: reached, awake !! one byte for each brick
+        type(kernel_t) :: look, settle
+        type(brick_kernels_t) :: wake
     end type gpu_bricks_t
 
     type :: gpu_air_t
         type(grid_t) :: grid
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
-        type(buffer_t) :: u !! conserved variables, as in air_t
-        type(buffer_t) :: spare(2) !! the same of the stages of a step
+        type(reals_t) :: u !! conserved variables, as in air_t
+        type(reals_t) :: spare(2) !! the same of the stages of a step
         type(buffer_t) :: flux !! through the faces of direction x above each cell
         type(buffer_t) :: bad !! one byte for each cell, see finish_cell
         type(buffer_t) :: found !! 1: a kernel has found a bad cell
@@ -187,7 +190,7 @@ contains
         call find_kernel(device, 'scatter_cells', gpu%walls%scatter, err)
         call find_kernel(device, 'air_look', gpu%bricks%look, err)
         call find_kernel(device, 'air_settle', gpu%bricks%settle, err)
-        call find_kernel(device, 'air_wake', gpu%bricks%wake, err)
+        call gpu%bricks%wake%open(device, err)
         call find_kernel(device, 'max_strided', gpu%most, err)
         call find_kernel(device, 'sum_strided', gpu%sum, err)
     end subroutine find_kernels

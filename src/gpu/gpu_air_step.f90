@@ -3,7 +3,8 @@
 module brz_gpu_air_step
     use brz_air_grid, only: faces_of_a_thread, lines_along, stage_t
     use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic
-    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
+    use brz_buffers, only: arguments_t, buffer_t, reals_t
+    use brz_device, only: clear_buffer, copy_out, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_air_activity, only: find_awake_bricks
     use brz_gpu_air_state, only: add_grid, bytes_of_real, gpu_air_t
@@ -18,7 +19,7 @@ module brz_gpu_air_step
 
     !> The state that a stage starts from, that of the start of the step, and the next one.
     type :: states_t
-        type(buffer_t) :: u, start, new
+        type(reals_t) :: u, start, new
     end type states_t
 
 contains
@@ -106,7 +107,7 @@ contains
     subroutine fill_ghosts(gpu, air, u, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
-        type(buffer_t), intent(in) :: u
+        type(reals_t), intent(in) :: u
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer :: d, lines
@@ -288,10 +289,10 @@ contains
     subroutine find_lost_cell(gpu, air, new, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(inout) :: air
-        type(buffer_t), intent(in) :: new !! holds the Euler step of lost cells
+        type(reals_t), intent(in) :: new !! holds the Euler step of lost cells
         type(error_t), intent(inout) :: err
         character, allocatable, target :: marks(:)
-        type(buffer_t) :: value_at
+        type(reals_t) :: value_at
         real(rk), target :: value(1)
         integer(int64) :: at, first
         integer :: c, i

@@ -4,7 +4,8 @@
 !> near the walls, between which and the bodies the host hands gas over.
 module brz_gpu_air_walls
     use brz_air_state, only: air_t, bc_periodic, wall_t
-    use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, free_buffer, &
+    use brz_buffers, only: arguments_t, buffer_t, bytes_t
+    use brz_device, only: allocate_buffer, copy_in, copy_out, free_buffer, &
         launch, reserve_buffer
     use brz_air_grid, only: place_of
     use brz_errors, only: error_t, failed
@@ -146,7 +147,7 @@ contains
         integer, intent(in) :: low(3), high(3) !! corners
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
-        type(buffer_t) :: row
+        type(bytes_t) :: row
         integer(int8) :: marks(high(1) - low(1) + 1)
         integer :: j, k
 

@@ -30,7 +30,7 @@ contains
         if (all(coupling%carrier%carries == carries_none)) return
         call start(gpu, particles, arguments)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add([gpu%carrier, particles%place, particles%state, gpu%carrier_part])
+        call arguments%add_all(gpu%carrier, particles%place, particles%state, gpu%carrier_part)
         call launch(gpu%carrier_shift, [gpu%carrier_threads, gpu%bodies, 1], arguments, err)
         call fold(gpu, shift, err)
         do b = 1, gpu%bodies
@@ -75,9 +75,9 @@ contains
         if (any(coupling%carrier%carries == carries_all)) then
             call start(gpu, particles, arguments)
             call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-            call arguments%add([gpu%carrier, gpu%gas, gpu%home, gpu%above, particles%place, &
-                                particles%state, gpu%surface, gpu%weight, gpu%force, &
-                                gpu%impedance, gpu%carrier_part])
+            call arguments%add_all(gpu%carrier, gpu%gas, gpu%home, gpu%above, particles%place, &
+                                   particles%state, gpu%surface)
+            call arguments%add_all(gpu%weight, gpu%force, gpu%impedance, gpu%carrier_part)
             call launch(gpu%carrier_push, [gpu%carrier_threads, gpu%bodies, 1], arguments, err)
             call fold(gpu, push, err)
         end if
@@ -100,8 +100,8 @@ contains
         call start(gpu, particles, arguments)
         call arguments%add(particles%load)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add([gpu%carrier, particles%place, particles%state, particles%tag, &
-                            gpu%carrier_part])
+        call arguments%add_all(gpu%carrier, particles%place, particles%state, particles%tag, &
+                               gpu%carrier_part)
         call launch(gpu%carrier_load, [gpu%carrier_threads, gpu%bodies, 1], arguments, err)
         call fold(gpu, load, err)
         do b = 1, gpu%bodies
@@ -119,7 +119,7 @@ contains
 
         call arguments%add(size(sums, 2)*gpu%carrier_threads)
         call arguments%add(size(sums, 2)*fold_rows)
-        call arguments%add([gpu%carrier_part, gpu%carrier_sums])
+        call arguments%add_all(gpu%carrier_part, gpu%carrier_sums)
         call launch(gpu%fold, [size(sums, 2)*fold_rows, size(sums, 1), 1], arguments, err)
         part = 0
         call copy_out(gpu%carrier_sums, part, 8_int64*size(part), err)

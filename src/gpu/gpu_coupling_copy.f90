@@ -3,15 +3,16 @@
 module brz_gpu_coupling_copy
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
-    use brz_cell_shells, only: cell_at
+    use brz_coupling_box, only: is_solid
     use brz_coupling_state, only: coupling_t
+    use brz_debt_loops, only: each_enter_debt
     use brz_device, only: arguments_t, clear_buffer, copy_in, copy_out, device_t, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_carriers, only: put_carriers
     use brz_gpu_coupling_debts, only: make_room
     use brz_gpu_coupling_layout, only: book_given, book_high, book_low, book_taken, &
-        book_taken_work, book_threads, book_work, is_solid, n_book, n_count
+        book_taken_work, book_threads, book_work, n_book, n_count
     use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, open_memory, particles_t
     use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
         look_at_particles, move_gpu_walls
@@ -35,7 +36,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: counts(n_count), n
 
-        call open_memory(device, air, coupling, particles%n, gpu, err)
+        call open_memory(device, coupling, particles%n, gpu, err)
         if (failed(err)) return
         call clear_buffer(there%walls%solid, err)
         call look_at_particles(gpu, there, particles, counts, err)
@@ -44,6 +45,7 @@ contains
         call fill_gpu_bins(gpu, there, particles, err)
         call put_carriers(gpu, coupling%carrier, err)
         call move_gpu_walls(gpu, there, particles, err)
+        call copy_in(coupling%v_before, gpu%before, 3*bytes_of_real*particles%n, err)
         call put_debts(gpu, coupling, err)
         call put_books(gpu, coupling, err)
     end subroutine open_gpu_coupling
@@ -52,16 +54,13 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         type(coupling_t), intent(in) :: coupling
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
         call make_room(gpu, max(coupling%n_debts, 1), err)
         gpu%n_debts = coupling%n_debts
         if (gpu%n_debts == 0) return
         call copy_in(coupling%debt_cell, gpu%debt_cell(1), 4_int64*gpu%n_debts, err)
         call copy_in(coupling%debt, gpu%debt(1), gpu%box%n_var*bytes_of_real*gpu%n_debts, err)
-        call arguments%add(gpu%n_debts)
-        call arguments%add([gpu%debt_cell(1), gpu%slot])
-        call launch(gpu%slots, [gpu%n_debts, 1, 1], arguments, err)
+        call gpu%debts%enter_debt(gpu%n_debts, gpu%debt_cell(1), gpu%slot, err)
     end subroutine put_debts
 
     subroutine put_books(gpu, coupling, err)
@@ -118,16 +117,16 @@ contains
             gpu%fetched_changes = changes
         end if
         call copy_out(there%walls%v, coupling%wall%v, 3*bytes_of_real*gpu%n_cells, err)
-        call fetch_debts(gpu, air, coupling, err)
+        call copy_out(gpu%before, coupling%v_before, &
+                      size(coupling%v_before, kind=int64)*bytes_of_real, err)
+        call fetch_debts(gpu, coupling, err)
         call fetch_books(gpu, coupling, err)
     end subroutine fetch_coupling
 
-    subroutine fetch_debts(gpu, air, coupling, err)
+    subroutine fetch_debts(gpu, coupling, err)
         type(gpu_coupling_t), intent(in) :: gpu
-        type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
-        integer :: c(3), e
 
         coupling%n_debts = gpu%n_debts
         if (allocated(coupling%debt_cell)) deallocate (coupling%debt_cell, coupling%debt)
@@ -136,10 +135,8 @@ contains
         call copy_out(gpu%debt(1), coupling%debt, gpu%box%n_var*bytes_of_real*gpu%n_debts, err)
         if (failed(err)) return
         coupling%slot = 0
-        do e = 1, gpu%n_debts
-            c = cell_at(air%n, coupling%debt_cell(e))
-            coupling%slot(c(1), c(2), c(3)) = e
-        end do
+        if (coupling%n_debts > 0) &
+            call each_enter_debt(coupling%n_debts, coupling%debt_cell, coupling%slot)
     end subroutine fetch_debts
 
     !> Totals of ledgers and debts, as ledger_totals has them.
@@ -150,15 +147,11 @@ contains
         real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
         real(dp), intent(out) :: products !! mass of products of explosives [kg]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         real(dp) :: part(book_threads, max_var)
 
         call clear_buffer(gpu%part, err)
-        call arguments%add(gpu%n_cells)
-        call arguments%add(gpu%n_debts)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, there%u, gpu%debt(1), gpu%part])
-        call launch(gpu%total, [book_threads, air%n_var, 1], arguments, err)
+        call gpu%ledgers%total_ledger(gpu%n_cells, gpu%box, gpu%cell, there%u, gpu%part, err)
+        call gpu%debts%total_debt(gpu%n_debts, gpu%box%n_var, gpu%debt(1), gpu%part, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)
         kept = sum(part(:, 1:5), 1)*product(air%dx)
@@ -175,7 +168,7 @@ contains
 
         call arguments%add(gpu%n_cells)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add([there%walls%v, gpu%part])
+        call arguments%add_all(there%walls%v, gpu%part)
         call launch(gpu%fastest, [book_threads, 1, 1], arguments, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)

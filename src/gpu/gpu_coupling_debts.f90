@@ -3,12 +3,12 @@
 module brz_gpu_coupling_debts
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_out, free_buffer, kernel_t, &
-        launch, reserve_buffer
+    use brz_buffers, only: arguments_t, buffer_t, from, integers_t, reals_t
+    use brz_device, only: allocate_buffer, copy_out, free_buffer, kernel_t, launch, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
-    use brz_gpu_coupling_layout, only: book_threads, count_over, n_count
-    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t
+    use brz_gpu_coupling_layout, only: book_low, book_threads, count_over, n_count
+    use brz_gpu_coupling_state, only: gpu_coupling_t
     use brz_gpu_scan, only: running_sum
     use brz_kinds, only: int64, rk
     implicit none
@@ -24,21 +24,13 @@ contains
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
         if (coupling%shells%n < 3 .or. count(air%n > 1) == 1) return
-        call arguments%add(gpu%n_cells)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, there%u, gpu%ledger])
-        call launch(gpu%copy, [gpu%n_cells, 1, 1], arguments, err)
-        arguments%n = 0
-        call arguments%add(gpu%n_cells)
-        call add_grid(gpu, there, arguments)
-        call arguments%add(gpu%shells)
-        call arguments%add(1/3.0_rk**count(air%n > 1))
-        call arguments%add([gpu%cell, there%walls%solid, there%walls%cell_of, &
-                                 there%walls%face_of, gpu%ledger, there%u])
-        call launch(gpu%level, [gpu%n_cells, 1, 1], arguments, err)
+        call gpu%ledgers%copy_ledger(gpu%n_cells, gpu%box, gpu%cell, there%u, gpu%ledger, err)
+        call gpu%ledgers%level_ledger(gpu%n_cells, gpu%box, gpu%shells, &
+                                      1/3.0_rk**count(air%n > 1), gpu%cell, there%walls%solid, &
+                                      there%walls%cell_of, there%walls%face_of, gpu%ledger, &
+                                      there%u, err)
     end subroutine level_gpu_ledgers
 
     !> Keep each ledger in its band; the excess becomes debt of the gas beside.
@@ -46,44 +38,28 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         type(gpu_air_t), intent(in) :: there
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         integer :: counts(n_count), opened
 
-        call arguments%add(gpu%n_cells)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, gpu%gas, there%walls%face_of, there%u, gpu%excess, &
-                                 gpu%counts, gpu%book])
-        call launch(gpu%judge, [book_threads, 1, 1], arguments, err)
+        call gpu%ledgers%judge_ledger( &
+            gpu%n_cells, gpu%box, gpu%cell, gpu%gas, there%walls%face_of, there%u, gpu%excess, &
+            from(gpu%book, book_threads*(book_low - 1_int64) + 1), &
+            from(gpu%counts, int(count_over, int64)), err)
         counts = 0
         call copy_out(gpu%counts, counts, 4_int64*n_count, err)
         if (counts(count_over) == 0 .or. failed(err)) return
-        arguments%n = 0
-        call arguments%add(gpu%n_faces)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%gas, gpu%owner, there%walls%solid, there%walls%cell_of, &
-                                 there%walls%face_of, gpu%excess, gpu%slot, gpu%start])
-        call launch(gpu%first, [gpu%n_faces, 1, 1], arguments, err)
+        call gpu%ledgers%take_excess(gpu%n_cells, gpu%box, gpu%cell, there%walls%face_of, &
+                                     gpu%excess, there%u, gpu%ledger, err)
+        call gpu%ledgers%first_excess(gpu%n_faces, gpu%box, gpu%gas, gpu%owner, &
+                                      there%walls%solid, there%walls%cell_of, &
+                                      there%walls%face_of, gpu%excess, gpu%slot, gpu%start, err)
         call running_sum(gpu%scan, gpu%start, gpu%n_faces, err, opened)
         call make_room(gpu, gpu%n_debts + opened, err)
-        arguments%n = 0
-        call arguments%add(gpu%n_faces)
-        call arguments%add(gpu%box%n_var)
-        call arguments%add(gpu%n_debts)
-        call arguments%add([gpu%start, gpu%gas, gpu%slot, gpu%debt_cell(1), gpu%debt(1)])
-        call launch(gpu%open, [gpu%n_faces, 1, 1], arguments, err)
+        call gpu%ledgers%open_excess(gpu%n_faces, gpu%box%n_var, gpu%n_debts, gpu%start, gpu%gas, &
+                                     gpu%slot, gpu%debt_cell(1), gpu%debt(1), err)
         gpu%n_debts = gpu%n_debts + opened
-        arguments%n = 0
-        call arguments%add(gpu%n_faces)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%gas, gpu%owner, gpu%cell, there%walls%solid, &
-                                 there%walls%cell_of, there%walls%face_of, gpu%excess, there%u, &
-                                 gpu%slot, gpu%debt(1)])
-        call launch(gpu%give, [gpu%n_faces, 1, 1], arguments, err)
-        arguments%n = 0
-        call arguments%add(gpu%n_cells)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, gpu%excess, there%u])
-        call launch(gpu%take, [gpu%n_cells, 1, 1], arguments, err)
+        call gpu%ledgers%give_excess(gpu%n_faces, gpu%box, gpu%box%n_var, gpu%gas, gpu%owner, &
+                                     there%walls%solid, there%walls%cell_of, there%walls%face_of, &
+                                     gpu%excess, gpu%ledger, gpu%slot, gpu%debt(1), err)
     end subroutine limit_gpu_ledgers
 
     !> Pay a part of each debt.
@@ -92,7 +68,11 @@ contains
         type(gpu_air_t), intent(in) :: there
         type(error_t), intent(inout) :: err
 
-        call visit_debts(gpu, there, gpu%release, [gpu%debt_cell(1), there%u, gpu%debt(1)], err)
+        if (gpu%n_debts == 0) return
+        call reserve_buffer(gpu%start, 4_int64*(gpu%n_debts + 1), err)
+        call gpu%debts%pay_debt(gpu%n_debts, gpu%box, gpu%box%n_var, gpu%debt_cell(1), there%u, &
+                                gpu%debt(1), gpu%start, err)
+        call drop_paid(gpu, err)
     end subroutine release_gpu_debts
 
     !> Cells that were covered take their debts into their ledgers.
@@ -101,44 +81,23 @@ contains
         type(gpu_air_t), intent(in) :: there
         type(error_t), intent(inout) :: err
 
-        call visit_debts(gpu, there, gpu%settle, [gpu%debt_cell(1), there%walls%solid, there%u, &
-                                                  gpu%debt(1)], err)
-    end subroutine settle_gpu_debts
-
-    !> Run a kernel over all debts, which notes in `start` those that stay; drop the others.
-    subroutine visit_debts(gpu, there, kernel, buffers, err)
-        type(gpu_coupling_t), intent(inout) :: gpu
-        type(gpu_air_t), intent(in) :: there
-        type(kernel_t), intent(in) :: kernel
-        type(buffer_t), intent(in) :: buffers(:) !! its arguments before `start`
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-
         if (gpu%n_debts == 0) return
         call reserve_buffer(gpu%start, 4_int64*(gpu%n_debts + 1), err)
-        call arguments%add(gpu%n_debts)
-        call arguments%add(gpu%box%n_var)
-        call add_grid(gpu, there, arguments)
-        call arguments%add(buffers)
-        call arguments%add(gpu%start)
-        call launch(kernel, [gpu%n_debts, 1, 1], arguments, err)
+        call gpu%debts%settle_debt(gpu%n_debts, gpu%box, gpu%box%n_var, gpu%debt_cell(1), &
+                                   there%walls%solid, there%u, gpu%debt(1), gpu%start, err)
         call drop_paid(gpu, err)
-    end subroutine visit_debts
+    end subroutine settle_gpu_debts
 
     !> Close the gaps in the list that paid debts leave; `start` holds 1 for each that stays.
     subroutine drop_paid(gpu, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         integer :: left
 
         call running_sum(gpu%scan, gpu%start, gpu%n_debts, err, left)
         if (left == gpu%n_debts) return
-        call arguments%add(gpu%n_debts)
-        call arguments%add(gpu%box%n_var)
-        call arguments%add([gpu%start, gpu%debt_cell(1), gpu%debt(1), gpu%slot, &
-                                 gpu%debt_cell(2), gpu%debt(2)])
-        call launch(gpu%move, [gpu%n_debts, 1, 1], arguments, err)
+        call gpu%debts%move_debt(gpu%n_debts, gpu%box%n_var, gpu%start, gpu%debt_cell(1), &
+                                 gpu%debt(1), gpu%slot, gpu%debt_cell(2), gpu%debt(2), err)
         gpu%debt_cell = gpu%debt_cell([2, 1])
         gpu%debt = gpu%debt([2, 1])
         gpu%n_debts = left
@@ -149,7 +108,8 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         integer, intent(in) :: n
         type(error_t), intent(inout) :: err
-        type(buffer_t) :: cell, debt
+        type(integers_t) :: cell
+        type(reals_t) :: debt
         integer(int64) :: bytes
         integer :: m
 
@@ -174,13 +134,13 @@ contains
     subroutine copy_words(kernel, n, from, to, err)
         type(kernel_t), intent(in) :: kernel
         integer(int64), intent(in) :: n
-        type(buffer_t), intent(in) :: from, to
+        class(buffer_t), intent(in) :: from, to
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
         if (n == 0) return
         call arguments%add(n)
-        call arguments%add([from, to])
+        call arguments%add_all(from, to)
         call launch(kernel, [int(n), 1, 1], arguments, err)
     end subroutine copy_words
 end module brz_gpu_coupling_debts

@@ -3,17 +3,19 @@
 !> brz_coupling_events.
 module brz_gpu_coupling_events
     use brz_air_state, only: air_t
+    use brz_buffers, only: from
+    use brz_coupling_box, only: is_left
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: arguments_t, copy_out, launch, reserve_buffer
+    use brz_device, only: copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_debts, only: make_room, settle_gpu_debts
-    use brz_gpu_coupling_layout, only: count_covered, count_kept, count_uncovered, is_uncovered, &
-        n_count
-    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t
+    use brz_gpu_coupling_layout, only: count_covered, count_kept, count_uncovered, n_count
+    use brz_gpu_coupling_state, only: gpu_coupling_t
     use brz_gpu_coupling_walls, only: build_gpu_walls, list_cells_of_kind
     use brz_gpu_scan, only: running_sum
     use brz_kinds, only: int64
+    use brz_scheme, only: max_var
     implicit none
     private
     public :: change_gpu_hands
@@ -28,7 +30,7 @@ contains
         type(coupling_t), intent(inout) :: coupling
         integer, intent(in) :: counts(n_count) !! from look_at_particles
         type(error_t), intent(inout) :: err
-        integer :: left, n, donors
+        integer :: left, n
 
         left = counts(count_uncovered)
         n = gpu%n_cells + counts(count_covered) - left
@@ -39,83 +41,39 @@ contains
         call reserve_buffer(gpu%left, 4_int64*left, err)
         call reserve_buffer(gpu%donor, 4_int64*(left + n), err)
         call reserve_buffer(gpu%shell, 4_int64*(left + n), err)
-        call reserve_buffer(gpu%donation, gpu%box%n_var*bytes_of_real*(left + n), err)
+        call reserve_buffer(gpu%donation, max_var*bytes_of_real*(left + n), err)
         call reserve_buffer(gpu%start, 4_int64*(left + n + 1), err)
-        call list_cells_of_kind(gpu, is_uncovered, err, list=gpu%left)
-        call fill_left(gpu, there, air, left, err)
+        call list_cells_of_kind(gpu, is_left, err, list=gpu%left)
+        if (left > 0) &
+            call gpu%donors%fill_left(left, gpu%box, air%scheme, air%rho_rest, air%p_rest, &
+                                      gpu%shells, gpu%left, gpu%mark, there%walls%solid, &
+                                      there%walls%cell_of, there%walls%v, there%u, gpu%donor, &
+                                      gpu%donation, err)
         call build_gpu_walls(gpu, there, air, n, err)
         call settle_gpu_debts(gpu, there, err)
-        call list_buried(gpu, there, left, donors, err)
-        if (donors > 0) call donate(gpu, there, coupling, left, donors, err)
+        call donate(gpu, there, coupling, left, err)
     end subroutine change_gpu_hands
 
-    !> Fill the cells that the solid left.
-    subroutine fill_left(gpu, there, air, left, err)
-        type(gpu_coupling_t), intent(in) :: gpu
-        type(gpu_air_t), intent(in) :: there
-        type(air_t), intent(in) :: air
-        integer, intent(in) :: left
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-
-        if (left == 0) return
-        call arguments%add(left)
-        call arguments%add(gpu%box%n_var)
-        call add_grid(gpu, there, arguments)
-        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-        call arguments%add(gpu%shells)
-        call arguments%add(air%rho_rest)
-        call arguments%add(air%p_rest)
-        call arguments%add([gpu%left, gpu%mark, there%walls%solid, there%walls%cell_of, &
-                                 there%walls%v, there%u, gpu%donor, gpu%donation])
-        call launch(gpu%fresh, [left, 1, 1], arguments, err)
-    end subroutine fill_left
-
-    !> Solid cells that no longer touch gas but have a ledger: donors too.
-    subroutine list_buried(gpu, there, left, donors, err)
-        type(gpu_coupling_t), intent(inout) :: gpu
-        type(gpu_air_t), intent(in) :: there
-        integer, intent(in) :: left
-        integer, intent(out) :: donors !! with those that the solid left
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        integer :: buried
-
-        call arguments%add(gpu%n_cells)
-        call arguments%add(gpu%box%n_var)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, there%walls%face_of, there%u, gpu%start])
-        call launch(gpu%buried, [gpu%n_cells, 1, 1], arguments, err)
-        call running_sum(gpu%scan, gpu%start, gpu%n_cells, err, buried)
-        donors = left + buried
-        if (buried == 0) return
-        arguments%n = 0
-        call arguments%add(gpu%n_cells)
-        call arguments%add(gpu%box%n_var)
-        call arguments%add(left)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, gpu%start, there%u, gpu%mark, gpu%donor, gpu%donation])
-        call launch(gpu%list_buried, [gpu%n_cells, 1, 1], arguments, err)
-    end subroutine list_buried
-
     !> Hand the gas of the donors to the ledgers nearby; what finds none is owed, or waits.
-    subroutine donate(gpu, there, coupling, left, donors, err)
+    subroutine donate(gpu, there, coupling, left, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(gpu_air_t), intent(in) :: there
         type(coupling_t), intent(inout) :: coupling
-        integer, intent(in) :: left, donors
+        integer, intent(in) :: left !! cells that the solid left
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        integer :: counts(n_count), opened
+        integer :: buried, counts(n_count), donors, opened
 
-        call arguments%add(donors)
-        call arguments%add(left)
-        call arguments%add(gpu%box%n_var)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%shells, gpu%donor, there%walls%solid, there%walls%cell_of, &
-                                 there%walls%face_of, there%u, gpu%shell, gpu%donation, gpu%start, &
-                                 gpu%counts])
-        call launch(gpu%shells_of, [donors, 1, 1], arguments, err)
+        call gpu%donors%flag_buried(gpu%n_cells, gpu%box, gpu%cell, there%walls%face_of, there%u, &
+                                    gpu%start, err)
+        call running_sum(gpu%scan, gpu%start, gpu%n_cells, err, buried)
+        donors = left + buried
+        if (donors == 0) return
+        call gpu%donors%list_buried(gpu%n_cells, left, gpu%box, gpu%cell, gpu%start, there%u, &
+                                    gpu%mark, gpu%donor, gpu%donation, err)
+        call gpu%donors%choose_shell(donors, left, gpu%box, gpu%shells, gpu%donor, &
+                                     there%walls%solid, there%walls%cell_of, there%walls%face_of, &
+                                     there%u, gpu%shell, gpu%donation, gpu%start, &
+                                     from(gpu%counts, int(count_kept, int64)), err)
         call running_sum(gpu%scan, gpu%start, donors, err, opened)
         counts = 0
         call copy_out(gpu%counts, counts, 4_int64*n_count, err)
@@ -123,23 +81,12 @@ contains
         if (failed(err)) return
         if (opened > 0) then
             call make_room(gpu, gpu%n_debts + opened, err)
-            arguments%n = 0
-            call arguments%add(left)
-            call arguments%add(gpu%box%n_var)
-            call arguments%add(gpu%n_debts)
-            call arguments%add([gpu%start, gpu%donor, gpu%donation, gpu%slot, &
-                                     gpu%debt_cell(1), gpu%debt(1)])
-            call launch(gpu%owe, [left, 1, 1], arguments, err)
+            call gpu%donors%owe_donation(left, gpu%box%n_var, gpu%n_debts, gpu%start, gpu%donor, &
+                                         gpu%donation, gpu%slot, gpu%debt_cell(1), gpu%debt(1), err)
             gpu%n_debts = gpu%n_debts + opened
         end if
-        arguments%n = 0
-        call arguments%add(gpu%n_cells)
-        call arguments%add(donors)
-        call arguments%add(left)
-        call arguments%add(gpu%box%n_var)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%shells, gpu%cell, there%walls%face_of, gpu%mark, gpu%donor, &
-                                 gpu%shell, gpu%donation, there%u])
-        call launch(gpu%collect, [gpu%n_cells, 1, 1], arguments, err)
+        call gpu%donors%collect_shares(gpu%n_cells, donors, left, gpu%box, gpu%shells, gpu%cell, &
+                                       there%walls%face_of, gpu%mark, gpu%donor, gpu%shell, &
+                                       gpu%donation, there%u, err)
     end subroutine donate
 end module brz_gpu_coupling_events

@@ -5,23 +5,29 @@
 !> Cells of the air go by their number in memory order, ghosts left out; solid cells and wall faces
 !> by their places in lists, in the order of the CPU.
 module brz_gpu_coupling_state
-    use brz_air_state, only: air_t
     use brz_carrier_rules, only: n_push
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, device_t, find_kernel, &
-        free_buffer, kernel_t, reserve_buffer
+    use brz_buffers, only: arguments_t, buffer_t, bytes_t, doubles_t, from, &
+        integers_t, reals_t
+    use brz_column_launches, only: column_kernels_t
+    use brz_coupling_box, only: box_t
+    use brz_debt_launches, only: debt_kernels_t
+    use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel, free_buffer, kernel_t, &
+        reserve_buffer
+    use brz_donor_launches, only: donor_kernels_t
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
-    use brz_gpu_coupling_layout, only: book_threads, box_gpu_t, n_book, n_count
+    use brz_gpu_coupling_layout, only: book_threads, n_book, n_count
     use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
     use brz_gpu_solid_layout, only: scan_chunk
-    use brz_kinds, only: dp, int64, rk
-    use brz_positivity, only: floors_of
+    use brz_kinds, only: int64
+    use brz_ledger_launches, only: ledger_kernels_t
     use brz_scheme, only: max_var
+    use brz_velocity_launches, only: velocity_kernels_t
     implicit none
     private
     public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
-    public :: size_cells, size_faces, add_grid, fold_rows
+    public :: size_cells, size_faces, add_grid, column_of, tags_of, fold_rows
 
     integer, parameter :: fold_rows = 16 !! partial sums of a body that are left for the host
     integer, parameter :: most_threads = 65536 !! for the sums over all bodies
@@ -29,71 +35,68 @@ module brz_gpu_coupling_state
     !> The particles as brz_gpu_solid_layout has them, for the time of a call.
     type :: particles_t
         integer :: n = 0
-        type(buffer_t) :: place, motion, state, tag
+        type(doubles_t) :: place
+        type(reals_t) :: motion, state
+        type(integers_t) :: tag
         integer :: load = 0 !! columns of `state` before those of the load of the air
-        integer :: before = 0 !! before those of the velocity a step of the air ago
     end type particles_t
 
     type :: gpu_coupling_t
-        type(box_gpu_t) :: box
+        type(box_t) :: box
         type(gpu_scan_t) :: scan
         integer :: n_cells = 0, n_faces = 0, n_debts = 0
         integer(int64) :: fetched_changes = -1 !! cells that had changed hands at the last fetch
         type(buffer_t) :: shells !! shells_t
-        type(buffer_t) :: mark !! (cells) one byte: what the particles make of a cell
-        type(buffer_t) :: top !! (cells/scan_chunk) cells of a kind before each chunk
-        type(buffer_t) :: slot !! (cells) place among the debts, or 0
-        type(buffer_t) :: counts, book, part !! see brz_gpu_coupling_layout
+        type(bytes_t) :: mark !! (cells) what the particles make of a cell
+        type(integers_t) :: top !! (cells/scan_chunk) cells of a kind before each chunk
+        type(integers_t) :: slot !! (cells) place among the debts, or 0
+        type(integers_t) :: counts !! see brz_gpu_coupling_layout
+        type(doubles_t) :: book, part !! likewise
         integer :: bodies = 0 !! that may carry particles
         integer :: carrier_threads = 0 !! that add up what the gas does to a body
         type(buffer_t) :: carrier !! (bodies) as in coupling_t
-        type(buffer_t) :: carrier_part, carrier_sums !! what the gas does to them
-        type(buffer_t) :: cell_of, home, binned !! (particles) cell, place of it in the list, bins
-        type(buffer_t) :: ends !! (n_cells + 1) of the bins
-        type(buffer_t) :: cell !! (n_cells) number of each solid cell
-        type(buffer_t) :: above !! (6, n_cells) face that loads the column of a cell, or 0
-        type(buffer_t) :: ledger, excess !! (n_cells, n_var), (n_cells)
-        type(buffer_t) :: gas, rows, owner !! (n_faces) gas cell, side, place of the solid cell
-        type(buffer_t) :: surface, weight, force, impedance !! (n_faces) as in coupling_t
-        type(buffer_t) :: start !! counts that become places in lists
-        type(buffer_t) :: left !! cells that the solid has left
-        type(buffer_t) :: donor, shell, donation !! as in coupling_t
-        type(buffer_t) :: debt_cell(2), debt(2) !! the list, and room for the next one
+        type(doubles_t) :: carrier_part, carrier_sums !! what the gas does to them
+        type(integers_t) :: cell_of, home, binned !! (particles) cell, place of it in the list, bins
+        type(reals_t) :: before !! (3, particles by id) velocity a step of the air before [m/s]
+        type(integers_t) :: ends !! (n_cells + 1) of the bins
+        type(integers_t) :: cell !! (n_cells) number of each solid cell
+        type(integers_t) :: above !! (6, n_cells) face that loads the column of a cell, or 0
+        type(reals_t) :: ledger, excess !! (max_var, n_cells), (n_cells)
+        type(integers_t) :: gas, rows, owner !! (n_faces) gas cell, side, place of the solid cell
+        type(doubles_t) :: surface !! (n_faces) as in coupling_t
+        type(reals_t) :: weight, force, impedance !! (n_faces) likewise
+        type(integers_t) :: start !! counts that become places in lists
+        type(integers_t) :: left !! cells that the solid has left
+        type(integers_t) :: donor, shell !! as in coupling_t
+        type(reals_t) :: donation !! likewise
+        type(integers_t) :: debt_cell(2) !! the list, and room for the next one
+        type(reals_t) :: debt(2)
         integer :: room_debts = 0
         type(kernel_t) :: find, compare, count_kind, list_kind
-        type(kernel_t) :: index, images, count, list, reach_down
-        type(kernel_t) :: bin_count, bin_fill, bin_sort, bin_velocity, keep
-        type(kernel_t) :: weigh, feel, push, force_of, load, loaded, fastest
+        type(kernel_t) :: index, images, count, list
+        type(kernel_t) :: bin_count, bin_fill, bin_sort
+        type(kernel_t) :: loaded, fastest
         type(kernel_t) :: carrier_shift, carrier_push, carrier_load, fold
-        type(kernel_t) :: copy, level, judge, first, open, give, take, total
-        type(kernel_t) :: release, settle, move, slots, words
-        type(kernel_t) :: fresh, buried, list_buried, shells_of, owe, collect
+        type(column_kernels_t) :: columns
+        type(velocity_kernels_t) :: velocities
+        type(ledger_kernels_t) :: ledgers
+        type(debt_kernels_t) :: debts
+        type(donor_kernels_t) :: donors
+        type(kernel_t) :: words
     end type gpu_coupling_t
 
 contains
 
     !> Reserve what does not grow, and find the kernels.
-    subroutine open_memory(device, air, coupling, particles, gpu, err)
+    subroutine open_memory(device, coupling, particles, gpu, err)
         type(device_t), intent(in) :: device
-        type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
         integer, intent(in) :: particles
         type(gpu_coupling_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
 
-        gpu%box%n = air%n
-        gpu%box%cells = product(air%n)
-        gpu%box%n_var = air%n_var
-        gpu%box%layers = ceiling(coupling%spread)
-        gpu%box%bc = air%bc
-        gpu%box%wraps = coupling%wraps
-        gpu%box%floors = floors_of(.true., air%scheme%gamma, air%rho_rest, air%p_rest)
-        gpu%box%spread = coupling%spread
-        gpu%box%reference = coupling%reference_pressure
-        gpu%box%lo = air%lo
-        gpu%box%dx = air%dx
-        gpu%box%area = product(air%dx)/air%dx
+        gpu%box = coupling%box
         call find_kernels(device, gpu, err)
         call open_gpu_scan(device, gpu%scan, err)
         bytes = storage_size(coupling%shells)/8
@@ -108,6 +111,7 @@ contains
         call allocate_buffer(gpu%cell_of, 4_int64*particles, err)
         call allocate_buffer(gpu%home, 4_int64*particles, err)
         call allocate_buffer(gpu%binned, 4_int64*particles, err)
+        call allocate_buffer(gpu%before, 3*bytes_of_real*particles, err)
         gpu%bodies = size(coupling%carrier)
         gpu%carrier_threads = fold_rows*max(4, most_threads/fold_rows/max(16, gpu%bodies))
         bytes = storage_size(coupling%carrier)/8
@@ -130,42 +134,21 @@ contains
         call find_kernel(device, 'wall_images', gpu%images, err)
         call find_kernel(device, 'wall_count', gpu%count, err)
         call find_kernel(device, 'wall_list', gpu%list, err)
-        call find_kernel(device, 'wall_above', gpu%reach_down, err)
         call find_kernel(device, 'bin_count', gpu%bin_count, err)
         call find_kernel(device, 'bin_fill', gpu%bin_fill, err)
         call find_kernel(device, 'sort_cells', gpu%bin_sort, err)
-        call find_kernel(device, 'bin_velocity', gpu%bin_velocity, err)
-        call find_kernel(device, 'keep_velocity', gpu%keep, err)
-        call find_kernel(device, 'column_weights', gpu%weigh, err)
-        call find_kernel(device, 'wall_feel', gpu%feel, err)
-        call find_kernel(device, 'wall_push', gpu%push, err)
         call find_kernel(device, 'carrier_shift', gpu%carrier_shift, err)
         call find_kernel(device, 'carrier_push', gpu%carrier_push, err)
         call find_kernel(device, 'carrier_load', gpu%carrier_load, err)
         call find_kernel(device, 'solid_fold', gpu%fold, err)
-        call find_kernel(device, 'wall_force', gpu%force_of, err)
-        call find_kernel(device, 'load_particles', gpu%load, err)
         call find_kernel(device, 'loaded_bodies', gpu%loaded, err)
         call find_kernel(device, 'fastest_walls', gpu%fastest, err)
-        call find_kernel(device, 'ledger_copy', gpu%copy, err)
-        call find_kernel(device, 'ledger_level', gpu%level, err)
-        call find_kernel(device, 'ledger_judge', gpu%judge, err)
-        call find_kernel(device, 'ledger_total', gpu%total, err)
-        call find_kernel(device, 'excess_first', gpu%first, err)
-        call find_kernel(device, 'excess_open', gpu%open, err)
-        call find_kernel(device, 'excess_give', gpu%give, err)
-        call find_kernel(device, 'excess_take', gpu%take, err)
-        call find_kernel(device, 'debt_release', gpu%release, err)
-        call find_kernel(device, 'debt_settle', gpu%settle, err)
-        call find_kernel(device, 'debt_move', gpu%move, err)
-        call find_kernel(device, 'debt_slots', gpu%slots, err)
+        call gpu%columns%open(device, err)
+        call gpu%velocities%open(device, err)
+        call gpu%ledgers%open(device, err)
+        call gpu%debts%open(device, err)
+        call gpu%donors%open(device, err)
         call find_kernel(device, 'copy_words', gpu%words, err)
-        call find_kernel(device, 'fresh_cells', gpu%fresh, err)
-        call find_kernel(device, 'buried_flag', gpu%buried, err)
-        call find_kernel(device, 'buried_list', gpu%list_buried, err)
-        call find_kernel(device, 'donor_shells', gpu%shells_of, err)
-        call find_kernel(device, 'donor_debts', gpu%owe, err)
-        call find_kernel(device, 'donor_collect', gpu%collect, err)
     end subroutine find_kernels
 
     !> Room for n solid cells.
@@ -180,7 +163,7 @@ contains
         call reserve_buffer(gpu%cell, 4_int64*n, err)
         call reserve_buffer(gpu%ends, 4_int64*(n + 2), err)
         call reserve_buffer(gpu%above, 24_int64*n, err)
-        call reserve_buffer(gpu%ledger, gpu%box%n_var*bytes_of_real*n, err)
+        call reserve_buffer(gpu%ledger, max_var*bytes_of_real*n, err)
         call reserve_buffer(gpu%excess, bytes_of_real*n, err)
         call reserve_buffer(there%walls%v, 3*bytes_of_real*n, err)
         call reserve_buffer(there%walls%face_of, 24_int64*n, err)
@@ -217,21 +200,60 @@ contains
         call arguments%add_structure(there%grid, storage_size(there%grid)/8)
     end subroutine add_grid
 
+    !> A column of what the particles have.
+    pure type(reals_t) function column_of(particles, number)
+        type(particles_t), intent(in) :: particles
+        integer, intent(in) :: number !! of the column
+
+        column_of = from(particles%state, (number - 1_int64)*particles%n + 1)
+    end function column_of
+
+    pure type(integers_t) function tags_of(particles, number)
+        type(particles_t), intent(in) :: particles
+        integer, intent(in) :: number !! of the column
+
+        tags_of = from(particles%tag, (number - 1_int64)*particles%n + 1)
+    end function tags_of
+
     !> Give the memory back.
     subroutine close_gpu_coupling(gpu)
         type(gpu_coupling_t), intent(inout) :: gpu
-        type(buffer_t) :: all(34)
-        integer :: b
 
-        all = [gpu%scan%levels, gpu%shells, gpu%mark, gpu%top, gpu%slot, gpu%counts, gpu%book, &
-               gpu%part, gpu%cell_of, gpu%home, gpu%binned, gpu%ends, gpu%cell, gpu%above, &
-               gpu%ledger, gpu%excess, gpu%gas, gpu%rows, gpu%owner, gpu%surface, gpu%weight, &
-               gpu%force, gpu%impedance, gpu%start, gpu%left, gpu%donor, gpu%shell, gpu%donation, &
-               gpu%debt_cell(1), gpu%debt_cell(2), gpu%debt(1), gpu%carrier, &
-               gpu%carrier_part, gpu%carrier_sums]
-        do b = 1, size(all)
-            call free_buffer(all(b))
-        end do
+        call free_buffer(gpu%scan%levels)
+        call free_buffer(gpu%shells)
+        call free_buffer(gpu%mark)
+        call free_buffer(gpu%top)
+        call free_buffer(gpu%slot)
+        call free_buffer(gpu%counts)
+        call free_buffer(gpu%book)
+        call free_buffer(gpu%part)
+        call free_buffer(gpu%cell_of)
+        call free_buffer(gpu%home)
+        call free_buffer(gpu%binned)
+        call free_buffer(gpu%before)
+        call free_buffer(gpu%ends)
+        call free_buffer(gpu%cell)
+        call free_buffer(gpu%above)
+        call free_buffer(gpu%ledger)
+        call free_buffer(gpu%excess)
+        call free_buffer(gpu%gas)
+        call free_buffer(gpu%rows)
+        call free_buffer(gpu%owner)
+        call free_buffer(gpu%surface)
+        call free_buffer(gpu%weight)
+        call free_buffer(gpu%force)
+        call free_buffer(gpu%impedance)
+        call free_buffer(gpu%start)
+        call free_buffer(gpu%left)
+        call free_buffer(gpu%donor)
+        call free_buffer(gpu%shell)
+        call free_buffer(gpu%donation)
+        call free_buffer(gpu%debt_cell(1))
+        call free_buffer(gpu%debt_cell(2))
+        call free_buffer(gpu%debt(1))
         call free_buffer(gpu%debt(2))
+        call free_buffer(gpu%carrier)
+        call free_buffer(gpu%carrier_part)
+        call free_buffer(gpu%carrier_sums)
     end subroutine close_gpu_coupling
 end module brz_gpu_coupling_state

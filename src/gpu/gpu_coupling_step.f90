@@ -6,17 +6,19 @@
 module brz_gpu_coupling_step
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
+    use brz_buffers, only: arguments_t
+    use brz_device, only: clear_buffer, copy_out, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: gpu_air_t
     use brz_gpu_coupling_carriers, only: load_gpu_carriers, move_gpu_carriers, &
         see_gpu_carriers
     use brz_gpu_coupling_debts, only: level_gpu_ledgers, limit_gpu_ledgers, release_gpu_debts
     use brz_gpu_coupling_events, only: change_gpu_hands
-    use brz_gpu_coupling_layout, only: book_threads, count_covered, count_moved, count_outside, &
+    use brz_gpu_coupling_layout, only: count_covered, count_moved, count_outside, &
         count_uncovered, n_count
-    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, particles_t
+    use brz_gpu_coupling_state, only: column_of, gpu_coupling_t, particles_t, tags_of
     use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles, move_gpu_walls
+    use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     implicit none
@@ -35,56 +37,27 @@ contains
         type(coupling_t), intent(inout) :: coupling !! dt_before and the carriers are set
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
         call see_gpu_carriers(gpu, particles, solid, coupling, err)
         call move_gpu_walls(gpu, there, particles, err)
-        call weigh_columns(gpu, there, particles, err)
-        call arguments%add(gpu%n_faces)
-        call add_grid(gpu, there, arguments)
-        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-        call arguments%add([gpu%gas, gpu%rows, gpu%owner, there%u, there%walls%v, gpu%force, &
-                                 gpu%impedance])
-        call launch(gpu%feel, [gpu%n_faces, 1, 1], arguments, err)
+        call gpu%columns%weigh_column(gpu%n_faces, gpu%box, 4, gpu%gas, gpu%rows, gpu%owner, &
+                                      gpu%cell, there%walls%solid, there%walls%cell_of, gpu%ends, &
+                                      gpu%binned, particles%place, column_of(particles, at_mass), &
+                                      gpu%surface, gpu%weight, err)
+        call gpu%columns%feel_gas(gpu%n_faces, gpu%box, air%scheme, gpu%gas, gpu%rows, gpu%owner, &
+                                  there%u, there%walls%v, gpu%force, gpu%impedance, err)
         call move_gpu_carriers(gpu, particles, solid, coupling, dt, err)
-        arguments%n = 0
-        call arguments%add(particles%n)
-        call arguments%add(gpu%n_cells)
-        call arguments%add(gpu%bodies)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add(real(dt, rk))
-        call arguments%add(real(coupling%dt_before, rk))
-        call arguments%add(particles%load)
-        call arguments%add(particles%before)
-        call arguments%add([gpu%carrier, gpu%gas, gpu%owner, there%walls%face_of, gpu%above, &
-                                 gpu%ends, gpu%binned, particles%place, particles%motion, &
-                                 particles%state, particles%tag, gpu%surface, gpu%weight, &
-                                 gpu%force, gpu%impedance, there%walls%v])
-        call launch(gpu%push, [gpu%n_cells, 1, 1], arguments, err)
-        arguments%n = 0
-        call arguments%add(particles%n)
-        call arguments%add(particles%before)
-        call arguments%add([particles%motion, particles%state])
-        call launch(gpu%keep, [particles%n, 1, 1], arguments, err)
+        call gpu%velocities%push_wall( &
+            gpu%n_cells, gpu%box, 4, particles%n, 1, gpu%bodies, real(dt, rk), &
+            real(coupling%dt_before, rk), gpu%carrier, gpu%gas, gpu%owner, there%walls%face_of, &
+            gpu%above, gpu%ends, gpu%binned, particles%place, particles%motion, &
+            column_of(particles, at_mass), column_of(particles, particles%load + 1), gpu%before, &
+            tags_of(particles, tag_id), tags_of(particles, tag_fixed), gpu%surface, gpu%weight, &
+            gpu%force, gpu%impedance, there%walls%v, err)
+        call gpu%velocities%keep_velocity(particles%n, 4, particles%motion, &
+                                          tags_of(particles, tag_id), gpu%before, err)
         coupling%dt_before = dt
     end subroutine gpu_set_wall_velocity
-
-    !> Surface of the column behind each face, and the sum of the weights in it.
-    subroutine weigh_columns(gpu, there, particles, err)
-        type(gpu_coupling_t), intent(in) :: gpu
-        type(gpu_air_t), intent(in) :: there
-        type(particles_t), intent(in) :: particles
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-
-        call arguments%add(particles%n)
-        call arguments%add(gpu%n_faces)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%gas, gpu%rows, gpu%owner, gpu%cell, there%walls%solid, &
-                                 there%walls%cell_of, gpu%ends, gpu%binned, particles%place, &
-                                 particles%state, gpu%surface, gpu%weight])
-        call launch(gpu%weigh, [gpu%n_faces, 1, 1], arguments, err)
-    end subroutine weigh_columns
 
     !> Loads on the particles from the impulses of the step, and the books of work and impulse, as
     !> spread_load has them.
@@ -96,21 +69,15 @@ contains
         type(coupling_t), intent(in) :: coupling
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call arguments%add(gpu%n_faces)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add(dt)
-        call arguments%add([gpu%rows, gpu%owner, there%walls%impulse, there%walls%v, &
-                                 gpu%force, gpu%book])
-        call launch(gpu%force_of, [book_threads, 1, 1], arguments, err)
-        arguments%n = 0
-        call arguments%add(particles%n)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add(particles%load)
-        call arguments%add([gpu%home, gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
-                                 particles%place, particles%state])
-        call launch(gpu%load, [particles%n, 1, 1], arguments, err)
+        call gpu%columns%press_face(gpu%n_faces, gpu%box, dt, gpu%rows, there%walls%impulse, &
+                                    gpu%force, err)
+        call gpu%columns%book_face(gpu%n_faces, gpu%box, dt, gpu%rows, gpu%owner, &
+                                   there%walls%impulse, there%walls%v, gpu%book, err)
+        call gpu%columns%load_particle(particles%n, gpu%box, 4, particles%n, 1, gpu%home, &
+                                       gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
+                                       particles%place, column_of(particles, at_mass), &
+                                       column_of(particles, particles%load + 1), err)
         call load_gpu_carriers(gpu, particles, solid, coupling, err)
     end subroutine gpu_spread_load
 
@@ -133,7 +100,7 @@ contains
             call arguments%add(b)
             call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
             call arguments%add(dt)
-            call arguments%add([gpu%home, gpu%above, there%walls%impulse, gpu%part])
+            call arguments%add_all(gpu%home, gpu%above, there%walls%impulse, gpu%part)
             call launch(gpu%loaded, [last(b) - first(b) + 1, 1, 1], arguments, err)
         end do
         marks = 0

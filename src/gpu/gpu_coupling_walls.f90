@@ -3,14 +3,16 @@
 !> particles of each cell.
 module brz_gpu_coupling_walls
     use brz_air_state, only: air_t
-    use brz_device, only: arguments_t, buffer_t, clear_buffer, copy_out, launch
+    use brz_buffers, only: arguments_t, buffer_t, integers_t
+    use brz_device, only: clear_buffer, copy_out, launch
+    use brz_coupling_box, only: is_solid
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: gpu_air_t, mark_near_walls
-    use brz_gpu_coupling_layout, only: is_solid, n_count
-    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, particles_t, size_cells, &
-        size_faces
+    use brz_gpu_coupling_layout, only: n_count
+    use brz_gpu_coupling_state, only: add_grid, column_of, gpu_coupling_t, particles_t, &
+        size_cells, size_faces, tags_of
     use brz_gpu_scan, only: running_sum
-    use brz_gpu_solid_layout, only: scan_chunk
+    use brz_gpu_solid_layout, only: at_mass, scan_chunk, tag_fixed
     use brz_kinds, only: int64, int8
     implicit none
     private
@@ -31,11 +33,11 @@ contains
         call clear_buffer(gpu%mark, err)
         call arguments%add(particles%n)
         call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add([particles%place, gpu%cell_of, gpu%mark, gpu%counts])
+        call arguments%add_all(particles%place, gpu%cell_of, gpu%mark, gpu%counts)
         call launch(gpu%find, [particles%n, 1, 1], arguments, err)
         arguments%n = 0
         call add_grid(gpu, there, arguments)
-        call arguments%add([there%walls%solid, gpu%mark, gpu%counts])
+        call arguments%add_all(there%walls%solid, gpu%mark, gpu%counts)
         call launch(gpu%compare, gpu%box%n, arguments, err)
         counts = 0
         call copy_out(gpu%counts, counts, 4_int64*n_count, err)
@@ -46,7 +48,7 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         integer(int8), intent(in) :: kind_of !! in `mark`
         type(error_t), intent(inout) :: err
-        type(buffer_t), intent(in), optional :: list
+        class(buffer_t), intent(in), optional :: list
         integer, intent(out), optional :: total
         type(arguments_t) :: arguments
         integer :: chunks
@@ -54,7 +56,7 @@ contains
         chunks = (gpu%box%cells - 1)/scan_chunk + 1
         call arguments%add(gpu%box%cells)
         call arguments%add(int(kind_of))
-        call arguments%add([gpu%mark, gpu%top])
+        call arguments%add_all(gpu%mark, gpu%top)
         call launch(gpu%count_kind, [chunks, 1, 1], arguments, err)
         if (present(total)) then
             call running_sum(gpu%scan, gpu%top, chunks, err, total)
@@ -82,28 +84,24 @@ contains
         call clear_buffer(there%walls%cell_of, err)
         call arguments%add(n)
         call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, there%walls%solid, there%walls%cell_of])
+        call arguments%add_all(gpu%cell, there%walls%solid, there%walls%cell_of)
         call launch(gpu%index, [n, 1, 1], arguments, err)
         arguments%n = 0
         call add_grid(gpu, there, arguments)
-        call arguments%add([there%walls%solid, there%walls%cell_of])
+        call arguments%add_all(there%walls%solid, there%walls%cell_of)
         call launch(gpu%images, air%n + 2*air%g, arguments, err)
         call mark_near_walls(there, air, err)
         arguments%n = 0
         call arguments%add(n)
         call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, there%walls%solid, gpu%start])
+        call arguments%add_all(gpu%cell, there%walls%solid, gpu%start)
         call launch(gpu%count, [n, 1, 1], arguments, err)
         call running_sum(gpu%scan, gpu%start, n, err, faces)
         call size_faces(gpu, there, faces, err)
-        call arguments%add([there%walls%face_of, gpu%gas, gpu%rows, gpu%owner])
+        call arguments%add_all(there%walls%face_of, gpu%gas, gpu%rows, gpu%owner)
         call launch(gpu%list, [n, 1, 1], arguments, err)
-        arguments%n = 0
-        call arguments%add(n)
-        call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell, there%walls%solid, there%walls%cell_of, &
-                                 there%walls%face_of, gpu%above])
-        call launch(gpu%reach_down, [n, 6, 1], arguments, err)
+        call gpu%columns%find_above(n, gpu%box, gpu%cell, there%walls%solid, there%walls%cell_of, &
+                                    there%walls%face_of, gpu%above, err)
     end subroutine build_gpu_walls
 
     !> Sort the particles by solid cell.
@@ -113,24 +111,24 @@ contains
         type(particles_t), intent(in) :: particles
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        type(buffer_t) :: ends
+        type(integers_t) :: ends
 
         call clear_buffer(gpu%ends, err)
         call arguments%add(particles%n)
         call add_grid(gpu, there, arguments)
-        call arguments%add([gpu%cell_of, there%walls%cell_of, gpu%home, gpu%ends])
+        call arguments%add_all(gpu%cell_of, there%walls%cell_of, gpu%home, gpu%ends)
         call launch(gpu%bin_count, [particles%n, 1, 1], arguments, err)
         ends = gpu%ends
         ends%address = ends%address + 4
         call running_sum(gpu%scan, ends, gpu%n_cells, err)
         arguments%n = 0
         call arguments%add(particles%n)
-        call arguments%add([gpu%home, gpu%ends, gpu%binned])
+        call arguments%add_all(gpu%home, gpu%ends, gpu%binned)
         call launch(gpu%bin_fill, [particles%n, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(gpu%n_cells)
         call arguments%add(1)
-        call arguments%add([ends, gpu%binned])
+        call arguments%add_all(ends, gpu%binned)
         call launch(gpu%bin_sort, [gpu%n_cells, 1, 1], arguments, err)
     end subroutine fill_gpu_bins
 
@@ -141,14 +139,10 @@ contains
         type(gpu_air_t), intent(in) :: there
         type(particles_t), intent(in) :: particles
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call arguments%add(particles%n)
-        call arguments%add(gpu%n_cells)
-        call arguments%add(gpu%bodies)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add([gpu%carrier, gpu%ends, gpu%binned, particles%place, &
-                                 particles%motion, particles%state, particles%tag, there%walls%v])
-        call launch(gpu%bin_velocity, [gpu%n_cells, 1, 1], arguments, err)
+        call gpu%velocities%mean_velocity_of(gpu%n_cells, gpu%box, 4, gpu%bodies, gpu%carrier, &
+                                             gpu%ends, gpu%binned, particles%place, &
+                                             particles%motion, column_of(particles, at_mass), &
+                                             tags_of(particles, tag_fixed), there%walls%v, err)
     end subroutine move_gpu_walls
 end module brz_gpu_coupling_walls

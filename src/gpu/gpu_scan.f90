@@ -30,7 +30,7 @@ contains
     !> the sum of all and is brought to the host if asked for.
     subroutine running_sum(scan, x, n, err, total)
         type(gpu_scan_t), intent(inout) :: scan
-        type(buffer_t), intent(in) :: x !! (n + 1)
+        class(buffer_t), intent(in) :: x !! (n + 1)
         integer, intent(in) :: n
         type(error_t), intent(inout) :: err
         integer, intent(out), optional :: total

@@ -17,7 +17,7 @@ module brz_gpu_solid_copy
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: open_gpu_solid, fetch_solid, fetch_particles, put_before, fetch_before, faults_of
+    public :: open_gpu_solid, fetch_solid, fetch_particles, faults_of
 
 contains
 
@@ -133,35 +133,6 @@ contains
                          4_int64*solid%n, err)
         end subroutine put_tag
     end subroutine put_columns
-
-    !> Copy velocities that are kept by the number of the particle.
-    subroutine put_before(gpu, solid, v, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
-        real(rk), intent(in) :: v(:, :) !! (3, n) [m/s]
-        type(error_t), intent(inout) :: err
-        integer :: c
-
-        do c = 1, 3
-            call copy_in(v(c, solid%id), column_of(gpu, gpu%before + c), bytes_of_real*gpu%n, err)
-        end do
-    end subroutine put_before
-
-    !> Bring them to the host, whose particles must have the order of the GPU: after fetch_solid.
-    subroutine fetch_before(gpu, solid, v, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
-        real(rk), intent(inout) :: v(:, :) !! (3, n) [m/s]
-        type(error_t), intent(inout) :: err
-        real(rk), allocatable :: x(:)
-        integer :: c
-
-        allocate (x(gpu%n))
-        do c = 1, 3
-            call copy_out(column_of(gpu, gpu%before + c), x, bytes_of_real*gpu%n, err)
-            v(c, solid%id) = x
-        end do
-    end subroutine fetch_before
 
     pure function column_of(gpu, column) result(rest)
         type(gpu_solid_t), intent(in) :: gpu

@@ -69,7 +69,6 @@ module brz_gpu_solid_state
         integer :: weight = 0 !! of a cell in sums of contact
         integer :: owed = 0 !! energy that the hold owes [J]
         integer :: load = 0 !! + 1..3: force of the air [N]
-        integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
@@ -155,8 +154,7 @@ contains
         end if
         if (.not. in_air) return
         gpu%load = gpu%n_state
-        gpu%before = gpu%load + 3
-        gpu%n_state = gpu%before + 3
+        gpu%n_state = gpu%load + 3
     end subroutine number_columns
 
     !> Refuse a scene that does not fit, before anything is reserved.

@@ -6,6 +6,7 @@ module brz_backend
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_files, only: program_path
     use brz_gpu_air_state, only: gpu_air_t
+    use brz_buffers, only: buffer_t, doubles_t, integers_t, reals_t
     use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
     use brz_gpu_solid_bodies, only: cannot_run_solid
     use brz_gpu_solid_state, only: gpu_solid_t
@@ -96,8 +97,10 @@ contains
         type(particles_t) :: particles
 
         associate (solid => backend%solid)
-            particles = particles_t(solid%n, solid%place, solid%motion, solid%state, solid%tag, &
-                                    solid%load, solid%before)
+            particles = particles_t(solid%n, doubles_t(buffer_t=solid%place), &
+                                    reals_t(buffer_t=solid%motion), &
+                                    reals_t(buffer_t=solid%state), &
+                                    integers_t(buffer_t=solid%tag), solid%load)
         end associate
     end function particles_of
 end module brz_backend

@@ -56,7 +56,7 @@ contains
             if (any(solid%bodies%asleep)) call wake_on_gpu(backend, solid, dt, err)
         else
             call spread_load(air, solid, coupling, dt)
-            if (any(solid%bodies%asleep)) call wake_loaded(air, solid, coupling, dt)
+            if (any(solid%bodies%asleep)) call wake_loaded(solid, coupling, dt)
         end if
     end subroutine load_bodies
 

@@ -14,7 +14,7 @@ module brz_backend_fetch
     use brz_gpu_air_walls, only: fetch_map
     use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, gpu_ledger_totals
     use brz_gpu_solid_cohesive, only: fetch_gpu_points
-    use brz_gpu_solid_copy, only: fetch_before, fetch_particles, fetch_solid
+    use brz_gpu_solid_copy, only: fetch_particles, fetch_solid
     use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
@@ -100,10 +100,8 @@ contains
             call fetch_solid(backend%solid, solid, err)
             call fetch_ledgers(backend%solid, solid, err)
         end if
-        if (backend%coupling_on_gpu) then
-            call fetch_before(backend%solid, solid, coupling%v_before, err)
+        if (backend%coupling_on_gpu) &
             call fetch_coupling(backend%coupling, backend%air, air, coupling, err)
-        end if
     end subroutine fetch_state
 
     !> Bring the motion of some particles to the host, for gauges; with `all` the whole state.

@@ -12,7 +12,7 @@ module brz_backend_step
     use brz_gpu_air_step, only: gpu_air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
-    use brz_gpu_solid_copy, only: open_gpu_solid, put_before
+    use brz_gpu_solid_copy, only: open_gpu_solid
     use brz_gpu_solid_step, only: gpu_solid_step
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
@@ -38,7 +38,6 @@ contains
         if (backend%bodies_on_gpu) &
             call open_gpu_solid(backend%device, solid, coupling%present, backend%solid, err)
         if (.not. backend%coupling_on_gpu) return
-        call put_before(backend%solid, solid, coupling%v_before, err)
         call open_gpu_coupling(backend%device, air, coupling, particles_of(backend), backend%air, &
                                backend%coupling, err)
     end subroutine start_backend

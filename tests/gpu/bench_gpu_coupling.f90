@@ -12,6 +12,7 @@ program bench_gpu_coupling
     use brz_air_state, only: air_t, set_scale
     use brz_carrier_motion, only: read_carriers
     use brz_cell_shells, only: make_shells
+    use brz_coupling_setup, only: make_box
     use brz_coupling_state, only: coupling_t
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, device_t, start_timer, stop_timer
     use brz_errors, only: error_t, failed
@@ -77,6 +78,7 @@ contains
         call set_scale(air)
         coupling%n_var = air%n_var
         coupling%reference_pressure = 1e5_rk
+        call make_box(air, coupling)
         call make_shells(air%n, coupling%shells)
         particles%n = along*along*layers*side**3
         solid%n = particles%n
@@ -94,26 +96,33 @@ contains
         end do
         call open_gpu_air(device, air, .true., there, err)
         particles%load = at_mass
-        particles%before = at_mass + 3
         call allocate_buffer(particles%place, 32_int64*particles%n, err)
         call allocate_buffer(particles%motion, 4*bytes_of_real*particles%n, err)
-        call allocate_buffer(particles%state, (at_mass + 6)*bytes_of_real*particles%n, err)
+        call allocate_buffer(particles%state, (at_mass + 3)*bytes_of_real*particles%n, err)
         call allocate_buffer(particles%tag, 4_int64*n_tag*particles%n, err)
         call copy_in(place, particles%place, 32_int64*particles%n, err)
         call fill_mass()
+        call fill_numbers()
+        allocate (coupling%v_before(3, particles%n), source=0.0_rk)
         call open_gpu_coupling(device, air, coupling, particles, there, gpu, err)
     end subroutine set_up
 
     subroutine fill_mass()
-        use brz_device, only: buffer_t
-        type(buffer_t) :: mass
+        use brz_gpu_coupling_state, only: column_of
         real(rk), allocatable :: ones(:)
 
         allocate (ones(particles%n), source=1.0_rk)
-        mass = particles%state
-        mass%address = mass%address + (at_mass - 1)*bytes_of_real*particles%n
-        call copy_in(ones, mass, bytes_of_real*particles%n, err)
+        call copy_in(ones, column_of(particles, at_mass), bytes_of_real*particles%n, err)
     end subroutine fill_mass
+
+    !> Numbers of the particles.
+    subroutine fill_numbers()
+        use brz_gpu_coupling_state, only: tags_of
+        use brz_gpu_solid_layout, only: tag_id
+        integer :: p
+
+        call copy_in([(p, p=1, particles%n)], tags_of(particles, tag_id), 4_int64*particles%n, err)
+    end subroutine fill_numbers
 
     !> Ten steps, in which the middle of the plate goes down so much.
     subroutine time_step(what, by)

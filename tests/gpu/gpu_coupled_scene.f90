@@ -21,7 +21,7 @@ module gpu_coupled_scene
     public :: both_t, start, finish, noise, stir_gas, put_particles, change_motion, shake, stock, &
               gas_scale, load, n_state
 
-    integer, parameter :: load = at_mass, before = load + 3, n_state = before + 3
+    integer, parameter :: load = at_mass, n_state = load + 3
 
     !> A scene on both machines.
     type :: both_t
@@ -56,7 +56,6 @@ contains
         call open_gpu_air(s%device, s%other, .true., s%there, s%err)
         s%particles%n = count
         s%particles%load = load
-        s%particles%before = before
         call allocate_buffer(s%particles%place, 32_int64*count, s%err)
         call allocate_buffer(s%particles%motion, 4*bytes_of_real*count, s%err)
         call allocate_buffer(s%particles%state, n_state*bytes_of_real*count, s%err)
@@ -210,7 +209,6 @@ contains
         do p = 1, n
             do d = 1, 3
                 state(p, load + d) = s%solid%load(d, p)
-                state(p, before + d) = s%coupling%v_before(d, s%solid%id(p))
             end do
         end do
         tag(:, tag_id) = s%solid%id

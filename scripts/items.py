@@ -1,0 +1,175 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Write the loops, kernels and launches around items; docs/extending.md says what an item is.
+
+usage: items.py NAME_items.f90 OUTDIR    (NAME_loops.f90, NAME_kernels.CUF, NAME_launches.f90)
+"""
+
+import re
+import sys
+from pathlib import Path
+from textwrap import wrap
+
+ITEM = re.compile(r"((?:^ *!>.*\n)+)^ *!@item *(.*)\n^ *!@cuf.*\n^ *pure subroutine (\w+)", re.M)
+LINE = re.compile(r"^ *(\w+(?:\(\w+\))?), *(intent\(\w+\)) *::([^!\n]*)(?:!!?(.*))?", re.M)
+USE = re.compile(r"^ *use (\w+), only: ((?:[\w, ]|& *\n *&?)+)", re.M)
+BUFFER = {"real(rk)": "reals_t", "real(dp)": "doubles_t", "integer(int8)": "bytes_t"}
+BUFFER |= {"integer": "integers_t", "integer(int32)": "integers_t"}
+TALLY = {"count": "+", "sum": "+", "least": "min", "most": "max"}
+KNOWN = {"worth_threads": "brz_solid_state", "tally_threads": "brz_tallies", "dp": "brz_kinds"}
+KNOWN |= dict.fromkeys(["find_kernel", "kernel_t", "launch", "device_t"], "brz_device")
+KNOWN |= {"error_t": "brz_errors"} | dict.fromkeys(
+    [*BUFFER.values(), "buffer_t", "arguments_t"], "brz_buffers"
+)
+
+
+class Argument:
+    """One argument of an item: its declaration, and where it lies."""
+
+    def __init__(self, name, shape, kind, intent, comment=""):
+        tag = re.match(r"@(\w+) *", comment)
+        self.name, self.kind, self.intent = name, kind, intent
+        self.tally = tag[1] if tag and tag[1] in TALLY else ""
+        self.in_memory = bool(tag or shape) and not self.tally
+        self.whole = kind.startswith("type") and not self.in_memory  # a structure by value
+        comment = re.sub("^@(buffer)?", "", comment.strip())
+        self.comment = f" !! {comment}" if comment else ""
+        self.end = name + shape + self.comment
+        size = int(shape.strip("()")) if self.tally and shape else 0
+        self.elements = [f"{name}({k + 1})" for k in range(size)] or [name]
+
+
+class Item:
+    """What the head of an item says."""
+
+    def __init__(self, doc, clauses, name, rest):
+        self.doc, self.name = doc.strip(), name
+        self.clauses = clauses or "if(n >= worth_threads) schedule(static)"
+        rest, found = re.sub(r" *& *\n *&?", " ", rest[: rest.index("end subroutine")]), {}
+        for kind, intent, names, comment in LINE.findall(rest):
+            for one, shape in re.findall(r"(\w+)(\([^)]*\))?", names):
+                found[one] = Argument(one, shape, kind, intent, comment)
+        names = re.findall(r"\w+", rest[: rest.index(")")])
+        self.index, *self.rest = (found[x] for x in names)
+        self.call = fold(f"call {name}({', '.join(names)})")
+        self.n = "n" + self.index.comment
+        self.counts = [a.name for a in self.rest if a.tally == "count"]
+        self.sums = [x for a in self.rest if a.tally not in ("", "count") for x in a.elements]
+        # a kernel is given all but sums and counts, which lie in two buffers
+        self.given = [a for a in self.rest if not a.tally]
+        buffers = [("sums", "(tally_threads, *)", "real(dp)", self.sums)]
+        buffers += [("counts", "(*)", "integer", self.counts)]
+        self.given += [Argument(*b[:3], "intent(inout)") for b in buffers if b[3]]
+
+
+def fold(text, mark=""):
+    """A statement in lines that are short enough."""
+    lines = [("    " if k and not mark else "") + x for k, x in enumerate(wrap(text, 84))]
+    return [mark + x + " &" for x in lines[:-1]] + [mark + lines[-1]]
+
+
+def inner(lines):
+    return ["    " + x if x else x for x in lines]
+
+
+def procedure(doc, head, names, declared, body):
+    lines = [*fold(f"{head}({', '.join(names)})"), *inner([*declared, "", *body])]
+    return ["", *(x.strip() for x in doc.split("\n")), *lines, "end " + head.split(") ")[-1]]
+
+
+def loop(item):
+    """The item for 1..n on the CPU; real numbers are summed in order, by one thread."""
+    i = item.index
+    tallies = [f"reduction({TALLY[a.tally]}:{a.name})" for a in item.rest if a.tally]
+    body = fold(" ".join(["parallel do", item.clauses, *tallies]), "!$omp ")
+    body *= not any(a.tally == "sum" for a in item.rest)
+    body += [f"do {i.name} = 1, n", *inner(item.call), "end do"]
+    declared = [f"integer, intent(in) :: {item.n}"]
+    declared += [f"{a.kind}, {a.intent} :: {a.end}" for a in item.rest] + [f"integer :: {i.name}"]
+    names = ["n", *(a.name for a in item.rest)]
+    return procedure(item.doc, f"subroutine each_{item.name}", names, declared, body)
+
+
+def kernel(item):
+    """The item for 1..n on the GPU: a thread for each; a fixed number where numbers are summed."""
+    i, step = item.index, "(blockIdx%x - 1)*blockDim%x + threadIdx%x"
+    declared, how = [f"integer, value :: {item.n}"], ("value", "device, {}")
+    declared += [f"{a.kind}, {how[a.in_memory].format(a.intent)} :: {a.end}" for a in item.given]
+    declared += [f"{a.kind} :: {a.end}" for a in item.rest if a.tally]
+    declared += [f"integer :: {i.name}" + ", t" * bool(item.sums) + ", old" * bool(item.counts)]
+    begin = [f"{x} = sums(t, {k})" for k, x in enumerate(item.sums, 1)]
+    begin += [f"{x} = 0" for x in item.counts]
+    end = [f"sums(t, {k}) = {x}" for k, x in enumerate(item.sums, 1)]
+    add = "if ({0} > 0) old = atomicadd(counts({1}), {0})"
+    end += [add.format(x, k) for k, x in enumerate(item.counts, 1)]
+    if item.sums:
+        body = [f"t = {step}", "if (t > tally_threads) return", *begin]
+        body += [f"do {i.name} = t, n, tally_threads", *inner(item.call), "end do", *end]
+    else:
+        body = [f"{i.name} = {step}", f"if ({i.name} > n) return", *begin, *item.call, *end]
+    head, names = f"attributes(global) subroutine each_{item.name}", [a.name for a in item.given]
+    return procedure(item.doc, head, ["n", *names], declared, body)
+
+
+def launch(number, stem, item):
+    """A procedure that launches the kernel, with arguments of the types that this takes."""
+    declared = [f"class({stem}_kernels_t), intent(in) :: self", f"integer, intent(in) :: {item.n}"]
+    body = ["call a%add(n)"]
+    for a in item.given:
+        kind = f"type({BUFFER.get(a.kind, 'buffer_t')})" if a.in_memory else a.kind
+        declared += [f"{kind}, intent(in) :: {a.name}{a.comment}"]
+        how = "_structure({0}, storage_size({0})/8)" if a.whole else "({0})"
+        body += ["call a%add" + how.format(a.name)]
+    declared += ["type(error_t), intent(inout) :: err", "type(arguments_t) :: a"]
+    threads = "tally_threads" if item.sums else "n"
+    body += [f"call launch(self%kernel({number}), [{threads}, 1, 1], a, err)"]
+    names = ["self", "n", *(a.name for a in item.given), "err"]
+    return procedure(item.doc, f"subroutine launch_{item.name}", names, declared, body)
+
+
+def launches(stem, items):
+    """The type whose procedures launch the kernels of a file, and these procedures."""
+    kind = [f"type :: {stem}_kernels_t", "    private"]
+    kind += [f"    type(kernel_t) :: kernel({len(items)})", "contains"]
+    kind += ["    procedure :: open => find_kernels"]
+    kind += [f"    procedure :: {x.name} => launch_{x.name}" for x in items]
+    declared = [f"class({stem}_kernels_t), intent(inout) :: self"]
+    declared += ["type(device_t), intent(in) :: device", "type(error_t), intent(inout) :: err"]
+    find = "call find_kernel(device, 'each_{}', self%kernel({}), err)"
+    body = [find.format(x.name, k) for k, x in enumerate(items, 1)]
+    doc, head = "!> Find the kernels; before any launch.", "subroutine find_kernels"
+    find = procedure(doc, head, ["self", "device", "err"], declared, body)
+    every = [launch(k, stem, x) for k, x in enumerate(items, 1)]
+    return [*kind, f"end type {stem}_kernels_t", ""], [find, *every]
+
+
+def write(path, source, known, kind, procedures):
+    """A module, with `use` lines for the known names in it."""
+    code = [*inner(kind), "contains", *inner(x for one in procedures for x in one)]
+    words = {x for line in code for x in re.findall(r"\w+", re.split("!!|!>", line)[0])}
+    words, uses = words & set(known), []
+    for owner in sorted({known[x] for x in words}):
+        names = ", ".join(sorted(x for x in words if known[x] == owner))
+        uses += fold(f"use {owner}, only: {names}")
+    public = re.findall(r"subroutine (each_\w+)\(|end type (\w+)", "\n".join(code))
+    public = ", ".join(x or y for x, y in public)
+    uses += ["implicit none", "private", *fold(f"public :: {public}")]
+    lines = ["! SPDX-License-Identifier: MIT", f"!> Written by scripts/items.py from {source}."]
+    lines += [f"module brz_{path.stem}", *inner(uses), "", *code, f"end module brz_{path.stem}"]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def main():
+    source, folder = Path(sys.argv[1]), Path(sys.argv[2])
+    text, stem = source.read_text(encoding="utf-8"), source.stem.removesuffix("_items")
+    items = [Item(*m.groups(), text[m.end() :]) for m in ITEM.finditer(text)]
+    known = dict(KNOWN)
+    for owner, names in USE.findall(text):
+        known |= dict.fromkeys(re.findall(r"\w+", names), owner)
+    write(folder / f"{stem}_launches.f90", source, known, *launches(stem, items))
+    known |= {x.name: f"brz_{source.stem}" for x in items}
+    write(folder / f"{stem}_loops.f90", source, known, [], [loop(x) for x in items])
+    write(folder / f"{stem}_kernels.CUF", source, known, [], [kernel(x) for x in items])
+
+
+main()

@@ -1,0 +1,221 @@
+! SPDX-License-Identifier: MIT
+!> Columns of solid cells behind wall faces, what the gas pushes there, and the loads of particles.
+!>
+!> A face loads the particles of its column from the outermost one inwards, and no farther than the
+!> next gas cell, in proportion to mass and load_weight of their depth. All of this follows from
+!> positions, which do not change while the air takes its step.
+module brz_column_items
+    use brz_cell_shells, only: index_along, next_along
+    use brz_column_rules, only: direction_of, height_of, sign_of
+    use brz_coupling_box, only: box_t, place_at
+    use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_load_rules, only: gas_push, gauge_force, load_weight
+    use brz_scheme, only: mixture_gamma, scheme_t
+    implicit none
+    private
+    public :: find_above, weigh_column, feel_gas, press_face, book_face, load_particle
+    public :: depth_weight
+
+contains
+
+    !> Face that begins the column of a cell on each side and is near enough to load it, or 0.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine find_above(c, box, cell, solid, cell_of, face_of, above)
+        integer, intent(in) :: c !! solid cells
+        type(box_t), intent(in) :: box
+        integer(int32), intent(in) :: cell(*)
+        integer(int8), intent(in) :: solid(*)
+        integer, intent(in) :: cell_of(*), face_of(6, *)
+        integer, intent(inout) :: above(6, *)
+        integer(int64) :: place
+        integer :: at, d, m, number, row, s
+
+        do row = 1, 6
+            above(row, c) = 0
+            d = direction_of(row)
+            if (box%n(d) == 1) cycle
+            s = sign_of(row)
+            number = cell(c)
+            at = c
+            do m = 0, box%layers
+                above(row, c) = face_of(row, at)
+                if (above(row, c) > 0) exit
+                number = next_along(box%n, box%wraps, number, d, -s)
+                if (number == 0) exit
+                place = place_at(box, number)
+                if (solid(place) == 0) exit
+                at = cell_of(place)
+            end do
+        end do
+    end subroutine find_above
+
+    !> Weight of a particle in the load of a face whose column it belongs to [kg].
+    !@cuf attributes(host,device) &
+    pure function depth_weight(box, row, gas, surface, x, mass) result(w)
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: row !! side of the face
+        integer(int32), intent(in) :: gas !! its gas cell
+        real(dp), intent(in) :: surface !! of its column [m]
+        real(dp), intent(in) :: x !! of the particle, along the direction [m]
+        real(rk), intent(in) :: mass !! [kg]
+        real(rk) :: w
+        real(dp) :: depth
+        integer :: d
+
+        d = direction_of(row)
+        depth = height_of(x, box%lo(d), box%dx(d), box%n(d), box%wraps(d), &
+                          index_along(box%n, gas, d), sign_of(row)) - surface
+        w = mass*load_weight(real(depth, rk), real(box%spread*box%dx(d), rk))
+    end function depth_weight
+
+    !> Surface of the column behind each face, and the sum of the weights in it.
+    !@item if(n >= worth_threads) schedule(dynamic, 64)
+    !@cuf attributes(host,device) &
+    pure subroutine weigh_column(f, box, wide, gas, rows, owner, cell, solid, cell_of, ends, &
+                                 binned, x, mass, surface, weight)
+        integer, intent(in) :: f !! wall faces
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: wide !! rows of x
+        integer(int32), intent(in) :: gas(*), rows(*), owner(*), cell(*)
+        integer(int8), intent(in) :: solid(*)
+        integer, intent(in) :: cell_of(*)
+        integer(int32), intent(in) :: ends(*), binned(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: mass(*)
+        real(dp), intent(inout) :: surface(*)
+        real(rk), intent(inout) :: weight(*)
+        real(dp) :: top
+        real(rk) :: total
+        integer(int64) :: at
+        integer :: c, d, g, i, k, number, s
+
+        d = direction_of(rows(f))
+        s = sign_of(rows(f))
+        c = owner(f)
+        g = index_along(box%n, gas(f), d)
+        top = huge(1.0_dp)
+        do i = ends(c) + 1, ends(c + 1)
+            top = min(top, height_of(x(d, binned(i)), box%lo(d), box%dx(d), box%n(d), &
+                                     box%wraps(d), g, s))
+        end do
+        surface(f) = top
+        number = cell(c)
+        total = 0
+        do k = 0, box%layers
+            do i = ends(c) + 1, ends(c + 1)
+                total = total + depth_weight(box, rows(f), gas(f), top, x(d, binned(i)), &
+                                             mass(binned(i)))
+            end do
+            number = next_along(box%n, box%wraps, number, d, s)
+            if (number == 0) exit
+            at = place_at(box, number)
+            if (solid(at) == 0) exit
+            c = cell_of(at)
+        end do
+        weight(f) = total
+    end subroutine weigh_column
+
+    !> Force of the gas on each face if the wall keeps its velocity, and its fall if it yields.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine feel_gas(f, box, scheme, gas, rows, owner, u, v, force, impedance)
+        integer, intent(in) :: f !! wall faces
+        type(box_t), intent(in) :: box
+        type(scheme_t), intent(in) :: scheme
+        integer(int32), intent(in) :: gas(*), rows(*), owner(*)
+        real(rk), intent(in) :: u(*), v(3, *)
+        real(rk), intent(inout) :: force(*), impedance(*)
+        real(rk) :: f_now, gamma, q(5), z
+        integer(int64) :: at
+        integer :: d, k
+
+        at = place_at(box, gas(f))
+        do k = 1, 5
+            q(k) = u(at + (k - 1)*box%grid%apart)
+        end do
+        gamma = scheme%gamma
+        if (scheme%mixture) gamma = mixture_gamma(scheme, u(at + 5*box%grid%apart)/q(1))
+        d = direction_of(rows(f))
+        call gas_push(rows(f), gamma, q, v(d, owner(f)), box%area(d), box%reference, f_now, z)
+        force(f) = f_now
+        impedance(f) = z
+    end subroutine feel_gas
+
+    !> Force of each face over the step, the reference pressure taken off.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine press_face(f, box, dt, rows, impulse, force)
+        integer, intent(in) :: f !! wall faces
+        type(box_t), intent(in) :: box
+        real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
+        integer(int32), intent(in) :: rows(*)
+        real(rk), intent(in) :: impulse(*)
+        real(rk), intent(inout) :: force(*)
+
+        force(f) = gauge_force(sign_of(rows(f)), impulse(f), box%reference, &
+                               box%area(direction_of(rows(f))), dt)
+    end subroutine press_face
+
+    !> The books of work and impulse, as the air sees them.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine book_face(f, box, dt, rows, owner, impulse, v, work, given, taken)
+        integer, intent(in) :: f !! wall faces
+        type(box_t), intent(in) :: box
+        real(dp), intent(in) :: dt !! step of the air [s]
+        integer(int32), intent(in) :: rows(*), owner(*)
+        real(rk), intent(in) :: impulse(*), v(3, *)
+        real(dp), intent(inout) :: work(2) !@sum of all pressure, of the reference pressure [J]
+        real(dp), intent(inout) :: given(3) !@sum of impulses given to the solid [N s]
+        real(dp), intent(inout) :: taken(3) !@sum of what was taken off [N s]
+        real(dp) :: push, reference, speed
+        integer :: d, s
+
+        s = sign_of(rows(f))
+        push = s*real(impulse(f), dp)
+        reference = s*box%reference*box%area(direction_of(rows(f)))*dt
+        speed = v(direction_of(rows(f)), owner(f))
+        work(1) = work(1) + push*speed
+        work(2) = work(2) + reference*speed
+        do d = 1, 3
+            if (d /= direction_of(rows(f))) cycle
+            given(d) = given(d) + (push - reference)
+            taken(d) = taken(d) + reference
+        end do
+    end subroutine book_face
+
+    !> Load of each particle, from all faces whose columns reach its cell.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine load_particle(p, box, wide, step_d, step_p, home, above, gas, surface, weight, &
+                                  force, x, mass, load)
+        integer, intent(in) :: p !! particles
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: wide !! rows of x
+        integer, intent(in) :: step_d, step_p !! distances in `load` of directions, of particles
+        integer(int32), intent(in) :: home(*), gas(*)
+        integer, intent(in) :: above(6, *)
+        real(dp), intent(in) :: surface(*)
+        real(rk), intent(in) :: weight(*), force(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: mass(*)
+        real(rk), intent(inout) :: load(*)
+        real(rk) :: total
+        integer :: d, f, row, side
+
+        do d = 1, 3
+            total = 0
+            if (home(p) > 0 .and. box%n(d) > 1) then
+                do side = 0, 1
+                    row = 2*d - side
+                    f = above(row, home(p))
+                    if (f == 0) cycle
+                    total = total + force(f)*(depth_weight(box, row, gas(f), surface(f), x(d, p), &
+                                                           mass(p))/weight(f))
+                end do
+            end if
+            load(1 + (d - 1)*step_d + (p - 1)*step_p) = total
+        end do
+    end subroutine load_particle
+end module brz_column_items

@@ -1,0 +1,64 @@
+! SPDX-License-Identifier: MIT
+!> The box of the air as the loops of the coupling see it: plain data. Point physics: compiled for
+!> the CPU and for the GPU.
+!>
+!> Cells go by their number in memory order, ghosts left out, or by their place in the arrays of
+!> the air.
+module brz_coupling_box
+    use brz_air_grid, only: grid_t, place_of
+    use brz_cell_shells, only: cell_at, neighbour
+    use brz_kinds, only: dp, int32, int64, int8, rk
+    implicit none
+    private
+    public :: box_t, place_at, place_beside
+    public :: is_gas, is_solid, is_left, is_buried
+
+    ! what a cell is in the map `mark`
+    integer(int8), parameter :: is_gas = 0, is_solid = 1
+    integer(int8), parameter :: is_left = 2 !! gas: the solid has left it
+    integer(int8), parameter :: is_buried = 3 !! solid that has lost touch with the gas
+
+    type :: box_t
+        integer :: n(3) !! cells
+        integer :: cells !! their product
+        integer :: n_var !! conserved variables
+        integer :: layers !! solid cells behind the first that a face may load
+        integer :: bc(2, 3) !! boundary conditions, as in air_t
+        logical :: wraps(3) !! periodic directions
+        real(rk) :: spread !! depth over which a load is spread, in cells
+        real(rk) :: reference !! pressure that is taken off [Pa]
+        real(rk) :: floors(3) !! of the gas, see floors_of
+        real(dp) :: lo(3), dx(3) !! low corner, sides of a cell [m]
+        real(dp) :: area(3) !! of the faces normal to each direction [m2]
+        type(grid_t) :: grid !! where the cells lie in memory
+    end type box_t
+
+contains
+
+    !> Place of a cell among the values of a variable, from its number.
+    !@cuf attributes(host,device) &
+    pure function place_at(box, number) result(at)
+        type(box_t), intent(in) :: box
+        integer(int32), intent(in) :: number
+        integer(int64) :: at
+        integer :: ijk(3)
+
+        ijk = cell_at(box%n, number)
+        at = place_of(box%grid, ijk(1), ijk(2), ijk(3))
+    end function place_at
+
+    !> Place of the cell that is reached from another by an offset; 0 beyond the box.
+    !@cuf attributes(host,device) &
+    pure function place_beside(box, ijk, offset) result(at)
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: ijk(3) !! the other cell
+        integer, intent(in) :: offset(3)
+        integer(int64) :: at
+        integer :: to(3)
+        logical :: inside
+
+        at = 0
+        call neighbour(box%n, box%wraps, ijk, offset, to, inside)
+        if (inside) at = place_of(box%grid, to(1), to(2), to(3))
+    end function place_beside
+end module brz_coupling_box

@@ -1,0 +1,178 @@
+! SPDX-License-Identifier: MIT
+!> Velocities of the walls, from the particles in the solid cells.
+module brz_velocity_items
+    use brz_carrier_rules, only: carried_velocity, carrier_at, carrier_t, is_carried
+    use brz_cell_place, only: cell_middle
+    use brz_column_items, only: depth_weight
+    use brz_coupling_box, only: box_t
+    use brz_kinds, only: dp, int32, rk
+    use brz_ledger_items, only: faces_at
+    use brz_load_rules, only: pushed_velocity
+    use brz_solid_state, only: is_held
+    implicit none
+    private
+    public :: mean_velocity_of, push_wall, keep_velocity
+    public :: carrier_of
+
+contains
+
+    !> The body that carries a particle, or 0.
+    !@cuf attributes(host,device) &
+    pure function carrier_of(bodies, carrier, p, fixed) result(b)
+        integer, intent(in) :: bodies
+        type(carrier_t), intent(in) :: carrier(bodies)
+        integer, intent(in) :: p !! particle
+        integer(int32), intent(in) :: fixed !! how it is held
+        integer :: b
+
+        b = carrier_at(bodies, carrier, p)
+        if (.not. is_carried(carrier(b)%carries, fixed == is_held)) b = 0
+    end function carrier_of
+
+    !> Velocity that a body gives to the walls of the cell that holds a particle of it [m/s].
+    !@cuf attributes(host,device) &
+    pure function carried_at(box, carrier, x) result(v)
+        type(box_t), intent(in) :: box
+        type(carrier_t), intent(in) :: carrier
+        real(dp), intent(in) :: x(3) !! of the particle [m]
+        real(rk) :: v(3)
+        real(dp) :: middle(3)
+
+        middle = cell_middle(x, box%lo, box%dx)
+        v = carried_velocity(carrier, middle)
+    end function carried_at
+
+    !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
+    !> carries them, else as it is kept, half a step before.
+    !@item if(27*n >= worth_threads) schedule(static, 64)
+    !@cuf attributes(host,device) &
+    pure subroutine mean_velocity_of(c, box, wide, bodies, carrier, ends, binned, x, v, mass, &
+                                     fixed, v_wall)
+        integer, intent(in) :: c !! solid cells
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: wide, bodies !! rows of x and v, bodies
+        type(carrier_t), intent(in) :: carrier(bodies)
+        integer(int32), intent(in) :: ends(*), binned(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: v(wide, *), mass(*)
+        integer(int32), intent(in) :: fixed(*)
+        real(rk), intent(inout) :: v_wall(3, *)
+        real(rk) :: total, sums(3), w(3)
+        integer :: b, d, i, p
+
+        total = 0
+        sums = 0
+        do i = ends(c) + 1, ends(c + 1)
+            p = binned(i)
+            b = carrier_of(bodies, carrier, p, fixed(p))
+            w = v(1:3, p)
+            if (b > 0) w = carried_at(box, carrier(b), x(1, p))
+            total = total + mass(p)
+            sums = sums + mass(p)*w
+        end do
+        do d = 1, 3
+            v_wall(d, c) = sums(d)/total
+        end do
+    end subroutine mean_velocity_of
+
+    !> Carry each wall to the middle of the step, in the directions in which it meets gas.
+    !>
+    !> What a body carries goes on with it. The rest of the mass of a cell goes on as it did in the
+    !> last step of the air, changed by what the gas, spread as a load will be, now pushes more. So
+    !> a body that holds against the pressure does not seem to give way, as it would if the gas
+    !> alone pushed. Cells with fixed particles stay at the mean.
+    !@item if(27*n >= worth_threads) schedule(dynamic, 64)
+    !@cuf attributes(host,device) &
+    pure subroutine push_wall(c, box, wide, step_d, step_p, bodies, dt, dt_before, carrier, gas, &
+                              owner, face_of, above, ends, binned, x, v, mass, load, v_before, &
+                              id, fixed, surface, weight, force, impedance, v_wall)
+        integer, intent(in) :: c !! solid cells
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: wide, bodies !! rows of x and v, bodies
+        integer, intent(in) :: step_d, step_p !! distances in `load` of directions, of particles
+        real(rk), intent(in) :: dt, dt_before !! this and the last step of the air, 0: none [s]
+        type(carrier_t), intent(in) :: carrier(bodies) !! in the middle of the step
+        integer(int32), intent(in) :: gas(*), owner(*)
+        integer, intent(in) :: face_of(6, *), above(6, *)
+        integer(int32), intent(in) :: ends(*), binned(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: v(wide, *), mass(*), load(*)
+        real(rk), intent(in) :: v_before(3, *) !! by the number of a particle, a step ago [m/s]
+        integer(int32), intent(in) :: id(*), fixed(*)
+        real(dp), intent(in) :: surface(*)
+        real(rk), intent(in) :: weight(*), force(*), impedance(*)
+        real(rk), intent(inout) :: v_wall(3, *)
+        real(rk) :: all_force(3), gas_load(3), momentum(3), own(3), w(3)
+        real(rk) :: carried, change, part, total, z
+        integer :: b, d, f, i, p, row, side
+        logical :: held
+
+        if (faces_at(c, face_of) == 0) return
+        held = .false.
+        total = 0
+        carried = 0
+        own = 0
+        momentum = 0
+        all_force = 0
+        gas_load = 0
+        do i = ends(c) + 1, ends(c + 1)
+            p = binned(i)
+            held = held .or. fixed(p) == is_held
+            b = carrier_of(bodies, carrier, p, fixed(p))
+            if (b > 0) then
+                w = carried_at(box, carrier(b), x(1, p))
+                carried = carried + mass(p)
+                momentum = momentum + mass(p)*w
+                cycle
+            end if
+            total = total + mass(p)
+            do d = 1, 3
+                own(d) = own(d) + mass(p)*v(d, p)
+                if (.not. dt_before > 0) cycle
+                gas_load(d) = gas_load(d) + load(1 + (d - 1)*step_d + (p - 1)*step_p)
+                all_force(d) = all_force(d) + mass(p)*(v(d, p) - v_before(d, id(p)))/dt_before
+            end do
+        end do
+        do d = 1, 3
+            w(d) = 0
+            if (total > 0) w(d) = own(d)/total
+            if (total > 0 .and. .not. held .and. box%n(d) > 1 &
+                .and. max(face_of(2*d - 1, c), face_of(2*d, c)) > 0) then
+                z = 0
+                change = -gas_load(d)
+                do side = 0, 1
+                    row = 2*d - side
+                    f = above(row, c)
+                    if (f == 0) cycle
+                    part = 0
+                    do i = ends(c) + 1, ends(c + 1)
+                        p = binned(i)
+                        if (carrier_of(bodies, carrier, p, fixed(p)) > 0) cycle
+                        part = part + depth_weight(box, row, gas(f), surface(f), x(d, p), mass(p))
+                    end do
+                    part = part/weight(f)
+                    change = change + part*force(f)
+                    if (owner(f) == c) z = z + part*impedance(f)
+                end do
+                w(d) = pushed_velocity(w(d), all_force(d), change, z, total, dt)
+            end if
+            v_wall(d, c) = (total*w(d) + momentum(d))/(total + carried)
+        end do
+    end subroutine push_wall
+
+    !> Keep the velocities for the forces of the next step.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine keep_velocity(p, wide, v, id, v_before)
+        integer, intent(in) :: p !! particles
+        integer, intent(in) :: wide !! rows of v
+        real(rk), intent(in) :: v(wide, *)
+        integer(int32), intent(in) :: id(*)
+        real(rk), intent(inout) :: v_before(3, *)
+        integer :: d
+
+        do d = 1, 3
+            v_before(d, id(p)) = v(d, p)
+        end do
+    end subroutine keep_velocity
+end module brz_velocity_items

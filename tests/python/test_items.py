@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: MIT
+"""What is written around an item does what the item says, and checks how it is called."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+ITEMS = """module brz_twig_items
+    use brz_kinds, only: dp, int32, rk
+    implicit none
+contains
+    !> Twice a number; sums of what was there.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine double_it(i, factor, x, n_big, total, low)
+        integer, intent(in) :: i !! numbers
+        real(rk), intent(in) :: factor
+        real(rk), intent(inout) :: x(*)
+        integer, intent(inout) :: n_big !@count numbers above 1
+        real(dp), intent(inout) :: total(2) !@sum of x, of its squares
+        real(rk), intent(inout) :: low !@least of them
+
+        if (x(i) > 1) n_big = n_big + 1
+        total(1) = total(1) + x(i)
+        total(2) = total(2) + x(i)**2
+        low = min(low, x(i))
+        x(i) = factor*x(i)
+    end subroutine double_it
+
+    !> Squares.
+    !@item if(n >= 2) schedule(dynamic, 1)
+    !@cuf attributes(host,device) &
+    pure subroutine square(i, x, y)
+        integer, intent(in) :: i !! numbers
+        real(rk), intent(in) :: x(*)
+        integer(int32), intent(inout) :: y(*)
+
+        y(i) = nint(x(i)**2)
+    end subroutine square
+
+    !> What threads may look for together.
+    !@item if(n >= 2) schedule(dynamic, 1)
+    !@cuf attributes(host,device) &
+    pure subroutine look(i, x, high, n_big)
+        integer, intent(in) :: i !! numbers
+        real(rk), intent(in) :: x(*)
+        real(rk), intent(inout) :: high !@most
+        integer, intent(inout) :: n_big !@count numbers above 1
+
+        high = max(high, x(i))
+        if (x(i) > 1) n_big = n_big + 1
+    end subroutine look
+end module brz_twig_items
+"""
+STUBS = """module brz_errors
+    type :: error_t
+    end type
+end module
+module brz_solid_state
+    integer, parameter :: worth_threads = 10
+end module
+module brz_device
+    use brz_buffers
+    use brz_errors
+    type :: device_t
+    end type
+    type :: kernel_t
+    end type
+contains
+    subroutine find_kernel(device, name, kernel, err)
+        type(device_t), intent(in) :: device
+        character(*), intent(in) :: name
+        type(kernel_t), intent(out) :: kernel
+        type(error_t), intent(inout) :: err
+    end subroutine
+    subroutine launch(kernel, n, a, err)
+        type(kernel_t), intent(in) :: kernel
+        integer, intent(in) :: n(3)
+        type(arguments_t), intent(in) :: a
+        type(error_t), intent(inout) :: err
+        print '(*(i0,1x))', n, a%n
+    end subroutine
+end module
+"""
+USER = """program user
+    use brz_buffers
+    use brz_errors
+    use brz_kinds
+    use brz_twig_launches
+    use brz_twig_loops
+    type(twig_kernels_t) :: kernels
+    type(error_t) :: err
+    type(reals_t) :: x
+    type(integers_t) :: y
+    type(doubles_t) :: sums
+    real(rk) :: a(20) = [(0.5_rk*i, i=1, 20)], low = 9, high = 0
+    real(dp) :: total(2) = 0
+    integer :: big = 0, many = 1, squares(20)
+    call each_double_it(20, 2.0_rk, a, big, total, low)
+    call each_square(20, a, squares)
+    call each_look(20, a, high, many)
+    print '(*(g0,1x))', nint(high), many, big, nint(total), nint(2*low), squares(20)
+    {launch}
+end program
+"""
+
+
+@pytest.fixture(scope="module")
+def twig(tmp_path_factory):
+    """A folder with an item, and what was written around it."""
+    folder = tmp_path_factory.mktemp("twig")
+    (folder / "twig_items.f90").write_text(ITEMS)
+    (folder / "stubs.f90").write_text(STUBS)
+    writer = [sys.executable, ROOT / "scripts/items.py", folder / "twig_items.f90", folder]
+    subprocess.run(writer, check=True)
+    return folder
+
+
+def built(folder, launch):
+    """The result of the compiler for a program that launches so."""
+    (folder / "user.f90").write_text(USER.format(launch=launch))
+    base = [ROOT / "src" / x for x in ("base/kinds.F90", "base/tallies.f90", "gpu/buffers.f90")]
+    made = [folder / f"{x}.f90" for x in ("stubs", "twig_items", "twig_loops", "twig_launches")]
+    command = ["gfortran", "-cpp", "-fopenmp", "-J", folder, *base, *made, folder / "user.f90"]
+    command += ["-o", folder / "user"]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_loops_do_all_items_and_sum(twig):
+    done = built(twig, "call kernels%square(20, x, y, err)")
+    assert done.returncode == 0, done.stderr
+    said = subprocess.run([twig / "user"], capture_output=True, text=True, check=True).stdout
+    # the doubled numbers 1, 2, ..., 20: 19 above 1, and the one that was counted before;
+    # 18 of 0.5, 1, ..., 10 are above 1; their sum is 105, that of their squares 717.5
+    assert said.split("\n")[:2] == ["20 20 18 105 718 1 400", "20 1 1 3"]
+
+
+def test_sums_have_a_fixed_number_of_threads(twig):
+    done = built(twig, "call kernels%double_it(20, 2.0_rk, x, sums, y, err)")
+    assert done.returncode == 0, done.stderr
+    said = subprocess.run([twig / "user"], capture_output=True, text=True, check=True).stdout
+    assert said.split("\n")[1] == "4096 1 1 5"
+    kernel = (twig / "twig_kernels.CUF").read_text()
+    for line in ("low = sums(t, 3)", "sums(t, 2) = total(2)", "do i = t, n, tally_threads"):
+        assert line in kernel
+    assert "if (n_big > 0) old = atomicadd(counts(1), n_big)" in kernel
+
+
+@pytest.mark.parametrize(
+    ("launch", "why"),
+    [
+        ("call kernels%square(20, x, err)", "TYPE(error_t) to TYPE(integers_t)"),
+        ("call kernels%square(20, y, y, err)", "passed TYPE(integers_t) to TYPE(reals_t)"),
+        ("call kernels%square(20, sums, y, err)", "passed TYPE(doubles_t) to TYPE(reals_t)"),
+        ("call kernels%double_it(20, 2, x, sums, y, err)", "passed INTEGER(4) to REAL"),
+    ],
+)
+def test_a_wrong_launch_does_not_compile(twig, launch, why):
+    done = built(twig, launch)
+    assert done.returncode != 0
+    assert "Error" in done.stderr
+    assert why in done.stderr
