@@ -74,6 +74,15 @@ contains
                       "'0/45/-45/90', '7*(0/90)' or '[0/90]s' (mirrored)."), &
                 key_t(group=g, key='ply_axis', kind=kind_text, default='z', choices='x|y|z', &
                       meaning='Normal of the plies.'), &
+                key_t(group=g, key='delamination', kind=kind_text, default='none', &
+                      choices='none|cohesive', &
+                      meaning='cohesive: the laminate is laid as bodies id.1, id.2, ... with '// &
+                      'cohesive interfaces between them, by zt, s13, s23, gdl of its material '// &
+                      'or an &interaction of it with itself.'), &
+                key_t(group=g, key='interfaces', kind=kind_text, n_max=32, default='all', &
+                      bare=.true., &
+                      meaning="delamination: between which plies; 'all', 'angles' (where the "// &
+                      "angle changes), or numbers (1 lies above the lowest ply)."), &
                 key_t(group=g, key='fix', kind=kind_text, n_max=8, &
                       choices='sides|all|x-|x+|y-|y+|z-|z+', &
                       meaning='Faces that are held; sides: all but the two across the '// &
