@@ -4,6 +4,7 @@ module brz_cohesive_setup
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t, interaction_case_t, label
     use brz_cohesive_faces, only: drop_faces, faces_t, find_faces
+    use brz_cohesive_layers, only: add_layers, keep_energy
     use brz_cohesive_law, only: cohesive_law_t, mixed_bk, mixed_power, mode_of
     use brz_cohesive_points, only: begin_points, lay_points, link_nodes
     use brz_cohesive_state, only: cohesive_t
@@ -12,8 +13,7 @@ module brz_cohesive_setup
     use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp, int32, real32
     use brz_material, only: material_t
-    use brz_ply_stress, only: p_g13, p_g23
-    use brz_solid_state, only: body_t, is_free, solid_t
+    use brz_solid_state, only: is_free, solid_t
     use brz_text, only: to_text
     implicit none
     private
@@ -59,6 +59,7 @@ contains
         allocate (solid%links%joined(solid%n), source=0_int32)
         call settle_stiffness(solid, err)
         do n = 1, size(solid%cohesive%law)
+            if (.not. failed(err)) call keep_energy(solid, n)
             call judge_interface(case, n, solid, err)
         end do
     end subroutine set_up_cohesive
@@ -210,7 +211,7 @@ contains
             do k = 1, size(glue%law)
                 if (usual(k)) glue%law(k)%stiffness = usual_stiffness*weaker(solid, k) &
                     /solid%bodies(glue%body(1, k))%spacing
-                call soften(solid, k, usual(k))
+                call add_layers(solid, k, usual(k))
             end do
             glue%softened = .false.
             call find_fastest(solid, fastest)
@@ -225,44 +226,6 @@ contains
             glue%dt_limit = minval(glue%limit)
         end associate
     end subroutine settle_stiffness
-
-    !> A side of a single layer is seen in its middle: what lies between that and its face is part
-    !> of the spring, with the stiffness of the material. The usual stiffness has no part in it then.
-    !> The shear stress falls to zero towards a face that is free, on a straight line: a layer that
-    !> is glued on one side gives in shear as a third of it would.
-    subroutine soften(solid, k, usual)
-        type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: k
-        logical, intent(in) :: usual
-        real(dp) :: give(2), share(2)
-        integer :: b, s
-
-        give = 0
-        do s = 1, 2
-            b = solid%cohesive%body(s, k)
-            if (solid%bodies(b)%layer == 0) cycle
-            share = 0.5_dp
-            if (count(solid%cohesive%body == b) == 1) share(2) = 1/3.0_dp
-            give = give + share*solid%bodies(b)%spacing/across_layer( &
-                solid%materials(solid%bodies(b)%material), solid%bodies(b))
-        end do
-        if (.not. any(give > 0)) return
-        associate (law => solid%cohesive%law(k))
-            law%stretch = 1/sqrt(1 + law%stiffness*give)
-            if (usual) law%stretch = min(1/sqrt(law%stiffness*give), 1.0_dp)
-        end associate
-    end subroutine soften
-
-    !> Stiffness of a layer across it, and in shear: of a ply the mean of both directions, which is
-    !> that of plies that cross [Pa].
-    pure function across_layer(m, body) result(stiffness)
-        type(material_t), intent(in) :: m
-        type(body_t), intent(in) :: body
-        real(dp) :: stiffness(2)
-
-        stiffness = [body%across_layer, m%shear]
-        if (body%directional) stiffness(2) = 2/(1/real(m%par(p_g13), dp) + 1/real(m%par(p_g23), dp))
-    end function across_layer
 
     !> First time step of two bodies [s].
     pure real(dp) function step_of_bodies(solid, pair) result(dt)

@@ -53,7 +53,7 @@ contains
 
     !> The same of a body of a single layer, for which K_z alone bends it: K_z m_4 k^2/8 per volume,
     !> m_4 the sum of w x^4 in the layer. It makes good the bending energy of the layer about its own
-    !> middle, with the lesser modulus in the plane, so that no direction is too stiff.
+    !> middle, with the mean of the moduli in its plane: exact in the sum of plies that cross.
     pure subroutine lay_layer_axes(zeta, material, axis, angles, dimension, spacing, h, axes)
         real(rk), intent(in) :: zeta !! over 2: factor of it all
         type(material_t), intent(in) :: material
@@ -70,7 +70,7 @@ contains
             angle = 0
             if (p > 0) angle = angles(p)
             e = in_plane(material, angle)
-            e(3) = (e(1) + e(2))/2 - sqrt(((e(1) - e(2))/2)**2 + e(3)**2)
+            e(3) = (e(1) + e(2))/2
             if (dimension == 2) e(3) = e(merge(1, 2, axis == 'x')) ! along the layer
             call lay_ply([0.0_rk, 0.0_rk, 0.0_rk], zeta/2*max(least*material%across, own*e(3)), &
                          axis, axes(:, :, p))

@@ -54,14 +54,16 @@ contains
         do j = 1, 3
             do i = 1, 3
                 f(i, j) = a(i + 3*(j - 1))
+                if (i == axis) f(i, j) = f(i, j) + normal(j)
             end do
-            f(axis, j) = f(axis, j) + normal(j)
         end do
         size = sign(1.0_rk, determinant3(f)) ! the side that was up stays up
         do i = 1, 3
             normal(i) = size*normal(i)
             m(i) = m(i) + normal(i)*normal(i)
-            a(axis + 3*(i - 1)) = a(axis + 3*(i - 1)) + normal(i)
+            do j = 1, 3
+                if (j == axis) a(j + 3*(i - 1)) = a(j + 3*(i - 1)) + normal(i)
+            end do
         end do
         m(4) = m(4) + normal(1)*normal(2)
         m(5) = m(5) + normal(2)*normal(3)

@@ -2,6 +2,7 @@
 !> The problems of the stability map and of the speed-accuracy chart.
 module solid_problems
     use brz_body_setup, only: set_up_solid
+    use brz_case, only: case_t
     use brz_errors, only: failed
     use brz_kinds, only: dp, rk
     use brz_solid_totals, only: solid_totals, solid_totals_t
@@ -290,7 +291,6 @@ contains
 
     !> A laminate as bodies of one ply each, glued by what never breaks.
     subroutine part_plies(case, n)
-        use brz_case, only: case_t
         type(case_t), intent(inout) :: case
         integer, intent(in) :: n
         integer :: p
