@@ -78,7 +78,7 @@ def test_plies_come_apart_where_they_may(tmp_path):
     assert max(heat) == pytest.approx(500 * 0.01, rel=0.01)
     assert min(heat) < 0.2 * max(heat)
     assert abs(table(tmp_path, "energy")["error[-]"][-1]) < 5e-3
-    echo = (tmp_path / "out/glue/case.nml").read_text()
+    echo = (tmp_path / "out/glue/glue.echo.nml").read_text()
     assert "id = 'plate.3'" in echo and "bodies = 'plate.*', 'plate.*'" in echo
     (tmp_path / "again").mkdir()
     run(tmp_path / "again", echo, "--check")
@@ -96,7 +96,7 @@ def test_numbers_of_the_deck_come_first(tmp_path):
         "-1,1 /\n"
     )
     run(tmp_path, deck, "--set", "run.max_steps=1")
-    echo = (tmp_path / "out/glue/case.nml").read_text().split("&")
+    echo = (tmp_path / "out/glue/glue.echo.nml").read_text().split("&")
     rules = [group for group in echo if group.startswith("interaction")]
     assert "'plate.*', 'plate.*'" in rules[2] and "gii = 500.0" in rules[2]
     assert "'plate.1', 'plate.2'" in rules[3] and "gii = 900.0" in rules[3]
@@ -107,19 +107,19 @@ def test_numbers_of_the_deck_come_first(tmp_path):
         "&interaction bodies='plate','plate', law='cohesive', gi=100, friction=0.3 /\n"
     )
     run(tmp_path, deck, "--replace", "--set", "run.max_steps=1")
-    echo = (tmp_path / "out/glue/case.nml").read_text().split("&")
+    echo = (tmp_path / "out/glue/glue.echo.nml").read_text().split("&")
     rules = [group for group in echo if group.startswith("interaction")]
     assert len(rules) == 3 and "gi = 100.0" in rules[2] and "gii = 500.0" in rules[2]
 
 
 GPU = """\
-&run t_end=6e-6, symmetry='x' /
-&material id='m', preset='cfrp_ud', gdl=500 /
+&run t_end=2.5e-6, symmetry='x' /
+&material id='m', preset='cfrp_ud', gdl=100, zt=30e6, s13=50e6, s23=50e6 /
 &body id='plate', box=0,0.004, 0,0.004, 0,0.002, spacing=0.0005, material='m',
   plies='0/90/45/0', delamination='cohesive', fix='y-' /
-&body id='ball', shape='sphere', centre=0,0.002,0.0036, radius=0.0015, spacing=0.0005,
+&body id='ball', shape='sphere', centre=0,0.002,0.00355, radius=0.0015, spacing=0.0005,
   material='m', formulation='bending', velocity=0,0,-120 /
-&output history_every=5e-7, dump_every=6e-6, checkpoint_every=2e-6 /
+&output history_every=2.5e-7, dump_every=2.5e-6, checkpoint_every=1e-6 /
 """
 
 
@@ -133,7 +133,9 @@ def test_plies_on_the_gpu(tmp_path):
         assert ("the bodies run on Emulated" in done.stderr) == (backend == "gpu")
     cpu, gpu = numbers(tmp_path, "cpu"), numbers(tmp_path, "gpu")
     same(cpu, gpu)
-    assert table(tmp_path, "energy", "gpu")["bond_heat[J]"][-1] > 1e-3
+    energy = table(tmp_path, "energy", "gpu")
+    assert energy["bond_heat[J]"][-1] > 1e-4
+    assert abs(energy["error[-]"][-1]) < 5e-3
     with (
         h5py.File(tmp_path / "cpu/solid_00001.vtkhdf") as a,
         h5py.File(tmp_path / "gpu/solid_00001.vtkhdf") as b,
