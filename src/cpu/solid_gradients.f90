@@ -7,7 +7,7 @@ module brz_solid_gradients
     use brz_algebra, only: multiply3, to_matrix
     use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient
     use brz_kinds, only: dp, int32, int64, rk
-    use brz_lone_layer, only: close_layer, lie_in_layer, turn_layer
+    use brz_lone_layer, only: close_layer, lie_in_layer, stay_in_layer, turn_layer
     use brz_material, only: point_t, strength_left
     use brz_materials, only: unloaded_speed, update_material
     use brz_solid_bonds, only: add_bonded_gradients
@@ -250,6 +250,7 @@ contains
         end if
         if (abs(solid%pair(pair_tilt, i)) > 0) b = transpose(b)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
+        if (body%layer > 0) call stay_in_layer(b, solid%pair(pair_stress + 1, i))
         if (weak /= 0 .and. (body%formulation == form_bending .or. body%tension_hold > 0 .or. &
                              body%formulation == form_total)) solid%cut(i) = 1
         call fill_row(solid, body, i, h, a, rho, c_bulk)

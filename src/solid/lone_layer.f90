@@ -13,7 +13,7 @@ module brz_lone_layer
     use brz_kinds, only: rk
     implicit none
     private
-    public :: close_layer, turn_layer, lie_in_layer
+    public :: close_layer, turn_layer, lie_in_layer, stay_in_layer
 
 contains
 
@@ -121,4 +121,35 @@ contains
             end do
         end do
     end subroutine lie_in_layer
+
+    !> The part in the layer of sigma B, where B has been laid in it: its normal is that of both.
+    !@cuf attributes(host,device) &
+    pure subroutine stay_in_layer(b, t)
+        real(rk), intent(in) :: b(3, 3)
+        real(rk), intent(inout) :: t(3, 3)
+        real(rk) :: normal(3), c(3), size, largest
+        integer :: i, j, k
+
+        largest = 0
+        do i = 1, 3
+            normal(i) = 0
+        end do
+        do j = 1, 3
+            k = merge(1, j + 1, j == 3)
+            c(1) = b(2, j)*b(3, k) - b(3, j)*b(2, k)
+            c(2) = b(3, j)*b(1, k) - b(1, j)*b(3, k)
+            c(3) = b(1, j)*b(2, k) - b(2, j)*b(1, k)
+            size = c(1)*c(1) + c(2)*c(2) + c(3)*c(3)
+            if (size <= largest) cycle
+            largest = size
+            do i = 1, 3
+                normal(i) = c(i)
+            end do
+        end do
+        if (.not. largest > 0) return
+        do i = 1, 3
+            normal(i) = normal(i)/sqrt(largest)
+        end do
+        call lie_in_layer(normal, t)
+    end subroutine stay_in_layer
 end module brz_lone_layer
