@@ -71,7 +71,8 @@ contains
                 "there is no &body with id='"//trim(id(i))//"'"// &
                 reference_hint(trim(id(i)), case%bodies%id))
         end do
-        if (n == 2 .and. id(1) == id(2) .and. index(id(1), '*') == 0) call complain(deck, g, 'bodies', &
+        if (n == 2 .and. id(1) == id(2) .and. index(id(1), '*') == 0) &
+            call complain(deck, g, 'bodies', &
             'a body does not meet itself; name two bodies')
         if (size(case%bodies) < 2) call add_warning(deck, deck%groups(g)%line, &
             group_label(deck%groups(g))//'has no effect: it needs two bodies')

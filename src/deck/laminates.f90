@@ -102,8 +102,9 @@ contains
         parting%axis = index('xyz', trim(word))
         dimension = 3
         call get(deck%groups(find_group(deck, 'run')), 'dimension', dimension)
-        if (parting%axis > dimension) call complain(deck, g, 'ply_axis', "delamination='cohesive' "// &
-            'needs plies that lie one above the other in what is modelled; change ply_axis')
+        if (parting%axis > dimension) call complain(deck, g, 'ply_axis', &
+            "delamination='cohesive' needs plies that lie one above the other in what is "// &
+            'modelled; change ply_axis')
         word = 'box'
         call get(deck%groups(g), 'shape', word)
         if (word /= 'box' .or. .not. is_usable(deck%groups(g), 'box')) call complain(deck, g, &
@@ -128,7 +129,7 @@ contains
         character(1) :: axis
         real(dp) :: side(3)
 
-        axis = 'xyz'(parting%axis:parting%axis)
+        axis = 'xyz' (parting%axis:parting%axis)
         side = parting%box(2:6:2) - parting%box(1:5:2)
         if (any(faces == axis//'-' .or. faces == axis//'+') .or. &
             (any(faces == 'sides') .and. side(parting%axis) > minval(side(:dimension)))) &
@@ -142,22 +143,23 @@ contains
         integer, intent(in) :: g
         type(parting_t), intent(inout) :: parting
         character(name_len) :: word(max_plies)
-        logical :: open(max_plies)
+        logical :: parted(max_plies)
         integer :: i, n, number
 
         associate (a => parting%angle, last => parting%plies - 1)
-            open = .false.
+            parted = .false.
             word = ''
             call get(deck%groups(g), 'interfaces', word, n)
             do i = 1, n
                 number = 0
                 if (len_trim(word(i)) < 9 .and. digits_only(trim(word(i)))) read (word(i), *) number
                 if (word(i) == 'all') then
-                    open(:last) = .true.
+                    parted(:last) = .true.
                 else if (word(i) == 'angles') then
-                    open(:last) = abs(modulo(a(2:last + 1) - a(:last) + 90, 180.0_dp) - 90) > 1e-6_dp
+                    parted(:last) = abs(modulo(a(2:last + 1) - a(:last) + 90, 180.0_dp) - 90) &
+                                  > 1e-6_dp
                 else if (number >= 1 .and. number <= last) then
-                    open(number) = .true.
+                    parted(number) = .true.
                 else
                     call complain(deck, g, 'interfaces', "interfaces: '"//trim(word(i))// &
                         "' is not 'all', 'angles' or a number from 1 (above the lowest ply) to "// &
@@ -165,10 +167,10 @@ contains
                     return
                 end if
             end do
-            if (.not. any(open)) call complain(deck, g, 'interfaces', 'interfaces: all plies '// &
+            if (.not. any(parted)) call complain(deck, g, 'interfaces', 'interfaces: all plies '// &
                 "have the same angle, so none is left to open; take 'all' or numbers")
-            parting%n = count(open) + 1
-            parting%last(1:parting%n) = [pack([(i, i=1, last)], open(:last)), parting%plies]
+            parting%n = count(parted) + 1
+            parting%last(1:parting%n) = [pack([(i, i=1, last)], parted(:last)), parting%plies]
         end associate
     end subroutine find_interfaces
 

@@ -103,8 +103,8 @@ contains
         view%first(faces%n + 1) = view%n + 1
     end subroutine view_side
 
-    !> A layer is seen where its particle lies, if one lies right above or below the point: sums over
-    !> its neighbours would not see how it moves against them.
+    !> A layer is seen where its particle lies, if one lies right above or below the point: sums
+    !> over its neighbours would not see how it moves against them.
     pure subroutine take_particle(x, at, axis, reach, value)
         real(dp), intent(in) :: x(:, :) !! (3, n) particles of the layer [m]
         real(dp), intent(in) :: at(3), reach !! [m]

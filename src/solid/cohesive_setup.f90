@@ -93,8 +93,9 @@ contains
         if (faces%n == 0) then
             solid%links%table(a, b)%law = law_contact
             solid%links%table(b, a)%law = law_contact
-            if (all(rule%body > 0 .and. rule%last == 0)) call raise(err, exit_deck, name_of(case, rule)// &
-                "bodies '"//trim(solid%bodies(a)%id)//"' and '"//trim(solid%bodies(b)%id)// &
+            if (all(rule%body > 0 .and. rule%last == 0)) &
+                call raise(err, exit_deck, name_of(case, rule)//"bodies '"// &
+                trim(solid%bodies(a)%id)//"' and '"//trim(solid%bodies(b)%id)// &
                 "' have no faces that meet: their sides must lie on each other (at most half a "// &
                 'spacing apart), and not all of them in an open_box; or take another '// &
                 'law')

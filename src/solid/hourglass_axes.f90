@@ -52,8 +52,8 @@ contains
     end subroutine lay_axes
 
     !> The same of a body of a single layer, for which K_z alone bends it: K_z m_4 k^2/8 per volume,
-    !> m_4 the sum of w x^4 in the layer. It makes good the bending energy of the layer about its own
-    !> middle, with the mean of the moduli in its plane: exact in the sum of plies that cross.
+    !> m_4 the sum of w x^4 in the layer. It makes good the bending energy of the layer about its
+    !> own middle, with the mean of the moduli in its plane: exact in the sum of plies that cross.
     pure subroutine lay_layer_axes(zeta, material, axis, angles, dimension, spacing, h, axes)
         real(rk), intent(in) :: zeta !! over 2: factor of it all
         type(material_t), intent(in) :: material
