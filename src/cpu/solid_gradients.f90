@@ -7,6 +7,7 @@ module brz_solid_gradients
     use brz_algebra, only: multiply3, to_matrix
     use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient
     use brz_kinds, only: dp, int32, int64, rk
+    use brz_lone_layer, only: close_layer, lie_in_layer, stay_in_layer, turn_layer
     use brz_material, only: point_t, strength_left
     use brz_materials, only: unloaded_speed, update_material
     use brz_solid_bonds, only: add_bonded_gradients
@@ -200,7 +201,7 @@ contains
         real(rk), intent(inout) :: sums(n_terms)
         real(dp), intent(inout) :: limit
         real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), c_wave, c_bulk, rho
-        real(rk) :: shrink, size
+        real(rk) :: shrink, size, normal(3)
         integer :: weak, weaker, c
 
         do c = solid%dimension + 1, 3
@@ -209,6 +210,7 @@ contains
             sums(at_s + c) = 1
             sums(at_y + 4*c - 3) = 1
         end do
+        if (body%layer > 0) call close_layer(body%layer, sums, sums(at_x + 1), normal)
         if (body%formulation == form_uncorrected) then
             weak = 0
             b = reshape([1, 0, 0, 0, 1, 0, 0, 0, 1], [3, 3])
@@ -221,6 +223,11 @@ contains
             weak = max(weak, weaker)
         end if
         call multiply3(sums(at_g + 1), b, h)
+        if (body%layer > 0) then
+            call lie_in_layer(normal, b)
+            call turn_layer(body%contraction, normal, solid%stress(:, i), &
+                            relaxation(body%across_layer, dt), h)
+        end if
         shrink = 1
         if (body%formulation == form_total) call total_gradient(a, h, shrink)
         c_wave = solid%materials(body%material)%c_wave
@@ -242,6 +249,7 @@ contains
         end if
         if (abs(solid%pair(pair_tilt, i)) > 0) b = transpose(b)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
+        if (body%layer > 0) call stay_in_layer(b, solid%pair(pair_stress + 1, i))
         if (weak /= 0 .and. (body%formulation == form_bending .or. body%tension_hold > 0 .or. &
                              body%formulation == form_total)) solid%cut(i) = 1
         call fill_row(solid, body, i, h, a, rho, c_bulk)
@@ -250,6 +258,15 @@ contains
                        sum(sums(:solid%dimension)))
         if (solid%held(held_stiffness, i) > 0) solid%search%drawn(k) = .true.
     end subroutine advance
+
+    !> By how much the faces of a layer move apart to be free of stress, see turn_layer [1/(Pa s)].
+    pure real(rk) function relaxation(stiffness, dt)
+        real(rk), intent(in) :: stiffness !! [Pa]
+        real(dp), intent(in) :: dt !! [s]
+
+        relaxation = 0
+        if (dt > 0) relaxation = real(1/(stiffness*dt), rk)
+    end function relaxation
 
     !> Material update of particle i; its work goes to the sums of the block.
     subroutine update_particle(solid, body, dt, l, i, k, c_wave, c_bulk)

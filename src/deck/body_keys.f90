@@ -16,6 +16,7 @@ contains
         type(key_t), allocatable, intent(inout) :: keys(:)
 
         call shape_keys(keys)
+        call state_keys(keys)
         call method_keys(keys)
         call interaction_keys(keys)
     end subroutine body_keys
@@ -66,7 +67,14 @@ contains
                 key_t(group=g, key='cuts', kind=kind_text, n_max=8, &
                       meaning='Ids of bodies that make room for this one where they overlap.'), &
                 key_t(group=g, key='spacing', unit='m', default=required, lower=zero, &
-                      open_lower=.true., meaning='Distance of the particles.'), &
+                      open_lower=.true., meaning='Distance of the particles.')]
+    end subroutine shape_keys
+
+    subroutine state_keys(keys)
+        type(key_t), allocatable, intent(inout) :: keys(:)
+        character(*), parameter :: g = 'body'
+
+        keys = [keys, &
                 key_t(group=g, key='material', kind=kind_text, default=required, &
                       meaning='Id of its &material.'), &
                 key_t(group=g, key='plies', kind=kind_text, unit='deg', longest=2048, &
@@ -74,6 +82,15 @@ contains
                       "'0/45/-45/90', '7*(0/90)' or '[0/90]s' (mirrored)."), &
                 key_t(group=g, key='ply_axis', kind=kind_text, default='z', choices='x|y|z', &
                       meaning='Normal of the plies.'), &
+                key_t(group=g, key='delamination', kind=kind_text, default='none', &
+                      choices='none|cohesive', &
+                      meaning='cohesive: the laminate is laid as bodies id.1, id.2, ... with '// &
+                      'cohesive interfaces between them, by zt, s13, s23, gdl of its material '// &
+                      'or an &interaction of it with itself.'), &
+                key_t(group=g, key='interfaces', kind=kind_text, n_max=32, default='all', &
+                      bare=.true., &
+                      meaning="delamination: between which plies; 'all', 'angles' (where the "// &
+                      "angle changes), or numbers (1 lies above the lowest ply)."), &
                 key_t(group=g, key='fix', kind=kind_text, n_max=8, &
                       choices='sides|all|x-|x+|y-|y+|z-|z+', &
                       meaning='Faces that are held; sides: all but the two across the '// &
@@ -98,7 +115,7 @@ contains
                 key_t(group=g, key='motion_velocity', n_min=3, n_max=192, unit='m/s', &
                       meaning='Velocity at these times, three numbers each, straight lines '// &
                       'between them.')]
-    end subroutine shape_keys
+    end subroutine state_keys
 
     subroutine method_keys(keys)
         type(key_t), allocatable, intent(inout) :: keys(:)
@@ -168,7 +185,8 @@ contains
                       'a body is bonded to those that it cuts and in contact with all others.'), &
                 key_t(group=g, key='id', kind=kind_text, meaning='Name of the interaction.'), &
                 key_t(group=g, key='bodies', kind=kind_text, n_max=2, default="'*'", &
-                      meaning="Ids of two bodies; one: that body and every other; '*': all."), &
+                      meaning="Ids of two bodies; one: that body and every other; '*': all; "// &
+                      "'id*': all ids that begin so."), &
                 key_t(group=g, key='law', kind=kind_text, default=required, &
                       choices='contact|bonded|shared|cohesive|none', &
                       meaning='contact: they press and rub; bonded: one continuum; shared: '// &

@@ -17,6 +17,7 @@ module brz_build_case
     use brz_fill_case, only: fill_air, fill_body, fill_charge, fill_gas, fill_gauge, fill_run, &
                              fill_settings
     use brz_key, only: key_t
+    use brz_laminates, only: expand_laminates
     use brz_mirror_images, only: leave_out_images
     use brz_text, only: string_t
     implicit none
@@ -42,6 +43,7 @@ contains
         call add_settings(deck, keys, defaults)
         call fill_run(deck, case%run)
         call leave_out_images(deck, case%run%symmetry)
+        call expand_laminates(deck, keys, defaults, case%run%symmetry)
         call allocate_lists(deck, case)
         call fill_groups(deck, keys, case)
         call fill_settings(deck, case)

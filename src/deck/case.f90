@@ -11,7 +11,7 @@ module brz_case
     public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
                  body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t, &
                  point_case_t, segment_case_t
-    public :: name_len, max_plies, max_motion, interaction_case_t, load_case_t, label
+    public :: name_len, max_plies, max_motion, interaction_case_t, load_case_t, label, means
 
     integer, parameter :: name_len = 32 !! longest id or option word
     integer, parameter :: max_plies = 256 !! most plies of one body
@@ -146,6 +146,7 @@ module brz_case
     !> &interaction: how bodies meet; later ones cover earlier ones
     type :: interaction_case_t
         integer :: body(2) = 0 !! places of the bodies, 0: every body
+        integer :: last(2) = 0 !! of several bodies the last one; else 0
         character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
         character(name_len) :: law = 'contact' !! or 'bonded', 'shared', 'cohesive', 'none'
         real(dp) :: friction = 0 !! Coulomb's coefficient
@@ -253,6 +254,17 @@ module brz_case
     end type point_case_t
 
 contains
+
+    !> True if a name stands for an id: the same, or as far as to a star at its end.
+    elemental logical function means(name, id)
+        character(*), intent(in) :: name, id
+        integer :: n
+
+        means = name == id .and. id /= ''
+        n = len_trim(name)
+        if (n < 2 .or. means) return
+        if (name(n:n) == '*') means = index(id, name(:n - 1)) == 1
+    end function means
 
     !> How messages about a group begin: 'deck.nml:14: &body id='plate': '.
     pure function label(group, id, place) result(text)

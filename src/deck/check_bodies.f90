@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Bodies: their material, their shape, and where they lie.
 module brz_check_bodies
-    use brz_case, only: body_case_t, case_t
+    use brz_case, only: body_case_t, case_t, means
     use brz_check_air, only: box_text, check_corners
     use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
     use brz_files, only: file_exists
@@ -299,11 +299,12 @@ contains
         do c = 1, size(case%bodies(k)%cuts)
             associate (id => case%bodies(k)%cuts(c))
                 if (id == '') exit
-                i = findloc(case%bodies%id, id, 1)
+                i = findloc(means(id, case%bodies%id), .true., 1)
                 if (i == 0) then
                     call complain(deck, g, 'cuts', "there is no &body with id='"//trim(id)//"'"// &
                                   reference_hint(trim(id), case%bodies%id))
-                else if (i == k .or. any(case%bodies(i)%cuts == case%bodies(k)%id)) then
+                else if (means(id, case%bodies(k)%id) .or. &
+                         any(means(case%bodies(i)%cuts, case%bodies(k)%id))) then
                     call complain(deck, g, 'cuts', "the bodies '"//trim(case%bodies(k)%id)// &
                                   "' and '"//trim(id)//"' cut each other; one must give way")
                 end if

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Interactions between bodies: their values, and the bodies that they name.
 module brz_check_interactions
-    use brz_case, only: case_t, interaction_case_t, name_len
+    use brz_case, only: case_t, interaction_case_t, means, name_len
     use brz_check_bodies, only: reference_hint
     use brz_deck, only: add_warning, complain, deck_t, group_label, place
     use brz_get, only: get, get_boxes, is_given
@@ -66,16 +66,32 @@ contains
         call get(deck%groups(g), 'bodies', id, n)
         do i = 1, n
             if (id(i) == '*') cycle
-            interaction%body(i) = findloc(case%bodies%id, id(i), 1)
+            call find_range(case, id(i), interaction%body(i), interaction%last(i))
             if (interaction%body(i) == 0) call complain(deck, g, 'bodies', &
                 "there is no &body with id='"//trim(id(i))//"'"// &
                 reference_hint(trim(id(i)), case%bodies%id))
         end do
-        if (n == 2 .and. id(1) == id(2) .and. id(1) /= '*') call complain(deck, g, 'bodies', &
+        if (n == 2 .and. id(1) == id(2) .and. index(id(1), '*') == 0) &
+            call complain(deck, g, 'bodies', &
             'a body does not meet itself; name two bodies')
         if (size(case%bodies) < 2) call add_warning(deck, deck%groups(g)%line, &
             group_label(deck%groups(g))//'has no effect: it needs two bodies')
     end subroutine find_bodies
+
+    !> The body of a name, or the first and the last of those that a star names; they stand side by
+    !> side.
+    pure subroutine find_range(case, name, first, last)
+        type(case_t), intent(in) :: case
+        character(*), intent(in) :: name
+        integer, intent(out) :: first, last
+
+        first = findloc(means(name, case%bodies%id), .true., 1)
+        last = findloc(means(name, case%bodies%id), .true., 1, back=.true.)
+        if (last == first) last = 0
+        if (last > 0) then
+            if (.not. all(means(name, case%bodies(first:last)%id))) first = 0
+        end if
+    end subroutine find_range
 
     !> Keys that the law does not have.
     subroutine check_keys(deck, g, interaction)

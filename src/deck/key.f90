@@ -25,6 +25,7 @@ module brz_key
         !> outside of it a warning is given
         real(dp) :: likely(2) = [-huge(1.0_dp), huge(1.0_dp)]
         integer :: longest = 32 !! most characters of a text
+        logical :: bare = .false. !! a text may stand without quotes
         character(128) :: choices = '' !! allowed texts, separated by '|'; '' = any
         character(24) :: former = '' !! what the key was called before
         character(200) :: meaning = '' !! one sentence

@@ -102,7 +102,7 @@ contains
         end if
         select case (row%kind)
         case (kind_text)
-            call convert_text(row, bare, raw, word, problem)
+            call convert_text(row, bare .or. row%bare, raw, word, problem)
         case (kind_logical)
             call convert_logical(raw, number, problem)
         case default

@@ -162,6 +162,9 @@ contains
         p%artificial_power = body%artificial_power
         p%shape_at_spacing = body%shape_at_spacing
         p%normal = body%normal
+        p%layer = body%layer
+        p%across_layer = body%across_layer
+        p%contraction = body%contraction
     end function params_of
 
     !> Kernel of the sums of pass 1.

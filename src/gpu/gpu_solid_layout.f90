@@ -107,6 +107,8 @@ module brz_gpu_solid_layout
         real(rk) :: h, scale, half_over_h, alpha, beta, zeta, zeta_viscous, cfl, tension_hold
         real(rk) :: artificial_strength, artificial_power, shape_at_spacing
         real(rk) :: normal(3) !! of the layers, 0: no tilted gradients
+        integer :: layer !! normal of a membrane of one layer, 0: none
+        real(rk) :: across_layer, contraction !! see body_t
     end type body_gpu_t
 
     !> Cells over one body.

@@ -144,7 +144,7 @@ contains
                 call fill_rigid(gpu, b, err)
                 cycle
             end if
-            call find_gradients(gpu, gpu%bodies(b), err)
+            call find_gradients(gpu, gpu%bodies(b), real(dt, rk), err)
             if (dt > 0) call update_material(gpu, gpu%bodies(b), real(dt, rk), err)
             call fill_rows(gpu, gpu%bodies(b), err)
         end do
@@ -169,14 +169,16 @@ contains
         call launch(body%moments, threads_of(body), arguments, err)
     end subroutine sum_moments
 
-    subroutine find_gradients(gpu, body, err)
+    subroutine find_gradients(gpu, body, dt, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
+        real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 
         call begin(gpu, body, arguments)
-        call arguments%add([gpu%row, gpu%grad, gpu%tag, gpu%hold, gpu%held])
+        call arguments%add([gpu%row, gpu%grad, gpu%tag, gpu%hold, gpu%held, gpu%state])
+        call arguments%add(dt)
         call launch(gpu%gradients, threads_of(body), arguments, err)
     end subroutine find_gradients
 

@@ -6,7 +6,7 @@
 module brz_body_points
     use brz_body_shape, only: axis_of, bar_weight, exact_volume, inside, lay_shape, &
                               modelled_share, overlap, point_of, shape_t, take_lattice
-    use brz_case, only: body_case_t, case_t, label
+    use brz_case, only: body_case_t, case_t, label, means
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, real32
     use brz_particle_file, only: read_particles
@@ -200,7 +200,7 @@ contains
     pure logical function cuts(a, b)
         type(body_case_t), intent(in) :: a, b
 
-        cuts = b%id /= '' .and. any(a%cuts == b%id)
+        cuts = any(means(a%cuts, b%id))
     end function cuts
 
     pure real(dp) function cell_volume(s)

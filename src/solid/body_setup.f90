@@ -14,6 +14,7 @@ module brz_body_setup
     use brz_interaction_setup, only: set_up_interactions
     use brz_load_setup, only: set_up_loads
     use brz_kinds, only: dp, int16, int8, rk
+    use brz_layer_setup, only: settle_layer
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
     use brz_plate, only: settle_plate
@@ -124,6 +125,7 @@ contains
                 call settle(case%bodies(b), solid%materials(m), solid%dimension, speed, &
                             solid%bodies(b), err)
                 call settle_plate(case%bodies(b), speed, points(b)%shape, solid%bodies(b), err)
+                call settle_layer(case, b, points(b)%shape, solid%materials(m), solid%bodies(b))
             end associate
             call judge_spacing(case%bodies(b), points(b)%shape, solid%notes)
             call judge_crack(case%bodies(b), solid%bodies(b), &

@@ -27,15 +27,18 @@ module brz_cohesive_law
         real(dp) :: energy(2) !! in tension and in shear [J/m2]
         real(dp) :: exponent !! of the law of mixed modes [-]
         integer :: mixed !! mixed_bk or mixed_power
+        !> of the opening across and along the interface: the law is that of openings so much
+        !> smaller, which makes it softer by the square, with the same strength and energy
+        real(dp) :: stretch(2) = 1
     end type cohesive_law_t
 
 contains
 
-    !> Openings at which the traction of a mode begins to fall and has fallen to zero.
+    !> Openings, stretched, at which the traction of a mode begins to fall and has fallen to zero.
     !@cuf attributes(host,device) &
     pure subroutine mode_of(law, share, first, last)
         type(cohesive_law_t), intent(in) :: law
-        real(dp), intent(in) :: share !! of shear in the square of the opening, 0..1
+        real(dp), intent(in) :: share !! of shear in the square of the stretched opening, 0..1
         real(dp), intent(out) :: first, last !! [m]
         real(dp) :: energy, open
 
@@ -46,7 +49,8 @@ contains
             energy = ((open/law%energy(1))**law%exponent &
                       + (share/law%energy(2))**law%exponent)**(-1/law%exponent)
         end if
-        first = 1/(law%stiffness*sqrt(open/law%strength(1)**2 + share/law%strength(2)**2))
+        first = 1/(law%stiffness*sqrt(open*(law%stretch(1)/law%strength(1))**2 &
+                                      + share*(law%stretch(2)/law%strength(2))**2))
         last = max(2*energy/(law%stiffness*first), (1 + 1e-9_dp)*first)
     end subroutine mode_of
 
@@ -123,7 +127,8 @@ contains
         real(dp) :: across, apart, slide(3), shear2, size2, first, last, from, to, left
 
         across = opening(1)*normal(1) + opening(2)*normal(2) + opening(3)*normal(3)
-        slide = opening - across*normal
+        slide = law%stretch(2)*(opening - across*normal)
+        across = law%stretch(1)*across
         shear2 = slide(1)*slide(1) + slide(2)*slide(2) + slide(3)*slide(3)
         apart = max(across, 0.0_dp)
         size2 = apart*apart + shear2
@@ -138,7 +143,8 @@ contains
             end if
         end if
         left = (1 - damage)*law%stiffness
-        traction = left*(apart*normal + slide) + law%stiffness*min(across, 0.0_dp)*normal
+        traction = (left*apart + law%stiffness*min(across, 0.0_dp))*law%stretch(1)*normal &
+                   + left*law%stretch(2)*slide
         held = (left*size2 + law%stiffness*min(across, 0.0_dp)**2)/2
     end subroutine separate
 end module brz_cohesive_law

@@ -89,6 +89,8 @@ contains
             view%first(f) = view%n + 1
             call collect(solid, faces%at(:, f), reach, n, particle, mask, x)
             call linear_weights(x(:, :n), faces%at(:, f), reach, value(:n), slope(:, :n))
+            if (solid%bodies(b)%layer > 0) &
+                call take_particle(x(:, :n), faces%at(:, f), abs(faces%axis(f)), reach, value(:n))
             call grow(view, view%n + n)
             t = tangents(faces%axis(f))
             do e = 1, n
@@ -100,6 +102,23 @@ contains
         end do
         view%first(faces%n + 1) = view%n + 1
     end subroutine view_side
+
+    !> A layer is seen where its particle lies, if one lies right above or below the point: sums
+    !> over its neighbours would not see how it moves against them.
+    pure subroutine take_particle(x, at, axis, reach, value)
+        real(dp), intent(in) :: x(:, :) !! (3, n) particles of the layer [m]
+        real(dp), intent(in) :: at(3), reach !! [m]
+        integer, intent(in) :: axis
+        real(dp), intent(inout) :: value(:) !! (n)
+        real(dp) :: beside(size(value))
+        integer :: e
+
+        beside = [(norm2(x(:, e) - at)**2 - (x(axis, e) - at(axis))**2, e=1, size(value))]
+        e = minloc(beside, dim=1)
+        if (beside(e) > (1e-4_dp*reach)**2) return
+        value = 0
+        value(e) = 1
+    end subroutine take_particle
 
     !> Particles and images of the body in the cells within the reach of a place, in the order of
     !> their numbers.

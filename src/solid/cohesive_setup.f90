@@ -4,6 +4,7 @@ module brz_cohesive_setup
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t, interaction_case_t, label
     use brz_cohesive_faces, only: drop_faces, faces_t, find_faces
+    use brz_cohesive_layers, only: add_layers, keep_energy
     use brz_cohesive_law, only: cohesive_law_t, mixed_bk, mixed_power, mode_of
     use brz_cohesive_points, only: begin_points, lay_points, link_nodes
     use brz_cohesive_state, only: cohesive_t
@@ -58,6 +59,7 @@ contains
         allocate (solid%links%joined(solid%n), source=0_int32)
         call settle_stiffness(solid, err)
         do n = 1, size(solid%cohesive%law)
+            if (.not. failed(err)) call keep_energy(solid, n)
             call judge_interface(case, n, solid, err)
         end do
     end subroutine set_up_cohesive
@@ -91,8 +93,9 @@ contains
         if (faces%n == 0) then
             solid%links%table(a, b)%law = law_contact
             solid%links%table(b, a)%law = law_contact
-            if (all(rule%body > 0)) call raise(err, exit_deck, name_of(case, rule)// &
-                "bodies '"//trim(solid%bodies(a)%id)//"' and '"//trim(solid%bodies(b)%id)// &
+            if (all(rule%body > 0 .and. rule%last == 0)) &
+                call raise(err, exit_deck, name_of(case, rule)//"bodies '"// &
+                trim(solid%bodies(a)%id)//"' and '"//trim(solid%bodies(b)%id)// &
                 "' have no faces that meet: their sides must lie on each other (at most half a "// &
                 'spacing apart), and not all of them in an open_box; or take another '// &
                 'law')
@@ -209,6 +212,7 @@ contains
             do k = 1, size(glue%law)
                 if (usual(k)) glue%law(k)%stiffness = usual_stiffness*weaker(solid, k) &
                     /solid%bodies(glue%body(1, k))%spacing
+                call add_layers(solid, k, usual(k))
             end do
             glue%softened = .false.
             call find_fastest(solid, fastest)
@@ -251,7 +255,7 @@ contains
             do p = 1, glue%n
                 do e = glue%first(p), glue%first(p + 1) - 1
                     of_node(glue%node(e)) = of_node(glue%node(e)) &
-                        + share(glue, p, e)*glue%law(glue%of(p))%stiffness*glue%area(p)
+                        + share(glue, p, e)*stiffest(glue%law(glue%of(p)))*glue%area(p)
                 end do
             end do
             do k = 1, solid%n ! particles are in the order of their numbers
@@ -269,6 +273,13 @@ contains
             end do
         end associate
     end subroutine find_fastest
+
+    !> The larger of the stiffnesses of both modes [Pa/m].
+    pure real(dp) function stiffest(law)
+        type(cohesive_law_t), intent(in) :: law
+
+        stiffest = law%stiffness*maxval(law%stretch)**2
+    end function stiffest
 
     !> Most that an opening changes by an entry.
     pure real(dp) function share(glue, p, e)

@@ -12,11 +12,12 @@
 !>
 !> Source: docs/solid.md section 4
 module brz_hourglass_axes
+    use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: rk
     use brz_material, only: material_t
     implicit none
     private
-    public :: lay_axes
+    public :: fourth_moment, lay_axes, lay_layer_axes
 
     real(rk), parameter :: moment = 4.0_rk/15 !! m/h^2
     real(rk), parameter :: edge = 1.25_rk !! own share and that of the outermost particles together
@@ -49,6 +50,49 @@ contains
                          axes(:, :, p))
         end do
     end subroutine lay_axes
+
+    !> The same of a body of a single layer, for which K_z alone bends it: K_z m_4 k^2/8 per volume,
+    !> m_4 the sum of w x^4 in the layer. It makes good the bending energy of the layer about its
+    !> own middle, with the mean of the moduli in its plane: exact in the sum of plies that cross.
+    pure subroutine lay_layer_axes(zeta, material, axis, angles, dimension, spacing, h, axes)
+        real(rk), intent(in) :: zeta !! over 2: factor of it all
+        type(material_t), intent(in) :: material
+        character(1), intent(in) :: axis !! stacking axis 'x', 'y', 'z'
+        real(rk), intent(in) :: angles(:) !! see lay_axes
+        integer, intent(in) :: dimension
+        real(rk), intent(in) :: spacing, h !! [m]
+        real(rk), intent(out) :: axes(3, 4, 0:size(angles)) !! column 4 [Pa]
+        real(rk) :: e(3), angle, own
+        integer :: p
+
+        own = spacing**2/(3*fourth_moment(dimension, spacing, h))
+        do p = 0, size(angles)
+            angle = 0
+            if (p > 0) angle = angles(p)
+            e = in_plane(material, angle)
+            e(3) = (e(1) + e(2))/2
+            if (dimension == 2) e(3) = e(merge(1, 2, axis == 'x')) ! along the layer
+            call lay_ply([0.0_rk, 0.0_rk, 0.0_rk], zeta/2*max(least*material%across, own*e(3)), &
+                         axis, axes(:, :, p))
+        end do
+    end subroutine lay_layer_axes
+
+    !> Sum of w x^4 over the layer of a particle [m2].
+    pure real(rk) function fourth_moment(dimension, spacing, h) result(m)
+        integer, intent(in) :: dimension
+        real(rk), intent(in) :: spacing, h !! [m]
+        integer :: i, j, across
+
+        across = merge(3, 0, dimension == 3)
+        m = 0
+        do j = -across, across
+            do i = -3, 3
+                m = m + kernel_slope(kernel_scale(h, dimension), 1/(2*h), &
+                                     spacing*sqrt(real(i*i + j*j, rk)))*(i*spacing)**4
+            end do
+        end do
+        m = m*spacing**dimension
+    end function fourth_moment
 
     !> Moduli of a ply as a tensor in its plane: 11, 22, 12 of E1 n1 (x) n1 + E2 n2 (x) n2.
     pure function in_plane(material, angle) result(e)

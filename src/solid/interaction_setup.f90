@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The table of laws between bodies, from the deck and the bodies themselves.
 module brz_interaction_setup
-    use brz_case, only: case_t, interaction_case_t, label
+    use brz_case, only: case_t, interaction_case_t, label, means
     use brz_contact, only: law_bonded, law_cohesive, law_contact, law_none, law_shared, meeting_t
     use brz_errors, only: error_t, exit_deck, raise
     use brz_flat_surface, only: flat_sum
@@ -63,23 +63,23 @@ contains
         type(interaction_case_t), intent(out) :: rule
         integer :: i
 
-        if (any(case%bodies(a)%cuts == case%bodies(b)%id .and. case%bodies(b)%id /= '') .or. &
-            any(case%bodies(b)%cuts == case%bodies(a)%id .and. case%bodies(a)%id /= '')) &
-            rule%law = 'bonded'
+        if (any(means(case%bodies(a)%cuts, case%bodies(b)%id)) .or. &
+            any(means(case%bodies(b)%cuts, case%bodies(a)%id))) rule%law = 'bonded'
         if (.not. allocated(case%interactions)) return
         do i = 1, size(case%interactions)
-            associate (body => case%interactions(i)%body)
-                if ((fits(body(1), a) .and. fits(body(2), b)) .or. &
-                    (fits(body(1), b) .and. fits(body(2), a))) rule = case%interactions(i)
+            associate (first => case%interactions(i)%body, last => case%interactions(i)%last)
+                if ((fits(first(1), last(1), a) .and. fits(first(2), last(2), b)) .or. &
+                    (fits(first(1), last(1), b) .and. fits(first(2), last(2), a))) &
+                    rule = case%interactions(i)
             end associate
         end do
     end subroutine find_rule
 
-    pure logical function fits(named, body)
-        integer, intent(in) :: named !! 0: every body
+    pure logical function fits(first, last, body)
+        integer, intent(in) :: first, last !! 0, 0: every body
         integer, intent(in) :: body
 
-        fits = named == 0 .or. named == body
+        fits = first == 0 .or. first == body .or. (body > first .and. body <= last)
     end function fits
 
     !> The numbers of a law between bodies a (of particle i) and b.

@@ -104,6 +104,9 @@ module brz_solid_state
                                                !! column, and the stiffness along them [Pa]
         real(rk) :: normal(3) = 0 !! of its plies, or of a plate of metal, in the unloaded body;
                                   !! 0: no tilted gradients
+        integer :: layer = 0 !! normal of a body of a single layer that is a membrane; 0: none
+        real(rk) :: across_layer = 0 !! its stiffness along the normal [Pa]
+        real(rk) :: contraction = 0 !! along the normal over the growth of the area
         real(rk) :: outward = 0 !! from where its faces see the strain, further out [m]
         real(rk) :: artificial_strength = 0, artificial_power = 0
         real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)

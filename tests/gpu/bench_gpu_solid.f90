@@ -128,7 +128,7 @@ contains
                 select case (k)
                 case (1); call drift(gpu, solid, 0.0_dp, err)
                 case (2); call sum_moments(gpu, gpu%bodies(1), err)
-                case (3); call find_gradients(gpu, gpu%bodies(1), err)
+                case (3); call find_gradients(gpu, gpu%bodies(1), 0.0_rk, err)
                 case (4); call update_material(gpu, gpu%bodies(1), 1e-12_rk, err)
                 case (5); call fill_rows(gpu, gpu%bodies(1), err)
                 case (6); call force_pass(gpu, 1e-12_dp, err)

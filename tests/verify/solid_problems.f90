@@ -2,6 +2,7 @@
 !> The problems of the stability map and of the speed-accuracy chart.
 module solid_problems
     use brz_body_setup, only: set_up_solid
+    use brz_case, only: case_t
     use brz_errors, only: failed
     use brz_kinds, only: dp, rk
     use brz_solid_totals, only: solid_totals, solid_totals_t
@@ -232,11 +233,13 @@ contains
     !> in which higher modes count with the square of their share. Without plies isotropic, side 20
     !> thicknesses, against Mindlin's theory; else 3, 5 or 7 plies of carbon fibre at 0, 90, 0, ...
     !> degrees, side 10, against elasticity in space (scripts/plate_reference.py, extrapolated).
-    subroutine plate(form, layers, seen, plies)
+    !> Glued, each ply is a body of its own.
+    subroutine plate(form, layers, seen, plies, glued)
         type(form_t), intent(in) :: form
         integer, intent(in) :: layers
         type(seen_t), intent(out) :: seen
         integer, intent(in), optional :: plies
+        logical, intent(in), optional :: glued
         type(scene_t) :: s
         real(dp) :: w, w_old, exact, step, side, a
         integer :: i, n
@@ -263,6 +266,7 @@ contains
         s%case%bodies(1)%lo = [-side, -side, -0.5_dp]
         s%case%bodies(1)%hi = -s%case%bodies(1)%lo
         s%case%bodies(1)%fix(1) = 'sides'
+        if (present(glued)) call part_plies(s%case, n)
         call set_up_solid(s%case, s%solid, s%err)
         do i = 1, s%solid%n
             if (s%solid%fixed(i) == 0) &
@@ -284,6 +288,34 @@ contains
         call finish(s, seen)
         seen%value = 2*(s%time - step*w/(w - w_old))/exact - 1
     end subroutine plate
+
+    !> A laminate as bodies of one ply each, glued by what never breaks.
+    subroutine part_plies(case, n)
+        type(case_t), intent(inout) :: case
+        integer, intent(in) :: n
+        integer :: p
+
+        associate (whole => case%bodies(1))
+            case%bodies = [(whole, p=1, n)]
+        end associate
+        do p = 1, n
+            associate (body => case%bodies(p))
+                body%lo(3) = -0.5_dp + real(p - 1, dp)/n
+                body%hi(3) = -0.5_dp + real(p, dp)/n
+                body%n_plies = 1
+                body%ply_angle(1) = merge(90, 0, mod(p, 2) == 0)
+                body%id = achar(iachar('a') + p)
+            end associate
+        end do
+        allocate (case%interactions(1))
+        associate (glue => case%interactions(1))
+            glue%law = 'cohesive'
+            glue%tensile_strength = 1e3_dp
+            glue%shear_strength = 1e3_dp
+            glue%gi = 1e9_dp
+            glue%gii = 1e9_dp
+        end associate
+    end subroutine part_plies
 
     !> About the shape of the first mode of a clamped plate, at x over the side.
     pure real(dp) function clamped(x)
