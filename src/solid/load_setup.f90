@@ -26,6 +26,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: k
 
+        if (.not. allocated(case%loads)) return
         if (size(case%loads) == 0) return
         if (.not. allocated(solid%load)) allocate (solid%load(3, solid%n), source=0.0_rk)
         allocate (solid%loads%of(size(case%loads)), solid%loads%place(solid%n))
