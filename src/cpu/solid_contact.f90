@@ -4,17 +4,15 @@
 !> Forces are equal and opposite pair by pair and do not depend on the number of threads.
 module brz_solid_contact
     use brz_contact, only: add_link, add_moment, contact_drag, contact_normal, contact_push, &
-                           core_loss, crossing_share, drag_impedance, drag_stiffness, grip_ahead, &
-                           in_core, law_shared, link_grip, link_normal, link_pressure, &
-                           link_stiffness, link_sum, mean_stiffness, meeting_t, n_link, &
-                           spring_loss, spring_share, surface_velocity
+                           core_loss, crossing_share, drag_stiffness, in_core, law_shared, &
+                           link_normal, link_pressure, link_stiffness, link_sum, mean_stiffness, &
+                           meeting_t, n_link, spring_loss, spring_share, surface_velocity
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int64, real32, rk
     use brz_pair_force, only: viscous_force
     use brz_solid_links, only: first_link, is_tied, last_link, link_body
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: form_rigid, pair_linear, pair_quadratic, pair_spin, solid_t, &
-                               worth_threads
+    use brz_solid_state, only: pair_linear, pair_quadratic, pair_spin, solid_t, worth_threads
     implicit none
     private
     public :: contact_pass, find_touch, is_pressed
@@ -28,8 +26,6 @@ module brz_solid_contact
         real(rk) :: energy = 0 !! held by springs [J]
         real(rk) :: lost = 0 !! by hard cores in the step [J]
         real(rk) :: stiffness = 0 !! [N/m]
-        real(rk) :: ahead = 0 !! the same that is to come, of rigid bodies [N/m]
-        real(rk) :: resistance = 0 !! of damping and friction [N s/m]
         real(rk) :: damping = 0 !! of the shared viscosity [N s/m]
     end type sums_t
 
@@ -209,11 +205,8 @@ contains
                 call add_pair(solid, dt, i, k, total, limit)
             end do
         end associate
-        solid%links%push(:, solid%links%row(i)) = [total%force, total%drag, total%moment, &
-                                                   max(total%stiffness, total%ahead), &
-                                                   total%resistance]
-        if (total%stiffness > 0 .and. &
-            solid%bodies(link_body(solid%links, i))%formulation /= form_rigid) & ! see rigid_step
+        solid%links%push(:, solid%links%row(i)) = [total%force, total%drag, total%moment]
+        if (total%stiffness > 0 .and. .not. moves_whole(solid, i)) &
             limit = min(limit, spring_share*sqrt(real(solid%mass(i), dp)/total%stiffness))
         if (total%damping > 0) limit = min(limit, real(solid%mass(i), dp)/total%damping)
         solid%energy(i) = solid%energy(i) + (real(dt, rk)*(total%heat(1) + total%heat(2)) &
@@ -223,6 +216,16 @@ contains
         sums(4) = sums(4) + dt/2*(total%heat(1) + total%heat(2))
         sums(3) = sums(3) + dt*total%heat(2)
     end subroutine add_up
+
+    !> True for particles of rigid bodies: their springs move the whole body, see rigid_step.
+    pure logical function moves_whole(solid, i)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+
+        associate (a => link_body(solid%links, i))
+            moves_whole = solid%links%table(a, a)%rigid
+        end associate
+    end function moves_whole
 
     !> What link k adds to the sums of particle i.
     subroutine add_pair(solid, dt, i, k, total, limit)
@@ -251,7 +254,6 @@ contains
             if (is_tied(solid%links, i, j) .and. m%law /= law_shared) return
             if (vr < 0) limit = min(limit, crossing_share*m%spacing*distance/(-real(vr, dp)))
             if (m%law == law_shared) return
-            total%ahead = max(total%ahead, grip_ahead(m, distance))
             slope = kernel_slope(m%scale, m%half_over_h, distance)
             cells = cell_of(solid, a, i)*cell_of(solid, b, j)/real(solid%depth, rk)
             call contact_push(m, cells*slope, p(1)/m%touch + q(1)/back%touch, distance, u, energy)
@@ -271,10 +273,9 @@ contains
             call contact_drag(m, area, u*toward, slip, n, f, heat)
             total%drag = total%drag + f
             call add_moment(m, r, f, total%moment)
-            total%resistance = total%resistance + drag_impedance(m)*area
             total%heat = total%heat + heat/2
-            total%stiffness = total%stiffness + link_grip( &
-                m, [cells, cell_of(solid, a, i)], slope/back%touch, r, [s*q(2:4), q(5)])
+            total%stiffness = total%stiffness + cells*q(5)*(slope*distance/back%touch)**2 &
+                              *cell_of(solid, a, i)
             if (energy > 0) total%stiffness = total%stiffness + m%core/(m%spacing/2)
             total%drag = total%drag + share*r
             total%heat(1) = total%heat(1) - share*vr/2

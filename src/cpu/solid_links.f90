@@ -156,7 +156,7 @@ contains
         if (ubound(links%push, 2) < rows) then
             most = rows + rows/4
             deallocate (links%first, links%press, links%push)
-            allocate (links%first(0:most + 1), links%press(5, 0:most), links%push(11, 0:most))
+            allocate (links%first(0:most + 1), links%press(5, 0:most), links%push(9, 0:most))
         end if
         if (allocated(links%list)) then
             if (size(links%list, kind=int64) >= n) return

@@ -104,10 +104,9 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt
-        real(dp) :: push(3), v(3), ties(2)
+        real(dp) :: push(3), v(3)
         integer :: i
 
-        ties = 0
         associate (b => body%rigid)
             b%force = 0
             b%torque = 0
@@ -119,11 +118,10 @@ contains
                     b%force = b%force + push
                     b%torque = b%torque + cross(solid%x(:, i) - b%x, push) &
                                + solid%links%push(7:9, solid%links%row(i))
-                    ties = ties + solid%links%push(10:11, solid%links%row(i))
                 end do
             end if
             call settle_rigid(body, solid%time, dt, v)
-            body%dt_limit = rigid_step(body, ties)
+            body%dt_limit = rigid_step(body, solid%skin)
             solid%dt_limit = min(solid%dt_limit, body%dt_limit)
             if (.not. dt > 0) return
             do i = body%first, body%last

@@ -23,8 +23,8 @@ module brz_gpu_solid_layout
               book_clamped, &
               book_force, book_early, book_contact_early, book_contact, book_contact_heat, &
               book_rub, book_load, n_book, n_total
-    public :: pose_centre, pose_x, pose_velocity, pose_spin, pose_turn, pose_half, n_pose, n_rigid
-    public :: at_heat, at_friction, at_drag, at_hold, at_work, at_grip, at_resist, n_terms
+    public :: pose_centre, pose_x, pose_velocity, pose_spin, pose_turn, pose_half, n_pose
+    public :: at_heat, at_friction, at_drag, at_hold, at_work, n_terms
     public :: pass_drawn, pass_deviation, pass_trace
     public :: flag_far, flag_bad, flag_drawn, n_flag, slice_width, mask_unit, scan_chunk
 
@@ -63,16 +63,12 @@ module brz_gpu_solid_layout
     integer, parameter :: at_heat = 4, at_friction = 5 !! heat of the two viscous forces [W]
     integer, parameter :: at_drag = 5, at_hold = 8 !! + 1..3: viscous forces, stiff ones [N]
     integer, parameter :: at_work = 12 !! work against the hold [W]
-    integer, parameter :: at_resist = 5, at_grip = 12 !! of contact of rigid bodies: resistance
-                                                      !! [N s/m], stiffness [N/m]
     integer, parameter :: n_terms = 12
 
     ! where a rigid body is: centre unloaded and now [m], velocity, spin, attitude at the step and
     ! in its middle; + 1..3 or + 1..9
     integer, parameter :: pose_centre = 0, pose_x = 3, pose_velocity = 6, pose_spin = 9, &
                           pose_turn = 12, pose_half = 21, n_pose = 30
-    integer, parameter :: n_rigid = 8 !! sums over a rigid body: force, torque, stiffness,
-                                        !! resistance
 
     integer, parameter :: flag_far = 1 !! a particle has moved more than half the skin
     integer, parameter :: flag_bad = 2 !! a particle has an impossible state

@@ -4,7 +4,7 @@ module brz_gpu_solid_rigid
     use brz_device, only: arguments_t, copy_in, launch
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: n_pose, n_rigid, pose_centre, pose_half, pose_spin, pose_turn, &
+    use brz_gpu_solid_layout, only: n_pose, pose_centre, pose_half, pose_spin, pose_turn, &
         pose_velocity, pose_x
     use brz_gpu_solid_state, only: gpu_solid_t, sum_threads, threads_of
     use brz_gpu_solid_sums, only: fold_sums
@@ -82,7 +82,7 @@ contains
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        real(dp) :: push(n_rigid), v(3)
+        real(dp) :: push(6), v(3)
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             push = 0
@@ -97,7 +97,7 @@ contains
             body%rigid%force = push(1:3)
             body%rigid%torque = push(4:6)
             call settle_rigid(body, solid%time, dt, v)
-            body%dt_limit = rigid_step(body, push(7:8))
+            body%dt_limit = rigid_step(body, solid%skin)
             call copy_in(pose_of(body, v, body%rigid%omega, body%rigid%q), there%drive, &
                          8_int64*n_pose, err)
             arguments%n = 0

@@ -16,7 +16,7 @@ module brz_contact
     public :: meeting_t, law_none, law_contact, law_bonded, law_shared, law_cohesive
     public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort, in_core
     public :: spring_loss, core_loss, surface_velocity, add_moment
-    public :: add_link, mean_stiffness, link_pressure, link_grip, grip_ahead, drag_impedance
+    public :: add_link, mean_stiffness, link_pressure
     public :: joins, takes_part
     public :: n_link, link_sum, link_stiffness, link_rate, link_normal
 
@@ -25,7 +25,6 @@ module brz_contact
     real(rk), parameter :: hard_core = 0.5_rk !! closer than this many spacings a pair is a spring
 
     real(dp), parameter :: spring_share = 0.5_dp !! of the period of a contact over 2 pi
-    real(rk), parameter :: soon = 1.5_rk !! spacings from which a pair may press within some steps
     real(dp), parameter :: crossing_share = 0.2_dp !! spacings that a pair may approach in a step
 
     ! kernel sums of a particle over other bodies
@@ -49,7 +48,6 @@ module brz_contact
         real(rk) :: stick !! impedance of friction below Coulomb's limit [kg/(m2 s)]
         logical :: shared !! pressures of the two bodies are shared
         logical :: rigid !! the first body is
-        real(rk) :: ahead !! stiffness of its particle that will press soon [N/m]
         integer :: formulation !! common to both bodies, 0: they differ
         logical :: directional !! both have a hourglass stiffness along axes
         real(rk) :: arm(2) !! share of x_ij from each to the common surface; 0: it does not turn
@@ -162,38 +160,6 @@ contains
         p = sums(link_stiffness)*max(sums(link_sum) - touch, 0.0_rk)
     end function link_pressure
 
-    !> What the spring of particle j adds to the stiffness that i feels: that of a small motion of i
-    !> alone or, where its body is rigid, of all of the body.
-    !@cuf attributes(host,device) &
-    pure function link_grip(m, volumes, push, r, sums) result(k)
-        type(meeting_t), intent(in) :: m
-        real(rk), intent(in) :: volumes(2) !! V_i V_j over depth, V_i, of lattice cells
-        real(rk), intent(in) :: push !! F_ij over `touch` of j
-        real(rk), intent(in) :: r(3) !! x_ij [m]
-        real(rk), intent(in) :: sums(4) !! of j: gradient of its kernel sum, stiffness
-        real(rk) :: k !! [N/m]
-
-        if (m%rigid) then
-            k = max(-push*(r(1)*sums(1) + r(2)*sums(2) + r(3)*sums(3)), 0.0_rk)
-        else
-            k = push*sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)) ! push*push may be too large
-            k = k*k*volumes(2)
-        end if
-        k = volumes(1)*sums(4)*k
-    end function link_grip
-
-    !> Stiffness that a particle of a rigid body will meet before long, as surfaces that overlap by
-    !> d press with K d/spacing: no wave of its own keeps the time step short until it touches.
-    !@cuf attributes(host,device) &
-    pure function grip_ahead(m, distance) result(k)
-        type(meeting_t), intent(in) :: m
-        real(rk), intent(in) :: distance !! |x_ij| [m]
-        real(rk) :: k !! [N/m]
-
-        k = 0
-        if (m%rigid .and. distance < soon*m%spacing) k = m%ahead
-    end function grip_ahead
-
     !> What the spring of a particle took from the motion over a step and does not hold, per volume:
     !> heat, or where the step gave more than it took, less of it.
     !>
@@ -294,16 +260,6 @@ contains
         f = f - drag/max(speed, tiny(speed))*vt
         heat(2) = drag*speed
     end subroutine contact_drag
-
-    !> Force of damping and friction over the relative velocity, at most, per area.
-    !@cuf attributes(host,device) &
-    pure function drag_impedance(m) result(z)
-        type(meeting_t), intent(in) :: m
-        real(rk) :: z !! [kg/(m2 s)]
-
-        z = m%impedance
-        if (m%friction > 0) z = max(z, m%stick)
-    end function drag_impedance
 
     !> How fast a viscous force on approach grows with the speed, at most: it is of first and second
     !> order in it, so twice the force over the speed.

@@ -48,7 +48,7 @@ contains
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b), laws => solid%links%table(:, b)%law)
                 if (any(laws == law_bonded .or. laws == law_shared .or. laws == law_cohesive)) &
-                    body%rigid%bond_step = real(body%cfl*body%h, dp) &
+                    body%rigid%steps(1) = real(body%cfl*body%h, dp) &
                                            /solid%materials(body%material)%c_wave
             end associate
         end do
@@ -122,7 +122,6 @@ contains
             m%normal = reshape([p%normal, q%normal], [3, 2])
             m%rest = [1/s%density, 1/t%density]
             m%arm = real([p%spacing, q%spacing]/(p%spacing + q%spacing), rk)
-            m%ahead = m%core/m%spacing*(2*m%arm(1))**(solid%dimension - 1)
             where ([p%formulation, q%formulation] /= form_rigid) m%arm = 0
         end associate
         m%tensile = real(min(rule%tensile_strength, real(huge(1.0_rk), dp)), rk)

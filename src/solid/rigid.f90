@@ -20,7 +20,7 @@ module brz_rigid
         real(dp) :: centre_ref(3) = 0 !! centre of mass of the unloaded body [m]
         real(dp) :: compliance(3, 3) = 0 !! inverse inertia in the unloaded attitude [1/(kg m2)]
         real(dp) :: reach = 0 !! farthest from centre_ref that its cells go [m]
-        real(dp) :: bond_step = huge(1.0_dp) !! time step that its bonds to others bear [s]
+        real(dp) :: steps(2) = huge(1.0_dp) !! time steps that bonds and contact bear [s]
         real(dp) :: cell_inertia = 0 !! inertia of the cells of the particles themselves [kg m2]
         real(dp) :: x(3) = 0 !! centre of mass [m]
         real(dp) :: q(4) = [1, 0, 0, 0] !! attitude, unit quaternion, scalar first

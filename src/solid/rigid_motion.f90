@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> The two halves of the time step of one rigid body: kick and drift, and the balance at the step.
 module brz_rigid_motion
-    use brz_contact, only: spring_share
     use brz_kinds, only: dp
     use brz_motion, only: velocity_of
     use brz_rigid, only: spin_of, turn
@@ -9,6 +8,8 @@ module brz_rigid_motion
     implicit none
     private
     public :: advance_rigid, settle_rigid, rigid_step
+
+    real(dp), parameter :: least_move = 0.1_dp !! spacings that a step may go without a skin
 
 contains
 
@@ -53,24 +54,21 @@ contains
         end associate
     end subroutine settle_rigid
 
-    !> Time step that a rigid body bears [s]: no waves run through it, so its parts may move by a
-    !> part `cfl` of h, and contact and friction move its mass, at the lever of its farthest part.
-    pure real(dp) function rigid_step(body, ties) result(dt)
+    !> Time step that a rigid body bears [s]: no waves run through it, so its parts may move by half
+    !> the skin of the lists, for the books of contact look back by a step.
+    pure real(dp) function rigid_step(body, skin) result(dt)
         type(body_t), intent(in) :: body
-        real(dp), intent(in) :: ties(2) !! sums over its links: stiffness [N/m], resistance [N s/m]
-        real(dp) :: speed, give
+        real(dp), intent(in) :: skin !! of the lists [m]
+        real(dp) :: speed
         integer :: k
 
         associate (b => body%rigid)
-            speed = norm2(b%p)/b%mass + norm2(b%omega)*b%reach
+            speed = norm2(b%p)/b%mass
             do k = 1, body%motion%n
-                speed = max(speed, norm2(body%motion%v(:, k)) + norm2(b%omega)*b%reach)
+                speed = max(speed, norm2(body%motion%v(:, k)))
             end do
-            dt = min(b%bond_step, body%cfl*body%h/max(speed, tiny(speed)))
-            if (body%motion%n > 0) return
-            give = maxval(b%moves)/b%mass &
-                + b%reach**2*(b%compliance(1, 1) + b%compliance(2, 2) + b%compliance(3, 3))
-            dt = min(dt, spring_share/max(sqrt(give*ties(1)), give*ties(2), tiny(give)))
+            speed = speed + norm2(b%omega)*b%reach
+            dt = min(minval(b%steps), max(skin/2, least_move*body%spacing)/max(speed, tiny(speed)))
         end associate
     end function rigid_step
 end module brz_rigid_motion

@@ -3,6 +3,7 @@
 module brz_rigid_setup
     use brz_algebra, only: inverse3
     use brz_case, only: body_case_t, label
+    use brz_contact, only: law_none, spring_share
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, rk
     use brz_motion, only: velocity_of
@@ -55,6 +56,7 @@ contains
         associate (b => body%rigid)
             call sum_mass(solid, body, on_plane, inertia)
             call invert_free(inertia, b%turns, b%compliance)
+            if (solid%links%present .and. input%n_motion == 0) call bear_contact(solid, body)
             v = input%velocity*b%moves
             if (body%motion%n > 0) v = velocity_of(body%motion, 0.0_dp)
             b%p = b%mass*v
@@ -66,6 +68,44 @@ contains
             end do
         end associate
     end subroutine make_rigid
+
+    !> Time step that contact with other bodies bears: all of the surface of the body, at most that
+    !> of a box around it, presses and rubs, on the part of the body that gives way most. It does not
+    !> change in time: a leapfrog keeps the energy of a spring while its step does.
+    subroutine bear_contact(solid, body)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(inout) :: body
+        real(dp) :: area, give, stiffness, drag, d(3), side(3), rate
+        integer :: a, c, i
+
+        give = 0
+        associate (r => body%rigid, x => solid%x(:, body%first:body%last))
+            do i = body%first, body%last
+                d = solid%x(:, i) - r%x
+                give = max(give, dot_product(d, d)*(r%compliance(1, 1) + r%compliance(2, 2) &
+                                                    + r%compliance(3, 3)) &
+                                 - dot_product(d, matmul(r%compliance, d)))
+            end do
+            give = give + maxval(r%moves)/r%mass
+            side = maxval(x, dim=2) - minval(x, dim=2) + body%spacing
+            side(solid%dimension + 1:) = 1
+            area = 0
+            do c = 1, solid%dimension
+                area = area + 2*product(side)/side(c)*solid%depth
+            end do
+        end associate
+        a = findloc(solid%bodies%first, body%first, 1)
+        do c = 1, size(solid%bodies)
+            associate (m => solid%links%table(a, c))
+                if (m%law == law_none) cycle
+                stiffness = m%core/(m%spacing**solid%dimension*solid%depth)*area
+                drag = m%impedance*area
+                if (m%friction > 0) drag = max(m%impedance, m%stick)*area
+                rate = max(sqrt(give*stiffness), give*drag, tiny(rate))
+                body%rigid%steps(2) = min(body%rigid%steps(2), spring_share/rate)
+            end associate
+        end do
+    end subroutine bear_contact
 
     !> Components of velocity and spin that the body may have: a body on a plane of symmetry
     !> moves in it and turns about its normal.

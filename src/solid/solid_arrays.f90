@@ -65,7 +65,7 @@ contains
 
         associate (n => solid%n, links => solid%links)
             allocate (links%row(n), links%touch(n), links%weight(n), links%bond(n))
-            allocate (links%first(0:1), links%press(5, 0:0), links%push(11, 0:0))
+            allocate (links%first(0:1), links%press(5, 0:0), links%push(9, 0:0))
             allocate (links%met(size(solid%bodies), size(solid%bodies)), source=.false.)
             links%ends = solid%bodies%last
             links%first = 1

@@ -154,9 +154,8 @@ module brz_solid_state
                                                  !! particle, a bit each; only where there are some
         real(rk), allocatable :: press(:, :) !! (5, 0:rows) pressure of contact [Pa]; its gradient
                                              !! of the kernel sum [1/m]; stiffness [Pa]
-        real(rk), allocatable :: push(:, :) !! (11, 0:rows) forces of contact: springs, drag [N];
-                                            !! moment of drag on what turns [N m]; stiffness
-                                            !! [N/m] and resistance [N s/m] of all its links
+        real(rk), allocatable :: push(:, :) !! (9, 0:rows) forces of contact: springs, drag [N];
+                                            !! moment of drag on what turns [N m]
     end type links_t
 
     type :: solid_t

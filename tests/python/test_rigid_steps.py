@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A rigid body bears the time step of what it meets: fine ones cost none, light ones keep books."""
+"""A rigid body bears the time step of what it meets: fine ones cost few, light ones keep books."""
 
 import subprocess
 from pathlib import Path
@@ -41,18 +41,19 @@ def run(folder, name, **keys):
     return steps, np.abs(column["error[-]"]).max(), heat
 
 
-def test_a_fine_rigid_body_costs_no_steps(tmp_path):
+def test_a_fine_rigid_body_costs_few_steps(tmp_path):
     steps = {
         dx: run(tmp_path, f"fine_{k}", shape=BALL, dx=dx, density=7800, speed=50)[0]
         for k, dx in enumerate((1e-3, 2.5e-4))
     }
     note("rigid ball of a quarter of the spacing: steps over those of the same spacing",
          steps[2.5e-4] / steps[1e-3])  # fmt: skip
-    assert steps[2.5e-4] <= 1.3 * steps[1e-3]
+    # the waves of its own steel would ask for four times as many; its springs for up to twice
+    assert steps[2.5e-4] <= 2 * steps[1e-3]
 
 
 # The springs of contact and the mass of the body make a period; a step that is a fixed part of it
-# keeps the energy. Without a look ahead it is not known before the first touch.
+# keeps the energy.
 @pytest.mark.parametrize(("shape", "density", "speed", "dx"), [
     (BALL, 20, 30, 1e-3), (BALL, 150, 200, 4e-4), (BOX, 30, 100, 5e-4), (BOX, 30, 10, 1e-3),
 ])  # fmt: skip
