@@ -70,8 +70,8 @@ contains
     end subroutine make_rigid
 
     !> Time step that contact with other bodies bears: all of the surface of the body, at most that
-    !> of a box around it, presses and rubs, on the part of the body that gives way most. It does not
-    !> change in time: a leapfrog keeps the energy of a spring while its step does.
+    !> of a box around it, presses and rubs on the part of the body that gives way most. It does
+    !> not change in time: a leapfrog keeps the energy of a spring while its step does.
     subroutine bear_contact(solid, body)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(inout) :: body
