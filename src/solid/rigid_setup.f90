@@ -101,7 +101,7 @@ contains
                 stiffness = m%core/(m%spacing**solid%dimension*solid%depth)*area
                 drag = m%impedance*area
                 if (m%friction > 0) drag = max(m%impedance, m%stick)*area
-                rate = max(sqrt(give*stiffness), give*drag, tiny(rate))
+                rate = max(sqrt(give*stiffness), give*drag*spring_share, tiny(rate))
                 body%rigid%steps(2) = min(body%rigid%steps(2), spring_share/rate)
             end associate
         end do
