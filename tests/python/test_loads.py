@@ -86,7 +86,7 @@ def test_pressure_on_all_faces_of_what_turns_is_balanced(tmp_path):
     deck += "&load body='b', faces='x-','x+','y-','y+','z-','z+', pressure=1e7 /\n"
     tables = run(tmp_path, deck)
     scale = 1e7 * 0.006 * 0.004 * 5e-5  # impulse on one face
-    note("pressure on all faces of what turns: force left", abs(momentum(tables)).max() / scale)
+    note("load_turning", abs(momentum(tables)).max() / scale)
     assert abs(momentum(tables)).max() < 2e-3 * scale
     assert abs(tables["energy"]["error[-]"]).max() < 1e-3
 
@@ -113,7 +113,7 @@ def test_blast_is_that_of_kingery_bulmash(tmp_path):
         _, wanted = blast.on_surface(turn)
         if face == "z+":  # the incident wave passes over it
             wanted = blast.incident_impulse
-        note(f"blast on a plate at {angle} degrees: impulse over Kingery-Bulmash",
+        note(f"load_blast_{angle}",
              got / (wanted * area))  # fmt: skip
         assert got == pytest.approx(wanted * area, rel=1e-3)
 
@@ -167,10 +167,10 @@ def test_clamped_strip_under_a_triangular_pulse(tmp_path):
         step = (1 - np.cos(o * t)) / o**2
         exact += a * peak * (step - ramp(t) / long + ramp(t - long) / long)
     error = abs(w.max() / exact.max() - 1)
-    note("clamped strip under a triangular pulse: largest deflection over that of a beam",
+    note("load_strip",
          w.max() / exact.max())  # fmt: skip
     late = t[np.argmax(w)] / t[np.argmax(exact)]
-    note("clamped strip under a triangular pulse: its time over that of a beam", late)
+    note("load_strip_time", late)
     assert error < 0.02
     assert late == pytest.approx(1, abs=0.02)
 

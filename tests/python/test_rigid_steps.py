@@ -46,8 +46,7 @@ def test_a_fine_rigid_body_costs_few_steps(tmp_path):
         dx: run(tmp_path, f"fine_{k}", shape=BALL, dx=dx, density=7800, speed=50)[0]
         for k, dx in enumerate((1e-3, 2.5e-4))
     }
-    note("rigid ball of a quarter of the spacing: steps over those of the same spacing",
-         steps[2.5e-4] / steps[1e-3])  # fmt: skip
+    note("rigid_fine_steps", steps[2.5e-4] / steps[1e-3])
     # the waves of its own steel would ask for four times as many; its springs for up to twice
     assert steps[2.5e-4] <= 2 * steps[1e-3]
 
@@ -59,7 +58,6 @@ def test_a_fine_rigid_body_costs_few_steps(tmp_path):
 ])  # fmt: skip
 def test_a_light_rigid_body_bounces_without_loss(tmp_path, shape, density, speed, dx):
     _, error, heat = run(tmp_path, "light", shape=shape, dx=dx, density=density, speed=speed)
-    name = f"light rigid body of {density} kg/m3 at {speed} m/s at {1e3 * dx:g} mm"
-    note(f"{name}: heat of contact over its energy", abs(heat))
+    note(f"rigid_light_{density}_{speed}", abs(heat))
     assert abs(heat) < 2e-3
     assert error < 2e-3
