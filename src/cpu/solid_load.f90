@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Forces of the pressures on faces, in scenes without air.
 module brz_solid_load
-    use brz_face_load, only: cross_area, facets_t, impulse_on
+    use brz_carrier_rules, only: add_force
+    use brz_face_load, only: facets_t, find_places, impulse_on
     use brz_kinds, only: dp, rk
     use brz_rigid, only: cross
     use brz_solid_state, only: form_rigid, is_gone, solid_t
@@ -20,9 +21,7 @@ contains
 
         if (.not. allocated(solid%loads%of)) return
         if (solid%loads%rebuilds /= solid%rebuilds) then ! lists were sorted
-            do i = 1, solid%n
-                solid%loads%place(solid%id(i)) = i
-            end do
+            call find_places(solid%loads, solid%id)
             solid%loads%rebuilds = solid%rebuilds
         end if
         solid%load = 0
@@ -34,9 +33,8 @@ contains
                 if (body%formulation /= form_rigid) cycle
                 body%rigid%load = 0
                 do i = body%first, body%last
-                    body%rigid%load(1:3) = body%rigid%load(1:3) + solid%load(:, i)
-                    body%rigid%load(4:6) = body%rigid%load(4:6) &
-                        + cross(solid%x(:, i) - body%rigid%x, real(solid%load(:, i), dp))
+                    call add_force(solid%x(:, i) - body%rigid%x, solid%load(:, i), &
+                                   body%rigid%load)
                 end do
             end associate
         end do
@@ -51,6 +49,8 @@ contains
         integer :: i, k, t
 
         do k = 1, facets%n
+            if (facets%blast .or. k == 1) p = (impulse_on(facets, k, solid%time + dt) &
+                                               - impulse_on(facets, k, solid%time))/dt
             i = solid%loads%place(facets%id(k))
             if (solid%fixed(i) == is_gone) cycle
             do t = 1, 2
@@ -62,8 +62,7 @@ contains
                 if (facets%width(t, k) > 0) cycle
                 span(mod(abs(facets%side(k)) + t - 1, 3) + 1, t) = 1 ! a direction not modelled
             end do
-            area = cross_area(span(:, 1), span(:, 2))*sign(1, facets%side(k))
-            p = (impulse_on(facets, k, solid%time + dt) - impulse_on(facets, k, solid%time))/dt
+            area = cross(span(:, 1), span(:, 2))*sign(1, facets%side(k))
             solid%load(:, i) = solid%load(:, i) - real(p*area, rk)
         end do
     end subroutine load_facets

@@ -11,7 +11,7 @@ module brz_face_load
     use brz_kinds, only: dp
     implicit none
     private
-    public :: loads_t, facets_t, impulse_on, cross_area
+    public :: loads_t, facets_t, impulse_on, find_places
 
     !> The facets of one &load.
     type :: facets_t
@@ -65,13 +65,14 @@ contains
         end if
     end function impulse_on
 
-    !> Area vector that two vectors span.
-    pure function cross_area(a, b) result(n)
-        real(dp), intent(in) :: a(3), b(3) !! [m]
-        real(dp) :: n(3) !! [m2]
+    !> Find the particles by their ids, after the lists were sorted.
+    pure subroutine find_places(loads, id)
+        type(loads_t), intent(inout) :: loads
+        integer, intent(in) :: id(:) !! of the particles, in their order
+        integer :: i
 
-        n(1) = a(2)*b(3) - a(3)*b(2)
-        n(2) = a(3)*b(1) - a(1)*b(3)
-        n(3) = a(1)*b(2) - a(2)*b(1)
-    end function cross_area
+        do i = 1, size(id)
+            loads%place(id(i)) = i
+        end do
+    end subroutine find_places
 end module brz_face_load

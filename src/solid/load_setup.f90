@@ -4,7 +4,7 @@ module brz_load_setup
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t, load_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
-    use brz_face_load, only: facets_t
+    use brz_face_load, only: facets_t, find_places
     use brz_kinds, only: dp, rk
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest
     use brz_solid_state, only: body_t, solid_t
@@ -30,6 +30,7 @@ contains
         if (size(case%loads) == 0) return
         if (.not. allocated(solid%load)) allocate (solid%load(3, solid%n), source=0.0_rk)
         allocate (solid%loads%of(size(case%loads)), solid%loads%place(solid%n))
+        call find_places(solid%loads, solid%id)
         do k = 1, size(case%loads)
             associate (load => case%loads(k), facets => solid%loads%of(k))
                 call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), facets)
@@ -179,7 +180,7 @@ contains
         near = huge(near)
         far = 0
         do k = 1, facets%n
-            i = findloc(solid%id, facets%id(k), 1)
+            i = solid%loads%place(facets%id(k))
             arm = load%at - solid%x_ref(:, i)
             arm(solid%dimension + 1:) = 0
             distance = norm2(arm)

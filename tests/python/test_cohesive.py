@@ -207,17 +207,23 @@ def same(first, second):
         assert np.all(np.abs(a - second[name]) <= 1e-8 * scale + 1e-9), name
 
 
-def test_interfaces_on_the_gpu(tmp_path):
-    """What breaks there is what breaks on the CPU; checkpoints go to and fro; the same bits."""
-    (tmp_path / "g.nml").write_text(GPU)
-    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n", encoding="utf-8")
+def on_both(folder, deck):
+    """Numbers of a deck that breaks glue, on the CPU and on the emulated GPU: they are the same."""
+    (folder / "g.nml").write_text(deck)
+    (folder / "good.ptx").write_text(f"// {stamp()}\n", encoding="utf-8")
     for backend in ("cpu", "gpu"):
-        done = on_gpu(tmp_path, "g.nml", "--backend", backend, "--out", backend)
+        done = on_gpu(folder, "g.nml", "--backend", backend, "--out", backend)
         assert done.returncode == 0, done.stderr
         assert ("the bodies run on Emulated" in done.stderr) == (backend == "gpu")
         assert "m2 broken" in done.stdout
-    cpu, gpu = numbers(tmp_path, "cpu"), numbers(tmp_path, "gpu")
+    cpu, gpu = numbers(folder, "cpu"), numbers(folder, "gpu")
     same(cpu, gpu)
+    return cpu, gpu
+
+
+def test_interfaces_on_the_gpu(tmp_path):
+    """What breaks there is what breaks on the CPU; checkpoints go to and fro; the same bits."""
+    cpu, gpu = on_both(tmp_path, GPU)
     energy = table(tmp_path, "energy", "gpu")
     bodies = table(tmp_path, "bodies", "gpu")
     broken = bodies["a+b:broken[m2]"][-1] / 1.8e-5

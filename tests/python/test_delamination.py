@@ -5,9 +5,7 @@ import h5py
 import numpy as np
 import pytest
 from notes import note
-from test_cohesive import numbers, run, same, table
-from test_gpu import run as on_gpu
-from test_gpu import stamp
+from test_cohesive import on_both, run, table
 
 # half of a clamped strip of four plies, thrown: what it weighs and how it bends is that of carbon
 HIGH, HALF, GAUGES = 0.002, 0.03, 12
@@ -125,14 +123,7 @@ GPU = """\
 
 def test_plies_on_the_gpu(tmp_path):
     """Single layers that bend, delaminate and are hit: as on the CPU."""
-    (tmp_path / "g.nml").write_text(GPU)
-    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n", encoding="utf-8")
-    for backend in ("cpu", "gpu"):
-        done = on_gpu(tmp_path, "g.nml", "--backend", backend, "--out", backend)
-        assert done.returncode == 0, done.stderr
-        assert ("the bodies run on Emulated" in done.stderr) == (backend == "gpu")
-    cpu, gpu = numbers(tmp_path, "cpu"), numbers(tmp_path, "gpu")
-    same(cpu, gpu)
+    on_both(tmp_path, GPU)
     energy = table(tmp_path, "energy", "gpu")
     assert energy["bond_heat[J]"][-1] > 1e-4
     assert abs(energy["error[-]"][-1]) < 5e-3

@@ -204,6 +204,7 @@ contains
             if (failed(scene%err)) work = huge(work)
         end associate
     end subroutine strip
+
     !> Work per area that a crack in concrete takes, over its fracture energy; and whether it ended.
     subroutine crack(changes, work, ended)
         character(*), intent(in) :: changes !! of the deck
