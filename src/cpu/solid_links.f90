@@ -1,11 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> Lists of the particles of other bodies within reach of a particle, images included.
 !>
-!> Like the neighbour lists they depend on `x_built` and the order of the particles alone.
+!> Like the neighbour lists they depend on `x_built`, on how the bodies have drifted since, and on
+!> the order of the particles alone.
 module brz_solid_links
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid
     use brz_contact, only: joins, law_bonded, law_cohesive, law_none
     use brz_kinds, only: dp, int32, int64, int8
+    use brz_list_drift, only: begin_links, links_reach, may_link
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: bond_whole, is_gone, links_t, solid_t, worth_threads
     implicit none
@@ -15,38 +17,46 @@ module brz_solid_links
 
 contains
 
-    !> Build the links for the positions `x_built`.
-    subroutine build_links(solid)
+    !> Build the links for the positions `x_built`, to which the drifts of the bodies are added.
+    subroutine build_links(solid, resume)
         type(solid_t), intent(inout) :: solid
+        logical, intent(in) :: resume !! for the drifts of the links that were there
+        real(dp) :: box(3, 2, size(solid%bodies))
+        integer :: b
 
         if (.not. solid%links%present) return
+        do b = 1, size(solid%bodies)
+            call extent(solid%x_built, solid%fixed, solid%bodies(b), box(:, 1, b), box(:, 2, b))
+        end do
+        call begin_links(solid, box, resume)
         solid%links%row = 0
-        call visit_bodies(solid, .false.)
+        call visit_bodies(solid, box, .false.)
         call number_rows(solid%links)
-        call visit_bodies(solid, .true.)
+        call visit_bodies(solid, box, .true.)
         solid%links%first = solid%links%first + 1
     end subroutine build_links
 
     !> Count in `row`, or store, the links of every particle with one body after the other; note
     !> which bodies have some. As they are stored, first(r+1) is the place of the last of row r.
-    subroutine visit_bodies(solid, keep)
+    subroutine visit_bodies(solid, box, keep)
         type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) corners of x_built [m]
         logical, intent(in) :: keep
-        real(dp) :: lo(3), hi(3), reach
+        real(dp) :: shift(3), reach
         integer(int64) :: last
         integer :: a, b, i, m
         logical :: met
 
         solid%links%met = .false.
         do b = 1, size(solid%bodies)
-            if (all(solid%links%table(:, b)%law == law_none)) cycle
+            if (.not. any([(may_link(solid, a, b), a=1, size(solid%bodies))])) cycle
             reach = 2*real(maxval(solid%links%table(:, b)%h), dp) + solid%skin
             call lay_grid(solid%search, solid%x_built, solid%fixed, solid%bodies(b), reach)
             call fill_cells(solid%search, solid%x_built, solid%fixed, solid%bodies(b))
-            call extent(solid%x_built, solid%fixed, solid%bodies(b), lo, hi)
             do a = 1, size(solid%bodies)
-                if (solid%links%table(a, b)%law == law_none) cycle
-                reach = 2*real(solid%links%table(a, b)%h, dp) + solid%skin
+                if (.not. may_link(solid, a, b)) cycle
+                reach = links_reach(solid, a, b)
+                shift = solid%bodies(a)%drift_linked - solid%bodies(b)%drift_linked
                 met = .false.
                 !$omp parallel do if(solid%n >= worth_threads) schedule(static) &
                 !$omp private(last, m) reduction(.or.: met)
@@ -56,8 +66,9 @@ contains
                         last = row
                         if (keep) last = first(row + 1)
                         do m = 0, 7
-                            if (near(solid, i, m, lo - reach, hi + reach)) &
-                                call search(solid, i, m, reach, keep, last)
+                            if (near(solid, i, m, box(:, 1, b) - shift - reach, &
+                                     box(:, 2, b) - shift + reach)) &
+                                call search(solid, i, m, shift, reach, keep, last)
                         end do
                         if (keep) then
                             met = met .or. last > first(row + 1)
@@ -91,17 +102,17 @@ contains
         end do
     end function near
 
-    !> Count or store the particles of the body in the grid near the image of i.
-    pure subroutine search(solid, i, m, reach, keep, last)
+    !> Count or store the particles of the body in the grid near the image of i, which has drifted.
+    pure subroutine search(solid, i, m, shift, reach, keep, last)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: i, m
-        real(dp), intent(in) :: reach !! [m]
+        real(dp), intent(in) :: shift(3), reach !! relative to the body in the grid [m]
         logical, intent(in) :: keep
         integer(int64), intent(inout) :: last
         real(dp) :: x(3), d(3)
         integer :: c, c1, c2, c3, j, k, lo(3), hi(3)
 
-        x = signs(m)*solid%x_built(:, i)
+        x = signs(m)*solid%x_built(:, i) + shift
         call cell_span(solid%search, x, reach, lo, hi)
         do c3 = lo(3), hi(3)
             do c2 = lo(2), hi(2)

@@ -2,11 +2,12 @@
 !> Neighbour lists: who is within reach of a group of particles, itself or as a mirror image.
 !>
 !> A list depends on `x_built` and the order of the particles alone: rebuilt from them it is the
-!> same, entry by entry. The members of a group are in its list: a pair of i with itself is exactly
+!> same, entry by entry. Each body has its list, and keeps it while those of others change. The members of a group are in its list: a pair of i with itself is exactly
 !> nothing, as is one beyond the support of the kernel. i may be a neighbour of its own image.
 module brz_solid_neighbours
     use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
-    use brz_kinds, only: dp, int32, int64, int8
+    use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_list_drift, only: begin_list, level_of, level_unit
     use brz_particle_order, only: reorder_particles
     use brz_solid_cohesive, only: place_nodes
     use brz_solid_lanes, only: group_of
@@ -15,39 +16,67 @@ module brz_solid_neighbours
                                worth_threads
     implicit none
     private
-    public :: build_neighbours, needs_rebuild
+    public :: build_neighbours, moved_levels
 
 contains
 
-    !> Build the list. With `sort`, the particles are first brought into the order of the cells
-    !> at their present positions; without, the list of the positions `x_built` is restored.
-    subroutine build_neighbours(solid, sort)
+    !> Build the lists and the links. With `sort`, the particles of all bodies, or of the `stale`
+    !> ones, are first brought into the order of the cells at their present positions; other lists
+    !> stay. Without, the lists of the positions `x_built` are restored.
+    subroutine build_neighbours(solid, sort, stale)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: sort
+        logical, intent(in), optional :: stale(:) !! (bodies)
         integer :: b
 
-        if (sort) then
-            do b = 1, size(solid%bodies)
-                call note_positions(solid, solid%bodies(b))
-                call lay_grid(solid%search, solid%x_built, solid%fixed, solid%bodies(b), &
-                              cell_of_groups(solid, b))
-                call fill_cells(solid%search, solid%x_built, solid%fixed, solid%bodies(b))
-            end do
-            call reorder_particles(solid)
-            do b = 1, size(solid%bodies)
-                call note_positions(solid, solid%bodies(b))
-            end do
-        end if
         do b = 1, size(solid%bodies)
+            if (present(stale)) then
+                if (.not. stale(b)) cycle
+            end if
+            if (sort) call sort_body(solid, b)
             if (solid%bodies(b)%formulation == form_total) then
                 call build_list(solid, b, solid%x_ref)
             else
                 call build_list(solid, b, solid%x_built)
             end if
         end do
-        call build_links(solid)
+        call build_links(solid, resume=.not. sort)
         call place_nodes(solid)
     end subroutine build_neighbours
+
+    !> Bring the particles of a body into the order of the cells at their present positions.
+    subroutine sort_body(solid, b)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+
+        associate (body => solid%bodies(b))
+            call note_positions(solid, body)
+            call lay_grid(solid%search, solid%x_built, solid%fixed, body, cell_of_groups(solid, b))
+            call fill_cells(solid%search, solid%x_built, solid%fixed, body)
+            call reorder_particles(solid, body%first, body%last)
+            call note_positions(solid, body)
+            call begin_list(solid, b, mean_velocity(solid, body))
+        end associate
+    end subroutine sort_body
+
+    !> Velocity of the mass of a body at the step [m/s].
+    pure function mean_velocity(solid, body) result(v)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        real(dp) :: v(3), mass
+        real(rk) :: half
+        integer :: i
+
+        v = 0
+        mass = 0
+        half = real(solid%dt_last/2, rk)
+        do i = body%first, body%last
+            if (solid%fixed(i) == is_gone) cycle
+            v = v + solid%mass(i)*(solid%v(:, i) + half*solid%a(:, i))
+            mass = mass + solid%mass(i)
+        end do
+        v = v/max(mass, tiny(mass))
+    end function mean_velocity
 
     !> List of a body for given places: those of total-Lagrangian bodies are the unloaded ones.
     subroutine build_list(solid, b, place)
@@ -83,28 +112,36 @@ contains
         end associate
     end subroutine note_positions
 
-    !> True when a particle has moved more than half the skin since the list was built.
-    logical function needs_rebuild(solid)
-        type(solid_t), intent(in) :: solid
+    !> How far the particles of each body have moved relative to it since its list was built: the
+    !> highest level of brz_list_drift.
+    function moved_levels(solid) result(level)
+        type(solid_t), intent(inout) :: solid !! its block sums are overwritten
+        integer :: level(size(solid%bodies))
         real(dp) :: far, d(3)
         integer :: i, k
 
-        far = 0
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, d) &
-        !$omp reduction(max: far)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, d, far)
         do k = 1, size(solid%block, 2)
+            solid%search%limit(k) = 0
             associate (body => solid%bodies(solid%block(1, k)))
                 if (body%asleep) cycle
                 if (body%formulation == form_total .and. .not. solid%links%present) cycle
+                far = 0
+                do i = solid%block(2, k), solid%block(3, k)
+                    if (solid%fixed(i) == is_gone) cycle
+                    d = solid%x(:, i) - solid%x_built(:, i) - body%drift
+                    far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
+                end do
+                solid%search%limit(k) = far
             end associate
-            do i = solid%block(2, k), solid%block(3, k)
-                if (solid%fixed(i) == is_gone) cycle
-                d = solid%x(:, i) - solid%x_built(:, i)
-                far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
-            end do
         end do
-        needs_rebuild = far > (solid%skin/2)**2
-    end function needs_rebuild
+        level = 0
+        do k = 1, size(solid%block, 2)
+            associate (b => solid%block(1, k))
+                level(b) = max(level(b), level_of(solid%search%limit(k), level_unit(solid)))
+            end associate
+        end do
+    end function moved_levels
 
     !> The particles of a rigid body have no neighbours.
     pure subroutine leave_out(solid, body)
@@ -161,25 +198,55 @@ contains
     !> Lists begin where those of the group before end; there must be room for all.
     subroutine lay_out(solid, from, to)
         type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: from, to !! groups
-        integer(int8), allocatable :: mask(:)
+        integer, intent(in) :: from, to !! groups of a body
         integer :: g
 
         do g = from, to
             solid%first(g + 1) = solid%first(g) + solid%first(g + 1)
         end do
-        call make_room(solid%first(to + 1) - 1, solid%list)
+        call fit(solid%first, from, to, solid%list)
         if (.not. any(solid%mirror)) return
         do g = from, to
             solid%image_first(g + 1) = solid%image_first(g) + solid%image_first(g + 1)
         end do
-        call make_room(solid%image_first(to + 1) - 1, solid%image)
-        if (.not. allocated(solid%mask)) allocate (solid%mask(size(solid%image, kind=int64)))
-        if (size(solid%mask, kind=int64) == size(solid%image, kind=int64)) return
-        allocate (mask(size(solid%image, kind=int64)))
-        mask(:size(solid%mask, kind=int64)) = solid%mask
-        call move_alloc(mask, solid%mask)
+        call fit(solid%image_first, from, to, solid%image, solid%mask)
     end subroutine lay_out
+
+    !> Make room for the lists of the groups from..to of a body. Those of the next body begin at
+    !> first(to + 2), with something between; where that does not do, all behind moves back.
+    subroutine fit(first, from, to, list, mask)
+        integer(int64), intent(inout) :: first(:)
+        integer, intent(in) :: from, to
+        integer(int32), allocatable, intent(inout) :: list(:)
+        integer(int8), allocatable, intent(inout), optional :: mask(:) !! entry by entry beside it
+        integer(int64) :: end, k, more
+
+        more = 0
+        if (to + 2 <= size(first)) more = max(first(to + 1) - first(to + 2), 0_int64)
+        if (more > 0) more = more + (first(to + 1) - first(from))/8
+        end = first(size(first))
+        call make_room(end + more - 1, list)
+        if (present(mask)) call make_room_beside(list, mask)
+        if (more == 0) return
+        do k = end - 1, first(to + 2), -1
+            list(k + more) = list(k)
+            if (present(mask)) mask(k + more) = mask(k)
+        end do
+        first(to + 2:) = first(to + 2:) + more
+    end subroutine fit
+
+    !> Lengthen a mask to the length of the list beside it, keeping what it holds.
+    subroutine make_room_beside(list, mask)
+        integer(int32), intent(in) :: list(:)
+        integer(int8), allocatable, intent(inout) :: mask(:)
+        integer(int8), allocatable :: longer(:)
+
+        if (.not. allocated(mask)) allocate (mask(size(list, kind=int64)))
+        if (size(mask, kind=int64) == size(list, kind=int64)) return
+        allocate (longer(size(list, kind=int64)))
+        longer(:size(mask, kind=int64)) = mask
+        call move_alloc(longer, mask)
+    end subroutine make_room_beside
 
     !> Lengthen a list, with something to spare, keeping what it holds.
     subroutine make_room(n, list)

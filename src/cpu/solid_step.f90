@@ -7,6 +7,7 @@ module brz_solid_step
     use brz_air_force, only: air_force
     use brz_errors, only: error_t, exit_numerical, raise
     use brz_kinds, only: dp, int16, int64, int8, rk
+    use brz_list_drift, only: drift_bodies, find_stale
     use brz_material, only: strength_left
     use brz_solid_bonds, only: break_bonds
     use brz_solid_cohesive, only: cohesive_pass
@@ -19,7 +20,7 @@ module brz_solid_step
     use brz_solid_leaving, only: remove_left
     use brz_solid_links, only: first_bonds
     use brz_solid_mirror, only: signs
-    use brz_solid_neighbours, only: build_neighbours, needs_rebuild
+    use brz_solid_neighbours, only: build_neighbours, moved_levels
     use brz_solid_rigid, only: balance_rigid, move_rigid
     use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: wake_met
@@ -100,6 +101,7 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
+        logical :: stale(size(solid%bodies)), relink
 
         if (solid%steps == 0) call force_pass(solid, dt/2)
         call kick_and_drift(solid, dt)
@@ -107,12 +109,14 @@ contains
         solid%time = solid%time + dt
         solid%dt_last = dt
         solid%steps = solid%steps + 1
-        if (needs_rebuild(solid)) then
+        call drift_bodies(solid, dt)
+        call find_stale(solid, moved_levels(solid), stale, relink)
+        if (any(stale) .or. relink) then
             call remove_left(solid)
-            call build_neighbours(solid, sort=.true.)
-            solid%rebuilds = solid%rebuilds + 1
+            call build_neighbours(solid, sort=.true., stale=stale)
+            if (any(stale)) solid%rebuilds = solid%rebuilds + 1
             call wake_met(solid)
-            call end_support(solid)
+            call end_support(solid, stale)
         end if
         call gradient_pass(solid, dt)
         call break_bonds(solid)
@@ -204,13 +208,15 @@ contains
 
     !> End the stiff hourglass force, and the tilt, for good where half of the intact neighbours are
     !> gone.
-    subroutine end_support(solid)
+    subroutine end_support(solid, anew)
         type(solid_t), intent(inout) :: solid
+        logical, intent(in) :: anew(:) !! (bodies) whose lists were built anew
         integer :: fails, i, k
 
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(fails, i)
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)))
+                if (.not. anew(solid%block(1, k))) cycle
                 if (body%formulation /= form_bending .and. .not. body%tension_hold > 0) cycle
                 fails = solid%materials(body%material)%fails
                 do i = solid%block(2, k), solid%block(3, k)

@@ -41,8 +41,8 @@ contains
         call put_columns(solid, gpu, err)
         call open_gpu_links(device, solid, gpu, err)
         call open_gpu_cohesive(device, solid%cohesive, gpu, err)
-        call build_gpu_lists(gpu, solid, .false., err)
-        call build_gpu_links(gpu, solid, err)
+        call build_gpu_lists(gpu, solid, .false., spread(.true., 1, size(solid%bodies)), err)
+        call build_gpu_links(gpu, solid, .true., err)
     end subroutine open_gpu_solid
 
     subroutine put_rows(solid, gpu, err)

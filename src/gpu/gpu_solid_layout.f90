@@ -26,7 +26,7 @@ module brz_gpu_solid_layout
     public :: pose_centre, pose_x, pose_velocity, pose_spin, pose_turn, pose_half, n_pose
     public :: at_heat, at_friction, at_drag, at_hold, at_work, n_terms
     public :: pass_drawn, pass_deviation, pass_trace
-    public :: flag_far, flag_bad, flag_drawn, n_flag, slice_width, mask_unit, scan_chunk
+    public :: flag_bad, flag_drawn, n_flag, slice_width, mask_unit, scan_chunk
 
     ! columns of `state`
     integer, parameter :: at_mu = 1, at_energy = 2
@@ -70,10 +70,10 @@ module brz_gpu_solid_layout
     integer, parameter :: pose_centre = 0, pose_x = 3, pose_velocity = 6, pose_spin = 9, &
                           pose_turn = 12, pose_half = 21, n_pose = 30
 
-    integer, parameter :: flag_far = 1 !! a particle has moved more than half the skin
-    integer, parameter :: flag_bad = 2 !! a particle has an impossible state
-    integer, parameter :: flag_drawn = 3 !! the hold acts on a particle
-    integer, parameter :: n_flag = 3
+    integer, parameter :: flag_bad = 1 !! a particle has an impossible state
+    integer, parameter :: flag_drawn = 2 !! the hold acts on a particle
+    integer, parameter :: n_flag = 2 !! behind them, body by body, a flag for each level of motion
+                                     !! that some particle has reached, see brz_list_drift
 
     ! `held` in pass 1: 1 beside S if the particle was in tension, else 0; then what it deviates,
     ! and the trace of M

@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Contact and bonds between bodies on the GPU: memory, lists of links, launches.
 module brz_gpu_solid_links
-    use brz_contact, only: law_none
     use brz_device, only: allocate_buffer, arguments_t, clear_buffer, copy_out, device_t, &
         find_kernel, free_buffer, kernel_t, launch, put_buffer
     use brz_errors, only: error_t
@@ -11,6 +10,7 @@ module brz_gpu_solid_links
     use brz_gpu_solid_search, only: order_body
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, part_of
     use brz_kinds, only: dp, int64, rk
+    use brz_list_drift, only: begin_links, links_reach, may_link
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -59,16 +59,20 @@ contains
         end associate
     end subroutine open_gpu_links
 
-    !> Build the links for the positions `built`: count them, then list them, body by body.
-    subroutine build_gpu_links(gpu, solid, err)
+    !> Build the links for the positions `built`, to which the drifts of the bodies are added: count
+    !> them, then list them, body by body.
+    subroutine build_gpu_links(gpu, solid, resume, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid !! its search tables are overwritten
+        logical, intent(in) :: resume !! for the drifts of the links that were there
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer(int64) :: entries
-        integer :: keep, slices, longest, met(size(solid%bodies), size(solid%bodies))
+        integer :: b, keep, slices, longest, met(size(solid%bodies), size(solid%bodies))
 
         if (.not. gpu%linked) return
+        call begin_links(solid, reshape([(gpu%bodies(b)%box, b=1, size(gpu%bodies))], &
+                                        [3, 2, size(gpu%bodies)]), resume)
         slices = (gpu%n - 1)/slice_width + 1
         call clear_buffer(gpu%links%met, err)
         do keep = 0, 1
@@ -102,19 +106,24 @@ contains
         integer, intent(in) :: keep
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
-        integer :: a, b, cells
+        real(dp) :: shift(3)
+        integer :: a, b, c, cells
 
         do b = 1, size(gpu%bodies)
-            if (all(solid%links%table(:, b)%law == law_none)) cycle
+            if (.not. any([(may_link(solid, a, b), a=1, size(gpu%bodies))])) cycle
             call order_body(gpu, solid, b, gpu%built, &
                             2*real(maxval(solid%links%table(:, b)%h), dp) + solid%skin, cells, err)
             do a = 1, size(gpu%bodies)
-                if (solid%links%table(a, b)%law == law_none) cycle
+                if (.not. may_link(solid, a, b)) cycle
+                shift = solid%bodies(a)%drift_linked - solid%bodies(b)%drift_linked
                 arguments%n = 0
                 call arguments%add(keep)
                 call arguments%add(gpu%bodies(a)%first)
                 call arguments%add(gpu%bodies(a)%last)
-                call arguments%add(2*real(solid%links%table(a, b)%h, dp) + solid%skin)
+                call arguments%add(links_reach(solid, a, b))
+                do c = 1, 3
+                    call arguments%add(shift(c))
+                end do
                 call arguments%add([gpu%grid, gpu%box, gpu%code, gpu%start, gpu%order, gpu%built, &
                                     gpu%links%slice, gpu%links%count, gpu%links%list])
                 call arguments%add(part_of(gpu%links%met, &

@@ -6,9 +6,10 @@ module brz_gpu_solid_rigid
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: n_pose, pose_centre, pose_half, pose_spin, pose_turn, &
         pose_velocity, pose_x
-    use brz_gpu_solid_state, only: gpu_solid_t, sum_threads, threads_of
+    use brz_gpu_solid_state, only: gpu_solid_t, moved_flags, sum_threads, threads_of
     use brz_gpu_solid_sums, only: fold_sums
     use brz_kinds, only: dp, int64
+    use brz_list_drift, only: level_unit
     use brz_motion, only: mean_velocity
     use brz_rigid, only: attitude
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
@@ -28,6 +29,7 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         real(dp) :: v(3), omega(3), q_mid(4)
+        integer :: a
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             if (body%motion%n > 0) then
@@ -39,9 +41,12 @@ contains
             call copy_in(pose_of(body, v, omega, q_mid), there%drive, 8_int64*n_pose, err)
             call arguments%add(gpu%n)
             call arguments%add(there%params)
-            call arguments%add(solid%skin/2)
+            call arguments%add(level_unit(solid))
+            do a = 1, 3
+                call arguments%add(body%drift(a))
+            end do
             call arguments%add([there%drive, gpu%reference, gpu%built, gpu%place, gpu%motion, &
-                                gpu%flags])
+                                moved_flags(gpu, b)])
             call launch(gpu%rigid_place, threads_of(there), arguments, err)
         end associate
     end subroutine move_rigid

@@ -6,9 +6,12 @@ module brz_gpu_solid_search
         free_buffer, kernel_t, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_scan, only: running_sum
-    use brz_gpu_solid_layout, only: at_hist, grid_gpu_t, n_tag, slice_width
-    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, part_of, sum_threads
+    use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_tag, n_total, slice_width
+    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_body_t, gpu_solid_t, part_of, &
+        sum_threads
+    use brz_gpu_solid_sums, only: sums_of_body
     use brz_kinds, only: dp, int64
+    use brz_list_drift, only: begin_list
     use brz_solid_state, only: n_pair, solid_t
     implicit none
     private
@@ -16,25 +19,22 @@ module brz_gpu_solid_search
 
 contains
 
-    !> Build the lists. With `sort` the particles are first brought into the order of the cells at
-    !> their present positions; without, the lists of the positions `built` are restored.
-    subroutine build_gpu_lists(gpu, solid, sort, err)
+    !> Build the lists of the stale bodies. With `sort` their particles are first brought into the
+    !> order of the cells at their present positions; without, the lists of the positions `built`
+    !> are restored.
+    subroutine build_gpu_lists(gpu, solid, sort, stale, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid !! its search tables are overwritten
         logical, intent(in) :: sort
+        logical, intent(in) :: stale(:) !! (bodies)
         type(error_t), intent(inout) :: err
         type(buffer_t) :: place
         integer :: b, cells
 
-        if (sort) then
-            call note_positions(gpu, err)
-            do b = 1, size(gpu%bodies)
-                call order_body(gpu, solid, b, gpu%built, cell_of_groups(solid, b), cells, err)
-            end do
-            call reorder(gpu, err)
-            call note_positions(gpu, err)
-        end if
         do b = 1, size(gpu%bodies)
+            if (.not. stale(b)) cycle
+            if (sort) call sort_body(gpu, solid, b, err)
+            call find_box(gpu, b, gpu%built, gpu%bodies(b)%box, err)
             if (gpu%bodies(b)%rigid) cycle
             place = gpu%built
             if (gpu%bodies(b)%total) place = gpu%reference
@@ -43,22 +43,38 @@ contains
         end do
     end subroutine build_gpu_lists
 
+    !> Bring the particles of body b into the order of the cells at their present positions.
+    subroutine sort_body(gpu, solid, b, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+        real(dp) :: sums(n_total + n_book)
+        integer :: cells
+
+        call sums_of_body(gpu, b, solid%dt_last, sums, err)
+        call note_positions(gpu, gpu%bodies(b), err)
+        call order_body(gpu, solid, b, gpu%built, cell_of_groups(solid, b), cells, err)
+        if (failed(err)) return
+        call reorder(gpu, gpu%bodies(b), err)
+        call note_positions(gpu, gpu%bodies(b), err)
+        call begin_list(solid, b, sums(5:7)/max(sums(1), tiny(sums)))
+    end subroutine sort_body
+
     !> Positions that decide on the neighbours: total-Lagrangian bodies that meet no other keep the
     !> unloaded ones.
-    subroutine note_positions(gpu, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+    subroutine note_positions(gpu, body, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
         type(buffer_t) :: from
-        integer(int64) :: start, n
-        integer :: b
+        integer(int64) :: start
 
-        do b = 1, size(gpu%bodies)
-            start = 32_int64*(gpu%bodies(b)%first - 1)
-            n = gpu%bodies(b)%last - gpu%bodies(b)%first + 1
-            from = gpu%place
-            if (gpu%bodies(b)%total .and. .not. gpu%linked) from = gpu%reference
-            call copy_bytes(gpu, part_of(from, start), part_of(gpu%built, start), 32*n, err)
-        end do
+        start = 32_int64*(body%first - 1)
+        from = gpu%place
+        if (body%total .and. .not. gpu%linked) from = gpu%reference
+        call copy_bytes(gpu, part_of(from, start), part_of(gpu%built, start), &
+                        32_int64*(body%last - body%first + 1), err)
     end subroutine note_positions
 
     !> Copy on the GPU; a multiple of 4 B.
@@ -133,29 +149,15 @@ contains
         real(dp), intent(in) :: reach !! [m]
         type(error_t), intent(inout) :: err
         type(grid_gpu_t) :: grid
-        type(arguments_t) :: arguments
-        real(dp) :: part(sum_threads, 6), box(3, 2)
-        integer :: n
+        real(dp) :: box(3, 2)
 
-        associate (body => gpu%bodies(b))
-            n = body%last - body%first + 1
-            call arguments%add(body%first)
-            call arguments%add(body%last)
-            call arguments%add(sum_threads)
-            call arguments%add(place)
-            call arguments%add(gpu%part)
-            call launch(gpu%extent, [sum_threads, 1, 1], arguments, err)
-            part = 0
-            call copy_out(gpu%part, part, 8_int64*size(part), err)
-            if (failed(err)) return
-            grid%first = body%first
-            grid%last = body%last
-        end associate
+        call find_box(gpu, b, place, box, err)
+        if (failed(err)) return
+        grid%first = gpu%bodies(b)%first
+        grid%last = gpu%bodies(b)%last
         grid%reach = reach
-        box(:, 1) = minval(part(:, 1:3), 1)
-        box(:, 2) = maxval(part(:, 4:6), 1)
         call copy_in(box, gpu%box, 48_int64, err)
-        call choose_cells(solid%search, box(:, 1), box(:, 2), n, reach)
+        call choose_cells(solid%search, box(:, 1), box(:, 2), grid%last - grid%first + 1, reach)
         grid%cells = solid%search%cells
         grid%stride = size(solid%search%code, 1)
         grid%mirror = merge(1, 0, solid%mirror)
@@ -170,53 +172,69 @@ contains
         call copy_in(solid%search%code, gpu%code, 4_int64*3*grid%stride, err)
     end subroutine lay_cells
 
-    !> Bring all arrays of the particles into the order of `order`. Two arrays of positions change
-    !> places with the buffer; the others go through `row` and come back.
-    subroutine reorder(gpu, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+    !> Corners of body b for given places.
+    subroutine find_box(gpu, b, place, box, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: b
+        type(buffer_t), intent(in) :: place
+        real(dp), intent(out) :: box(3, 2) !! [m]
         type(error_t), intent(inout) :: err
-        integer :: c, m
+        type(arguments_t) :: arguments
+        real(dp) :: part(sum_threads, 6)
 
-        call gather(gpu, gpu%gather_places, gpu%place, gpu%built, 1, err)
-        call swap(gpu%place, gpu%built)
-        call gather(gpu, gpu%gather_places, gpu%reference, gpu%built, 1, err)
-        call swap(gpu%reference, gpu%built)
-        call gather(gpu, gpu%gather_motion, gpu%motion, gpu%row, 1, err)
-        call copy_bytes(gpu, gpu%row, gpu%motion, 4*bytes_of_real*gpu%n, err)
+        call arguments%add(gpu%bodies(b)%first)
+        call arguments%add(gpu%bodies(b)%last)
+        call arguments%add(sum_threads)
+        call arguments%add(place)
+        call arguments%add(gpu%part)
+        call launch(gpu%extent, [sum_threads, 1, 1], arguments, err)
+        part = 0
+        call copy_out(gpu%part, part, 8_int64*size(part), err)
+        box(:, 1) = minval(part(:, 1:3), 1)
+        box(:, 2) = maxval(part(:, 4:6), 1)
+    end subroutine find_box
+
+    !> Bring all arrays of the particles of a body into the order of `order`, by way of `row`.
+    subroutine reorder(gpu, body, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        type(error_t), intent(inout) :: err
+        integer :: c
+
+        call gather(gpu, body, gpu%gather_places, gpu%place, 1, err)
+        call gather(gpu, body, gpu%gather_places, gpu%reference, 1, err)
+        call gather(gpu, body, gpu%gather_motion, gpu%motion, 1, err)
         do c = 0, gpu%n_state - 1, n_pair
-            m = min(n_pair, gpu%n_state - c)
-            associate (columns => part_of(gpu%state, c*bytes_of_real*gpu%n))
-                call gather(gpu, gpu%gather_columns, columns, gpu%row, m, err)
-                call copy_bytes(gpu, gpu%row, columns, m*bytes_of_real*gpu%n, err)
-            end associate
+            call gather(gpu, body, gpu%gather_columns, &
+                        part_of(gpu%state, c*bytes_of_real*gpu%n), min(n_pair, gpu%n_state - c), &
+                        err)
         end do
-        call gather(gpu, gpu%gather_tags, gpu%tag, gpu%row, n_tag, err)
-        call copy_bytes(gpu, gpu%row, gpu%tag, 4_int64*n_tag*gpu%n, err)
+        call gather(gpu, body, gpu%gather_tags, gpu%tag, n_tag, err)
     end subroutine reorder
 
-    subroutine gather(gpu, kernel, from, to, columns, err)
+    !> To `row` in the new order, and back.
+    subroutine gather(gpu, body, kernel, values, columns, err)
         type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
         type(kernel_t), intent(in) :: kernel
-        type(buffer_t), intent(in) :: from, to
+        type(buffer_t), intent(in) :: values
         integer, intent(in) :: columns
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
+        integer :: back
 
-        call arguments%add(gpu%n)
-        call arguments%add(gpu%order)
-        call arguments%add(from)
-        call arguments%add(to)
-        call launch(kernel, [gpu%n, columns, 1], arguments, err)
+        do back = 0, 1
+            arguments%n = 0
+            call arguments%add(gpu%n)
+            call arguments%add(body%first)
+            call arguments%add(body%last)
+            call arguments%add(back)
+            call arguments%add(gpu%order)
+            if (back == 0) call arguments%add([values, gpu%row])
+            if (back == 1) call arguments%add([gpu%row, values])
+            call launch(kernel, [body%last - body%first + 1, columns, 1], arguments, err)
+        end do
     end subroutine gather
-
-    pure subroutine swap(a, b)
-        type(buffer_t), intent(inout) :: a, b
-        type(buffer_t) :: c
-
-        c = a
-        a = b
-        b = c
-    end subroutine swap
 
     !> The lists of body b, whose particles are in the cells.
     subroutine list_body(gpu, b, place, err)

@@ -10,12 +10,13 @@ module brz_gpu_solid_state
     use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
     use brz_gpu_solid_layout, only: at_hist, grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
+    use brz_list_drift, only: move_levels
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
     use brz_text, only: to_text
     implicit none
     private
     public :: gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, close_gpu_solid, &
-              part_of, threads_of, bytes_of_real, sum_threads, total_threads, fold_threads
+              part_of, moved_flags, threads_of, bytes_of_real, sum_threads, total_threads, fold_threads
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
     integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
@@ -32,6 +33,7 @@ module brz_gpu_solid_state
         logical :: drawn = .false. !! has the hold
         logical :: tilted = .false. !! gradients of its outermost layers are tilted
         logical :: asleep = .false. !! left out of the steps
+        real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
         type(buffer_t) :: params, material, drive, slice, list
         integer(int64) :: room = 0 !! entries that `list` has room for
         type(kernel_t) :: moments, update, forces
@@ -119,7 +121,7 @@ contains
                                              allocated(solid%held)), err)
         if (allocated(solid%held)) call clear_buffer(gpu%held, err)
         call allocate_buffer(gpu%rate, 8*n, err)
-        call allocate_buffer(gpu%flags, 4_int64*n_flag, err)
+        call allocate_buffer(gpu%flags, 4_int64*(n_flag + move_levels*size(solid%bodies)), err)
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%box, 48_int64, err)
         call allocate_buffer(gpu%extra, 8_int64, err)
@@ -220,6 +222,15 @@ contains
         rest%address = buffer%address + byte
         rest%bytes = buffer%bytes - byte
     end function part_of
+
+    !> Flags of body b for the levels of motion.
+    pure function moved_flags(gpu, b) result(flags)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: b
+        type(buffer_t) :: flags
+
+        flags = part_of(gpu%flags, 4_int64*(n_flag + move_levels*(b - 1)))
+    end function moved_flags
 
     !> One thread for each particle of a body.
     pure function threads_of(body) result(n)

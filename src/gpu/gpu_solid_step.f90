@@ -6,13 +6,14 @@ module brz_gpu_solid_step
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_cohesive, only: place_gpu_nodes
     use brz_gpu_solid_copy, only: faults_of
-    use brz_gpu_solid_layout, only: book_force, flag_bad, flag_far, n_book, n_flag, n_total
+    use brz_gpu_solid_layout, only: book_force, flag_bad, n_book, n_flag, n_total
     use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass
     use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid
     use brz_gpu_solid_search, only: build_gpu_lists
-    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, threads_of
+    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, moved_flags, threads_of
     use brz_gpu_solid_sums, only: fetch_limit, sums_of_body
     use brz_kinds, only: dp, int64, rk
+    use brz_list_drift, only: drift_bodies, find_stale, level_unit, move_levels
     use brz_motion, only: mean_velocity, velocity_of
     use brz_solid_faults, only: report_bad
     use brz_solid_sleep, only: wake_met
@@ -32,6 +33,7 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: impulse(3)
         integer :: flags(n_flag), b
+        logical :: stale(size(solid%bodies)), relink
 
         if (.not. gpu%stepped) call gradient_pass(gpu, 0.0_dp, err) ! of bodies that sleep, too
         gpu%bodies%asleep = solid%bodies%asleep
@@ -48,20 +50,20 @@ contains
             end do
         end if
         call clear_buffer(gpu%flags, err)
+        call drift_bodies(solid, dt)
         call drift(gpu, solid, dt, err)
         solid%time = solid%time + dt
         solid%dt_last = dt
         solid%steps = solid%steps + 1
-        flags = 0
-        call copy_out(gpu%flags, flags, 4_int64*n_flag, err)
-        if (flags(flag_far) /= 0) then
-            call build_gpu_lists(gpu, solid, .true., err)
-            call build_gpu_links(gpu, solid, err)
+        call find_stale(solid, moved_levels(gpu, err), stale, relink)
+        if (any(stale) .or. relink) then
+            call build_gpu_lists(gpu, solid, .true., stale, err)
+            call build_gpu_links(gpu, solid, .false., err)
             call place_gpu_nodes(gpu, err)
-            solid%rebuilds = solid%rebuilds + 1
+            if (any(stale)) solid%rebuilds = solid%rebuilds + 1
             call wake_met(solid)
             gpu%bodies%asleep = solid%bodies%asleep
-            call end_support(gpu, solid, err)
+            call end_support(gpu, solid, stale, err)
         end if
         call gradient_pass(gpu, dt, err)
         call contact_pass(gpu, dt, err)
@@ -70,11 +72,27 @@ contains
         call fetch_limit(gpu, solid%dt_limit, err)
         solid%dt_limit = min(solid%dt_limit, minval(solid%bodies%dt_limit, mask=gpu%bodies%rigid))
         if (gpu%glue%present) solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
+        flags = 0
         call copy_out(gpu%flags, flags, 4_int64*n_flag, err)
         if (failed(err) .or. flags(flag_bad) == 0) return
         call faults_of(gpu, solid, err)
         call report_bad(solid, err)
     end subroutine gpu_solid_step
+
+    !> How far the particles of each body have moved relative to it since its list was built: the
+    !> highest level of brz_list_drift.
+    function moved_levels(gpu, err) result(level)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+        integer :: level(size(gpu%bodies))
+        integer :: flags(move_levels, size(gpu%bodies)), b
+
+        flags = 0
+        call copy_out(moved_flags(gpu, 1), flags, 4_int64*size(flags), err)
+        do b = 1, size(gpu%bodies)
+            level(b) = findloc(flags(:, b), 1, dim=1, back=.true.)
+        end do
+    end function moved_levels
 
     !> Velocity by the mean of the last and this time step, then position; held particles of driven
     !> bodies follow the motion.
@@ -85,7 +103,7 @@ contains
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         real(dp) :: before, v(3)
-        integer :: b
+        integer :: a, b
 
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%asleep) cycle
@@ -105,11 +123,14 @@ contains
                 call begin(gpu, there, arguments)
                 call arguments%add(real((solid%dt_last + dt)/2, rk))
                 call arguments%add(dt)
-                call arguments%add(merge(sqrt(huge(dt))/2, solid%skin/2, &
+                call arguments%add(merge(sqrt(huge(dt))/(2*move_levels), level_unit(solid), &
                                          there%total .and. .not. gpu%linked))
+                do a = 1, 3
+                    call arguments%add(body%drift(a))
+                end do
                 call arguments%add(gpu%load)
                 call arguments%add([there%drive, gpu%place, gpu%motion, gpu%state, gpu%tag, &
-                                    gpu%built, gpu%book, gpu%flags])
+                                    gpu%built, gpu%book, moved_flags(gpu, b)])
                 call launch(gpu%drift, threads_of(there), arguments, err)
             end associate
         end do
@@ -234,14 +255,16 @@ contains
 
     !> End the stiff hourglass force, and the tilt, for good where half of the intact neighbours are
     !> gone.
-    subroutine end_support(gpu, solid, err)
+    subroutine end_support(gpu, solid, anew, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
+        logical, intent(in) :: anew(:) !! (bodies) whose lists were built anew
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer :: b
 
         do b = 1, size(gpu%bodies)
+            if (.not. anew(b)) cycle
             if (solid%bodies(b)%formulation /= form_bending .and. .not. gpu%bodies(b)%drawn) cycle
             associate (body => gpu%bodies(b))
                 call begin(gpu, body, arguments)

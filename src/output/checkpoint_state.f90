@@ -114,8 +114,29 @@ contains
         end do
         solid%bodies%dt_limit = limit
         solid%bodies%asleep = asleep == 1
+        call carry_drifts(file, solid, err)
         call carry_rigid(file, solid, err)
     end subroutine carry_bodies
+
+    !> What the lists are measured by.
+    subroutine carry_drifts(file, solid, err)
+        type(h5_t), intent(in) :: file
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        real(dp) :: state(9, size(solid%bodies))
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            state(:, b) = [solid%bodies(b)%drift, solid%bodies(b)%drift_velocity, &
+                           solid%bodies(b)%drift_linked]
+        end do
+        call carry(file, 'solid/body_drift', state, err)
+        do b = 1, size(solid%bodies)
+            solid%bodies(b)%drift = state(1:3, b)
+            solid%bodies(b)%drift_velocity = state(4:6, b)
+            solid%bodies(b)%drift_linked = state(7:9, b)
+        end do
+    end subroutine carry_drifts
 
     !> The motion of rigid and driven bodies.
     subroutine carry_rigid(file, solid, err)

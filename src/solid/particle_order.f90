@@ -12,9 +12,10 @@ module brz_particle_order
 
 contains
 
-    !> Particle `solid%search%order(k)` moves to place k.
-    subroutine reorder_particles(solid)
+    !> Particle `solid%search%order(k)` moves to place k, first <= k <= last, among which it is.
+    subroutine reorder_particles(solid, first, last)
         type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: first, last
 
         associate (s => solid)
             call reorder(storage_size(s%x)/8*3, s%x)
@@ -50,33 +51,34 @@ contains
             integer, intent(in) :: bytes
             type(*), intent(inout), target, contiguous :: q(..)
 
-            if (bytes > 0) call gather(bytes, solid%n, solid%search%order, q, solid%pair)
+            if (bytes > 0) call gather(bytes, solid%n, first, last, &
+                                       solid%search%order, q, solid%pair)
         end subroutine reorder
     end subroutine reorder_particles
 
     !> Bring q, of so many bytes per particle, into the order, by way of the buffer.
-    subroutine gather(bytes, n, order, q, buffer)
-        integer, intent(in) :: bytes, n, order(n)
+    subroutine gather(bytes, n, first, last, order, q, buffer)
+        integer, intent(in) :: bytes, n, first, last, order(n)
         type(*), intent(inout), target, contiguous :: q(..), buffer(..)
         integer(int8), pointer :: old(:, :), new(:, :)
 
         call c_f_pointer(c_loc(q), old, [bytes, n])
         call c_f_pointer(c_loc(buffer), new, [bytes, n])
-        call gather_bytes(bytes, n, order, old, new)
+        call gather_bytes(bytes, n, first, last, order, old, new)
     end subroutine gather
 
-    subroutine gather_bytes(bytes, n, order, old, new)
-        integer, intent(in) :: bytes, n, order(n)
+    subroutine gather_bytes(bytes, n, first, last, order, old, new)
+        integer, intent(in) :: bytes, n, first, last, order(n)
         integer(int8), intent(inout) :: old(bytes, n), new(bytes, n)
         integer :: i
 
-        !$omp parallel if(n >= worth_threads)
+        !$omp parallel if(last - first >= worth_threads)
         !$omp do schedule(static)
-        do i = 1, n
+        do i = first, last
             new(:, i) = old(:, order(i))
         end do
         !$omp do schedule(static)
-        do i = 1, n
+        do i = first, last
             old(:, i) = new(:, i)
         end do
         !$omp end parallel

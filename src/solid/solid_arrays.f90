@@ -43,7 +43,8 @@ contains
         any_tilted = any([(any(solid%bodies(b)%normal > 0), b=1, size(solid%bodies))])
     end function any_tilted
 
-    !> Number the groups of particles, body by body.
+    !> Number the groups of particles, body by body; behind those of each stands one of no members,
+    !> where its lists end.
     subroutine number_groups(solid)
         type(solid_t), intent(inout) :: solid
         integer :: b, n
@@ -52,11 +53,11 @@ contains
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
                 body%group = n + 1
-                n = n + (body%last - body%first + lanes)/lanes
+                n = n + (body%last - body%first + lanes)/lanes + 1
             end associate
         end do
-        allocate (solid%first(n + 1), source=1_int64)
-        if (any(solid%mirror)) allocate (solid%image_first(n + 1), source=1_int64)
+        allocate (solid%first(n), source=1_int64)
+        if (any(solid%mirror)) allocate (solid%image_first(n), source=1_int64)
     end subroutine number_groups
 
     !> What particles need to meet those of other bodies.
@@ -67,6 +68,7 @@ contains
             allocate (links%row(n), links%touch(n), links%weight(n), links%bond(n))
             allocate (links%first(0:1), links%press(5, 0:0), links%push(9, 0:0))
             allocate (links%met(size(solid%bodies), size(solid%bodies)), source=.false.)
+            allocate (links%spare(size(solid%bodies), size(solid%bodies)), source=0.0_dp)
             links%ends = solid%bodies%last
             links%first = 1
             links%row = 0

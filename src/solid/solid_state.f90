@@ -112,6 +112,9 @@ module brz_solid_state
         real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)
         real(rk) :: cfl = 0.4_rk
         logical :: asleep = .false. !! unloaded and at rest: left out of the steps
+        ! what all of the body has moved since its list was built, see brz_list_drift
+        real(dp) :: drift(3) = 0, drift_velocity(3) = 0 !! [m], [m/s]
+        real(dp) :: drift_linked(3) = 0 !! `drift` when the links were built [m]
         real(dp) :: dt_limit = 0 !! largest stable time step times the CFL number [s]
         real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
         type(ledger_t) :: ledger
@@ -139,6 +142,8 @@ module brz_solid_state
         logical :: bonds = .false. !! some bodies are bonded
         type(meeting_t), allocatable :: table(:, :) !! (bodies, bodies) law of i's and j's body
         logical, allocatable :: met(:, :) !! (bodies, bodies) some particles of both have links
+        real(dp), allocatable :: spare(:, :) !! (bodies, bodies) what they were further apart than
+                                             !! links reach [m]
         integer, allocatable :: ends(:) !! (bodies) last particle of a body
         integer(int32), allocatable :: row(:) !! (n) row of a particle that has links, else 0
         integer :: rows = 0 !! particles that have links
@@ -211,7 +216,7 @@ module brz_solid_state
         type(search_t) :: search
         ! neighbours of a group: entries first(g)..first(g+1)-1 of `list`, its members among them;
         ! mirror images, only where there are planes: entries image_first(g)..image_first(g+1)-1
-        integer(int64), allocatable :: first(:), image_first(:) !! (groups+1)
+        integer(int64), allocatable :: first(:), image_first(:) !! (groups, and an end for each body)
         integer(int32), allocatable :: list(:) !! particles within reach of a member
         integer(int32), allocatable :: image(:) !! particles whose image is within reach of one
         integer(int8), allocatable :: mask(:) !! mirrored axes of an image, bits 0..2

@@ -116,7 +116,7 @@ contains
         real(dp) :: best(size(names)), limit
         integer :: k, m
 
-        call build_gpu_lists(gpu, solid, .true., err)
+        call build_gpu_lists(gpu, solid, .true., [.true.], err)
         call gradient_pass(gpu, 0.0_dp, err)
         call force_pass(gpu, 0.0_dp, err)
         best = huge(1.0_dp)
@@ -133,7 +133,7 @@ contains
                 case (5); call fill_rows(gpu, gpu%bodies(1), err)
                 case (6); call force_pass(gpu, 1e-12_dp, err)
                 case (7); call fetch_limit(gpu, limit, err)
-                case (8); call build_gpu_lists(gpu, solid, .true., err)
+                case (8); call build_gpu_lists(gpu, solid, .true., [.true.], err)
                 end select
                 best(k) = min(best(k), stop_timer(device, err))
             end do

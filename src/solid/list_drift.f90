@@ -1,0 +1,171 @@
+! SPDX-License-Identifier: MIT
+!> How long neighbour lists and links last, body by body: motion that a whole body shares counts for
+!> nothing.
+!>
+!> The list of body b was built for the places `x_built`. Since then the body as a whole has drifted
+!> by D, at the mean velocity that it had then; what counts for a particle is
+!> e = |x - x_built - D|. A list reaches a skin further than pairs act, so it lasts while
+!> e <= skin/2. Links between bodies a and b were built for the places x_built + S, where S was D at
+!> that time. They last while e_a + e_b + |(D_a - S_a) - (D_b - S_b)| <= skin, and longer by what the
+!> boxes around the two were further apart than links reach. Along the normal of a plane of symmetry
+!> nothing drifts: images move the other way.
+module brz_list_drift
+    use brz_contact, only: law_none
+    use brz_kinds, only: dp
+    use brz_solid_mirror, only: signs
+    use brz_solid_state, only: form_rigid, solid_t
+    implicit none
+    private
+    public :: move_levels, level_unit, level_of, drift_bodies, find_stale, begin_list, begin_links, &
+        links_reach, may_link
+
+    !> e is known in steps: level k says that it lies between k and k + 1 units, and the last level
+    !> that the list has had its time.
+    integer, parameter :: move_levels = 8
+
+contains
+
+    !> Half the skin in steps of e [m].
+    pure real(dp) function level_unit(solid)
+        type(solid_t), intent(in) :: solid
+
+        level_unit = solid%skin/(2*move_levels)
+    end function level_unit
+
+    !> Level of a particle that has moved by so much relative to its body.
+    !@cuf attributes(host,device) &
+    pure function level_of(e2, unit) result(level)
+        real(dp), intent(in) :: e2, unit !! e squared [m2], step of e [m]
+        integer :: level
+
+        level = move_levels
+        if (.not. e2 > (move_levels*unit)*(move_levels*unit)) &
+            level = min(int(sqrt(e2)/unit), move_levels - 1)
+    end function level_of
+
+    !> Let the bodies drift over a step.
+    pure subroutine drift_bodies(solid, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b))
+                if (.not. body%asleep) body%drift = body%drift + dt*body%drift_velocity
+            end associate
+        end do
+    end subroutine drift_bodies
+
+    !> Which lists must be built anew, and whether the links must. A body that spends half of what
+    !> its links may move is built anew with them; where particles leave the scene, all are.
+    pure subroutine find_stale(solid, level, stale, relink)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: level(:) !! (bodies) highest level of a particle
+        logical, intent(out) :: stale(:) !! (bodies)
+        logical, intent(out) :: relink
+        integer :: a, b
+
+        stale = level >= move_levels
+        relink = .false.
+        if (solid%links%present) then
+            do b = 1, size(solid%bodies)
+                do a = 1, b
+                    if (solid%links%table(a, b)%law == law_none) cycle
+                    if (lasts(solid, level, a, b)) cycle
+                    relink = .true.
+                    if (level(a) >= move_levels/2) stale(a) = .true.
+                    if (level(b) >= move_levels/2) stale(b) = .true.
+                end do
+            end do
+            relink = relink .or. any(stale)
+        end if
+        if (solid%remove .and. (any(stale) .or. relink)) stale = .true.
+    end subroutine find_stale
+
+    !> True where the links of two bodies are still complete.
+    pure logical function lasts(solid, level, a, b)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: level(:), a, b
+        real(dp) :: d(3), moved
+
+        d = solid%bodies(a)%drift - solid%bodies(a)%drift_linked &
+            - (solid%bodies(b)%drift - solid%bodies(b)%drift_linked)
+        moved = 0
+        if (.not. solid%bodies(a)%asleep) moved = (level(a) + 1)*level_unit(solid)
+        if (.not. solid%bodies(b)%asleep) moved = moved + (level(b) + 1)*level_unit(solid)
+        lasts = moved + norm2(d) <= solid%skin*(1 + epsilon(moved)) + solid%links%spare(a, b)
+    end function lasts
+
+    !> Body b is about to get a list for the places of today. Where particles leave the scene it
+    !> does not drift: they are looked for whenever a list is built.
+    pure subroutine begin_list(solid, b, velocity)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: velocity(3) !! of its mass, where it is not rigid [m/s]
+
+        associate (body => solid%bodies(b))
+            body%drift = 0
+            body%drift_linked = 0
+            body%drift_velocity = velocity
+            if (body%formulation == form_rigid) body%drift_velocity = body%rigid%p/body%rigid%mass
+            where (solid%mirror .or. solid%remove) body%drift_velocity = 0
+        end associate
+    end subroutine begin_list
+
+    !> The links are about to be built, for the drifts of now or those that they had before a
+    !> restart: note them, and how far the bodies are apart.
+    pure subroutine begin_links(solid, box, resume)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) corners of x_built [m]
+        logical, intent(in) :: resume !! after a restart
+        integer :: a, b
+
+        if (.not. resume) then
+            do b = 1, size(solid%bodies)
+                solid%bodies(b)%drift_linked = solid%bodies(b)%drift
+            end do
+        end if
+        do b = 1, size(solid%bodies)
+            do a = 1, size(solid%bodies)
+                solid%links%spare(a, b) = gap(solid, a, b, box) - links_reach(solid, a, b)
+            end do
+        end do
+        solid%links%spare = max(solid%links%spare, 0.0_dp)
+    end subroutine begin_links
+
+    !> Least distance between the box of body b and that of body a or one of its images [m].
+    pure real(dp) function gap(solid, a, b, box)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: a, b
+        real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) [m]
+        real(dp) :: lo(3), hi(3), s(3), shift(3)
+        integer :: m
+
+        gap = huge(gap)
+        shift = solid%bodies(a)%drift_linked - solid%bodies(b)%drift_linked
+        do m = 0, 7
+            s = signs(m)
+            if (any(s < 0 .and. .not. solid%mirror)) cycle
+            lo = min(s*box(:, 1, a), s*box(:, 2, a)) + shift
+            hi = max(s*box(:, 1, a), s*box(:, 2, a)) + shift
+            gap = min(gap, norm2(max(lo - box(:, 2, b), box(:, 1, b) - hi, 0.0_dp)))
+        end do
+    end function gap
+
+    !> Longest link between two bodies [m].
+    pure real(dp) function links_reach(solid, a, b)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: a, b
+
+        links_reach = 2*real(solid%links%table(a, b)%h, dp) + solid%skin
+    end function links_reach
+
+    !> True where two bodies may have links now.
+    pure logical function may_link(solid, a, b)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: a, b
+
+        may_link = solid%links%table(a, b)%law /= law_none
+        if (may_link) may_link = .not. solid%links%spare(a, b) > 0
+    end function may_link
+end module brz_list_drift
