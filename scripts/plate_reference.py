@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""First frequencies of clamped square plates by three-dimensional elasticity (Ritz).
+"""First frequencies of clamped square plates, and of clamped strips, by elasticity (Ritz).
 
 usage: plate_reference.py [SIDE_OVER_THICKNESS]
 
@@ -8,6 +8,7 @@ Displacements: polynomials that vanish on the sides times quadratic elements thr
 two per ply, so that the warping of a laminate is free. Printed is omega a^2/h sqrt(rho/E1) of the
 lowest mode that is even about both middle planes, for growing degree: it falls to the limit from
 above. With it the first-order theory (Mindlin, shear factor 5/6), where all plies are one material.
+A strip is clamped at two ends, in plane strain, its fibres at 0 degrees along it.
 """
 
 import sys
@@ -104,6 +105,34 @@ def frequency(material, angles, ratio, n):
     return np.sqrt(square) * 2 * ratio  # the side is 2, the thickness 2/ratio
 
 
+def strip(angles, ratio, n):
+    """Lowest omega a^2/h sqrt(rho/E1) of a strip of carbon fibre plies."""
+    weight, table = in_plane(n)
+    across = through(len(angles), 2 / ratio)
+    stiff = [stiffness(PLY, angle) for angle in angles]
+    size = n * across.shape[-1]
+    k, m = np.zeros((2 * size, 2 * size)), np.zeros((2 * size, 2 * size))
+    strains = {0: [(0, 0)], 2: [(1, 2)], 4: [(0, 2), (1, 0)]}  # of u, w along x, z
+
+    def part(f):
+        return slice(f * size, (f + 1) * size)
+
+    def along(a, b):
+        return (table[1 - a[0]][int(a[1] == 0)] * weight) @ table[1 - b[0]][int(b[1] == 0)].T
+
+    for i, j in ((0, 0), (0, 2), (2, 0), (2, 2), (4, 4)):
+        for a in strains[i]:
+            for b in strains[j]:
+                z = sum(
+                    c[i, j] * across[p, int(a[1] == 2), int(b[1] == 2)] for p, c in enumerate(stiff)
+                )
+                k[part(a[0]), part(b[0])] += np.kron(along(a, b), z)
+    for f in (0, 1):
+        m[part(f), part(f)] = np.kron(along((f, 9), (f, 9)), across[:, 0, 0].sum(0))
+    low = np.linalg.inv(np.linalg.cholesky(m))
+    return np.sqrt(np.linalg.eigvalsh(low @ k @ low.T)[0]) * 2 * ratio
+
+
 def mindlin(ratio, n):
     """The same by first-order theory for the isotropic plate: u = z a, v = z b, w."""
     weight, table = in_plane(n)
@@ -151,6 +180,9 @@ def main():
     print("plate," + ",".join(f"{n} x {n} functions" for n in degrees))
     for name, (material, angles) in plates.items():
         print(name + "".join(f",{frequency(material, angles, ratio, n):.4f}" for n in degrees))
+    for angles in ((0, 90, 90, 0), (90, 0, 0, 90), (90, 0, 0, 90, 90, 0, 0, 90)):
+        found = [strip(angles, ratio, 3 * n) for n in degrees]
+        print("strip " + "/".join(map(str, angles)) + "".join(f",{f:.4f}" for f in found))
     print("isotropic, Mindlin" + "".join(f",{mindlin(ratio, n):.4f}" for n in degrees))
 
 

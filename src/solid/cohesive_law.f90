@@ -13,7 +13,7 @@ module brz_cohesive_law
     use brz_kinds, only: dp
     implicit none
     private
-    public :: cohesive_law_t, load_point, separate, mode_of, mixed_bk, mixed_power
+    public :: cohesive_law_t, load_point, separate, mode_of, slide_range, mixed_bk, mixed_power
     public :: has_damage, has_spent, has_held
 
     integer, parameter :: mixed_bk = 1, mixed_power = 2
@@ -30,15 +30,19 @@ module brz_cohesive_law
         !> of the opening across and along the interface: the law is that of openings so much
         !> smaller, which makes it softer by the square, with the same strength and energy
         real(dp) :: stretch(2) = 1
+        !> in addition to stretch(2), of plies: along the first tangent more and along the second
+        !> less by the first number, and across each other by the second
+        real(dp) :: skew(2) = 0
     end type cohesive_law_t
 
 contains
 
     !> Openings, stretched, at which the traction of a mode begins to fall and has fallen to zero.
     !@cuf attributes(host,device) &
-    pure subroutine mode_of(law, share, first, last)
+    pure subroutine mode_of(law, share, along, first, last)
         type(cohesive_law_t), intent(in) :: law
         real(dp), intent(in) :: share !! of shear in the square of the stretched opening, 0..1
+        real(dp), intent(in) :: along !! by how much its shear is stretched, law%stretch(2) or so
         real(dp), intent(out) :: first, last !! [m]
         real(dp) :: energy, open
 
@@ -50,7 +54,7 @@ contains
                       + (share/law%energy(2))**law%exponent)**(-1/law%exponent)
         end if
         first = 1/(law%stiffness*sqrt(open*(law%stretch(1)/law%strength(1))**2 &
-                                      + share*(law%stretch(2)/law%strength(2))**2))
+                                      + share*(along/law%strength(2))**2))
         last = max(2*energy/(law%stiffness*first), (1 + 1e-9_dp)*first)
     end subroutine mode_of
 
@@ -63,7 +67,7 @@ contains
         real(dp), intent(in) :: seen(3, 3) !! the far side from the near one [m]; two tangents
         real(dp), intent(inout) :: state(3) !! slots has_damage, ...
         real(dp), intent(out) :: pull(3, 3) !! by unit weight; 1: [N], 2, 3: [N m]
-        real(dp) :: opening(3), normal(3), traction(3), held, size, spent
+        real(dp) :: opening(3), normal(3), tangent(3), traction(3), held, size, spent
         integer :: c
 
         normal(1) = seen(2, 2)*seen(3, 3) - seen(3, 2)*seen(2, 3)
@@ -75,7 +79,10 @@ contains
             opening(c) = seen(c, 1) - gap*normal(c)
         end do
         spent = 0
-        call separate(law, opening, normal, state(has_damage), spent, traction, held)
+        tangent(1) = seen(1, 2)
+        tangent(2) = seen(2, 2)
+        tangent(3) = seen(3, 2)
+        call separate(law, opening, normal, tangent, state(has_damage), spent, traction, held)
         state(has_spent) = state(has_spent) + area*spent
         state(has_held) = area*held
         do c = 1, 3
@@ -116,24 +123,30 @@ contains
 
     !> Traction of an opening, and what the interface holds and has spent.
     !@cuf attributes(host,device) &
-    pure subroutine separate(law, opening, normal, damage, spent, traction, held)
+    pure subroutine separate(law, opening, normal, tangent, damage, spent, traction, held)
         type(cohesive_law_t), intent(in) :: law
         real(dp), intent(in) :: opening(3) !! of the far side from the near one [m]
         real(dp), intent(in) :: normal(3) !! unit vector from the near to the far side
+        real(dp), intent(in) :: tangent(3) !! the first one, at a right angle to the normal
         real(dp), intent(inout) :: damage !! 0..1; never falls
         real(dp), intent(inout) :: spent !! energy of damage so far [J/m2]
         real(dp), intent(out) :: traction(3) !! on the near side [Pa]
         real(dp), intent(out) :: held !! energy that comes back [J/m2]
-        real(dp) :: across, apart, slide(3), shear2, size2, first, last, from, to, left
+        real(dp) :: across, apart, slide(3), pull(3), pull2, shear2, size2, first, last, from, &
+            to, left
 
         across = opening(1)*normal(1) + opening(2)*normal(2) + opening(3)*normal(3)
-        slide = law%stretch(2)*(opening - across*normal)
+        slide = opening - across*normal
+        call stretch_slide(law, normal, tangent, slide)
+        pull = slide
+        call stretch_slide(law, normal, tangent, pull)
         across = law%stretch(1)*across
         shear2 = slide(1)*slide(1) + slide(2)*slide(2) + slide(3)*slide(3)
+        pull2 = pull(1)*pull(1) + pull(2)*pull(2) + pull(3)*pull(3)
         apart = max(across, 0.0_dp)
         size2 = apart*apart + shear2
         if (size2 > 0 .and. damage < 1) then
-            call mode_of(law, shear2/size2, first, last)
+            call mode_of(law, shear2/size2, sqrt(pull2/max(shear2, tiny(1.0_dp))), first, last)
             from = first*last/(first + (1 - damage)*(last - first))
             to = min(sqrt(size2), last)
             if (to > from) then ! K d^2/2 dD is linear in d
@@ -144,7 +157,40 @@ contains
         end if
         left = (1 - damage)*law%stiffness
         traction = (left*apart + law%stiffness*min(across, 0.0_dp))*law%stretch(1)*normal &
-                   + left*law%stretch(2)*slide
+                   + left*pull
         held = (left*size2 + law%stiffness*min(across, 0.0_dp)**2)/2
     end subroutine separate
+
+    !> Stretch what lies along the interface: differently along and across the fibres of plies.
+    !@cuf attributes(host,device) &
+    pure subroutine stretch_slide(law, normal, tangent, slide)
+        type(cohesive_law_t), intent(in) :: law
+        real(dp), intent(in) :: normal(3), tangent(3) !! see separate
+        real(dp), intent(inout) :: slide(3) !! at a right angle to the normal [m]
+        real(dp) :: t(3), u(3), p, q, size
+        integer :: c
+
+        size = max(sqrt(tangent(1)*tangent(1) + tangent(2)*tangent(2) + tangent(3)*tangent(3)), &
+                   tiny(1.0_dp))
+        do c = 1, 3
+            t(c) = tangent(c)/size
+        end do
+        u(1) = normal(2)*t(3) - normal(3)*t(2)
+        u(2) = normal(3)*t(1) - normal(1)*t(3)
+        u(3) = normal(1)*t(2) - normal(2)*t(1)
+        p = slide(1)*t(1) + slide(2)*t(2) + slide(3)*t(3)
+        q = slide(1)*u(1) + slide(2)*u(2) + slide(3)*u(3)
+        do c = 1, 3
+            slide(c) = law%stretch(2)*slide(c) + (law%skew(1)*p + law%skew(2)*q)*t(c) &
+                       + (law%skew(2)*p - law%skew(1)*q)*u(c)
+        end do
+    end subroutine stretch_slide
+
+    !> The least and the largest stretch along the interface.
+    pure function slide_range(law) result(range)
+        type(cohesive_law_t), intent(in) :: law
+        real(dp) :: range(2)
+
+        range = law%stretch(2) + norm2(law%skew)*[-1, 1]
+    end function slide_range
 end module brz_cohesive_law

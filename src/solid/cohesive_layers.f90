@@ -2,6 +2,7 @@
 !> Cohesive interfaces beside bodies of a single layer, which are seen in their middle: what lies
 !> between that and the interface is part of its spring.
 module brz_cohesive_layers
+    use brz_cohesive_law, only: slide_range
     use brz_kinds, only: dp, real32
     use brz_material, only: material_t
     use brz_ply_stress, only: p_g13, p_g23
@@ -24,35 +25,67 @@ contains
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: k
         logical, intent(in) :: usual !! the deck gives no stiffness
-        real(dp) :: give(2), share(2) !! [m/Pa]
+        real(dp) :: across, along(3), share, mean, half, least, most
         integer :: b, s
 
-        give = 0
+        across = 0
+        along = 0
         do s = 1, 2
             b = solid%cohesive%body(s, k)
             if (solid%bodies(b)%layer == 0) cycle
-            share = 0.5_dp
-            if (count(solid%cohesive%body == b) == 1) share(2) = 1/3.0_dp
-            give = give + share*solid%bodies(b)%spacing/stiffness_of( &
-                solid%materials(solid%bodies(b)%material), solid%bodies(b))
+            associate (body => solid%bodies(b), m => solid%materials(solid%bodies(b)%material))
+                share = 0.5_dp
+                across = across + share*body%spacing/body%across_layer
+                if (count(solid%cohesive%body == b) == 1) share = 1/3.0_dp
+                along = along + share*body%spacing*shear_give(m, body, int(solid%ply(body%first)), &
+                                                              solid%cohesive%facing(k))
+            end associate
         end do
-        if (.not. any(give > 0)) return
+        if (.not. across > 0) return
+        mean = (along(1) + along(2))/2
+        half = norm2([(along(1) - along(2))/2, along(3)])
         associate (law => solid%cohesive%law(k))
-            law%stretch = 1/sqrt(1 + law%stiffness*give)
-            if (usual) law%stretch = min(1/sqrt(law%stiffness*give), 1.0_dp)
+            law%stretch(1) = stretch(across)
+            least = stretch(mean + half)
+            most = stretch(mean - half)
+            law%stretch(2) = (least + most)/2
+            if (half > 1e-9_dp*mean) law%skew = (least - most)/2*[(along(1) - along(2))/2, &
+                                                                  along(3)]/half
         end associate
+
+    contains
+
+        !> Of an opening across what gives so much [m/Pa].
+        pure real(dp) function stretch(give)
+            real(dp), intent(in) :: give
+
+            associate (stiffness => solid%cohesive%law(k)%stiffness)
+                stretch = 1/sqrt(1 + stiffness*give)
+                if (usual) stretch = min(1/sqrt(stiffness*give), 1.0_dp)
+            end associate
+        end function stretch
     end subroutine add_layers
 
-    !> Stiffness of a layer across it, and in shear: of a ply the mean of both directions, which is
-    !> that of plies that cross [Pa].
-    pure function stiffness_of(m, body) result(stiffness)
+    !> What a layer gives in shear across it, as a tensor in the tangents of a face: 11, 22, 12. A
+    !> ply gives 1/G13 along its fibres and 1/G23 across them [1/Pa].
+    pure function shear_give(m, body, ply, facing) result(give)
         type(material_t), intent(in) :: m
         type(body_t), intent(in) :: body
-        real(dp) :: stiffness(2)
+        integer, intent(in) :: ply !! of the layer
+        integer, intent(in) :: facing !! normal of the faces, 0: not all the same
+        real(dp) :: give(3)
+        real(dp) :: f(2), along, across
 
-        stiffness = [body%across_layer, m%shear]
-        if (body%directional) stiffness(2) = 2/(1/real(m%par(p_g13), dp) + 1/real(m%par(p_g23), dp))
-    end function stiffness_of
+        give = [1, 1, 0]/real(m%shear, dp)
+        if (.not. body%directional) return
+        along = 1/real(m%par(p_g13), dp)
+        across = 1/real(m%par(p_g23), dp)
+        give = [1, 1, 0]*(along + across)/2
+        if (abs(facing) /= body%layer) return
+        f(1) = body%axes(modulo(body%layer, 3) + 1, 1, ply)
+        f(2) = body%axes(modulo(body%layer + 1, 3) + 1, 1, ply)*sign(1, facing)
+        give = [1, 1, 0]*across + (along - across)*[f(1)*f(1), f(2)*f(2), f(1)*f(2)]
+    end function shear_give
 
     !> Layers so thick that they hold more at the strength than the interface spends: they keep its
     !> energy, with a lower strength (Bazant and Oh 1983).
@@ -60,13 +93,15 @@ contains
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: k
         character(7), parameter :: modes(2) = [character(7) :: 'opening', 'sliding']
-        real(dp) :: most
+        real(dp) :: most, least(2)
         integer :: m
 
         associate (law => solid%cohesive%law(k), b => solid%cohesive%body(:, k))
             if (all(solid%bodies(b)%layer == 0)) return
+            least(1) = law%stretch(1)
+            least(2) = minval(slide_range(law))
             do m = 1, 2
-                most = law%stretch(m)*sqrt(2*most_held*law%stiffness*law%energy(m))
+                most = least(m)*sqrt(2*most_held*law%stiffness*law%energy(m))
                 if (law%strength(m) <= most) cycle
                 solid%notes = solid%notes//"warning: between '"//trim(solid%bodies(b(1))%id)// &
                     "' and '"//trim(solid%bodies(b(2))%id)//"' the strength in "// &

@@ -5,7 +5,7 @@ module brz_cohesive_setup
     use brz_case, only: case_t, interaction_case_t, label
     use brz_cohesive_faces, only: drop_faces, faces_t, find_faces
     use brz_cohesive_layers, only: add_layers, keep_energy
-    use brz_cohesive_law, only: cohesive_law_t, mixed_bk, mixed_power, mode_of
+    use brz_cohesive_law, only: cohesive_law_t, mixed_bk, mixed_power, mode_of, slide_range
     use brz_cohesive_points, only: begin_points, lay_points, link_nodes
     use brz_cohesive_state, only: cohesive_t
     use brz_contact, only: law_cohesive, law_contact
@@ -41,7 +41,7 @@ contains
         n = count(solid%links%table%law == law_cohesive)/2
         if (n == 0) return
         allocate (solid%cohesive%law(n), solid%cohesive%body(2, n), solid%cohesive%bit(n), &
-                  solid%cohesive%limit(n), solid%cohesive%softened(n))
+                  solid%cohesive%facing(n), solid%cohesive%limit(n), solid%cohesive%softened(n))
         call begin_points(solid%cohesive)
         n = 0
         do b = 1, size(solid%bodies)
@@ -111,6 +111,7 @@ contains
         k = k + 1
         associate (glue => solid%cohesive)
             glue%body(:, k) = [a, b]
+            glue%facing(k) = merge(faces%axis(1), 0, all(faces%axis == faces%axis(1)))
             glue%law(k) = law_of(rule)
             call choose_bit(glue%body(:, :k), glue%bit(:k), err)
             solid%links%table(a, b)%bit = glue%bit(k)
@@ -170,6 +171,7 @@ contains
 
         glue%law = glue%law(:n)
         glue%body = glue%body(:, :n)
+        glue%facing = glue%facing(:n)
         glue%bit = glue%bit(:n)
         glue%limit = glue%limit(:n)
         glue%softened = glue%softened(:n)
@@ -278,7 +280,7 @@ contains
     pure real(dp) function stiffest(law)
         type(cohesive_law_t), intent(in) :: law
 
-        stiffest = law%stiffness*maxval(law%stretch)**2
+        stiffest = law%stiffness*maxval([law%stretch(1), slide_range(law)])**2
     end function stiffest
 
     !> Most that an opening changes by an entry.
@@ -307,15 +309,16 @@ contains
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         type(interaction_case_t) :: rule
-        real(dp) :: first, last, least, zone
+        real(dp) :: first, last, least, range(2), zone
         integer :: i
 
         if (failed(err)) return
         associate (law => solid%cohesive%law(k), b => solid%cohesive%body(:, k))
             call find_rule(case, b(1), b(2), rule)
             least = 0
+            range = slide_range(law)
             do i = 0, 20
-                call mode_of(law, i/20.0_dp, first, last)
+                call mode_of(law, i/20.0_dp, range(1), first, last)
                 least = max(least, law%stiffness*first/last)
             end do
             zone = min(zone_over_spacing(solid, k, 1), zone_over_spacing(solid, k, 2))

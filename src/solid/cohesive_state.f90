@@ -19,6 +19,8 @@ module brz_cohesive_state
         ! interfaces
         type(cohesive_law_t), allocatable :: law(:) !! (interfaces)
         integer, allocatable :: body(:, :) !! (2, interfaces) near and far side
+        integer, allocatable :: facing(:) !! (interfaces) normal of all faces of the near side, +-1,
+                                          !! +-2, +-3; 0 where they differ
         integer(int32), allocatable :: bit(:) !! (interfaces) marks it in `joined` of links_t
         real(dp), allocatable :: limit(:) !! (interfaces) largest stable step of each [s]
         logical, allocatable :: softened(:) !! (interfaces) the usual stiffness was too much

@@ -74,8 +74,22 @@ contains
             if (dimension == 2) e(3) = e(merge(1, 2, axis == 'x')) ! along the layer
             call lay_ply([0.0_rk, 0.0_rk, 0.0_rk], zeta/2*max(least*material%across, own*e(3)), &
                          axis, axes(:, :, p))
+            axes(:, 1:2, p) = fibre_axes(axis, angle)
         end do
     end subroutine lay_layer_axes
+
+    !> Directions along and across the fibres.
+    pure function fibre_axes(axis, angle) result(e)
+        character(1), intent(in) :: axis !! stacking axis 'x', 'y', 'z'
+        real(rk), intent(in) :: angle !! of the fibres, right-handed about it [rad]
+        real(rk) :: e(3, 2)
+        integer :: s
+
+        s = max(1, index('xyz', axis))
+        e = 0
+        e(1 + mod(s, 3), :) = [cos(angle), -sin(angle)]
+        e(1 + mod(s + 1, 3), :) = [sin(angle), cos(angle)]
+    end function fibre_axes
 
     !> Sum of w x^4 over the layer of a particle [m2].
     pure real(rk) function fourth_moment(dimension, spacing, h) result(m)

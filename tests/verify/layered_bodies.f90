@@ -10,7 +10,8 @@ module layered_bodies
     use solid_scenes, only: metal, noise, scene_t
     implicit none
     private
-    public :: alike, carbon, block, sheet, strain, linear_field, take_steps, difference, breathing
+    public :: alike, carbon, block, sheet, strain, linear_field, take_steps, difference, &
+              breathing, turned
 
     real(dp), parameter :: alike(9) = [1.0_dp, 1.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.5_dp, &
                                        0.5_dp, 0.5_dp]
@@ -164,4 +165,14 @@ contains
         call start_solid(s%solid, s%err)
         call take_steps(s, 60)
     end subroutine breathing
+
+    !> Turned about (1, 2, 3) by an angle.
+    pure function turned(x, angle) result(y)
+        real(dp), intent(in) :: x(3), angle
+        real(dp) :: y(3), e(3)
+
+        e = [1.0_dp, 2.0_dp, 3.0_dp]/sqrt(14.0_dp)
+        y = x*cos(angle) + dot_product(e, x)*(1 - cos(angle))*e + sin(angle)* &
+            [e(2)*x(3) - e(3)*x(2), e(3)*x(1) - e(1)*x(3), e(1)*x(2) - e(2)*x(1)]
+    end function turned
 end module layered_bodies
