@@ -4,10 +4,10 @@
 
 usage: structure.py ROOT      (ROOT holds src/, tests/, ...)
 
-Layers: base < deck < materials < {air, solid} < coupling < {cpu, gpu} < output < step < main; a
-file uses only its own folder and what is to the left. Point physics (files with `!@cuf`) uses
-only base, plain data and other point physics; a material model may describe itself to the deck as
-well. Sizes: files 400 lines, procedures 80, arguments 8, which items (`!@item`) may exceed; of
+Layers: base < parallel < deck < materials < {air, solid} < coupling < {cpu, gpu} < output < step
+< main; a file uses only its own folder and what is to the left. Point physics (files with `!@cuf`)
+uses only base, plain data and other point physics; a material model may describe itself to the deck
+as well. Sizes: files 400 lines, procedures 80, arguments 8, which items (`!@item`) may exceed; of
 kernels (cuda/*.CUF) only files count.
 Also: the licence line, the module name, `use` with `only`. Lines of *.md files have at most 120
 columns, rows of tables excepted.
@@ -17,8 +17,8 @@ import re
 import sys
 from pathlib import Path
 
-LAYERS = [{"base"}, {"deck"}, {"materials"}, {"air", "solid"}, {"coupling"}, {"cpu", "gpu"}]
-LAYERS += [{"output"}, {"step"}, {"main"}]
+LAYERS = [{"base"}, {"parallel"}, {"deck"}, {"materials"}, {"air", "solid"}, {"coupling"}]
+LAYERS += [{"cpu", "gpu"}, {"output"}, {"step"}, {"main"}]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 400, 80, 8
 MAX_PROSE = 120

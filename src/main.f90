@@ -9,6 +9,7 @@ program brisance
     use brz_key, only: key_t
     use brz_key_table, only: all_keys
     use brz_material_driver, only: drive_material
+    use brz_ranks, only: agree, end_ranks, ranks_t, start_ranks
     use brz_screen, only: check_screen, hold_standard_units, say, show
     use brz_run, only: run_deck
     use brz_version, only: commit, compiler, flags, precision, version
@@ -22,16 +23,19 @@ program brisance
     end interface
 
     type(options_t) :: options
+    type(ranks_t) :: ranks
     type(error_t) :: err
     type(key_t), allocatable :: keys(:)
     character(:), allocatable :: text
 
     call hold_standard_units()
-    call read_command_line(options, err)
-    if (.not. failed(err)) then
+    call start_ranks(ranks, err)
+    if (.not. failed(err)) call read_command_line(options, err)
+    if (failed(err)) options%command = 'none'
+    if (options%command == 'run') then
+        call run_deck(options, ranks, err)
+    else if (ranks%rank == 0 .and. .not. failed(err)) then
         select case (options%command)
-        case ('run')
-            call run_deck(options, err)
         case ('mat')
             call drive_material(options, err)
         case ('version')
@@ -52,8 +56,10 @@ program brisance
         end select
     end if
     call check_screen(err)
+    if (.not. (failed(err) .and. options%command == 'run')) call agree(ranks, err)
     if (allocated(err%text)) then
         if (err%text /= '') write (error_unit, '(a)') err%text
     end if
+    call end_ranks()
     call c_exit(int(err%code, c_int))
 end program brisance

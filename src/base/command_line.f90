@@ -19,12 +19,13 @@ module brz_command_line
         logical :: markdown = .false. !! describe as a page of the manual
         logical :: replace = .false. !! results of an earlier run may be removed
         logical :: profile = .false. !! time of each kernel at the end
+        integer :: ranks = 0 !! processes that --check shall cut the scene for; 0: those there are
         real(dp) :: walltime = huge(1.0_dp) !! [s]
         type(string_t), allocatable :: overrides(:) !! texts group.key=value
     end type options_t
 
     character(*), parameter :: flags = '--check|--backend|--restart|--out|--walltime|--set|'// &
-                               '--replace|--markdown|--profile'
+                               '--replace|--markdown|--profile|--ranks'
     character(*), parameter :: lf = new_line('a')
 
 contains
@@ -42,6 +43,7 @@ contains
             ''//lf// &
             'options of run:'//lf// &
             '  --check                  read and discretise the deck, print its cost'//lf// &
+            '  --ranks N                with --check: what each of N processes gets'//lf// &
             '  --out DIR                folder of the results (default out/<deck name>)'//lf// &
             '  --replace                remove results of an earlier run from that folder'//lf// &
             '  --restart FILE|latest    go on from a checkpoint'//lf// &
@@ -56,7 +58,7 @@ contains
             'signals: USR1 writes a checkpoint; USR2, TERM and a file <job>.stop in the'//lf// &
             '         folder of the results write a checkpoint and stop with code 75'//lf// &
             'exit codes: 0 done; 1 internal; 2 usage or deck; 3 numerical; 4 input/output;'//lf// &
-            '            5 device; 75 stopped early with a checkpoint'
+            '            5 device or MPI; 75 stopped early with a checkpoint'
     end function usage
 
     !> Read the arguments of the program. Errors have code `exit_deck`.
@@ -159,7 +161,7 @@ contains
         character(*), intent(in) :: flag
 
         takes_value = any(flag == [character(10) :: '--backend', '--restart', '--out', &
-                                   '--walltime', '--set'])
+                                   '--walltime', '--set', '--ranks'])
     end function takes_value
 
     !> Store one option.
@@ -177,6 +179,8 @@ contains
             options%replace = .true.
         case ('--profile')
             options%profile = .true.
+        case ('--ranks')
+            call read_ranks(value, options%ranks, err)
         case ('--out')
             options%out = value
         case ('--restart')
@@ -198,7 +202,7 @@ contains
     subroutine unknown_option(flag, err)
         character(*), intent(in) :: flag
         type(error_t), intent(inout) :: err
-        character(12) :: list(9)
+        character(12) :: list(10)
         integer :: i, first, last
 
         first = 1
@@ -215,6 +219,20 @@ contains
             call raise(err, exit_deck, "unknown option '"//flag//"'"//lf//usage())
         end if
     end subroutine unknown_option
+
+    !> A number of processes.
+    subroutine read_ranks(text, ranks, err)
+        character(*), intent(in) :: text
+        integer, intent(out) :: ranks
+        type(error_t), intent(inout) :: err
+        integer :: io
+
+        ranks = 0
+        io = 0
+        if (verify(text, '0123456789') == 0) read (text, *, iostat=io) ranks
+        if (io /= 0 .or. ranks < 1) call raise(err, exit_deck, "--ranks "//text// &
+            ": must be a number of processes, 1 or more")
+    end subroutine read_ranks
 
     !> HH:MM:SS, MM:SS or seconds.
     subroutine read_walltime(text, seconds, err)

@@ -13,6 +13,7 @@ module brz_check
     use brz_errors, only: error_t
     use brz_kinds, only: dp, real32
     use brz_material_report, only: material_report
+    use brz_run_ranks, only: print_ranks
     use brz_scene_size, only: count_text, memory_text, scene_size_t
     use brz_screen, only: say
     use brz_simulation, only: simulation_t
@@ -33,9 +34,10 @@ module brz_check
 contains
 
     !> Print the check of a scene that is set up and not run.
-    subroutine print_check(sim, size_of, err)
+    subroutine print_check(sim, size_of, n, err)
         type(simulation_t), intent(inout) :: sim
         type(scene_size_t), intent(in) :: size_of
+        integer, intent(in) :: n !! processes that are thought of
         type(error_t), intent(inout) :: err
         type(scene_size_t) :: exact
         real(dp) :: dt
@@ -52,6 +54,7 @@ contains
             min(dt/time_step_ramp(0, sim%case%air%ramp_steps), sim%case%run%dt_max)
         if (sim%solid%present) exact%dt_solid = solid_time_step(sim%solid)
         call print_cost(sim%case, exact)
+        call print_ranks(sim%case, size_of, n)
         call print_verdict(sim%case, sim%solid, 'the deck is sound')
     end subroutine print_check
 

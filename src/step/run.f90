@@ -19,7 +19,9 @@ module brz_run
                            write_due
     use brz_print_early, only: print_early
     use brz_progress, only: start_progress
+    use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_run_radial, only: run_radial
+    use brz_run_ranks, only: print_ranks, refuse_on_ranks
     use brz_scanner, only: read_deck
     use brz_scene_size, only: refuse_too_large, scene_size_t, size_scene, too_large_to_look
     use brz_setup_progress, only: begin_setup, end_setup
@@ -36,8 +38,9 @@ module brz_run
 contains
 
     !> Do what `brisance run` was asked for.
-    subroutine run_deck(options, err)
+    subroutine run_deck(options, ranks, err)
         type(options_t), intent(in) :: options
+        type(ranks_t), intent(in) :: ranks !! the processes that run it
         type(error_t), intent(inout) :: err
         type(simulation_t), allocatable :: sim
         type(outputs_t) :: outputs
@@ -46,9 +49,12 @@ contains
         character(:), allocatable :: note
         logical :: large
 
+        if (options%check .and. ranks%rank > 0) return ! the first one looks for all
         allocate (sim)
         call read_scene(options, sim, err)
-        call open_backend(options%backend, sim, err)
+        call plan_ranks(options, ranks, sim, err)
+        call open_backend(sim, err)
+        call agree(sim%ranks, err)
         if (failed(err)) return
         if (.not. options%check) call listen_to_signals()
         if (is_radial(sim%case)) then
@@ -60,14 +66,17 @@ contains
         if (options%check) then
             large = too_large_to_look(size_of)
             if (large) call print_outline(sim%case, size_of)
+            if (large) call print_ranks(sim%case, size_of, max(options%ranks, ranks%n))
             if (large) return
         end if
-        call refuse_too_large(size_of, err)
+        call refuse_too_large(size_of, sim%ranks, err)
+        call agree(sim%ranks, err)
         if (failed(err)) return
         call start_clock(sim%case, sim%clock, options%walltime)
         if (.not. options%check) call begin_setup(sim%case%output%report_every)
         call set_up_simulation(sim, err)
         call end_setup()
+        call agree(sim%ranks, err)
         if (failed(err)) return
         call settle_backend(trim(sim%case%run%backend), sim%solid, sim%coupling, sim%backend, &
                             note, err)
@@ -76,7 +85,7 @@ contains
         if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes
         if (sim%early%present) call print_early(sim%early)
         if (options%check) then
-            call print_check(sim, size_of, err)
+            call print_check(sim, size_of, max(options%ranks, ranks%n), err)
             return
         end if
         if (sim%early%present) sim%clock%time = sim%early%time
@@ -88,11 +97,28 @@ contains
         if (failed(err)) return
         call time_loop(sim, outputs, err)
         call close_outputs(sim, outputs, closing) ! the rows up to a failure are the ones that tell
+        call agree(sim%ranks, closing)
         if (.not. failed(err)) err = closing
         if (failed(err) .and. err%code /= exit_stopped) return
         call print_summary(sim, outputs, closing)
+        call agree(sim%ranks, closing)
         if (.not. failed(err)) err = closing
     end subroutine run_deck
+
+    !> On several processes: refuse what they cannot do; the air is theirs and stays on the CPU.
+    subroutine plan_ranks(options, ranks, sim, err)
+        type(options_t), intent(in) :: options
+        type(ranks_t), intent(in) :: ranks
+        type(simulation_t), intent(inout) :: sim
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        if (options%backend /= '') sim%case%run%backend = options%backend
+        call refuse_on_ranks(sim%case, max(options%ranks, ranks%n), err)
+        if (options%check) return
+        sim%ranks = ranks
+        if (several(ranks) .and. sim%case%run%backend == 'auto') sim%case%run%backend = 'cpu'
+    end subroutine plan_ranks
 
     !> Read and check the deck; warnings go to the error unit.
     subroutine read_scene(options, sim, err)
@@ -111,15 +137,13 @@ contains
         end do
     end subroutine read_scene
 
-    !> Choose where to compute; the command line overrides the deck.
-    subroutine open_backend(asked, sim, err)
-        character(*), intent(in) :: asked !! '' = as the deck says
+    !> Choose where to compute.
+    subroutine open_backend(sim, err)
         type(simulation_t), intent(inout) :: sim
         type(error_t), intent(inout) :: err
         character(:), allocatable :: note
 
         if (failed(err)) return
-        if (asked /= '') sim%case%run%backend = asked
         call choose_backend(trim(sim%case%run%backend), sim%case%air%present, &
                             size(sim%case%bodies) > 0, sim%backend, note, err)
         if (note /= '') write (error_unit, '(a)') note
@@ -148,6 +172,7 @@ contains
         do while (sim%clock%time < sim%case%run%t_end .and. .not. failed(err))
             if (sim%clock%cycle >= sim%case%run%max_steps) exit
             call advance(sim, err)
+            call agree(sim%ranks, err)
             if (failed(err)) exit
             call write_due(sim, outputs, err)
             if (wall_seconds() >= next_report) then
@@ -184,6 +209,10 @@ contains
         character(:), allocatable :: note, why
         logical :: stop
 
+        if (several(sim%ranks)) then
+            call obey_together(sim, outputs, err)
+            return
+        end if
         if (failed(err)) return
         if (checkpoint_asked()) call save_checkpoint(sim, outputs, err)
         stop = stop_asked(why)
@@ -197,9 +226,50 @@ contains
             stop = .true.
         end if
         if (.not. stop .or. failed(err)) return
+        call stop_here(why, sim, outputs, err)
+    end subroutine obey_requests
+
+    !> The same on several processes: a signal counts that any of them has heard; the stop file and
+    !> the wall clock are those of the first.
+    subroutine obey_together(sim, outputs, err)
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: note, why
+        real(dp) :: wish(3) !! 0: a checkpoint; 0: a stop; the process that says why
+        logical :: stop
+
+        note = ''
+        stop = stop_asked(why)
+        if (sim%ranks%rank == 0 .and. .not. (stop .or. failed(err))) then
+            stop = look_for_stop_file(outputs%folder, trim(sim%case%run%job), note)
+            why = 'a stop file'
+            if (walltime_is_up(sim%clock, outputs%reserve) .and. .not. stop) then
+                why = 'the wall-clock limit'
+                stop = .true.
+            end if
+        end if
+        if (note /= '') write (error_unit, '(a)') note
+        wish = [1, merge(0, 1, stop), merge(sim%ranks%rank, sim%ranks%n, stop)]
+        if (checkpoint_asked()) wish(1) = 0
+        call agree(sim%ranks, err, wish)
+        if (failed(err)) return
+        if (wish(1) < 1) call save_checkpoint(sim, outputs, err)
+        if (wish(2) >= 1 .or. failed(err)) return
+        call share_text(sim%ranks, nint(wish(3)), why)
+        call stop_here(why, sim, outputs, err)
+    end subroutine obey_together
+
+    !> Write a checkpoint, and end the run.
+    subroutine stop_here(why, sim, outputs, err)
+        character(*), intent(in) :: why
+        type(simulation_t), intent(inout) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+
         call save_checkpoint(sim, outputs, err)
         if (failed(err)) return
         call raise(err, exit_stopped, 'stopped by '//why//' at t = '//to_text(sim%clock%time)// &
                    ' s with a checkpoint; go on with --restart latest')
-    end subroutine obey_requests
+    end subroutine stop_here
 end module brz_run

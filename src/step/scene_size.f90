@@ -12,6 +12,7 @@ module brz_scene_size
     use brz_memory, only: free_memory
     use brz_solid_arrays, only: allocate_solid, bytes_per_particle
     use brz_solid_state, only: form_rigid, solid_t
+    use brz_ranks, only: ranks_t
     use brz_text, only: to_text
     implicit none
     private
@@ -148,14 +149,15 @@ contains
     end function too_large_to_look
 
     !> A scene that cannot be held is refused before it is built.
-    subroutine refuse_too_large(size_of, err)
+    subroutine refuse_too_large(size_of, ranks, err)
         type(scene_size_t), intent(in) :: size_of
+        type(ranks_t), intent(in) :: ranks !! each on this machine holds its part
         type(error_t), intent(inout) :: err
         real(dp) :: free
 
         if (failed(err)) return
         free = free_memory()
-        if (size_of%peak_bytes <= free) return
+        if (size_of%peak_bytes*ranks%here/ranks%n <= free) return
         call raise(err, exit_device, 'too little memory: '//memory_text(size_of)//'; use a '// &
                    'machine with more, larger cells or spacings, or a smaller box of air')
     end subroutine refuse_too_large

@@ -12,6 +12,7 @@ module brz_simulation
     use brz_errors, only: error_t, failed
     use brz_ledger, only: ledger_start_t
     use brz_progress, only: progress_t
+    use brz_ranks, only: ranks_t
     use brz_setup_progress, only: setup_blast, setup_stage
     use brz_solid_sleep, only: put_to_sleep
     use brz_solid_state, only: solid_t
@@ -23,6 +24,7 @@ module brz_simulation
 
     type :: simulation_t
         type(case_t) :: case
+        type(ranks_t) :: ranks !! the processes that share the scene
         type(air_t) :: air
         type(solid_t) :: solid
         type(coupling_t) :: coupling

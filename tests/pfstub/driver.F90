@@ -7,6 +7,7 @@ program driver
     use, intrinsic :: iso_fortran_env, only: output_unit
     use funit, only: TestSuite
     use pf_core, only: test_t
+    use pf_mpi, only: run_as_process, there_is_mpirun
     use pf_run, only: outcome_t, run_tests, waiting, passed, disabled, not_chosen
     use pf_report, only: print_summary, write_junit, write_tap
     implicit none
@@ -16,18 +17,24 @@ program driver
     type(test_t), allocatable :: tests(:)
     type(outcome_t), allocatable :: outcomes(:)
     character(:), allocatable :: filter, report, junit, tap
-    logical :: verbose
+    logical :: verbose, alone
     integer :: i, unit
 
     allocate (tests(0))
 #define ADD_TEST_SUITE(s) call add(s())
 #include _TEST_SUITES
+    call be_a_process()
     call read_options()
+    alone = .not. there_is_mpirun()
     allocate (outcomes(size(tests)))
     do i = 1, size(tests)
         outcomes(i)%text = ''
         if (index(tests(i)%suite//'.'//tests(i)%name, filter) == 0) cycle
         outcomes(i)%status = merge(disabled, waiting, tests(i)%disabled)
+        if (.not. alone .or. tests(i)%npes == 0) cycle
+        outcomes(i)%status = disabled
+        write (output_unit, '(a)') 'skipped, as there is no mpirun: '//tests(i)%suite//'.'// &
+            tests(i)%name
     end do
     call run_tests(tests, outcomes, verbose)
     unit = output_unit
@@ -46,6 +53,23 @@ contains
 
         tests = [tests, suite%tests]
     end subroutine add
+
+    !> Under mpirun, for one test: `--process SUITE.NAME RECORD`.
+    subroutine be_a_process()
+        character(256) :: word, record
+        integer :: k
+
+        call get_command_argument(1, word)
+        if (word /= '--process') return
+        call get_command_argument(2, word)
+        call get_command_argument(3, record)
+        do k = 1, size(tests)
+            if (tests(k)%suite//'.'//tests(k)%name /= word) cycle
+            call run_as_process(tests(k), trim(record))
+            stop
+        end do
+        error stop 'no such test'
+    end subroutine be_a_process
 
     subroutine read_options()
         character(256) :: word

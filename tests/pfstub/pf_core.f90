@@ -5,7 +5,7 @@ module pf_core
     use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
     implicit none
     private
-    public :: SourceLocation, TestSuite, test_t, test_i
+    public :: SourceLocation, TestSuite, test_t, test_i, MpiTestMethod
     public :: anyExceptions, throw, thrown_text, forget_exceptions
     public :: compare_reals, compare_integers
     public :: op_equal, op_not_equal, op_less, op_less_equal, op_greater, &
@@ -20,14 +20,27 @@ module pf_core
         integer :: line = 0
     end type SourceLocation
 
+    !> What a test on several processes is given.
+    type :: MpiTestMethod
+        integer :: process = 0, processes = 1, communicator = 0
+    contains
+        procedure :: getProcessRank, getNumProcesses, getMpiCommunicator
+    end type MpiTestMethod
+
     abstract interface
         subroutine test_i()
         end subroutine test_i
+        subroutine mpi_test_i(this)
+            import :: MpiTestMethod
+            class(MpiTestMethod), intent(inout) :: this
+        end subroutine mpi_test_i
     end interface
 
     type :: test_t
         character(:), allocatable :: suite, name
         procedure(test_i), pointer, nopass :: run => null(), before => null(), after => null()
+        procedure(mpi_test_i), pointer, nopass :: run_mpi => null()
+        integer :: npes = 0 !! processes; 0: a test without MPI
         logical :: disabled = .false.
     end type test_t
 
@@ -36,7 +49,7 @@ module pf_core
         procedure(test_i), pointer, nopass :: before => null(), after => null()
         type(test_t), allocatable :: tests(:)
     contains
-        procedure :: begin, set_before, set_after, addTest
+        procedure :: begin, set_before, set_after, addTest, addMpiTest
     end type TestSuite
 
     character(:), allocatable :: thrown !! messages of the running test
@@ -80,6 +93,46 @@ contains
         if (present(disabled)) test%disabled = disabled
         self%tests = [self%tests, test]
     end subroutine addTest
+
+    !> A test on several processes, once for each number of them.
+    subroutine addMpiTest(self, name, run, npes, disabled)
+        class(TestSuite), intent(inout) :: self
+        character(*), intent(in) :: name
+        procedure(mpi_test_i) :: run
+        integer, intent(in) :: npes(:)
+        logical, intent(in), optional :: disabled
+        type(test_t) :: test
+        character(12) :: number
+        integer :: i
+
+        test%suite = self%name
+        test%run_mpi => run
+        if (present(disabled)) test%disabled = disabled
+        do i = 1, size(npes)
+            write (number, '(i0)') npes(i)
+            test%name = name//'[npes='//trim(number)//']'
+            test%npes = npes(i)
+            self%tests = [self%tests, test]
+        end do
+    end subroutine addMpiTest
+
+    integer function getProcessRank(this)
+        class(MpiTestMethod), intent(in) :: this
+
+        getProcessRank = this%process
+    end function getProcessRank
+
+    integer function getNumProcesses(this)
+        class(MpiTestMethod), intent(in) :: this
+
+        getNumProcesses = this%processes
+    end function getNumProcesses
+
+    integer function getMpiCommunicator(this)
+        class(MpiTestMethod), intent(in) :: this
+
+        getMpiCommunicator = this%communicator
+    end function getMpiCommunicator
 
     logical function anyExceptions()
         anyExceptions = allocated(thrown)

@@ -5,6 +5,7 @@ module pf_run
     use, intrinsic :: iso_c_binding, only: c_int, c_long
     use, intrinsic :: iso_fortran_env, only: int64, output_unit, real64
     use pf_core, only: test_t, anyExceptions, forget_exceptions, thrown_text
+    use pf_mpi, only: run_on_processes
     implicit none
     private
     public :: outcome_t, run_tests, passed, failed, broken, disabled, not_chosen, waiting
@@ -86,7 +87,7 @@ contains
             if (verbose) write (output_unit, '(a)') ' Start: '//full_name(tests(i))
             flush (output_unit)
             call system_clock(t0, rate)
-            call run_one(tests(i))
+            call run_one(tests(i), record)
             call system_clock(t1)
             call write_record(unit, i, real(t1 - t0, real64)/rate)
             call show(tests(i), real(t1 - t0, real64)/rate, verbose)
@@ -94,11 +95,16 @@ contains
         close (unit)
     end subroutine run_from
 
-    subroutine run_one(test)
+    subroutine run_one(test, record)
         type(test_t), intent(in) :: test
+        character(*), intent(in) :: record
         integer(c_int) :: left
 
         call forget_exceptions()
+        if (test%npes > 0) then
+            call run_on_processes(test, record)
+            return
+        end if
         left = alarm(int(time_limit, c_int))
         if (associated(test%before)) call test%before()
         if (.not. anyExceptions()) call test%run()

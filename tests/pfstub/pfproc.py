@@ -36,8 +36,11 @@ ASSERTS = {
 MARKS = {"test", "before", "after", "disable"}
 DIRECTIVE = re.compile(r"^\s*@\s*(\w+)\s*(.*?)\s*$")
 SUBROUTINE = re.compile(r"^\s*subroutine\s+(\w+)\s*(?:\(\s*\))?\s*$", re.I)
+ON_PROCESSES = re.compile(r"^\s*subroutine\s+(\w+)\s*\(\s*this\s*\)\s*$", re.I)
 MODULE = re.compile(r"^\s*module\s+(?!procedure\b)(\w+)\s*$", re.I)
 OPTION = re.compile(r"^\((ifdef|ifndef)\s*=\s*(\w+)\s*\)$", re.I)
+NPES = re.compile(r"^\(npes\s*=\s*\[([\d\s,]+)\]\s*\)$", re.I)
+USES_PFUNIT = re.compile(r"^\s*use\s+pfunit\s*$", re.I)
 KEYWORD = re.compile(r"^(\w+)\s*=(?!=)")
 
 
@@ -87,10 +90,11 @@ class Translator:
     def __init__(self, path):
         self.path = path
         self.out = []
-        self.tests = []  # (name, disabled, condition)
+        self.tests = []  # (name, disabled, condition, numbers of processes)
         self.fixture = {"before": "", "after": ""}
         self.module = ""
-        self.mark, self.condition, self.disabled = "", "", False
+        self.mark, self.condition, self.disabled, self.npes = "", "", False, ""
+        self.pfunit = False
         self.names, self.open_statement, self.opened_at = ModuleNames(), "", 0
 
     def run(self):
@@ -108,6 +112,8 @@ class Translator:
             sys.exit(f"{self.path}:1: the module must be called {self.path.stem}, as the file")
         if not self.tests:
             sys.exit(f"{self.path}:1: no @test in this file")
+        if any(npes for *_, npes in self.tests) and any(self.fixture.values()):
+            sys.exit(f"{self.path}:1: no @before and @after beside tests with npes")
         self.suite()
         return "\n".join(self.out) + "\n"
 
@@ -146,20 +152,22 @@ class Translator:
 
     def code(self, line, bare):
         self.out.append(line)
+        self.pfunit = self.pfunit or USES_PFUNIT.match(bare) is not None
         if module := MODULE.match(bare):
             if self.module:
                 raise Refused("one module per file")
             self.module = module.group(1).lower()
         if not self.mark or not bare.strip():
             return
-        named = SUBROUTINE.match(bare)
+        named = (ON_PROCESSES if self.npes else SUBROUTINE).match(bare)
         if not named:
-            raise Refused(f"'subroutine name()' must follow @{self.mark}")
+            inside = "this" if self.npes else ""
+            raise Refused(f"'subroutine name({inside})' must follow @{self.mark}")
         if self.mark == "test":
-            self.tests.append((named.group(1), self.disabled, self.condition))
+            self.tests.append((named.group(1), self.disabled, self.condition, self.npes))
         else:
             self.fixture[self.mark] = named.group(1)
-        self.mark, self.condition, self.disabled = "", "", False
+        self.mark, self.condition, self.disabled, self.npes = "", "", False, ""
 
     def directive(self, name, rest):
         if name == "disable":
@@ -169,10 +177,17 @@ class Translator:
         elif self.mark:
             raise Refused(f"@{name} directly after @{self.mark}")
         elif name == "test" and rest:
-            option = OPTION.match(rest)
-            if not option:
-                raise Refused("of the options of @test only ifdef=NAME and ifndef=NAME are known")
-            self.condition = f"#{option.group(1).lower()} {option.group(2)}"
+            option, npes = OPTION.match(rest), NPES.match(rest)
+            if npes:
+                if not self.pfunit:
+                    raise Refused("a test with npes needs 'use pfunit'")
+                self.npes = npes.group(1)
+            elif option:
+                self.condition = f"#{option.group(1).lower()} {option.group(2)}"
+            else:
+                raise Refused(
+                    "of the options of @test only ifdef=NAME, ifndef=NAME and npes=[...] are known"
+                )
         elif rest:
             raise Refused(f"@{name} takes no options")
         elif name != "test" and self.fixture[name]:
@@ -219,9 +234,11 @@ class Translator:
         for key in ("before", "after"):
             if self.fixture[key]:
                 self.out.append(f"    call suite%set_{key}({self.fixture[key]})")
-        for test, disabled, condition in self.tests:
+        for test, disabled, condition, npes in self.tests:
             flag = ", disabled=.true." if disabled else ""
             body = [f"    call suite%addTest('{test}', {test}{flag})"]
+            if npes:
+                body = [f"    call suite%addMpiTest('{test}', {test}, [{npes}]{flag})"]
             self.out += [condition, *body, "#endif"] if condition else body
         self.out.append(f"end function {name}_suite")
 

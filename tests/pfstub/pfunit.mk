@@ -15,7 +15,7 @@ PF_XML    := -x -o
 else
 PF_PROC   := tests/pfstub/pfproc.py
 PF_DRIVER := tests/pfstub/driver.F90
-PF_MODULES = $(addprefix $(B)/obj/tests/pfstub/,pf_core.o funit.o pf_run.o pf_report.o)
+PF_MODULES = $(addprefix $(B)/obj/tests/pfstub/,pf_core.o funit.o pf_mpi.o pf_run.o pf_report.o)
 PF_PLAIN   = -std=f2018 -O1 -fno-lto -J$(B)/pfstub
 PF_FLAGS   = -I$(B)/pfstub
 PF_XML    := -x
@@ -56,7 +56,8 @@ $(B)/tests/pfstub/funit.f90: tests/pfstub/write_funit.py
 $(B)/obj/tests/pfstub/funit.o: $(B)/tests/pfstub/funit.f90 $(B)/obj/tests/pfstub/pf_core.o
 	$(call say,compile $<)
 	@$(FC) $(PF_PLAIN) -c $< -o $@
-$(B)/obj/tests/pfstub/pf_run.o: $(B)/obj/tests/pfstub/pf_core.o
+$(B)/obj/tests/pfstub/pf_mpi.o: $(B)/obj/tests/pfstub/pf_core.o
+$(B)/obj/tests/pfstub/pf_run.o: $(B)/obj/tests/pfstub/pf_mpi.o
 $(B)/obj/tests/pfstub/pf_report.o: $(B)/obj/tests/pfstub/pf_run.o
 $(B)/obj/tests/pfstub/%.o: tests/pfstub/%.f90 $(B)/pf_command
 	@mkdir -p $(@D) $(B)/pfstub

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: MIT
-"""Print module funit: the assertions for every type, kind and rank of the subset."""
+"""Print modules funit (the assertions for every type, kind and rank of the subset) and pfunit."""
 
 KINDS = {"i4": "integer", "i8": "integer(int64)", "r4": "real(real32)", "r8": "real(real64)"}
 PAIRS = [("i4", "i4"), ("i4", "i8"), ("i8", "i8"), ("r4", "r4"), ("r4", "r8"), ("r8", "r8")]
@@ -137,3 +137,13 @@ if __name__ == "__main__":
         for _, body in items:
             print(body)
     print("end module funit")
+    print(
+        """
+!> What tests on several processes use: all of funit, and what they are given.
+module pfunit
+    use funit
+    use pf_core, only: MpiTestMethod
+    implicit none
+    public
+end module pfunit"""
+    )

@@ -2,6 +2,7 @@
 """The stand-in for pFUnit: what must pass, fail, crash, be disabled and be refused."""
 
 import re
+import shutil
 import subprocess
 import sys
 import xml.etree.ElementTree as xml
@@ -22,7 +23,8 @@ def kit(tmp_path_factory):
     """The stand-in, compiled in a folder of its own."""
     folder = tmp_path_factory.mktemp("kit")
     (folder / "funit.f90").write_text(run(sys.executable, STUB / "write_funit.py").stdout)
-    sources = [STUB / "pf_core.f90", "funit.f90", STUB / "pf_run.f90", STUB / "pf_report.f90"]
+    sources = [STUB / "pf_core.f90", "funit.f90"]
+    sources += [STUB / f"{x}.f90" for x in ("pf_mpi", "pf_run", "pf_report")]
     done = run("gfortran", "-std=f2018", "-O0", "-c", *sources, cwd=folder)
     assert done.returncode == 0, done.stderr
     return folder
@@ -42,7 +44,7 @@ def build(kit, name):
         f'-D_TEST_SUITES="{name}.inc"',
         f"-I{kit}",
     ]
-    objects = [f"{x}.o" for x in ("pf_core", "funit", "pf_run", "pf_report")]
+    objects = [f"{x}.o" for x in ("pf_core", "funit", "pf_mpi", "pf_run", "pf_report")]
     done = run(
         "gfortran", *flags, f"{name}.F90", STUB / "driver.F90", *objects, "-o", name, cwd=kit
     )
@@ -78,6 +80,21 @@ def test_filter_and_output_file(kit):
     assert run(program, "--no-such-option", cwd=kit).returncode == 2
 
 
+def test_processes_fail_by_name_and_are_skipped_where_there_are_none(kit):
+    program = build(kit, "processes")
+    done = run("env", "PATH=/nowhere", program, "-x", "none.xml", cwd=kit)
+    assert done.returncode == 0
+    assert "skipped, as there is no mpirun: processes_suite.one_fails[npes=2]" in done.stdout
+    assert "(1 tests, 4 disabled)" in done.stdout
+    if not shutil.which("mpirun"):
+        pytest.skip("no mpirun")
+    done = run(program, "-x", "some.xml", cwd=kit)
+    assert done.returncode == 2
+    assert "Tests run: 5, Failures: 2, Errors: 0" in done.stdout
+    assert re.search(r"\[process 1:2\] \[processes.pf:\d+\] who am I expected 0", done.stdout)
+    assert "Failure in: processes_suite.one_crashes[npes=2]" in done.stdout
+
+
 BODY = """module sample
     use funit
 contains
@@ -97,7 +114,13 @@ REFUSED = [
     (BODY.format("if (.true.) @assertTrue(.true.)"), 6, "alone on its line"),
     (BODY.format("@assertExceptionRaised('x')"), 6, "outside the subset"),
     (BODY.format("@mpiAssertTrue(.true.)"), 6, "outside the subset"),
-    (BODY.replace("@test", "@test(npes=[1, 2])"), 4, "options of @test"),
+    (BODY.replace("@test", "@test(npes=[1, 2])"), 4, "needs 'use pfunit'"),
+    (BODY.replace("@test", "@test(cases=[1, 2])"), 4, "options of @test"),
+    (
+        BODY.replace("use funit", "use pfunit").replace("@test", "@test(npes=[1, 2])"),
+        5,
+        "'subroutine name(this)' must follow",
+    ),
     (BODY.replace("@test", "@disable\n    @test"), 4, "after @test"),
     (BODY.replace("@test", "@suite"), 4, "outside the subset"),
     (BODY.replace("@test", "@test\n    integer :: i"), 5, "must follow @test"),

@@ -1,0 +1,184 @@
+! SPDX-License-Identifier: MIT
+!> Open MPI, opened at run time: one executable for machines with and without it.
+!>
+!> The procedure pointers have the names and arguments of the C interface of MPI 3.1; `open_mpi`
+!> sets them all, or says what is missing. Communicators, types and operations of Open MPI are
+!> addresses of its global objects, alike in versions 4 and 5 (both are libmpi.so.40). Every
+!> function returns 0 for success, and by default an error of MPI ends all processes.
+module brz_mpi_library
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funptr, c_int, &
+        c_intptr_t, c_null_char, c_null_ptr, c_ptr
+    implicit none
+    private
+    public :: open_mpi, mpi_in_place
+    public :: mpi_init, mpi_finalize, mpi_comm_rank, mpi_comm_size, mpi_comm_f2c
+    public :: mpi_allreduce, mpi_bcast, mpi_isend, mpi_irecv, mpi_waitall
+    public :: mpi_comm_world, mpi_double, mpi_float, mpi_int64, mpi_char, mpi_min, mpi_max, &
+              mpi_sum, mpi_bor
+
+    abstract interface
+        integer(c_int) function init_i(argc, argv, wanted, given) bind(c)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: argc, argv
+            integer(c_int), value :: wanted
+            integer(c_int), intent(out) :: given
+        end function init_i
+        integer(c_int) function no_argument_i() bind(c)
+            import :: c_int
+        end function no_argument_i
+        integer(c_int) function number_i(comm, number) bind(c)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: comm
+            integer(c_int), intent(out) :: number
+        end function number_i
+        type(c_ptr) function from_number_i(number) bind(c)
+            import :: c_int, c_ptr
+            integer(c_int), value :: number
+        end function from_number_i
+        integer(c_int) function allreduce_i(from, to, n, type, op, comm) bind(c)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: from, to, type, op, comm
+            integer(c_int), value :: n
+        end function allreduce_i
+        integer(c_int) function bcast_i(data, n, type, root, comm) bind(c)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: data, type, comm
+            integer(c_int), value :: n, root
+        end function bcast_i
+        integer(c_int) function message_i(data, n, type, partner, tag, comm, request) bind(c)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: data, type, comm
+            integer(c_int), value :: n, partner, tag
+            type(c_ptr), intent(out) :: request
+        end function message_i
+        integer(c_int) function waitall_i(n, requests, statuses) bind(c)
+            import :: c_int, c_ptr
+            integer(c_int), value :: n
+            type(c_ptr), intent(inout) :: requests(*)
+            type(c_ptr), value :: statuses
+        end function waitall_i
+    end interface
+
+    interface
+        type(c_ptr) function c_dlopen(file, mode) bind(c, name='dlopen')
+            import :: c_char, c_int, c_ptr
+            character(kind=c_char), intent(in) :: file(*)
+            integer(c_int), value :: mode
+        end function c_dlopen
+        type(c_ptr) function c_dlsym_object(library, name) bind(c, name='dlsym')
+            import :: c_char, c_ptr
+            type(c_ptr), value :: library
+            character(kind=c_char), intent(in) :: name(*)
+        end function c_dlsym_object
+        type(c_funptr) function c_dlsym_function(library, name) bind(c, name='dlsym')
+            import :: c_char, c_funptr, c_ptr
+            type(c_ptr), value :: library
+            character(kind=c_char), intent(in) :: name(*)
+        end function c_dlsym_function
+    end interface
+
+    integer(c_int), parameter :: bind_now = 2, for_all = 256 !! flags of dlopen in Linux: the parts
+                                                             !! that Open MPI loads look for it
+    integer(c_int), parameter :: one_thread_calls = 1 !! MPI_THREAD_FUNNELED
+    character(*), parameter :: usual_name = 'libmpi.so.40'
+
+    type(c_ptr), save :: library = c_null_ptr
+    type(c_ptr), protected, save :: mpi_comm_world = c_null_ptr
+    type(c_ptr), protected, save :: mpi_double = c_null_ptr, mpi_float = c_null_ptr, &
+        mpi_int64 = c_null_ptr, mpi_char = c_null_ptr
+    type(c_ptr), protected, save :: mpi_min = c_null_ptr, mpi_max = c_null_ptr, &
+        mpi_sum = c_null_ptr, mpi_bor = c_null_ptr
+    procedure(init_i), pointer, save :: init_thread => null()
+    procedure(no_argument_i), pointer, protected, save :: mpi_finalize => null()
+    procedure(number_i), pointer, protected, save :: mpi_comm_rank => null(), &
+        mpi_comm_size => null()
+    procedure(from_number_i), pointer, protected, save :: mpi_comm_f2c => null()
+    procedure(allreduce_i), pointer, protected, save :: mpi_allreduce => null()
+    procedure(bcast_i), pointer, protected, save :: mpi_bcast => null()
+    procedure(message_i), pointer, protected, save :: mpi_isend => null(), mpi_irecv => null()
+    procedure(waitall_i), pointer, protected, save :: mpi_waitall => null()
+
+contains
+
+    !> Open the library and find what is used of it. `why` is unallocated where all is well.
+    subroutine open_mpi(why)
+        character(:), allocatable, intent(out) :: why
+        character(:), allocatable :: name
+
+        if (c_associated(library)) return
+        name = library_name()
+        library = c_dlopen(name//c_null_char, bind_now + for_all)
+        if (.not. c_associated(library)) then
+            why = 'but the library '//name//' of Open MPI was not found'
+            return
+        end if
+        mpi_comm_world = object('ompi_mpi_comm_world', name, why)
+        mpi_double = object('ompi_mpi_double', name, why)
+        mpi_float = object('ompi_mpi_float', name, why)
+        mpi_int64 = object('ompi_mpi_int64_t', name, why)
+        mpi_char = object('ompi_mpi_char', name, why)
+        mpi_min = object('ompi_mpi_op_min', name, why)
+        mpi_max = object('ompi_mpi_op_max', name, why)
+        mpi_sum = object('ompi_mpi_op_sum', name, why)
+        mpi_bor = object('ompi_mpi_op_bor', name, why)
+        call c_f_procpointer(procedure_at('MPI_Init_thread', name, why), init_thread)
+        call c_f_procpointer(procedure_at('MPI_Finalize', name, why), mpi_finalize)
+        call c_f_procpointer(procedure_at('MPI_Comm_rank', name, why), mpi_comm_rank)
+        call c_f_procpointer(procedure_at('MPI_Comm_size', name, why), mpi_comm_size)
+        call c_f_procpointer(procedure_at('MPI_Comm_f2c', name, why), mpi_comm_f2c)
+        call c_f_procpointer(procedure_at('MPI_Allreduce', name, why), mpi_allreduce)
+        call c_f_procpointer(procedure_at('MPI_Bcast', name, why), mpi_bcast)
+        call c_f_procpointer(procedure_at('MPI_Isend', name, why), mpi_isend)
+        call c_f_procpointer(procedure_at('MPI_Irecv', name, why), mpi_irecv)
+        call c_f_procpointer(procedure_at('MPI_Waitall', name, why), mpi_waitall)
+        if (allocated(why)) library = c_null_ptr
+    end subroutine open_mpi
+
+    !> File of the library: that of the variable BRISANCE_MPI, or what the loader finds.
+    function library_name() result(name)
+        character(:), allocatable :: name
+        character(4096) :: given
+
+        call get_environment_variable('BRISANCE_MPI', given)
+        name = trim(given)
+        if (name == '') name = usual_name
+    end function library_name
+
+    !> Address of a global object; the first that is missing is named.
+    type(c_ptr) function object(symbol, file, why)
+        character(*), intent(in) :: symbol, file
+        character(:), allocatable, intent(inout) :: why
+
+        object = c_dlsym_object(library, symbol//c_null_char)
+        if (.not. c_associated(object)) call note_missing(symbol, file, why)
+    end function object
+
+    !> Address of a function; the first that is missing is named.
+    type(c_funptr) function procedure_at(symbol, file, why)
+        character(*), intent(in) :: symbol, file
+        character(:), allocatable, intent(inout) :: why
+
+        procedure_at = c_dlsym_function(library, symbol//c_null_char)
+        if (.not. c_associated(procedure_at)) call note_missing(symbol, file, why)
+    end function procedure_at
+
+    subroutine note_missing(symbol, file, why)
+        character(*), intent(in) :: symbol, file
+        character(:), allocatable, intent(inout) :: why
+
+        if (.not. allocated(why)) &
+            why = 'but the library '//file//' is not that of Open MPI: it has no '//symbol
+    end subroutine note_missing
+
+    !> Begin MPI; only the first thread will call it.
+    integer(c_int) function mpi_init() result(status)
+        integer(c_int) :: given
+
+        status = init_thread(c_null_ptr, c_null_ptr, one_thread_calls, given)
+    end function mpi_init
+
+    !> What stands for "the result goes where the numbers come from".
+    type(c_ptr) function mpi_in_place() result(address)
+        address = transfer(1_c_intptr_t, c_null_ptr)
+    end function mpi_in_place
+end module brz_mpi_library
