@@ -7,8 +7,8 @@ usage: gpu_build.py --work DIR --out FILE.ptx --stamp TEXT [-D NAME] [--no-fma] 
 The first line of the file carries the stamp of the sources (gpu_stamp.py), which the executable
 compares with its own. Where ptxas is installed (Python package nvidia-cuda-nvcc) a kernel with a
 stack frame or a register spill fails the build, and the registers of each kernel are printed.
-Where flang-22 is missing, the file of that name in ptx/ (a release archive brings it along) is taken
-if it is of the same sources.
+Where flang-22 is missing, the file of that name in ptx/ (a release archive brings it along) is
+taken if it is of the same sources.
 Kernels whose names start with redo_ may spill: they work where cells fall back, which are few.
 So may the few bytes of the kernels in STACK.
 """

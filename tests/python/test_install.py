@@ -38,7 +38,7 @@ def stamp():
 
 @pytest.fixture(name="place")
 def _place(tmp_path):
-    """What `make install` leaves, moved after it; the GPU code is a line for the emulated driver."""
+    """What `make install` leaves, moved since; its GPU code is a line for the emulated driver."""
     program = tmp_path / "built"
     program.write_bytes((ROOT / "bin/brisance").read_bytes())
     program.chmod(0o755)
