@@ -82,9 +82,9 @@ def build(args):
     print(f"{args.out}: {len(keep)} kernels")
 
 
-ADVICE = """The GPU code is compiled by flang-22 and llvm-22, which Debian 12 has and Ubuntu has not. Either
-run `make setup` where they can be had, or take a release archive: `make dist`, run there, puts the
-code of both precisions into it, and `make gpu` in its folder takes it from ptx/."""
+ADVICE = """The GPU code is compiled by flang-22 and llvm-22, which Debian 12 has and Ubuntu has not.
+Either run `make setup` where they can be had, or take a release archive: `make dist`, run there,
+puts the code of both precisions into it, and `make gpu` in its folder takes it from ptx/."""
 
 
 def take_shipped(args, why):
