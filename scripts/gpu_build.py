@@ -82,7 +82,7 @@ def build(args):
     print(f"{args.out}: {len(keep)} kernels")
 
 
-ADVICE = """The GPU code is compiled by flang-22 and llvm-22, which Debian 12 has and Ubuntu has not.
+ADVICE = """The GPU code is compiled by flang-22 and llvm-22, in Debian 12 but not in Ubuntu.
 Either run `make setup` where they can be had, or take a release archive: `make dist`, run there,
 puts the code of both precisions into it, and `make gpu` in its folder takes it from ptx/."""
 
