@@ -13,7 +13,7 @@ PRECISION ?= double
 # 1, 1, 1, 1, 1, 1, 0, 0 as eight ones (air_sweep.f90 then left out the first brick of cells).
 OPT       ?= -O3 -fno-math-errno -fno-trapping-math -finline-limit=400 -fno-tree-slp-vectorize
 ARCH      := $(if $(PORTABLE),x86-64-v2,native)
-KIND      := $(if $(DEBUG),-debug)$(if $(QUICK),-quick)$(if $(PORTABLE),-portable)$(if $(filter mixed,$(PRECISION)),-mixed)
+KIND      := $(if $(DEBUG),-debug)$(if $(QUICK),-quick)$(if $(COVERAGE),-coverage)$(if $(PORTABLE),-portable)$(if $(filter mixed,$(PRECISION)),-mixed)
 BUILD     ?= build
 B         := $(BUILD)/cpu$(KIND)
 BIN       := bin/brisance$(KIND)
@@ -27,9 +27,13 @@ WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals -Wno-maybe-unin
 FAST     := $(OPT) -march=$(ARCH) -flto=auto
 QUICKLY  := -O1 -fno-math-errno -fno-trapping-math -march=$(ARCH)
 CHECKED  := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow -fbacktrace
-FFLAGS    = -std=f2018 -fopenmp $(if $(DEBUG),$(CHECKED),$(if $(QUICK),$(QUICKLY),$(FAST))) $(WARN) \
+COUNTED  := -O1 -g --coverage -fprofile-abs-path -fprofile-update=atomic
+FFLAGS    = -std=f2018 -fopenmp $(if $(COVERAGE),$(COUNTED),$(if $(DEBUG),$(CHECKED),$(if $(QUICK),$(QUICKLY),$(FAST)))) $(WARN) \
             $(if $(filter mixed,$(PRECISION)),-DBRZ_MIXED) $(EXTRA_FFLAGS)
+# (tests and copies of the process leave by _exit: counts are written before: tests/coverage.c)
+LINK      = $(FC) -fopenmp $(if $(COVERAGE),--coverage -Wl$(,)--wrap=_exit)
 COMPILE   = $(FC) $(FFLAGS) $(HDF5_CFLAGS) -J$(B)/mod
+, := ,
 Q        := $(if $(V),,@)
 PY       := .venv/bin/python
 say       = $(if $(V),,@echo '  $(1)')
@@ -42,7 +46,8 @@ MADE  := build/items
 ITEMS := $(filter %_items.f90,$(SRC))
 ITEM_NAMES := $(patsubst %_items,%,$(basename $(notdir $(ITEMS))))
 LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(ITEM_NAMES:%=$(MADE)/%_launches.f90)
-OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o
+OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
+        $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
 LIB  := $(B)/brisance.o
 KERNELS := $(sort $(wildcard cuda/*.CUF)) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF)
 PARTS_OF_KERNELS := $(wildcard cuda/*.inc cuda/*.ll)
@@ -59,13 +64,13 @@ lib: $(LIB) ## build everything but the main program
 $(BIN): $(B)/obj/src/main.o $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)
-	+$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
+	+$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
 # One object for all: link-time optimisation is done once, and the tests run the same code as $(BIN).
 # (-fPIE: the functions are final, so that point physics is inlined across files)
 $(LIB): $(OBJ)
 	$(call say,optimise $@)
-	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG)$(QUICK),,-fPIE -flinker-output=nolto-rel) -o $@ $(OBJ)
-gpu: $(PTX) ## build the GPU code (FMA=off: no contraction; CUF=nvfortran: by that compiler, untested)
+	+$(Q)$(FC) $(FFLAGS) -nostdlib -r $(if $(DEBUG)$(QUICK)$(COVERAGE),,-fPIE -flinker-output=nolto-rel) -o $@ $(OBJ)
+gpu: $(PTX) ## build the GPU code, or take that of a release archive (FMA=off: no contraction; CUF=nvfortran: by that compiler, untested)
 $(PTX): $(SRC) $(KERNELS) $(PARTS_OF_KERNELS) scripts/cuda_fortran.py scripts/gpu_build.py
 	@mkdir -p $(@D)
 	$(Q)$(PY) scripts/$(if $(filter nvfortran,$(CUF)),gpu_nvfortran,gpu_build).py --work build/gpu/ptx$(KIND) --out $@ --stamp $(STAMP) \
@@ -90,6 +95,9 @@ $(B)/obj/version.o $(B)/obj/presets.o: $(B)/obj/%.o: $(B)/%.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
 	$(Q)$(COMPILE) -c $< -o $@
+$(B)/obj/tests/coverage.o: tests/coverage.c
+	@mkdir -p $(@D)
+	$(Q)gcc -c $< -o $@
 $(B)/version.f90: FORCE
 	@scripts/version.py --version '$(VERSION)' --compiler "$$($(FC) --version | head -n 1)" \
 	    --flags '$(strip $(FFLAGS))' --precision $(PRECISION) --device-code $(STAMP) | $(SAVE) $@
@@ -105,22 +113,10 @@ FLOORS   := $(wildcard tests/bench/floors.f90)
 $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)
-	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
+	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
 
-# Studies: programs whose results are recorded in docs/data.
-STUDY    := $(sort $(wildcard tests/study/*.f90))
-STUDIES  := $(patsubst %.f90,$(B)/%,$(filter tests/study/study_%,$(STUDY)))
-PROBLEMS := $(addprefix tests/verify/,air_problems.f90 drawn_bodies.f90 exact_blasts.f90 \
-            exact_riemann.f90 scene_tools.f90 solid_bodies.f90 solid_problems.f90 solid_scenes.f90 \
-            taylor_bars.f90 taylor_elements.f90)
-$(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
-	@mkdir -p $(@D)
-	$(call say,link $@)
-	$(Q)$(FC) -fopenmp -o $@ $(filter-out $(B)/obj/tests/study/study_%,$^) \
-	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
-
-.PHONY: unit verify python figures lint format check-docs gpu-check setup test demo paper paper-coarse bench golden vectors
-.PHONY: charts charts-air charts-solid charts-coupling charts-scenes stability stability-air validate point-blast
+include studies.mk
+.PHONY: unit verify try python figures lint format check-docs gpu-check setup test demo bench golden vectors coverage install dist
 # The figures that tests measure go to NOTES; a whole run of the verification tests begins it anew.
 NOTES := build/log/notes$(KIND).csv
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
@@ -128,6 +124,8 @@ unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (
 	@$(if $(ARGS)$(filter unit,$@),,rm -f $(NOTES))
 	BRZ_NOTES=$(abspath $(NOTES)) $(B)/tests/$@/run $(PF_XML) build/log/$(if $(filter unit,$@),$(or $(UNIT),$@),$@).xml $(ARGS)
 
+try: ## after an edit: build quickly, run the tests whose names hold a text, in seconds (ARGS="-f name")
+	@$(MAKE) --no-print-directory QUICK=1 unit $(if $(ARGS),verify)
 unit-mixed: ## run the unit tests in mixed precision, built quickly
 	@$(MAKE) --no-print-directory PRECISION=mixed QUICK=1 UNIT=unit-mixed unit
 .PHONY: unit-mixed
@@ -148,16 +146,8 @@ emulated: $(B)/tests/gpu/run $(EMULATOR) ## run the tests of the GPU with the em
 $(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%.o,$(wildcard tests/gpu/gpu_*.f90)) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)
-	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
-point-blast-gpu: $(B)/tests/gpu/study_gpu ## the point blast on the GPU up to 256^3 cells
-	BRISANCE_PTX=$(PTX) $< $(or $(ARGS),64 128 256)
-BLASTS   := $(patsubst %,$(B)/obj/tests/verify/%.o,air_problems exact_blasts exact_riemann)
-$(B)/obj/tests/gpu/study_gpu.o: $(BLASTS)
-$(B)/tests/gpu/study_gpu: $(patsubst %.f90,$(B)/obj/%.o,tests/gpu/study_gpu.f90 $(wildcard tests/gpu/gpu_*.f90)) $(BLASTS) $(LIB)
-	@mkdir -p $(@D)
-	$(call say,link $@)
-	$(Q)$(FC) -fopenmp -o $@ $^ $(HDF5_LIBS)
-.PHONY: gpu-tests test-gpu bench-gpu emulated point-blast-gpu
+	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
+.PHONY: gpu-tests test-gpu bench-gpu emulated
 
 # --- what users and CI call ---------------------------------------------------------------------
 FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90')
@@ -170,49 +160,27 @@ demo: setup ## a coarse blast on a CFRP plate, with pictures
 	@$(MAKE) --no-print-directory all
 	$(BIN) run inputs/demo.nml --replace
 	$(PY) -m post report out/demo
-paper: all ## every scene of the paper at its resolution: exact quarters, on a GPU; goes on where it stopped
-	@$(PY) scripts/paper.py full hvi_0600 hvi_0300 hvi_0150 hvi_0075; $(PY) scripts/paper.py quarter
-paper-coarse: all ## the same, coarse, on this machine (an hour of two cores)
-	@$(PY) scripts/paper.py coarse
 bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
 	@for program in $^; do $$program || exit 1; done
-vectors: $(if $(DEBUG)$(QUICK),,$(LIB)) ## are the pair loops of the solid still vector code?
+vectors: $(if $(DEBUG)$(QUICK)$(COVERAGE),,$(LIB)) ## are the pair loops of the solid still vector code?
 	@$(if $(DEBUG)$(QUICK),echo 'skipped: not in this build',$(PY) scripts/vectors.py $(LIB))
+COVERED ?= unit verify
+coverage: ## which lines the tests run (COVERED="unit"; FILE=src/...: those of a file that they do not)
+	@mkdir -p build/cpu-coverage; $(if $(COVERED),find build/cpu-coverage -name '*.gcda' -delete)
+	@for part in $(COVERED); do $(MAKE) --no-print-directory COVERAGE=1 UNIT=unit-coverage $$part || exit 1; done
+	@scripts/coverage.py build/cpu-coverage $(FILE)
+PREFIX ?= /usr/local
+install: all ## install program, GPU code, presets, examples and Python tools (PREFIX=/usr/local, DESTDIR=)
+	@scripts/install.sh $(BIN) $(if $(filter mixed,$(PRECISION)),brisance-mixed,brisance) $(STAMP) '$(PREFIX)' '$(DESTDIR)'
+dist: ## the release archive of the last commit: sources, and the GPU code of both precisions
+	@git diff --quiet HEAD || { echo 'make dist: commit first, the archive holds the last commit' >&2; exit 1; }
+	@$(MAKE) --no-print-directory gpu && $(MAKE) --no-print-directory PRECISION=mixed gpu
+	@scripts/dist.sh $(VERSION) $(STAMP) bin/brisance.ptx bin/brisance-mixed.ptx
 golden: all ## write the golden curves of tests/golden anew from inputs/material
 	@$(PY) tests/python/golden.py
-charts: charts-air charts-solid ## error against seconds of every scheme, recorded and drawn (the solids: nine minutes)
-charts-coupling: all ## the studies of docs/coupling.md (an hour of one core)
-	$(PY) scripts/coupling_charts.py paper steps panel plate
-charts-air: $(B)/tests/study/study_air
-	@mkdir -p docs/data
-	$< charts > $(B)/charts.csv && mv $(B)/charts.csv docs/data/air_accuracy.csv
-	$(PY) scripts/air_charts.py accuracy docs/data/air_accuracy.csv docs/figures/speed_accuracy_air.png
-charts-solid: $(B)/tests/study/study_solid
-	@mkdir -p docs/data
-	(export OMP_NUM_THREADS=1; $< charts && $< plates) > $(B)/charts.csv && mv $(B)/charts.csv docs/data/solid_accuracy.csv
-	$(PY) scripts/solid_charts.py docs/data/solid_accuracy.csv docs/figures/speed_accuracy_solid.png
-taylor: $(B)/tests/study/study_taylor ## bars that strike a wall: particles, finite elements, experiment (15 minutes)
-	$< shapes > $(B)/taylor.csv && mv $(B)/taylor.csv docs/data/taylor_bars.csv
-	$< profiles > $(B)/taylor.csv && mv $(B)/taylor.csv docs/data/taylor_profiles.csv
-	$(PY) scripts/taylor_charts.py docs/data/taylor_bars.csv docs/data/taylor_profiles.csv \
-	    docs/data/taylor_experiment.csv docs/figures/taylor_copper.png
-charts-scenes: ## draw the impact on CFRP from what was recorded (scripts/scene_charts.py record OUTDIR...)
-	$(PY) scripts/scene_charts.py draw
-point-blast: $(B)/tests/study/study_air ## the point blast up to 128^3 cells, recorded (a quarter of an hour)
-	$< sedov > $(B)/sedov.csv && mv $(B)/sedov.csv docs/data/point_blast.csv
-validate: all ## blasts of TNT against the Kingery-Bulmash curves, recorded and drawn
-	$(PY) scripts/validate_air.py && $(PY) scripts/validate_reflection.py $(ARGS)
 python: all emulator ## tests of the Python tools and of the whole program (ARGS="-k name": those alone)
 	@BRZ_NOTES=$(abspath $(NOTES)) $(if $(ARGS),,OMP_NUM_THREADS=1) $(PY) -m pytest --junitxml=build/log/python.xml \
 	    $(or $(ARGS),-n auto --dist loadfile)
-stability-air: $(B)/tests/study/study_air
-	@mkdir -p docs/data
-	$< stability > $(B)/map.csv && mv $(B)/map.csv docs/data/stability_air.csv
-	$(PY) scripts/air_charts.py stability docs/data/stability_air.csv docs/figures/stability_air.png
-stability: stability-air $(B)/tests/study/study_solid ## where schemes and formulations fail (half an hour)
-	@mkdir -p docs/data
-	$(B)/tests/study/study_solid stability > $(B)/map.csv && mv $(B)/map.csv docs/data/stability_solid.csv
-	$(PY) scripts/stability_map.py docs/data/stability_solid.csv docs/figures/stability_solid.png
 lint: ## format, linters, the rules of the house
 	@bad=0; $(PY) scripts/format.py --check $(FORMAT) || bad=1; \
 	.venv/bin/fortitude check -q --output-format concise src tests || bad=1; \
@@ -244,7 +212,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test demo unit-mixed figures lint format gpu-check gpu emulator charts-scenes
+NO_BUILD := clean help setup test demo try coverage dist unit-mixed figures lint format gpu-check gpu emulator charts-scenes
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif

@@ -25,10 +25,14 @@ def main(arguments: list[str] | None = None) -> int:
         return error.code
 
 
+def _name() -> str:
+    """What the user has typed: the command that pip and `make install` put there, or the module."""
+    name = Path(sys.argv[0]).name
+    return name if name == "brisance-post" else "python -m post"
+
+
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="python -m post", description="Look at results of Brisance."
-    )
+    parser = argparse.ArgumentParser(prog=_name(), description="Look at results of Brisance.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     report = commands.add_parser("report", help="pictures, tables and one HTML page of a run")
     report.set_defaults(command=_report)

@@ -7,6 +7,8 @@ usage: gpu_build.py --work DIR --out FILE.ptx --stamp TEXT [-D NAME] [--no-fma] 
 The first line of the file carries the stamp of the sources (gpu_stamp.py), which the executable
 compares with its own. Where ptxas is installed (Python package nvidia-cuda-nvcc) a kernel with a
 stack frame or a register spill fails the build, and the registers of each kernel are printed.
+Where flang-22 is missing, the file of that name in ptx/ (a release archive brings it along) is
+taken if it is of the same sources.
 Kernels whose names start with redo_ may spill: they work where cells fall back, which are few.
 So may the few bytes of the kernels in STACK.
 """
@@ -14,6 +16,7 @@ So may the few bytes of the kernels in STACK.
 import argparse
 import os
 import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -28,6 +31,8 @@ STACK = {
     "faces_weno3_split": 48,
     "solid_rows": 40,
 }
+
+SHIPPED = Path("ptx")  # of a release archive
 
 
 def ptxas():
@@ -77,6 +82,26 @@ def build(args):
     print(f"{args.out}: {len(keep)} kernels")
 
 
+ADVICE = """The GPU code is compiled by flang-22 and llvm-22, in Debian 12 but not in Ubuntu.
+Either run `make setup` where they can be had, or take a release archive: `make dist`, run there,
+puts the code of both precisions into it, and `make gpu` in its folder takes it from ptx/."""
+
+
+def take_shipped(args, why):
+    """Copy the GPU code of a release archive, if there is one and it is of these sources."""
+    shipped = SHIPPED / args.out.name.replace("-quick", "").replace("-portable", "")
+    if not shipped.is_file():
+        raise Fault(f"{why}, and there is no {shipped}.\n{ADVICE}")
+    with shipped.open(encoding="utf-8") as file:
+        if file.readline().strip() != f"// {args.stamp}":
+            raise Fault(f"{why}, and {shipped} is of other sources.\n{ADVICE}")
+    if args.no_fma:
+        raise Fault(f"{why}, and {shipped} has contractions: leave out FMA=off")
+    args.out.parent.mkdir(parents=True, exist_ok=True)
+    shutil.copyfile(shipped, args.out)
+    print(f"{args.out}: taken from {shipped} ({why})")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--work", required=True, type=Path)
@@ -86,10 +111,11 @@ def main():
     parser.add_argument("--no-fma", action="store_true", help="no contraction of a*b + c")
     parser.add_argument("sources", nargs="+", type=Path)
     args = parser.parse_args()
-    if why := missing_tools():
-        sys.exit(f"gpu_build: {why}: run make setup")
     try:
-        build(args)
+        if why := missing_tools():
+            take_shipped(args, why)
+        else:
+            build(args)
     except Fault as fault:
         sys.exit(f"gpu_build: {fault}")
 

@@ -8,10 +8,12 @@ usage: version.py --version TEXT --compiler TEXT --flags TEXT --precision TEXT
 
 import argparse
 import subprocess
+from pathlib import Path
 
 
 def commit():
-    """Short hash of the commit, with a + if tracked files differ from it; '' outside git."""
+    """Short hash of the commit, with a + if tracked files differ from it; outside git what the file
+    COMMIT of a release archive says."""
     try:
         name = subprocess.run(
             ["git", "describe", "--always", "--dirty=+", "--abbrev=12", "--exclude=*"],
@@ -20,7 +22,8 @@ def commit():
             check=True,
         )
     except (OSError, subprocess.CalledProcessError):
-        return "unknown"
+        archived = Path(__file__).parents[1] / "COMMIT"
+        return archived.read_text(encoding="utf-8").strip() if archived.is_file() else "unknown"
     return name.stdout.strip()
 
 

@@ -81,14 +81,32 @@ contains
                                         ' on the GPU: run with --backend cpu')
     end subroutine settle_backend
 
-    !> The GPU code: beside the program, or where the environment variable BRISANCE_PTX says.
+    !> The GPU code: where the environment variable BRISANCE_PTX says, beside the program, or in
+    !> ../lib/brisance from there (make install).
     function kernel_file() result(path)
-        character(:), allocatable :: path
+        character(:), allocatable :: path, program
         character(4096) :: named
+        logical :: there
+        integer :: slash
 
         call get_environment_variable('BRISANCE_PTX', named)
         path = trim(named)
-        if (path == '') path = program_path()//'.ptx'
+        if (path /= '') return
+        program = program_path()
+        path = program//'.ptx'
+        slash = index(program, '/', back=.true.)
+        inquire (file=path, exist=there)
+        if (there .or. slash == 0) return
+        inquire (file=installed(), exist=there)
+        if (there) path = installed()
+
+    contains
+
+        function installed() result(path)
+            character(:), allocatable :: path
+
+            path = program(:slash)//'../lib/brisance/'//program(slash + 1:)//'.ptx'
+        end function installed
     end function kernel_file
 
     !> The particles on the GPU as the coupling there sees them.

@@ -45,7 +45,7 @@ define pf_run
 $(B)/tests/$(1)/run: $(B)/tests/$(1)/driver.o $(LIB) $(PF_MODULES) $(B)/pf_command \
     $(patsubst %,$(B)/obj/%.o,$(basename $(filter tests/$(1)/%,$(PF) $(PF_HELP))))
 	$(call say,link $$@)
-	$(Q)$(FC) -fopenmp -o $$@ $$(filter %.o,$$^) $$(HDF5_LIBS) $$(PF_LIBS)
+	$(Q)$(LINK) -o $$@ $$(filter %.o,$$^) $$(HDF5_LIBS) $$(PF_LIBS)
 endef
 $(foreach part,unit verify gpu,$(eval $(call pf_run,$(part))))
 

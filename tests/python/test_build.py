@@ -32,7 +32,8 @@ def run(*command, cwd, **more):
 @pytest.fixture
 def project(tmp_path):
     """A copy of the build with three small modules."""
-    shutil.copy(ROOT / "Makefile", tmp_path)
+    for name in ("Makefile", "studies.mk"):
+        shutil.copy(ROOT / name, tmp_path)
     shutil.copytree(ROOT / "scripts", tmp_path / "scripts")
     shutil.copytree(ROOT / "tests/pfstub", tmp_path / "tests/pfstub")
     (tmp_path / "src/base").mkdir(parents=True)
@@ -229,3 +230,58 @@ def test_a_pfunit_that_is_not_there_is_named(project):
     done = run("make", "QUICK=1", "unit", "PFUNIT_DIR=/nowhere", cwd=project)
     assert done.returncode == 2
     assert "/nowhere holds no PFUNIT-*/include/PFUNIT.mk" in done.stderr
+
+
+COUNTED = """module brz_first
+ implicit none
+contains
+ integer function double_of(n)
+  integer, intent(in) :: n
+  double_of = 2*n
+  if (n < 0) then
+   double_of = 0
+  end if
+ end function
+end module
+"""
+COUNTING = """module test_first
+ use funit
+ use brz_first, only: double_of
+contains
+ @test
+ subroutine doubles()
+  @assertEqual(2, double_of(1))
+ end subroutine
+end module
+"""
+
+
+@pytest.fixture(name="counted")
+def _counted(project):
+    """A project of one module, with the same test in both folders of tests."""
+    for path in (project / "src/base").glob("*.f90"):
+        path.unlink()
+    (project / "src/base/first.f90").write_text(COUNTED)
+    shutil.copy(ROOT / "tests/coverage.c", project / "tests")
+    for folder in ("unit", "verify"):
+        (project / "tests" / folder).mkdir()
+        text = COUNTING.replace("test_first", f"{folder}_first")
+        (project / f"tests/{folder}/{folder}_first.pf").write_text(text)
+    return project
+
+
+def test_lines_that_tests_run_are_counted(counted):
+    """Tests end by _exit, where nothing is written unless it is asked for."""
+    done = run("make", "-j2", "coverage", "COVERED=unit", cwd=counted)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert done.stdout.splitlines()[-1] == "4 of 5 lines run: 80.0 %"
+    done = run("scripts/coverage.py", "build/cpu-coverage", "src/base/first.f90", cwd=counted)
+    assert done.stdout == "src/base/first.f90: not run: 8\n"
+
+
+def test_after_an_edit_nothing_is_optimised_at_link_time(counted):
+    done = run("make", "-j2", "V=1", "try", "ARGS=-f doubles", cwd=counted)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("(1 tests)") == 2
+    assert "-O1" in done.stdout
+    assert "-flto" not in done.stdout.replace("-fno-lto", "")

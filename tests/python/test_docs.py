@@ -12,7 +12,11 @@ PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
 MADE = ("bin/", "build/", "out/", "gpu/")
 FOLDERS = {path.name for path in ROOT.iterdir() if path.is_dir()}
 TARGETS = set(
-    re.findall(r"^([a-z][\w -]*?) *:(?!=)", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    re.findall(
+        r"^([a-z][\w -]*?) *:(?!=)",
+        (ROOT / "Makefile").read_text() + (ROOT / "studies.mk").read_text(),
+        re.MULTILINE,
+    )
 )
 TARGETS = {word for line in TARGETS for word in line.split()}
 
