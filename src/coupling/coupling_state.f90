@@ -31,7 +31,6 @@ module brz_coupling_state
         ! particles by air cell
         integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0: outside
         integer(int32), allocatable :: place_of(:) !! (particles) place of it in the wall list
-        integer(int32), allocatable :: fixed(:) !! (particles) as in solid_t
         integer(int32), allocatable :: ends(:) !! (n_cells+1) last of the cell before in `binned`
         integer(int32), allocatable :: binned(:) !! (particles) particles, cell by cell
         integer :: outside = 0 !! particles outside the box

@@ -131,16 +131,11 @@ contains
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
-        integer :: p
 
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static)
-        do p = 1, solid%n
-            coupling%fixed(p) = solid%fixed(p)
-        end do
         call see_carriers(air, solid, coupling)
         call each_mean_velocity_of(coupling%wall%n_cells, coupling%box, size(solid%x, 1), &
                                    size(coupling%carrier), coupling%carrier, coupling%ends, &
-                                   coupling%binned, solid%x, solid%v, solid%mass, coupling%fixed, &
+                                   coupling%binned, solid%x, solid%v, solid%mass, solid%fixed, &
                                    coupling%wall%v)
     end subroutine move_walls
 

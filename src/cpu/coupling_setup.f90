@@ -58,7 +58,6 @@ contains
         call make_box(air, coupling)
         call make_shells(air%n, coupling%shells)
         allocate (coupling%cell_of(solid%n), coupling%place_of(solid%n), coupling%binned(solid%n))
-        allocate (coupling%fixed(solid%n))
         allocate (coupling%v_before(3, solid%n), source=0.0_rk)
         allocate (coupling%mark(air%n(1), air%n(2), air%n(3)))
         allocate (coupling%slot(air%n(1), air%n(2), air%n(3)))

@@ -34,7 +34,7 @@ contains
                                 real(coupling%dt_before, rk), coupling%carrier, coupling%gas, &
                                 wall%face_cell, coupling%face_of, coupling%above, coupling%ends, &
                                 coupling%binned, solid%x, solid%v, solid%mass, solid%load, &
-                                coupling%v_before, solid%id, coupling%fixed, coupling%surface, &
+                                coupling%v_before, solid%id, solid%fixed, coupling%surface, &
                                 coupling%weight, coupling%force, coupling%impedance, wall%v)
         end associate
         call each_keep_velocity(solid%n, size(solid%v, 1), solid%v, solid%id, coupling%v_before)

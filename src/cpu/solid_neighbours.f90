@@ -2,12 +2,14 @@
 !> Neighbour lists: who is within reach of a group of particles, itself or as a mirror image.
 !>
 !> A list depends on `x_built` and the order of the particles alone: rebuilt from them it is the
-!> same, entry by entry. Each body has its list, and keeps it while those of others change. The members of a group are in its list: a pair of i with itself is exactly
-!> nothing, as is one beyond the support of the kernel. i may be a neighbour of its own image.
+!> same, entry by entry. Each body has its list, and keeps it while those of others change. The
+!> members of a group are in its list: a pair of i with itself is exactly nothing, as is one beyond
+!> the support of the kernel. i may be a neighbour of its own image.
 module brz_solid_neighbours
     use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
     use brz_kinds, only: dp, int32, int64, int8, rk
-    use brz_list_drift, only: begin_list, level_of, level_unit
+    use brz_list_drift, only: begin_list, level_unit
+    use brz_move_level, only: level_of
     use brz_particle_order, only: reorder_particles
     use brz_solid_cohesive, only: place_nodes
     use brz_solid_lanes, only: group_of

@@ -6,14 +6,14 @@ module brz_gpu_solid_copy
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_bodies, only: open_gpu_bodies
     use brz_gpu_solid_cohesive, only: fetch_gpu_points, open_gpu_cohesive
-    use brz_gpu_solid_layout, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, &
-        at_mu, at_stress, at_wave, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_joined, &
-        tag_ply, tag_support
+    use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault
     use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, open_gpu_solid_memory, part_of
-    use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
+    use brz_kinds, only: dp, int32, int64, rk
     use brz_materials, only: unloaded_speed
+    use brz_solid_fields, only: field_t, fields_of, fields_t, in_built, in_motion, in_place, &
+        in_reference, in_state, in_tag, numbers_of, set_numbers
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -37,102 +37,86 @@ contains
             gpu%ledger(b) = solid%bodies(b)%ledger
             gpu%reaction(:, b) = solid%bodies(b)%reaction
         end do
-        call put_rows(solid, gpu, err)
-        call put_columns(solid, gpu, err)
+        call put_fields(solid, gpu, err)
         call open_gpu_links(device, solid, gpu, err)
         call open_gpu_cohesive(device, solid%cohesive, gpu, err)
         call build_gpu_lists(gpu, solid, .false., spread(.true., 1, size(solid%bodies)), err)
         call build_gpu_links(gpu, solid, .true., err)
     end subroutine open_gpu_solid
 
-    subroutine put_rows(solid, gpu, err)
-        type(solid_t), intent(in) :: solid
+    !> All fields of the particles, and what follows from their material.
+    subroutine put_fields(solid, gpu, err)
+        type(solid_t), intent(inout), target :: solid
         type(gpu_solid_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
-        real(rk), allocatable :: motion(:, :)
-
-        call put_places(solid%x, gpu%place, .false.)
-        call put_places(solid%x_ref, gpu%reference, allocated(solid%tilt))
-        call put_places(solid%x_built, gpu%built, .false.)
-        allocate (motion(4, solid%n))
-        motion(1:3, :) = solid%v
-        motion(4, :) = solid%volume
-        call copy_in(motion, gpu%motion, size(motion, kind=int64)*bytes_of_real, err)
-
-    contains
-
-        subroutine put_places(x, buffer, tilted)
-            real(dp), intent(in) :: x(:, :)
-            type(buffer_t), intent(in) :: buffer
-            logical, intent(in) :: tilted !! tilts, not lengths, go with them
-            real(dp), allocatable :: place(:, :)
-
-            allocate (place(4, solid%n), source=0.0_dp)
-            place(1:3, :) = x
-            if (size(solid%h) > 0) place(4, :) = solid%h
-            if (tilted) place(4, :) = solid%tilt
-            call copy_in(place, buffer, 32_int64*solid%n, err)
-        end subroutine put_places
-    end subroutine put_rows
-
-    subroutine put_columns(solid, gpu, err)
-        type(solid_t), intent(in) :: solid
-        type(gpu_solid_t), intent(in) :: gpu
-        type(error_t), intent(inout) :: err
+        type(fields_t) :: fields
+        real(dp), allocatable :: rows(:, :)
         real(rk) :: wave(size(solid%materials)), bulk(size(solid%materials))
-        integer :: b, c
+        integer :: k, lies, m
 
-        call put(at_mu, solid%mu)
-        call put(at_energy, solid%energy)
-        call put(at_damage, solid%damage)
-        call put(at_mass, solid%mass)
-        do c = 1, 6
-            call put(at_stress + c, solid%stress(c, :))
+        call fields_of(solid, fields)
+        allocate (rows(4, solid%n))
+        do lies = in_place, in_motion
+            rows = 0
+            do k = 1, fields%n
+                associate (field => fields%of(k))
+                    if (field%lies == lies) rows(field%at:field%at + field%rows - 1, :) = &
+                        numbers_of(field, solid%n)
+                end associate
+            end do
+            if (lies == in_motion) then
+                call copy_in(real(rows, rk), gpu%motion, 4*bytes_of_real*solid%n, err)
+            else
+                call copy_in(rows, rows_of(gpu, lies), 32_int64*solid%n, err)
+            end if
         end do
-        do c = 1, 3
-            call put(at_accel + c, solid%a(c, :))
-        end do
-        do c = 1, solid%n_hist
-            call put(at_hist + c, solid%hist(c, :))
+        do k = 1, fields%n
+            call put_field(gpu, fields%of(k), err)
         end do
         wave = solid%materials%c_wave
-        do b = 1, size(solid%materials)
-            bulk(b) = unloaded_speed(solid%materials(b))
+        do m = 1, size(solid%materials)
+            bulk(m) = unloaded_speed(solid%materials(m))
         end do
-        call put(at_wave, of_bodies(solid, wave))
-        call put(at_bulk, of_bodies(solid, bulk))
-        call put_tag(tag_id, solid%id)
-        call put_tag(tag_ply, int(solid%ply, int32))
-        call put_tag(tag_support, int(solid%support, int32))
-        call put_tag(tag_fixed, int(solid%fixed, int32))
-        call put_tag(tag_cut, int(solid%cut, int32))
-        do c = 1, merge(3, 0, gpu%load > 0)
-            call put(gpu%load + c, solid%load(c, :))
+        call copy_in(of_bodies(solid, wave), column_of(gpu, at_wave), bytes_of_real*solid%n, err)
+        call copy_in(of_bodies(solid, bulk), column_of(gpu, at_bulk), bytes_of_real*solid%n, err)
+    end subroutine put_fields
+
+    !> A field that lies in columns.
+    subroutine put_field(gpu, field, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(field_t), intent(in) :: field
+        type(error_t), intent(inout) :: err
+        real(dp), allocatable :: x(:, :)
+        integer :: c
+
+        if (field%lies /= in_state .and. field%lies /= in_tag) return
+        x = numbers_of(field, gpu%n)
+        do c = 1, field%rows
+            if (field%lies == in_tag) call copy_in(int(x(c, :), int32), &
+                tag_of(gpu, field%at + c - 1), 4_int64*gpu%n, err)
+            if (field%lies == in_state) call copy_in(real(x(c, :), rk), &
+                column_of(gpu, field%at + c - 1), bytes_of_real*gpu%n, err)
         end do
-        if (gpu%owed > 0) call put(gpu%owed, solid%owed)
-        if (.not. gpu%linked) return
-        call put(gpu%touch, real(solid%links%touch, rk))
-        call put(gpu%weight, real(solid%links%weight, rk))
-        call put_tag(tag_bond, int(solid%links%bond, int32))
-        if (allocated(solid%links%joined)) call put_tag(tag_joined, solid%links%joined)
+    end subroutine put_field
 
-    contains
+    !> The rows of four real64 that fields lie in.
+    pure function rows_of(gpu, lies) result(buffer)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: lies
+        type(buffer_t) :: buffer
 
-        subroutine put(column, values)
-            integer, intent(in) :: column
-            real(rk), intent(in) :: values(:)
+        buffer = gpu%place
+        if (lies == in_reference) buffer = gpu%reference
+        if (lies == in_built) buffer = gpu%built
+    end function rows_of
 
-            call copy_in(values, column_of(gpu, column), bytes_of_real*solid%n, err)
-        end subroutine put
+    pure function tag_of(gpu, column) result(rest)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: column !! of `tag`
+        type(buffer_t) :: rest
 
-        subroutine put_tag(column, values)
-            integer, intent(in) :: column
-            integer(int32), intent(in) :: values(:)
-
-            call copy_in(values, part_of(gpu%tag, 4_int64*(column - 1)*solid%n), &
-                         4_int64*solid%n, err)
-        end subroutine put_tag
-    end subroutine put_columns
+        rest = part_of(gpu%tag, 4_int64*(column - 1)*gpu%n)
+    end function tag_of
 
     pure function column_of(gpu, column) result(rest)
         type(gpu_solid_t), intent(in) :: gpu
@@ -162,104 +146,64 @@ contains
         type(error_t), intent(inout) :: err
 
         if (gpu%fetched .or. failed(err)) return
-        call fetch_rows(gpu, solid, err)
-        call fetch_columns(gpu, solid, err)
+        call fetch_fields(gpu, solid, err)
         call fetch_gpu_points(gpu, .true., solid%cohesive, err)
         gpu%fetched = .not. failed(err)
     end subroutine fetch_solid
 
-    subroutine fetch_rows(gpu, solid, err)
+    subroutine fetch_fields(gpu, solid, err)
         type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
+        type(solid_t), intent(inout), target :: solid
         type(error_t), intent(inout) :: err
-
-        call fetch_places(gpu, gpu%place, solid%x, err)
-        call fetch_places(gpu, gpu%reference, solid%x_ref, err)
-        call fetch_places(gpu, gpu%built, solid%x_built, err)
-        call fetch_velocities(gpu, solid, err)
-    end subroutine fetch_rows
-
-    subroutine fetch_places(gpu, buffer, x, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(buffer_t), intent(in) :: buffer
-        real(dp), intent(inout) :: x(:, :)
-        type(error_t), intent(inout) :: err
-        real(dp), allocatable :: place(:, :)
-
-        allocate (place(4, gpu%n))
-        call copy_out(buffer, place, 32_int64*gpu%n, err)
-        x = place(1:3, :)
-    end subroutine fetch_places
-
-    subroutine fetch_velocities(gpu, solid, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
-        type(error_t), intent(inout) :: err
+        type(fields_t) :: fields
+        real(dp), allocatable :: rows(:, :)
         real(rk), allocatable :: motion(:, :)
+        integer :: k, lies
 
-        allocate (motion(4, gpu%n))
-        call copy_out(gpu%motion, motion, size(motion, kind=int64)*bytes_of_real, err)
-        solid%v = motion(1:3, :)
-        solid%volume = motion(4, :)
-    end subroutine fetch_velocities
+        call fields_of(solid, fields)
+        allocate (rows(4, gpu%n), motion(4, gpu%n))
+        do lies = in_place, in_motion
+            if (lies == in_motion) then
+                call copy_out(gpu%motion, motion, 4*bytes_of_real*gpu%n, err)
+                rows = motion
+            else
+                call copy_out(rows_of(gpu, lies), rows, 32_int64*gpu%n, err)
+            end if
+            if (failed(err)) return
+            do k = 1, fields%n
+                associate (field => fields%of(k))
+                    if (field%lies == lies) &
+                        call set_numbers(field, rows(field%at:field%at + field%rows - 1, :))
+                end associate
+            end do
+        end do
+        do k = 1, fields%n
+            call fetch_field(gpu, fields%of(k), err)
+        end do
+    end subroutine fetch_fields
 
-    subroutine fetch_columns(gpu, solid, err)
+    subroutine fetch_field(gpu, field, err)
         type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
+        type(field_t), intent(in) :: field
         type(error_t), intent(inout) :: err
-        real(rk), allocatable :: x(:)
+        real(dp), allocatable :: x(:, :)
+        real(rk), allocatable :: column(:)
         integer(int32), allocatable :: marks(:)
         integer :: c
 
-        allocate (x(solid%n), marks(solid%n))
-        call fetch(at_mu, solid%mu)
-        call fetch(at_energy, solid%energy)
-        call fetch(at_damage, solid%damage)
-        call fetch(at_mass, solid%mass)
-        do c = 1, 6
-            call fetch(at_stress + c, x)
-            solid%stress(c, :) = x
+        if (field%lies /= in_state .and. field%lies /= in_tag) return
+        allocate (x(field%rows, gpu%n), column(gpu%n), marks(gpu%n))
+        do c = 1, field%rows
+            if (field%lies == in_tag) then
+                call copy_out(tag_of(gpu, field%at + c - 1), marks, 4_int64*gpu%n, err)
+                if (.not. failed(err)) x(c, :) = marks
+            else
+                call copy_out(column_of(gpu, field%at + c - 1), column, bytes_of_real*gpu%n, err)
+                if (.not. failed(err)) x(c, :) = column
+            end if
         end do
-        do c = 1, 3
-            call fetch(at_accel + c, x)
-            solid%a(c, :) = x
-        end do
-        do c = 1, solid%n_hist
-            call fetch(at_hist + c, x)
-            solid%hist(c, :) = x
-        end do
-        do c = 1, merge(3, 0, gpu%load > 0)
-            call fetch(gpu%load + c, x)
-            solid%load(c, :) = x
-        end do
-        call fetch_tag(gpu, tag_id, solid%id, err)
-        call fetch_tag(gpu, tag_ply, marks, err)
-        solid%ply = int(marks, int16)
-        call fetch_tag(gpu, tag_support, marks, err)
-        solid%support = int(marks, int16)
-        call fetch_tag(gpu, tag_fixed, marks, err)
-        solid%fixed = int(marks, int8)
-        call fetch_tag(gpu, tag_cut, marks, err)
-        solid%cut = int(marks, int8)
-        if (gpu%owed > 0) call fetch(gpu%owed, solid%owed)
-        if (.not. gpu%linked) return
-        call fetch(gpu%touch, x)
-        solid%links%touch = real(x, real32)
-        call fetch(gpu%weight, x)
-        solid%links%weight = real(x, real32)
-        call fetch_tag(gpu, tag_bond, marks, err)
-        solid%links%bond = int(marks, int8)
-        if (allocated(solid%links%joined)) call fetch_tag(gpu, tag_joined, solid%links%joined, err)
-
-    contains
-
-        subroutine fetch(column, values)
-            integer, intent(in) :: column
-            real(rk), intent(inout) :: values(:)
-
-            call copy_out(column_of(gpu, column), values, bytes_of_real*solid%n, err)
-        end subroutine fetch
-    end subroutine fetch_columns
+        if (.not. failed(err)) call set_numbers(field, x)
+    end subroutine fetch_field
 
     !> Refresh the motion of some particles on the host, wherever they lie there.
     subroutine fetch_particles(gpu, id, solid, err)
@@ -299,15 +243,6 @@ contains
         end do
     end subroutine fetch_particles
 
-    subroutine fetch_tag(gpu, column, values, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: column
-        integer(int32), intent(inout) :: values(:)
-        type(error_t), intent(inout) :: err
-
-        call copy_out(part_of(gpu%tag, 4_int64*(column - 1)*gpu%n), values, 4_int64*gpu%n, err)
-    end subroutine fetch_tag
-
     !> The particles with an impossible state are noted in the blocks of the host, as its own are.
     subroutine faults_of(gpu, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
@@ -318,7 +253,7 @@ contains
 
         call fetch_solid(gpu, solid, err)
         allocate (marks(solid%n), source=0_int32)
-        call fetch_tag(gpu, tag_fault, marks, err)
+        call copy_out(tag_of(gpu, tag_fault), marks, 4_int64*gpu%n, err)
         do k = 1, size(solid%block, 2)
             associate (first => solid%block(2, k), last => solid%block(3, k))
                 solid%search%bad(k) = findloc(marks(first:last), 1, dim=1)

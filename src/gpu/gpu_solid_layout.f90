@@ -13,6 +13,9 @@
 !> book(n, ...), whose sums over a body are its ledger.
 module brz_gpu_solid_layout
     use brz_kinds, only: dp, rk
+    use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
+        at_stress, at_wave, n_tag, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_joined, &
+        tag_ply, tag_support
     implicit none
     private
     public :: body_gpu_t, grid_gpu_t, link_gpu_t
@@ -27,20 +30,6 @@ module brz_gpu_solid_layout
     public :: at_heat, at_friction, at_drag, at_hold, at_work, n_terms
     public :: pass_drawn, pass_deviation, pass_trace
     public :: flag_bad, flag_drawn, n_flag, slice_width, mask_unit, scan_chunk
-
-    ! columns of `state`
-    integer, parameter :: at_mu = 1, at_energy = 2
-    integer, parameter :: at_stress = 2 !! + 1..6
-    integer, parameter :: at_damage = 9, at_wave = 10, at_bulk = 11, at_mass = 12
-    integer, parameter :: at_accel = 12 !! + 1..3
-    integer, parameter :: at_hist = 15 !! + 1..n_hist; then what gpu_solid_t says
-
-    ! columns of `tag`
-    integer, parameter :: tag_id = 1, tag_ply = 2, tag_support = 3, tag_fixed = 4, tag_cut = 5
-    integer, parameter :: tag_fault = 6 !! 1: an impossible state was seen here
-    integer, parameter :: tag_bond = 7 !! bond_none, ...
-    integer, parameter :: tag_joined = 8 !! cohesive interfaces that still hold it, a bit each
-    integer, parameter :: n_tag = 8
 
     ! columns of `book`, since the GPU took over [J, N s]; the place of a particle, not the
     ! particle, keeps them

@@ -8,15 +8,17 @@ module brz_gpu_solid_state
         free_buffer, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
-    use brz_gpu_solid_layout, only: at_hist, grid_gpu_t, n_book, n_flag, n_tag, n_total
+    use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
-    use brz_list_drift, only: move_levels
+    use brz_move_level, only: move_levels
+    use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
     use brz_text, only: to_text
     implicit none
     private
     public :: gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, close_gpu_solid, &
-              part_of, moved_flags, threads_of, bytes_of_real, sum_threads, total_threads, fold_threads
+              part_of, moved_flags, threads_of, bytes_of_real, sum_threads, total_threads, &
+              fold_threads
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
     integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
@@ -93,7 +95,7 @@ contains
     !> Reserve all memory and find all kernels.
     subroutine open_gpu_solid_memory(device, solid, in_air, gpu, err)
         type(device_t), intent(in) :: device
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid
         logical, intent(in) :: in_air !! the air loads the bodies
         type(gpu_solid_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
@@ -140,23 +142,17 @@ contains
 
     !> Number the columns of `state`.
     subroutine number_columns(solid, in_air, gpu)
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid
         logical, intent(in) :: in_air
         type(gpu_solid_t), intent(inout) :: gpu
+        type(fields_t) :: fields
 
-        gpu%n_state = at_hist + solid%n_hist
-        if (gpu%linked) then
-            gpu%touch = gpu%n_state + 1
-            gpu%weight = gpu%n_state + 2
-            gpu%n_state = gpu%weight
-        end if
-        if (allocated(solid%owed)) then
-            gpu%n_state = gpu%n_state + 1
-            gpu%owed = gpu%n_state
-        end if
-        if (.not. in_air) return
-        gpu%load = gpu%n_state
-        gpu%n_state = gpu%load + 3
+        call fields_of(solid, fields)
+        gpu%n_state = fields%columns
+        gpu%touch = column_of_field(fields, 'touch')
+        gpu%weight = column_of_field(fields, 'contact_weight')
+        gpu%owed = column_of_field(fields, 'owed')
+        if (in_air) gpu%load = column_of_field(fields, 'load') - 1
     end subroutine number_columns
 
     !> Refuse a scene that does not fit, before anything is reserved.

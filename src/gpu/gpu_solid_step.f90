@@ -13,7 +13,8 @@ module brz_gpu_solid_step
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, moved_flags, threads_of
     use brz_gpu_solid_sums, only: fetch_limit, sums_of_body
     use brz_kinds, only: dp, int64, rk
-    use brz_list_drift, only: drift_bodies, find_stale, level_unit, move_levels
+    use brz_list_drift, only: drift_bodies, find_stale, level_unit
+    use brz_move_level, only: move_levels
     use brz_motion, only: mean_velocity, velocity_of
     use brz_solid_faults, only: report_bad
     use brz_solid_sleep, only: wake_met

@@ -6,7 +6,7 @@ module brz_checkpoint_check
     use brz_clock, only: clock_t
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, exit_io, failed, raise
-    use brz_kinds, only: dp, int8
+    use brz_kinds, only: dp, int32
     use brz_solid_state, only: bond_broken, is_gone, solid_t
     implicit none
     private
@@ -27,10 +27,10 @@ contains
         if (failed(err)) return
         name = ''
         call check_clock(clock, name)
-        if (air%present) call demand(all(within(air%reached, 1)), 'air/reached', name)
+        if (air%present) call demand(all(within(int(air%reached), 1)), 'air/reached', name)
         if (solid%present) call check_solid(solid, name)
         if (coupling%present) then
-            call demand(all(within(coupling%wall%solid, 1)), 'coupling/solid', name)
+            call demand(all(within(int(coupling%wall%solid), 1)), 'coupling/solid', name)
             associate (cell => coupling%debt_cell(:coupling%n_debts))
                 call demand(all(cell >= 1 .and. cell <= product(real(air%n, dp))), &
                             'coupling/debt_cell', name)
@@ -50,7 +50,7 @@ contains
     end subroutine demand
 
     elemental logical function within(mark, last)
-        integer(int8), intent(in) :: mark
+        integer(int32), intent(in) :: mark
         integer, intent(in) :: last !! marks are 0..last
 
         within = mark >= 0 .and. mark <= last
@@ -78,11 +78,11 @@ contains
         call demand(solid%dt_limit >= 0, 'solid/dt_limit', name)
         call demand(solid%steps >= 0, 'solid/steps', name)
         call demand(all(solid%mass > 0), 'solid/mass', name)
-        call demand(all(within(solid%fixed, int(is_gone))), 'solid/fixed', name)
-        call demand(all(within(solid%cut, 1)), 'solid/cut', name)
+        call demand(all(within(solid%fixed, is_gone)), 'solid/fixed', name)
+        call demand(all(within(int(solid%cut), 1)), 'solid/cut', name)
         call demand(all(solid%support >= 0), 'solid/support', name)
         if (solid%links%present) &
-            call demand(all(within(solid%links%bond, int(bond_broken))), 'solid/bond', name)
+            call demand(all(within(solid%links%bond, bond_broken)), 'solid/bond', name)
         if (solid%cohesive%present) &
             call demand(all(solid%cohesive%damage >= 0 .and. solid%cohesive%damage <= 1), &
                         'solid/interface_damage', name)

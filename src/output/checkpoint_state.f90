@@ -5,6 +5,7 @@
 !> x_built), volumes, wall lists, bins, fluxes. Arrays are allocated by the set-up of the scene
 !> before they are read, so their shapes are checked against the file.
 module brz_checkpoint_state
+    use, intrinsic :: iso_c_binding, only: c_f_pointer
     use brz_air_state, only: air_t
     use brz_carry, only: carry
     use brz_clock, only: clock_t, resume_clock
@@ -12,7 +13,9 @@ module brz_checkpoint_state
     use brz_errors, only: error_t, failed
     use brz_hdf5_array, only: h5_shape
     use brz_hdf5_file, only: h5_t
-    use brz_kinds, only: dp, int8, int64
+    use brz_kinds, only: dp, int16, int32, int64, int8, real32, real64
+    use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
+        is_short, is_single
     use brz_solid_state, only: ledger_t, solid_t
     implicit none
     private
@@ -58,35 +61,63 @@ contains
         call carry(file, 'solid/dt_limit', solid%dt_limit, err)
         call carry(file, 'solid/steps', solid%steps, err)
         call carry(file, 'solid/rebuilds', solid%rebuilds, err)
-        call carry(file, 'solid/x', solid%x, err)
-        call carry(file, 'solid/x_ref', solid%x_ref, err)
-        call carry(file, 'solid/x_built', solid%x_built, err)
-        call carry(file, 'solid/v', solid%v, err)
-        call carry(file, 'solid/a', solid%a, err)
-        if (allocated(solid%load)) call carry(file, 'solid/load', solid%load, err)
-        call carry(file, 'solid/mass', solid%mass, err)
-        call carry(file, 'solid/mu', solid%mu, err)
-        call carry(file, 'solid/energy', solid%energy, err)
-        call carry(file, 'solid/stress', solid%stress, err)
-        call carry(file, 'solid/hist', solid%hist, err)
-        call carry(file, 'solid/damage', solid%damage, err)
-        call carry(file, 'solid/id', solid%id, err)
-        call carry(file, 'solid/ply', solid%ply, err)
-        call carry(file, 'solid/support', solid%support, err)
-        call carry(file, 'solid/fixed', solid%fixed, err)
-        call carry(file, 'solid/cut', solid%cut, err)
-        if (allocated(solid%tilt)) call carry(file, 'solid/tilt', solid%tilt, err)
-        if (allocated(solid%owed)) call carry(file, 'solid/owed', solid%owed, err)
+        call carry_fields(file, solid, err)
         call carry_bodies(file, solid, err)
-        if (.not. solid%links%present) return
-        call carry(file, 'solid/touch', solid%links%touch, err)
-        call carry(file, 'solid/contact_weight', solid%links%weight, err)
-        call carry(file, 'solid/bond', solid%links%bond, err)
         if (.not. solid%cohesive%present) return
         call carry(file, 'solid/interface_damage', solid%cohesive%damage, err)
         call carry(file, 'solid/interface_spent', solid%cohesive%spent, err)
         call carry(file, 'solid/interface_held', solid%cohesive%held, err)
     end subroutine carry_solid
+
+    !> All fields of the particles that nothing else gives.
+    subroutine carry_fields(file, solid, err)
+        type(h5_t), intent(in) :: file
+        type(solid_t), intent(inout), target :: solid
+        type(error_t), intent(inout) :: err
+        type(fields_t) :: fields
+        integer :: k
+
+        call fields_of(solid, fields)
+        do k = 1, fields%n
+            if (fields%of(k)%kept) call carry_field(file, fields%of(k), solid%n, err)
+        end do
+    end subroutine carry_fields
+
+    subroutine carry_field(file, field, n, err)
+        type(h5_t), intent(in) :: file
+        type(field_t), intent(in) :: field
+        integer, intent(in) :: n !! particles
+        type(error_t), intent(inout) :: err
+        real(real64), pointer :: double(:, :), double_of(:)
+        real(real32), pointer :: single(:, :), single_of(:)
+        integer(int32), pointer :: number(:)
+        integer(int16), pointer :: short(:)
+        integer(int8), pointer :: byte(:)
+        character(:), allocatable :: name
+
+        name = 'solid/'//trim(field%name)
+        select case (field%kind)
+        case (is_double)
+            call c_f_pointer(field%values, double, [field%rows, n])
+            call c_f_pointer(field%values, double_of, [n])
+            if (field%flat) call carry(file, name, double_of, err)
+            if (.not. field%flat) call carry(file, name, double, err)
+        case (is_single)
+            call c_f_pointer(field%values, single, [field%rows, n])
+            call c_f_pointer(field%values, single_of, [n])
+            if (field%flat) call carry(file, name, single_of, err)
+            if (.not. field%flat) call carry(file, name, single, err)
+        case (is_integer)
+            call c_f_pointer(field%values, number, [n])
+            call carry(file, name, number, err)
+        case (is_short)
+            call c_f_pointer(field%values, short, [n])
+            call carry(file, name, short, err)
+        case default
+            call c_f_pointer(field%values, byte, [n])
+            call carry(file, name, byte, err)
+        end select
+    end subroutine carry_field
 
     !> The sums that each body keeps: its reaction and, whatever components it may get, its ledger.
     subroutine carry_bodies(file, solid, err)

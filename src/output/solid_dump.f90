@@ -87,7 +87,7 @@ contains
         call write_field(file, 'PointData/body', '-', body(order), err)
         call write_field(file, 'PointData/material', '-', material(order), err)
         call write_field(file, 'PointData/ply', '-', int(solid%ply(order), int32), err)
-        call write_field(file, 'PointData/fixed', '-', solid%fixed(order), err)
+        call write_field(file, 'PointData/fixed', '-', int(solid%fixed(order), int8), err)
     end subroutine write_points
 
     !> One vertex per particle; no lines, polygons and strips.

@@ -13,7 +13,7 @@ module brz_body_setup
     use brz_formulation, only: settle_formulation
     use brz_interaction_setup, only: set_up_interactions
     use brz_load_setup, only: set_up_loads
-    use brz_kinds, only: dp, int16, int8, rk
+    use brz_kinds, only: dp, int16, rk
     use brz_layer_setup, only: settle_layer
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
@@ -291,7 +291,7 @@ contains
                 if (held(1, a) .and. solid%x(a, i) < lowest(shape, a) + deep(a)) solid%fixed(i) = 1
                 if (held(2, a) .and. solid%x(a, i) > shape%full_hi(a) - deep(a)) solid%fixed(i) = 1
             end do
-            if (any(input%fix == 'all')) solid%fixed(i) = 1_int8
+            if (any(input%fix == 'all')) solid%fixed(i) = 1
             if (solid%fixed(i) == 1) solid%v(:, i) = 0
         end do
     end subroutine hold_body

@@ -5,7 +5,7 @@
 !> where fragments fly so far that this takes too many cells, parts of space share cells, evenly.
 !> Neighbours are in neighbouring cells either way.
 module brz_cell_grid
-    use brz_kinds, only: dp, int64, int8
+    use brz_kinds, only: dp, int32, int64
     use brz_solid_state, only: body_t, form_total, is_gone, lanes, search_t, solid_t
     implicit none
     private
@@ -41,7 +41,7 @@ contains
     subroutine lay_grid(s, x, fixed, body, size)
         type(search_t), intent(inout) :: s
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
-        integer(int8), intent(in) :: fixed(:) !! (n)
+        integer(int32), intent(in) :: fixed(:) !! (n)
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: size !! side of a cell [m]
         real(dp) :: lo(3), hi(3)
@@ -53,7 +53,7 @@ contains
     !> Corners of the particles of a body that are not gone.
     pure subroutine extent(x, fixed, body, lo, hi)
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
-        integer(int8), intent(in) :: fixed(:) !! (n)
+        integer(int32), intent(in) :: fixed(:) !! (n)
         type(body_t), intent(in) :: body
         real(dp), intent(out) :: lo(3), hi(3) !! [m]
         integer :: i
@@ -138,7 +138,7 @@ contains
     subroutine fill_cells(s, x, fixed, body)
         type(search_t), intent(inout) :: s
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
-        integer(int8), intent(in) :: fixed(:) !! (n)
+        integer(int32), intent(in) :: fixed(:) !! (n)
         type(body_t), intent(in) :: body
         integer :: i, c, n
 
@@ -168,7 +168,7 @@ contains
     pure integer function cell_of(s, x, fixed) result(c)
         type(search_t), intent(in) :: s
         real(dp), intent(in) :: x(3) !! [m]
-        integer(int8), intent(in) :: fixed
+        integer(int32), intent(in) :: fixed
         integer :: at(3)
 
         c = ubound(s%start, 1)

@@ -5,23 +5,20 @@
 !> The list of body b was built for the places `x_built`. Since then the body as a whole has drifted
 !> by D, at the mean velocity that it had then; what counts for a particle is
 !> e = |x - x_built - D|. A list reaches a skin further than pairs act, so it lasts while
-!> e <= skin/2. Links between bodies a and b were built for the places x_built + S, where S was D at
-!> that time. They last while e_a + e_b + |(D_a - S_a) - (D_b - S_b)| <= skin, and longer by what the
-!> boxes around the two were further apart than links reach. Along the normal of a plane of symmetry
-!> nothing drifts: images move the other way.
+!> e <= skin/2. Links between bodies a and b were built for the places x_built + S, where S was D
+!> at that time. They last while e_a + e_b + |(D_a - S_a) - (D_b - S_b)| <= skin, and longer by what
+!> the boxes around the two were further apart than links reach. Along the normal of a plane of
+!> symmetry nothing drifts: images move the other way. e is known in levels, see brz_move_level.
 module brz_list_drift
     use brz_contact, only: law_none
     use brz_kinds, only: dp
+    use brz_move_level, only: move_levels
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: form_rigid, solid_t
     implicit none
     private
-    public :: move_levels, level_unit, level_of, drift_bodies, find_stale, begin_list, begin_links, &
+    public :: level_unit, drift_bodies, find_stale, begin_list, begin_links, &
         links_reach, may_link
-
-    !> e is known in steps: level k says that it lies between k and k + 1 units, and the last level
-    !> that the list has had its time.
-    integer, parameter :: move_levels = 8
 
 contains
 
@@ -31,17 +28,6 @@ contains
 
         level_unit = solid%skin/(2*move_levels)
     end function level_unit
-
-    !> Level of a particle that has moved by so much relative to its body.
-    !@cuf attributes(host,device) &
-    pure function level_of(e2, unit) result(level)
-        real(dp), intent(in) :: e2, unit !! e squared [m2], step of e [m]
-        integer :: level
-
-        level = move_levels
-        if (.not. e2 > (move_levels*unit)*(move_levels*unit)) &
-            level = min(int(sqrt(e2)/unit), move_levels - 1)
-    end function level_of
 
     !> Let the bodies drift over a step.
     pure subroutine drift_bodies(solid, dt)

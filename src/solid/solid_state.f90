@@ -30,9 +30,9 @@ module brz_solid_state
                                                  'uncorrected', 'rigid', 'total_lagrangian']
     integer, parameter :: lanes = 8 !! particles of a group, which share one list of neighbours
 
-    integer(int8), parameter :: is_free = 0, is_held = 1
-    integer(int8), parameter :: is_gone = 2 !! has left the region and is out of the computation
-    integer(int8), parameter :: bond_none = 0, bond_whole = 1, bond_broken = 2
+    integer(int32), parameter :: is_free = 0, is_held = 1
+    integer(int32), parameter :: is_gone = 2 !! has left the region and is out of the computation
+    integer(int32), parameter :: bond_none = 0, bond_whole = 1, bond_broken = 2
     real(rk), parameter :: intact_share = 0.5_rk !! fewer intact neighbours end the stiff
                                                  !! hourglass force
     integer, parameter :: worth_threads = 2048 !! fewer particles are faster on one thread
@@ -154,7 +154,7 @@ module brz_solid_state
         real(real32), allocatable :: touch(:) !! (n) kernel sum at which contact begins
         real(real32), allocatable :: weight(:) !! (n) of its cell in sums of contact, 1 but at the
                                                !! surface of round bodies
-        integer(int8), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
+        integer(int32), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
         integer(int32), allocatable :: joined(:) !! (n) cohesive interfaces that still hold a
                                                  !! particle, a bit each; only where there are some
         real(rk), allocatable :: press(:, :) !! (5, 0:rows) pressure of contact [Pa]; its gradient
@@ -208,7 +208,7 @@ module brz_solid_state
                                          !! in the half step to come; the rest became heat [J]
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
-        integer(int8), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone
+        integer(int32), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone
         integer(int8), allocatable :: cut(:) !! (n) 1: hourglass support lost for good
         integer(int16), allocatable :: support(:) !! (n) neighbours in the unloaded body
         integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block
@@ -216,7 +216,7 @@ module brz_solid_state
         type(search_t) :: search
         ! neighbours of a group: entries first(g)..first(g+1)-1 of `list`, its members among them;
         ! mirror images, only where there are planes: entries image_first(g)..image_first(g+1)-1
-        integer(int64), allocatable :: first(:), image_first(:) !! (groups, and an end for each body)
+        integer(int64), allocatable :: first(:), image_first(:) !! (groups and an end for each body)
         integer(int32), allocatable :: list(:) !! particles within reach of a member
         integer(int32), allocatable :: image(:) !! particles whose image is within reach of one
         integer(int8), allocatable :: mask(:) !! mirrored axes of an image, bits 0..2

@@ -173,7 +173,7 @@ contains
 
     !> Particles, layers and bytes of every body.
     subroutine check_solid(sim)
-        type(simulation_t), intent(in) :: sim
+        type(simulation_t), intent(inout) :: sim
         integer :: b
 
         do b = 1, size(sim%solid%bodies)

@@ -137,7 +137,7 @@ contains
         solid%present = .true.
         solid%n = n
         allocate (solid%x(3, n), solid%v(3, n), solid%load(3, n), solid%mass(n), solid%volume(n))
-        allocate (solid%fixed(n), source=0_int8)
+        allocate (solid%fixed(n), source=0)
         solid%id = [(n + 1 - p, p=1, n)]
         solid%dt_last = 0.003_dp
         do p = 1, n

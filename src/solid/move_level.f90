@@ -1,0 +1,26 @@
+! SPDX-License-Identifier: MIT
+!> How far a particle has moved relative to its body since its list was built, in levels. Point
+!> physics.
+!>
+!> Level k says that it is between k and k + 1 units, the last one that the list has had its time.
+module brz_move_level
+    use brz_kinds, only: dp
+    implicit none
+    private
+    public :: move_levels, level_of
+
+    integer, parameter :: move_levels = 8
+
+contains
+
+    !> Level of a particle that has moved by so much relative to its body.
+    !@cuf attributes(host,device) &
+    pure function level_of(e2, unit) result(level)
+        real(dp), intent(in) :: e2, unit !! e squared [m2], step of e [m]
+        integer :: level
+
+        level = move_levels
+        if (.not. e2 > (move_levels*unit)*(move_levels*unit)) &
+            level = min(int(sqrt(e2)/unit), move_levels - 1)
+    end function level_of
+end module brz_move_level
