@@ -2,7 +2,7 @@
 !> One time step of the air: two or three Runge-Kutta stages of sweeps (SSP-RK2, which is Heun's
 !> method, and SSP-RK3, of Shu and Osher).
 module brz_air_step
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp, int64, rk
     use brz_air_activity, only: find_awake, next_run
     use brz_air_state, only: air_ok, air_t, brick, bc_periodic, lines_per_block, n_ghost, &
         set_scale, wall_t
@@ -11,6 +11,7 @@ module brz_air_step
     use brz_air_sweep, only: stage_t, sweep
     use brz_grid_lines, only: n_blocks
     use brz_positivity, only: floors_of
+    use brz_ranks, only: most_of_all
     use brz_runge_kutta, only: new_weight, share_of
     use brz_scheme, only: max_var
     use omp_lib, only: omp_get_max_threads
@@ -65,6 +66,7 @@ contains
         type(stage_t), intent(inout) :: stage
         integer, intent(out) :: status
         integer :: d, last
+        integer(int64) :: suspects(1)
 
         status = air_ok
         last = findloc(air%n > 1, .true., dim=1, back=.true.)
@@ -78,7 +80,9 @@ contains
             call add_outflow(air, d, stage%share)
             stage%first = .false.
         end do
-        if (any(air%suspect(1:n_blocks(air%n, last)) > 0)) &
+        suspects = count(air%suspect(1:n_blocks(air%n, last)) > 0)
+        call most_of_all(air%part%ranks, suspects)
+        if (suspects(1) > 0) &
             call repair(air, wall, last, stage, status)
     end subroutine take_rates
 

@@ -7,7 +7,7 @@ module brz_air_sweep
     use brz_kinds, only: dp, int8, rk
     use brz_air_activity, only: awake_along, next_run
     use brz_air_boundary, only: beyond_wall
-    use brz_air_state, only: air_t, brick, lines_per_block, n_ghost, sweep_work_t, wall_t
+    use brz_air_state, only: air_t, bc_inside, brick, lines_per_block, n_ghost, sweep_work_t, wall_t
     use brz_grid_lines, only: first_cell_of, line_of, n_blocks, n_lines, turned
     use brz_gas, only: pressure
     use brz_positivity, only: margin, stray
@@ -77,6 +77,8 @@ contains
         if (stage%last) air%suspect(b) = 0
         work%ends = 0
         work%ends(:, 2, :) = pressure(air%scheme%gamma, air%rest)
+        if (air%bc(1, d) == bc_inside) work%ends(:, :, 1) = 0
+        if (air%bc(2, d) == bc_inside) work%ends(:, :, 2) = 0
         call awake_along(air, d, b, awake)
         run%grid = air%n
         run%d = d
@@ -110,8 +112,9 @@ contains
         if (run%lo == 1) call wall_end(air, wall, run, 0, work%f)
         if (run%hi == air%n(run%d)) call wall_end(air, wall, run, run%n, work%f)
         if (run%has_solid) call cut_fluxes(air, wall, run, stage%share, work%f)
-        if (run%lo == 1) work%ends(:, :, 1) = work%f(:, :, 0)
-        if (run%hi == air%n(run%d)) work%ends(:, :, 2) = work%f(:, :, n)
+        if (run%lo == 1 .and. air%bc(1, run%d) /= bc_inside) work%ends(:, :, 1) = work%f(:, :, 0)
+        if (run%hi == air%n(run%d) .and. air%bc(2, run%d) /= bc_inside) &
+            work%ends(:, :, 2) = work%f(:, :, n)
         call difference(n, nv, real(1/air%dx(run%d), rk), work%f)
         if (run%has_solid) call load_off_ledger(wall, run, nv, work%f)
         call store(n, nv, air%rate, run, turned(1, run%d), stage%first, work%f)

@@ -6,7 +6,7 @@ module brz_summary
     use brz_cohesive_state, only: cohesive_totals
     use brz_errors, only: error_t, failed
     use brz_kernel_profile, only: print_profile, profiling
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64
     use brz_ledger, only: ledger_start_t, ledger_t, take_stock
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
@@ -39,13 +39,13 @@ contains
                 ledger%coupling_error, ' of the work on the bodies'
             write (output_unit, '(a, es10.2)') 'mass error     ', ledger%mass_error
             write (output_unit, '(a, es10.2)') 'momentum error ', ledger%momentum_error
-            write (output_unit, '(a, i0)') 'fallback faces  ', sim%air%fallback_faces
-            if (sim%air%held_cells > 0) write (output_unit, '(a, i0)') 'held cells      ', &
-                sim%air%held_cells
+            write (output_unit, '(a, i0)') 'fallback faces  ', nint(ledger%fallback_faces, int64)
+            if (ledger%held_cells > 0) write (output_unit, '(a, i0)') 'held cells      ', &
+                nint(ledger%held_cells, int64)
         end if
         call print_clamped(sim)
         call print_interfaces(sim)
-        if (outputs%gauges%n > 0) then
+        if (outputs%gauges%n > 0 .and. sim%ranks%rank == 0) then
             call gauge_summary(outputs%gauges, outputs%folder//'/gauges.csv', text, err)
             if (.not. failed(err)) write (output_unit, '(/, a)') text
         end if
