@@ -120,7 +120,7 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
 .PHONY: unit verify python figures lint format check-docs gpu-check setup test demo paper paper-coarse bench golden vectors
-.PHONY: charts charts-air charts-solid charts-coupling charts-scenes stability stability-air validate point-blast
+.PHONY: bench-ranks charts charts-air charts-solid charts-coupling charts-scenes stability stability-air validate point-blast
 # The figures that tests measure go to NOTES; a whole run of the verification tests begins it anew.
 NOTES := build/log/notes$(KIND).csv
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
@@ -176,6 +176,8 @@ paper-coarse: all ## the same, coarse, on this machine (an hour of two cores)
 	@$(PY) scripts/paper.py coarse
 bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
 	@for program in $^; do $$program || exit 1; done
+bench-ranks: all ## speed of the air on several processes: strong and weak scaling (ARGS: numbers of processes)
+	@$(PY) scripts/bench_ranks.py $(BIN) $(or $(ARGS),1 2)
 vectors: $(if $(DEBUG)$(QUICK),,$(LIB)) ## are the pair loops of the solid still vector code?
 	@$(if $(DEBUG)$(QUICK),echo 'skipped: not in this build',$(PY) scripts/vectors.py $(LIB))
 golden: all ## write the golden curves of tests/golden anew from inputs/material
