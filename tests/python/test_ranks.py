@@ -88,6 +88,9 @@ def test_a_check_tells_what_processes_get():
     assert "cells 1-44 1-24 1-40, 42240 of its own, 8844 of neighbours" in done.stdout
     done = start(0, "run", ROOT / "inputs/reflection.nml", "--check", "--ranks", "zero")
     assert done.returncode == 2
+    done = start(0, "run", ROOT / "inputs/reflection.nml", "--ranks", "4")
+    assert done.returncode == 2
+    assert "mpirun -n 4" in done.stderr
 
 
 # A burst of gas with products between all kinds of boundary, gauges across the cuts: some seconds.
@@ -158,6 +161,25 @@ def test_results_do_not_depend_on_processes(n, alone, tmp_path):
     part.unlink()
     with pytest.raises(PostError, match=r"part air_00001\.part002\.h5 is missing"):
         Run(tmp_path / "out").frames[1].air("pressure")
+
+
+# Decks that come with the program, short: a blast that starts in one dimension, a tube.
+SHORT = {
+    "reflection": ["air.cells=16,16,32", "run.t_end=6e-4", "output.dump_every=1e-4"],
+    "shock_tube": ["output.dump_every=1e-3"],
+}
+
+
+@needs_mpirun
+@pytest.mark.parametrize("name", SHORT)
+def test_decks_of_the_program_give_the_same(name, tmp_path):
+    changes = [word for change in SHORT[name] for word in ("--set", change)]
+    for n in (0, 2, 4):
+        done = start(n, "run", ROOT / f"inputs/{name}.nml", "--out", tmp_path / str(n), *changes)
+        assert done.returncode == 0, done.stderr
+        if n > 0:
+            equal_results(tmp_path / "0", tmp_path / str(n))
+            assert f"processes  {n}, the largest box over the mean" in done.stdout
 
 
 @needs_mpirun
