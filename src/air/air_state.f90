@@ -5,10 +5,11 @@ module brz_air_state
     use brz_air_grid, only: brick
     use brz_air_part, only: part_t
     use brz_kinds, only: dp, int8, int64, rk
+    use brz_running_total, only: running_total_t
     use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t, outside_t
+    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t, outside_t, ends_t
     public :: n_ghost, lines_per_block, brick
     public :: cell_centre, cell_gamma, set_scale
     public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic, bc_inside
@@ -28,6 +29,12 @@ module brz_air_state
         real(rk), allocatable :: f(:, :, :) !! (lines, n_var, 0:n) fluxes, then rates
         real(rk), allocatable :: ends(:, :, :) !! (lines, n_var, 2) fluxes through the outer faces
     end type sweep_work_t
+
+    !> Fluxes through the outer faces of the lines of a direction, in a stage.
+    type :: ends_t
+        real(rk), allocatable :: f(:, :) !! (lines, n_var) normal momentum in slot 2
+        real(dp), allocatable :: sums(:, :) !! (n_var, bricks) the same of the faces of bricks
+    end type ends_t
 
     !> The gas beyond an open boundary: that of the cells next to it before anything happened.
     type :: outside_t
@@ -76,6 +83,7 @@ module brz_air_state
         real(dp) :: outflow(5) = 0
         !! mass, momentum, energy that left through the outer faces, all steps
         real(dp) :: outflow_products = 0 !! mass of products that left likewise [kg]
+        type(running_total_t) :: left(6) !! both, exactly: of this process, on the CPU
         type(charge_report_t), allocatable :: charge(:) !! one for each &charge
         integer :: bad_cell(3) = 0 !! first unphysical cell of the grid in a step that failed
         real(rk) :: bad_state(5) = 0 !! what its conserved variables would have become
@@ -85,8 +93,7 @@ module brz_air_state
         !! to 1, for air_time_step
         ! work arrays of the sweeps; nothing outside a step reads them
         type(sweep_work_t), allocatable :: work(:) !! (0:threads-1)
-        real(dp), allocatable :: edge(:, :)
-        !! (n_var, blocks) what leaves a block of lines at its two ends, per area and time
+        type(ends_t) :: ends(2, 3) !! (low/high, direction) what passes the outer faces
         real(dp), allocatable :: brick_sum(:, :) !! (6, bricks) totals of bricks
         integer, allocatable :: suspect(:)
         !! (blocks) cells of a block whose next state looks unphysical

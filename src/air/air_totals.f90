@@ -7,9 +7,11 @@ module brz_air_totals
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64
     use brz_ranks, only: several, sum_of_all
+    use brz_running_total, only: add_to_total, value_of, value_of_all
     implicit none
     private
     public :: cell_sums, sum_bricks, first_of_brick, outflow_of_all, counts_of_all
+    public :: show_outflow, take_outflow
 
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
 
@@ -70,15 +72,42 @@ contains
         type(air_t), intent(in) :: air
         real(dp), intent(out) :: outflow(5) !! mass, momentum, energy
         real(dp), intent(out) :: products
-        real(dp) :: sums(6)
+        integer :: c
 
-        sums = [air%outflow, air%outflow_products]
-        if (several(air%part%ranks)) &
-            call exact_sums(air%part%ranks, reshape([air%outflow, air%outflow_products], [6, 1]), &
-                            sums)
-        outflow = sums(1:5)
-        products = sums(6)
+        outflow = air%outflow
+        products = air%outflow_products
+        if (.not. several(air%part%ranks)) return
+        do c = 1, 5
+            outflow(c) = value_of_all(air%part%ranks, air%left(c))
+        end do
+        products = value_of_all(air%part%ranks, air%left(6))
     end subroutine outflow_of_all
+
+    !> Bring the outflow of this process up to date as numbers.
+    subroutine show_outflow(air)
+        type(air_t), intent(inout) :: air
+        integer :: c
+
+        do c = 1, 5
+            air%outflow(c) = value_of(air%left(c))
+        end do
+        air%outflow_products = value_of(air%left(6))
+    end subroutine show_outflow
+
+    !> After a restart: where the exact totals are not those of the outflow, as a GPU has gone on
+    !> without them, they begin with it.
+    subroutine take_outflow(air)
+        type(air_t), intent(inout) :: air
+        real(dp) :: now(6)
+        integer :: c
+
+        now = [air%outflow, air%outflow_products]
+        do c = 1, 6
+            if (abs(value_of(air%left(c)) - now(c)) <= 0) cycle
+            air%left(c)%limb = 0
+            call add_to_total(air%left(c), now(c))
+        end do
+    end subroutine take_outflow
 
     !> Faces that fell back and cells that were held so far.
     subroutine counts_of_all(air, faces, cells)

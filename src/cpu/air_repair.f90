@@ -12,10 +12,12 @@ module brz_air_repair
         lines_per_block, wall_t
     use brz_air_faces, only: flux_at
     use brz_air_sweep, only: stage_t
+    use brz_air_totals, only: show_outflow
     use brz_air_walls, only: image_of
     use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
     use brz_positivity, only: is_kept, is_number, is_physical, is_sound, most_holds
     use brz_runge_kutta, only: repair_passes
+    use brz_running_total, only: add_to_total
     use brz_scheme, only: first_order, max_var, scheme_t
     implicit none
     private
@@ -304,10 +306,10 @@ contains
         if (low(d) > 0 .and. low(d) < air%n(d)) return
         if (air%bc(merge(1, 2, low(d) == 0), d) == bc_inside) return
         out = merge(-stage%share, stage%share, low(d) == 0)*area
-        do m = 1, 5
-            air%outflow(turned(m, d)) = air%outflow(turned(m, d)) + out*df(m)
+        do m = 1, air%n_var
+            call add_to_total(air%left(turned(m, d)), out*df(m))
         end do
-        air%outflow_products = air%outflow_products + out*df(6)
+        call show_outflow(air)
     end subroutine replace_flux
 
     !> Add a change of flux into a cell to its rate; the load of a wall is not kept in the ledger.

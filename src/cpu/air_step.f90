@@ -9,10 +9,12 @@ module brz_air_step
     use brz_air_ghosts, only: fill_ghosts
     use brz_air_repair, only: repair
     use brz_air_sweep, only: stage_t, sweep
-    use brz_grid_lines, only: n_blocks
+    use brz_air_totals, only: show_outflow
+    use brz_grid_lines, only: across, n_blocks, turned
     use brz_positivity, only: floors_of
     use brz_ranks, only: most_of_all
     use brz_runge_kutta, only: new_weight, share_of
+    use brz_running_total, only: add_to_total
     use brz_scheme, only: max_var
     use omp_lib, only: omp_get_max_threads
     implicit none
@@ -20,6 +22,7 @@ module brz_air_step
     public :: air_step, begin_step, take_rates, update
 
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
+    integer, parameter :: few_bricks = 100
 
 contains
 
@@ -104,22 +107,54 @@ contains
         end do
     end subroutine make_buffers
 
-    !> Book what left through the two outer faces of a direction, block by block.
+    !> Book what left through the outer faces of a direction: the faces of a brick are summed in
+    !> order, and those of bricks exactly, so that neither threads nor processes matter.
     subroutine add_outflow(air, d, share)
         type(air_t), intent(inout) :: air
         integer, intent(in) :: d !! direction
         real(rk), intent(in) :: share !! weight of the stage times dt [s]
-        real(dp) :: total(max_var)
-        integer :: b
+        integer :: b, c, s, bricks
+        real(dp) :: area
 
-        if (air%bc(1, d) == bc_periodic) return
-        total = 0
-        do b = 1, n_blocks(air%n, d)
-            total(:air%n_var) = total(:air%n_var) + air%edge(:, b)
+        area = product(air%dx)/air%dx(d)
+        do s = 1, 2
+            if (.not. allocated(air%ends(s, d)%f)) cycle
+            associate (sums => air%ends(s, d)%sums)
+                bricks = size(sums, 2)
+                !$omp parallel do schedule(static) if (bricks > few_bricks)
+                do b = 1, bricks
+                    call sum_faces(air%n(across(:, d)), b, air%ends(s, d)%f, sums(:, b))
+                end do
+                !$omp end parallel do
+                do b = 1, bricks
+                    do c = 1, air%n_var
+                        call add_to_total(air%left(turned(c, d)), (2*s - 3)*share*area*sums(c, b))
+                    end do
+                end do
+            end associate
         end do
-        air%outflow = air%outflow + share*(product(air%dx)/air%dx(d))*total(1:5)
-        air%outflow_products = air%outflow_products + share*(product(air%dx)/air%dx(d))*total(6)
+        call show_outflow(air)
     end subroutine add_outflow
+
+    !> Fluxes through the faces of a brick at the boundary, added line by line.
+    pure subroutine sum_faces(n, b, f, sums)
+        integer, intent(in) :: n(2) !! lines in the transverse directions
+        integer, intent(in) :: b !! brick
+        real(rk), intent(in) :: f(:, :) !! (lines, n_var)
+        real(dp), intent(out) :: sums(:) !! (n_var)
+        integer :: c, j, k, first(2), last(2)
+
+        first = [modulo(b - 1, (n(1) - 1)/brick + 1), (b - 1)/((n(1) - 1)/brick + 1)]*brick + 1
+        last = min(first + brick - 1, n)
+        sums = 0
+        do c = 1, size(f, 2)
+            do k = first(2), last(2)
+                do j = first(1), last(1)
+                    sums(c) = sums(c) + f((k - 1)*n(1) + j, c)
+                end do
+            end do
+        end do
+    end subroutine sum_faces
 
     !> Combine the Euler step with the start of the step; the first stage keeps the start.
     !>

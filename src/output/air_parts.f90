@@ -4,7 +4,7 @@
 !> processes can go on from it, and several from the checkpoint of one.
 module brz_air_parts
     use brz_air_state, only: air_t, brick
-    use brz_air_totals, only: counts_of_all, outflow_of_all
+    use brz_air_totals, only: counts_of_all, outflow_of_all, take_outflow
     use brz_boxes, only: box_t, common, is_empty
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_files, only: file_exists, list_folder, name_len, remove_file, rename_file
@@ -12,7 +12,8 @@ module brz_air_parts
     use brz_hdf5_box, only: h5_read_box
     use brz_hdf5_file, only: h5_close, h5_create, h5_has, h5_open, h5_plain, h5_t
     use brz_kinds, only: dp, int8, int64, rk
-    use brz_ranks, only: agree
+    use brz_ranks, only: agree, sum_of_all
+    use brz_running_total, only: total_numbers
     use brz_seal, only: check_seal
     use brz_text, only: to_text
     implicit none
@@ -58,7 +59,12 @@ contains
         real(dp) :: outflow(5), products
         integer(int64) :: faces, cells
         integer :: boxes(6, size(air%part%boxes)), r
+        integer(int64) :: left(total_numbers, 6)
 
+        do r = 1, 6
+            left(:, r) = air%left(r)%limb
+            call sum_of_all(air%part%ranks, left(:, r))
+        end do
         call outflow_of_all(air, outflow, products)
         call counts_of_all(air, faces, cells)
         if (air%part%ranks%rank > 0) return
@@ -68,6 +74,7 @@ contains
             end associate
         end do
         call h5_write(file, boxes_name, boxes, err)
+        call h5_write(file, 'air/left', left, err)
         call h5_write(file, 'air/outflow', outflow, err)
         call h5_write(file, 'air/outflow_products', products, err)
         call h5_write(file, 'air/fallback_faces', faces, err)
@@ -89,6 +96,7 @@ contains
         type(error_t), intent(inout) :: err
         type(h5_t) :: part
         type(box_t), allocatable :: boxes(:)
+        integer(int64) :: left(total_numbers, 6)
         integer :: r
 
         if (is_in_parts(file)) then
@@ -107,7 +115,15 @@ contains
         call h5_read(file, 'air/outflow_products', air%outflow_products, err)
         call h5_read(file, 'air/fallback_faces', air%fallback_faces, err)
         call h5_read(file, 'air/held_cells', air%held_cells, err)
-        if (air%part%ranks%rank == 0) return ! the first keeps what all have counted
+        left = 0
+        call h5_read(file, 'air/left', left, err)
+        do r = 1, 6
+            air%left(r)%limb = merge(left(:, r), 0_int64, air%part%ranks%rank == 0)
+        end do
+        if (air%part%ranks%rank == 0) then ! the first keeps what all have counted
+            call take_outflow(air)
+            return
+        end if
         air%outflow = 0
         air%outflow_products = 0
         air%fallback_faces = 0
