@@ -5,14 +5,14 @@ module brz_air_setup
     use brz_air_grid, only: layers_around
     use brz_air_outside, only: keep_outside
     use brz_air_part, only: box_of, part_t, take_part
-    use brz_air_state, only: air_t, brick, bc_inside, bc_outflow, bc_periodic, bc_symmetry, &
-        bc_wall, cell_centre, charge_report_t, n_ghost
+    use brz_air_state, only: air_t, brick, bc_outflow, bc_periodic, bc_symmetry, bc_wall, &
+        cell_centre, charge_report_t, n_ghost
     use brz_boxes, only: box_t
     use brz_case, only: case_t, charge_case_t, gas_case_t, label
     use brz_charge_shape, only: filled_part, make_shape, shape_t
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_gas, only: to_conserved
-    use brz_grid_lines, only: n_blocks, n_lines
+    use brz_grid_lines, only: n_blocks
     use brz_ranks, only: ranks_t
     use brz_running_total, only: begin_total
     use brz_scheme, only: max_var, reach_of
@@ -184,16 +184,8 @@ contains
     subroutine begin_books(air)
         type(air_t), intent(inout) :: air
         real(dp) :: mass
-        integer :: c, d, s, bricks(3)
+        integer :: c
 
-        bricks = (air%n - 1)/brick + 1
-        do d = 1, 3
-            do s = 1, 2
-                if (air%n(d) == 1 .or. any(air%bc(s, d) == [bc_inside, bc_periodic])) cycle
-                allocate (air%ends(s, d)%f(n_lines(air%n, d), air%n_var), source=0.0_rk)
-                allocate (air%ends(s, d)%sums(air%n_var, product(bricks)/bricks(d)))
-            end do
-        end do
         mass = product(air%dx*air%whole)*air%rho_rest
         do c = 1, 6
             call begin_total(air%left(c), mass, 0.0_dp)

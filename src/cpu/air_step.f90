@@ -4,13 +4,13 @@
 module brz_air_step
     use brz_kinds, only: dp, int64, rk
     use brz_air_activity, only: find_awake, next_run
-    use brz_air_state, only: air_ok, air_t, brick, bc_periodic, lines_per_block, n_ghost, &
-        set_scale, wall_t
+    use brz_air_state, only: air_ok, air_t, brick, bc_inside, bc_periodic, lines_per_block, &
+        n_ghost, set_scale, wall_t
     use brz_air_ghosts, only: fill_ghosts
     use brz_air_repair, only: repair
     use brz_air_sweep, only: stage_t, sweep
     use brz_air_totals, only: show_outflow
-    use brz_grid_lines, only: across, n_blocks, turned
+    use brz_grid_lines, only: across, n_blocks, n_lines, turned
     use brz_positivity, only: floors_of
     use brz_ranks, only: most_of_all
     use brz_runge_kutta, only: new_weight, share_of
@@ -92,8 +92,13 @@ contains
     !> Give every thread its buffers; only a first step, or one with more threads, allocates.
     subroutine make_buffers(air)
         type(air_t), intent(inout) :: air
-        integer :: t, n
+        integer :: d, s, t, n
 
+        do d = 1, 3
+            do s = 1, 2
+                call make_ends(air, s, d)
+            end do
+        end do
         if (allocated(air%work)) then
             if (size(air%work) >= omp_get_max_threads()) return
             deallocate (air%work)
@@ -106,6 +111,24 @@ contains
                 air%work(t)%ends(lines_per_block, air%n_var, 2))
         end do
     end subroutine make_buffers
+
+    !> A place for the fluxes through the outer faces of the grid, where there are some.
+    subroutine make_ends(air, s, d)
+        type(air_t), intent(inout) :: air
+        integer, intent(in) :: s, d !! low or high, direction
+        logical :: outer
+        integer :: bricks(3)
+
+        outer = air%n(d) > 1 .and. all(air%bc(s, d) /= [bc_inside, bc_periodic])
+        associate (ends => air%ends(s, d))
+            if (allocated(ends%f) .eqv. outer) return
+            if (allocated(ends%f)) deallocate (ends%f, ends%sums)
+            if (.not. outer) return
+            bricks = (air%n - 1)/brick + 1
+            allocate (ends%f(n_lines(air%n, d), air%n_var), source=0.0_rk)
+            allocate (ends%sums(air%n_var, product(bricks)/bricks(d)))
+        end associate
+    end subroutine make_ends
 
     !> Book what left through the outer faces of a direction: the faces of a brick are summed in
     !> order, and those of bricks exactly, so that neither threads nor processes matter.
