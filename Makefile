@@ -116,7 +116,7 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LIB)
 	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
 
 include studies.mk
-.PHONY: unit verify try python figures lint format check-docs gpu-check setup test demo bench golden vectors coverage install dist
+.PHONY: unit verify try python figures lint format check-docs gpu-check setup test demo bench bench-ranks golden vectors coverage install dist
 # The figures that tests measure go to NOTES; a whole run of the verification tests begins it anew.
 NOTES := build/log/notes$(KIND).csv
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
@@ -162,6 +162,8 @@ demo: setup ## a coarse blast on a CFRP plate, with pictures
 	$(PY) -m post report out/demo
 bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
 	@for program in $^; do $$program || exit 1; done
+bench-ranks: all ## speed of the air on several processes: strong and weak scaling (ARGS: numbers of processes)
+	@$(PY) scripts/bench_ranks.py $(BIN) $(or $(ARGS),1 2)
 vectors: $(if $(DEBUG)$(QUICK)$(COVERAGE),,$(LIB)) ## are the pair loops of the solid still vector code?
 	@$(if $(DEBUG)$(QUICK),echo 'skipped: not in this build',$(PY) scripts/vectors.py $(LIB))
 COVERED ?= unit verify

@@ -117,7 +117,8 @@ class Frame:
         path = self.air_path if kind == "air" else self.solid_path
         if path is None:
             raise PostError(f"frame {self.number} has no dump of the {kind}")
-        return pyvista.read(path)
+        with _open(path, kind):
+            return pyvista.read(path)
 
 
 class Run:
@@ -369,9 +370,23 @@ def _open(path: Path | None, kind: str) -> Iterator[h5py.File]:
                     f"{path}: has layout {about['schema']}, this reader knows up to {SCHEMA}; use "
                     f"the post-processing of the version that wrote it ({about.get('version')})"
                 )
+            _check_parts(file, path)
             yield file
     except (KeyError, OSError) as error:
         raise DamagedError(f"{path}: is damaged or not HDF5: {error}") from error
+
+
+def _check_parts(file: h5py.File, path: Path) -> None:
+    """A dump of several processes names its parts; one that is missing would read as zeros."""
+    parts = set()
+    for item in file["VTKHDF"].get("CellData", {}).values():
+        if item.is_virtual:
+            parts |= {path.parent / source.file_name for source in item.virtual_sources()}
+    for part in sorted(parts):
+        if not part.is_file():
+            raise PostError(f"{path}: its part {part.name} is missing; bring it back beside it")
+        with h5py.File(part):
+            pass
 
 
 def _about(file: h5py.File) -> dict:

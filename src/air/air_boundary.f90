@@ -5,9 +5,10 @@ module brz_air_boundary
     use brz_scheme, only: hllc, scheme_t
     implicit none
     private
-    public :: image_at, beyond_wall, bc_outflow, bc_wall, bc_symmetry, bc_periodic
+    public :: image_at, beyond_wall, bc_outflow, bc_wall, bc_symmetry, bc_periodic, bc_inside
 
     integer, parameter :: bc_outflow = 1, bc_wall = 2, bc_symmetry = 3, bc_periodic = 4
+    integer, parameter :: bc_inside = 5 !! no boundary: the box of another process begins there
 
 contains
 

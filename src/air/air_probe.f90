@@ -4,6 +4,7 @@ module brz_air_probe
     use brz_kinds, only: dp, rk
     use brz_air_state, only: air_t, bc_wall, cell_gamma, wall_t
     use brz_gas, only: to_primitive
+    use brz_scheme, only: mixture_gamma
     use brz_wall_riemann, only: wall_star
     implicit none
     private
@@ -19,11 +20,16 @@ contains
     !> are solid the nearest gas cell within three counts; zero if there is none. Within half a cell
     !> of the boundary, and beyond it, the value of the last cell continues; towards a wall it goes
     !> over to the state at the wall, which bears what the gas that hits it brings.
-    subroutine gas_state_at(air, wall, point, state)
+    !>
+    !> On several processes `around` holds the eight cells, which may be those of others.
+    subroutine gas_state_at(air, wall, point, state, around)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
         real(dp), intent(in) :: point(3) !! [m]
         real(dp), intent(out) :: state(5) !! density, velocity, pressure
+        real(rk), intent(in), optional :: around(:, 0:)
+        !! (n_var, 0:7) conserved variables of the cells as cells_around has them; no walls
+        real(rk) :: gamma
         real(dp) :: x(3), weight, total
         integer :: low(3), cell(3), m, d
 
@@ -37,23 +43,33 @@ contains
                 weight = weight*merge(x(d), 1 - x(d), btest(m, d - 1))
             end do
             if (.not. weight > 0) cycle
-            if (holds_solid(wall, cell)) cycle
-            state = state + weight*primitive_of(air, cell)
+            if (present(around)) then
+                state = state + weight*primitive_of(air, around(:, m))
+            else
+                if (holds_solid(wall, cell)) cycle
+                state = state + weight*primitive_of(air, air%u(cell(1), cell(2), cell(3), :))
+            end if
             total = total + weight
         end do
+        cell = low + nint(x) ! nearest
         if (total > 0) then
             state = state/total
         else
-            call nearest_gas(air, wall, low + nint(x), state)
+            call nearest_gas(air, wall, cell, state)
         end if
-        call meet_walls(air, point, low + nint(x), state)
+        if (present(around)) then
+            gamma = gamma_of(air, around(:, sum(nint(x)*[1, 2, 4])))
+        else
+            gamma = cell_gamma(air, cell(1), cell(2), cell(3))
+        end if
+        call meet_walls(air, point, gamma, state)
     end subroutine gas_state_at
 
     !> Between the last cell and a wall at the boundary: a part of the state at the wall.
-    subroutine meet_walls(air, point, cell, state)
+    subroutine meet_walls(air, point, gamma, state)
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: point(3) !! [m]
-        integer, intent(in) :: cell(3) !! nearest
+        real(rk), intent(in) :: gamma !! of the gas in the nearest cell
         real(dp), intent(inout) :: state(5) !! density, velocity, pressure
         real(dp) :: beyond(2)
         real(rk) :: p_star, rho_star
@@ -63,11 +79,11 @@ contains
         do d = 1, 3
             if (air%n(d) == 1) cycle
             beyond = [air%lo(d) - point(d), point(d) - air%lo(d)]/air%dx(d) &
-                + [0.5_dp, 0.5_dp - air%n(d)] ! the last centre, in cells
+                + [0.5_dp, 0.5_dp - air%whole(d)] ! the last centre, in cells
             do s = 1, 2
-                if (air%bc(s, d) /= bc_wall .or. beyond(s) <= 0) cycle
+                if (air%outer(s, d) /= bc_wall .or. beyond(s) <= 0) cycle
                 beyond(s) = min(2*beyond(s), 1.0_dp)
-                call wall_star(cell_gamma(air, cell(1), cell(2), cell(3)), real(state(1), rk), &
+                call wall_star(gamma, real(state(1), rk), &
                     real(state(5), rk), real((2*s - 3)*state(1 + d), rk), p_star, rho_star)
                 state(1) = state(1) + beyond(s)*(rho_star - state(1))
                 state(1 + d) = (1 - beyond(s))*state(1 + d)
@@ -76,7 +92,7 @@ contains
         end do
     end subroutine meet_walls
 
-    !> The eight cells that a point lies between; the last cells continue at the boundary.
+    !> The eight cells of the grid that a point lies between; the last continue at the boundary.
     pure subroutine cells_around(air, point, cells)
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: point(3) !! [m]
@@ -86,7 +102,7 @@ contains
 
         call place_between(air, point, low, x)
         do m = 0, 7
-            cells(:, m) = min(low + [ibits(m, 0, 1), ibits(m, 1, 1), ibits(m, 2, 1)], air%n)
+            cells(:, m) = min(low + [ibits(m, 0, 1), ibits(m, 1, 1), ibits(m, 2, 1)], air%whole)
         end do
     end subroutine cells_around
 
@@ -97,8 +113,8 @@ contains
         integer, intent(out) :: low(3)
         real(dp), intent(out) :: x(3) !! 0: at the centre of the lower cell, 1: of the upper
 
-        x = min(max((point - air%lo)/air%dx + 0.5_dp, 1.0_dp), real(air%n, dp))
-        low = min(floor(x), max(air%n - 1, 1))
+        x = min(max((point - air%lo)/air%dx + 0.5_dp, 1.0_dp), real(air%whole, dp))
+        low = min(floor(x), max(air%whole - 1, 1))
         x = x - low
     end subroutine place_between
 
@@ -112,16 +128,25 @@ contains
     end function holds_solid
 
     !> Primitive state of a cell.
-    pure function primitive_of(air, cell) result(state)
+    pure function primitive_of(air, u) result(state)
         type(air_t), intent(in) :: air
-        integer, intent(in) :: cell(3)
+        real(rk), intent(in) :: u(:) !! (n_var) its conserved variables
         real(dp) :: state(5)
         real(rk) :: q(5), w(5)
 
-        q = air%u(cell(1), cell(2), cell(3), 1:5)
-        call to_primitive(cell_gamma(air, cell(1), cell(2), cell(3)), q, w)
+        q = u(1:5)
+        call to_primitive(gamma_of(air, u), q, w)
         state = w
     end function primitive_of
+
+    !> Ratio of specific heats of the gas in a cell [-].
+    pure real(rk) function gamma_of(air, u)
+        type(air_t), intent(in) :: air
+        real(rk), intent(in) :: u(:) !! (n_var) its conserved variables
+
+        gamma_of = air%scheme%gamma
+        if (air%scheme%mixture) gamma_of = mixture_gamma(air%scheme, u(6)/u(1))
+    end function gamma_of
 
     !> State of the gas cell nearest to a solid one; zero if none is in reach.
     subroutine nearest_gas(air, wall, centre, state)
@@ -142,7 +167,7 @@ contains
                     distance = sum(((cell - centre)*air%dx)**2)
                     if (distance >= least) cycle
                     least = distance
-                    state = primitive_of(air, cell)
+                    state = primitive_of(air, air%u(i, j, k, :))
                 end do
             end do
         end do

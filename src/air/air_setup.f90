@@ -2,15 +2,20 @@
 !> From the deck to the air at time zero: grid, undisturbed gas, boxes of gas, charges.
 module brz_air_setup
     use brz_kinds, only: dp, int8, rk
+    use brz_air_grid, only: layers_around
     use brz_air_outside, only: keep_outside
+    use brz_air_part, only: box_of, part_t, take_part
     use brz_air_state, only: air_t, brick, bc_outflow, bc_periodic, bc_symmetry, bc_wall, &
-        charge_report_t, n_ghost
+        cell_centre, charge_report_t, n_ghost
+    use brz_boxes, only: box_t
     use brz_case, only: case_t, charge_case_t, gas_case_t, label
     use brz_charge_shape, only: filled_part, make_shape, shape_t
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_gas, only: to_conserved
     use brz_grid_lines, only: n_blocks
-    use brz_scheme, only: max_var
+    use brz_ranks, only: ranks_t
+    use brz_running_total, only: begin_total
+    use brz_scheme, only: max_var, reach_of
     implicit none
     private
     public :: set_up_air, has_own_gas, make_grid, time_step_ramp
@@ -25,10 +30,11 @@ module brz_air_setup
 contains
 
     !> Allocate the air and fill it with what the deck says.
-    subroutine set_up_air(case, air, err)
+    subroutine set_up_air(case, air, err, ranks)
         type(case_t), intent(in) :: case
         type(air_t), intent(out) :: air
         type(error_t), intent(inout) :: err
+        type(ranks_t), intent(in), optional :: ranks !! that share it
         integer :: d, s, m
 
         air%present = case%air%present
@@ -49,6 +55,7 @@ contains
                     "bc='periodic' must stand at both ends of a direction")
         end do
         if (failed(err)) return
+        if (present(ranks)) air%part%ranks = ranks
         call make_grid(case%air%lo, case%air%hi, case%air%cells, air)
         if (allocated(case%gas)) then
             do m = 1, size(case%gas)
@@ -138,15 +145,17 @@ contains
         end select
     end subroutine boundary_code
 
-    !> Allocate all arrays for a box of cells, with the gas at rest.
+    !> Allocate all arrays for a box of cells, with the gas at rest; if several processes share it,
+    !> for the part of this one.
     subroutine make_grid(lo, hi, cells, air)
         real(dp), intent(in) :: lo(3), hi(3) !! corners of the box [m]
         integer, intent(in) :: cells(3) !! 1: direction not modelled
-        type(air_t), intent(inout) :: air !! its gas and its boundaries are set
+        type(air_t), intent(inout) :: air !! its gas, boundaries and processes are set
         integer :: n(3), g(3), c, blocks
+
         air%present = .true.
-        air%n = cells
         air%g = merge(n_ghost, 0, cells > 1)
+        call share_grid(cells, air)
         air%lo = lo
         air%dx = (hi - lo)/cells
         n = air%n
@@ -161,15 +170,49 @@ contains
         allocate (air%u_start, air%rate, source=air%u)
         air%rate = 0
         blocks = max(n_blocks(n, 1), n_blocks(n, 2), n_blocks(n, 3))
-        allocate (air%edge(air%n_var, blocks), source=0.0_dp)
-        allocate (air%row_sum(5, n(2)*n(3)), source=0.0_dp)
+        call begin_books(air)
         allocate (air%suspect(blocks), source=0)
         allocate (air%lowered(0:n(1), 0:n(2), 0:n(3)), source=0_int8)
         allocate (air%repair(4, 0), air%bad(3, 0))
         g = (n + brick - 1)/brick
         allocate (air%reached(g(1), g(2), g(3)), source=0_int8)
         allocate (air%awake(g(1), g(2), g(3)), source=1_int8)
+        allocate (air%brick_sum(6, product(g)), source=0.0_dp)
     end subroutine make_grid
+
+    !> Books of what passes the outer faces of the grid.
+    subroutine begin_books(air)
+        type(air_t), intent(inout) :: air
+        real(dp) :: mass
+        integer :: c
+
+        mass = product(air%dx*air%whole)*air%rho_rest
+        do c = 1, 6
+            call begin_total(air%left(c), mass, 0.0_dp)
+        end do
+        do c = 2, 4
+            call begin_total(air%left(c), sqrt(mass*product(air%dx*air%whole)*air%p_rest), 0.0_dp)
+        end do
+        call begin_total(air%left(5), product(air%dx*air%whole)*air%rest(5), 0.0_dp)
+    end subroutine begin_books
+
+    !> Find the box of this process on a grid of so many cells.
+    subroutine share_grid(cells, air)
+        integer, intent(in) :: cells(3)
+        type(air_t), intent(inout) :: air
+        type(part_t) :: part
+        type(box_t) :: box
+
+        air%whole = cells
+        air%outer = air%bc
+        call take_part(air%part%ranks, cells, air%bc, air%g, air%n_var, &
+                       layers_around(cells, air%bc(1, :) == bc_periodic, &
+                                     air%n_stages*reach_of(air%scheme)), part)
+        air%part = part
+        call box_of(part, cells, air%outer, box, air%bc)
+        air%n = box%hi - box%lo + 1
+        air%before = box%lo - 1
+    end subroutine share_grid
 
     !> Give the cells whose centre lies in a box of gas its state.
     subroutine fill_box(air, gas)
@@ -184,7 +227,7 @@ contains
         do k = 1, air%n(3)
             do j = 1, air%n(2)
                 do i = 1, air%n(1)
-                    x = air%lo + ([i, j, k] - 0.5_dp)*air%dx
+                    x = cell_centre(air, i, j, k)
                     if (all(x >= gas%lo .and. x <= gas%hi .or. air%n == 1)) &
                         air%u(i, j, k, :) = q(:air%n_var)
                 end do
@@ -213,12 +256,12 @@ contains
         call share_inside(air, charge, shape, share, err)
         if (failed(err)) return
         lo = 1
-        hi = air%n
+        hi = air%whole
         where (air%n > 1)
             lo = max(1, floor((shape%at - shape%half - air%lo)/air%dx))
-            hi = min(air%n, ceiling((shape%at + shape%half - air%lo)/air%dx) + 1)
+            hi = min(air%whole, ceiling((shape%at + shape%half - air%lo)/air%dx) + 1)
         end where
-        call pour(air, shape, lo, hi, [0.0_rk, 0.0_rk, 0.0_rk], filled)
+        call measure(air, shape, lo, hi, filled)
         if (.not. filled > 0) then
             call raise(err, exit_deck, label('charge', charge%id, charge%place) &
                 //"it fills no cell; use smaller cells")
@@ -230,18 +273,15 @@ contains
         report%scale = report%mass/(charge%density*filled)
         hot = real(report%scale*charge%density*[1.0_dp, charge%energy, &
             merge(1.0_dp, 0.0_dp, own_gas)], rk)
-        call pour(air, shape, lo, hi, hot, filled)
+        call pour(air, shape, lo, hi, hot)
     end subroutine place_charge
 
-    !> Fill a shape with gas of a density and energy (mix, do not replace); a density of 0 only
-    !> measures the volume.
-    subroutine pour(air, shape, lo, hi, density, filled)
-        type(air_t), intent(inout) :: air
+    !> Volume of the cells that a shape fills, on the whole grid: every process finds the same.
+    subroutine measure(air, shape, lo, hi, filled)
+        type(air_t), intent(in) :: air
         type(shape_t), intent(in) :: shape
-        integer, intent(in) :: lo(3), hi(3) !! range of cells to look at
-        real(rk), intent(in) :: density(3)
-        !! mass, energy, mass of products, per volume [kg/m3, J/m3, kg/m3]
-        real(dp), intent(out) :: filled !! volume [m3]
+        integer, intent(in) :: lo(3), hi(3) !! range of cells of the grid to look at
+        real(dp), intent(out) :: filled !! [m3]
         integer :: i, j, k
         real(dp) :: part
 
@@ -250,9 +290,29 @@ contains
             do j = lo(2), hi(2)
                 do i = lo(1), hi(1)
                     part = filled_part(shape, air%lo + ([i, j, k] - 0.5_dp)*air%dx, air%dx)
+                    if (part > 0) filled = filled + part*product(air%dx)
+                end do
+            end do
+        end do
+    end subroutine measure
+
+    !> Fill a shape with gas of a density and energy (mix, do not replace).
+    subroutine pour(air, shape, lo, hi, density)
+        type(air_t), intent(inout) :: air
+        type(shape_t), intent(in) :: shape
+        integer, intent(in) :: lo(3), hi(3) !! range of cells of the grid to look at
+        real(rk), intent(in) :: density(3)
+        !! mass, energy, mass of products, per volume [kg/m3, J/m3, kg/m3]
+        integer :: i, j, k, first(3), last(3)
+        real(dp) :: part
+
+        first = max(lo - air%before, 1)
+        last = min(hi - air%before, air%n)
+        do k = first(3), last(3)
+            do j = first(2), last(2)
+                do i = first(1), last(1)
+                    part = filled_part(shape, cell_centre(air, i, j, k), air%dx)
                     if (.not. part > 0) cycle
-                    filled = filled + part*product(air%dx)
-                    if (.not. density(1) > 0) cycle
                     air%u(i, j, k, :) = real(1 - part, rk)*air%u(i, j, k, :)
                     air%u(i, j, k, 1) = air%u(i, j, k, 1) + real(part, rk)*density(1)
                     air%u(i, j, k, 5) = air%u(i, j, k, 5) + real(part, rk)*density(2)
@@ -278,11 +338,11 @@ contains
             if (air%n(d) == 1) cycle
             do s = 1, 2
                 plane = air%lo(d)
-                if (s == 2) plane = air%lo(d) + air%n(d)*air%dx(d)
+                if (s == 2) plane = air%lo(d) + air%whole(d)*air%dx(d)
                 depth = shape%at(d) - plane
                 if (s == 2) depth = -depth
                 if (depth >= shape%half(d)*(1 - on_plane)) cycle
-                if (air%bc(s, d) == bc_symmetry .and. abs(depth) <= on_plane*shape%half(d)) then
+                if (air%outer(s, d) == bc_symmetry .and. abs(depth) <= on_plane*shape%half(d)) then
                     share = share/2
                 else
                     call raise(err, exit_deck, label('charge', charge%id, charge%place) &

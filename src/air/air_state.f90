@@ -1,16 +1,18 @@
 ! SPDX-License-Identifier: MIT
 !> The state of the air: conserved variables on a Cartesian grid, and the walls inside it.
 module brz_air_state
-    use brz_air_boundary, only: bc_outflow, bc_periodic, bc_symmetry, bc_wall
+    use brz_air_boundary, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
     use brz_air_grid, only: brick
+    use brz_air_part, only: part_t
     use brz_kinds, only: dp, int8, int64, rk
+    use brz_running_total, only: running_total_t
     use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t, outside_t
+    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t, outside_t, ends_t
     public :: n_ghost, lines_per_block, brick
-    public :: cell_gamma, set_scale
-    public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic
+    public :: cell_centre, cell_gamma, set_scale
+    public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic, bc_inside
     public :: air_ok, air_unphysical
 
     integer, parameter :: n_ghost = 3 !! ghost layers in a direction that is modelled
@@ -27,6 +29,12 @@ module brz_air_state
         real(rk), allocatable :: f(:, :, :) !! (lines, n_var, 0:n) fluxes, then rates
         real(rk), allocatable :: ends(:, :, :) !! (lines, n_var, 2) fluxes through the outer faces
     end type sweep_work_t
+
+    !> Fluxes through the outer faces of the lines of a direction, in a stage.
+    type :: ends_t
+        real(rk), allocatable :: f(:, :) !! (lines, n_var) normal momentum in slot 2
+        real(dp), allocatable :: sums(:, :) !! (n_var, bricks) the same of the faces of bricks
+    end type ends_t
 
     !> The gas beyond an open boundary: that of the cells next to it before anything happened.
     type :: outside_t
@@ -48,10 +56,14 @@ module brz_air_state
     type :: air_t
         logical :: present = .false.
         integer :: n(3) = 1 !! cells; 1: direction not modelled
+        integer :: whole(3) = 1 !! cells of the grid; n are those of the box of this process
+        integer :: before(3) = 0 !! cells of the grid before the box
         integer :: g(3) = 0 !! ghost layers
-        real(dp) :: lo(3) = 0 !! low corner [m]
+        real(dp) :: lo(3) = 0 !! low corner of the grid [m]
         real(dp) :: dx(3) = 1 !! cell sides [m]
         integer :: bc(2, 3) = bc_outflow !! (low/high, direction)
+        integer :: outer(2, 3) = bc_outflow !! the same of the whole grid
+        type(part_t) :: part !! the processes that share the grid
         integer :: n_var = 5 !! conserved variables; 6 if a charge has a gas of its own
         type(scheme_t) :: scheme !! reconstruction, flux, gases
         integer :: n_stages = 3 !! of the Runge-Kutta method: 2 or 3
@@ -71,8 +83,9 @@ module brz_air_state
         real(dp) :: outflow(5) = 0
         !! mass, momentum, energy that left through the outer faces, all steps
         real(dp) :: outflow_products = 0 !! mass of products that left likewise [kg]
+        type(running_total_t) :: left(6) !! both, exactly: of this process, on the CPU
         type(charge_report_t), allocatable :: charge(:) !! one for each &charge
-        integer :: bad_cell(3) = 0 !! first unphysical cell of a step that failed
+        integer :: bad_cell(3) = 0 !! first unphysical cell of the grid in a step that failed
         real(rk) :: bad_state(5) = 0 !! what its conserved variables would have become
         integer(int8), allocatable :: reached(:, :, :) !! (bricks) 1: something has reached it
         integer(int8), allocatable :: awake(:, :, :)
@@ -80,9 +93,8 @@ module brz_air_state
         !! to 1, for air_time_step
         ! work arrays of the sweeps; nothing outside a step reads them
         type(sweep_work_t), allocatable :: work(:) !! (0:threads-1)
-        real(dp), allocatable :: edge(:, :)
-        !! (n_var, blocks) what leaves a block of lines at its two ends, per area and time
-        real(dp), allocatable :: row_sum(:, :) !! (5, n2*n3) totals of rows along x
+        type(ends_t) :: ends(2, 3) !! (low/high, direction) what passes the outer faces
+        real(dp), allocatable :: brick_sum(:, :) !! (6, bricks) totals of bricks
         integer, allocatable :: suspect(:)
         !! (blocks) cells of a block whose next state looks unphysical
         integer(int8), allocatable :: lowered(:, :, :)
@@ -128,6 +140,15 @@ module brz_air_state
     end type wall_t
 
 contains
+
+    !> Centre of a cell of the box [m].
+    pure function cell_centre(air, i, j, k) result(x)
+        type(air_t), intent(in) :: air
+        integer, intent(in) :: i, j, k !! cell
+        real(dp) :: x(3)
+
+        x = air%lo + (air%before + [i, j, k] - 0.5_dp)*air%dx
+    end function cell_centre
 
     !> Ratio of specific heats of the gas in a cell [-].
     pure real(rk) function cell_gamma(air, i, j, k)

@@ -10,7 +10,9 @@
 module brz_blast_remap
     use brz_air_state, only: air_t, bc_symmetry
     use brz_blast1d_state, only: blast1d_t, whole_angle
+    use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, rk
+    use brz_ranks, only: sum_of_all
     implicit none
     private
     public :: map_blast, outward
@@ -35,7 +37,8 @@ module brz_blast_remap
     type :: probe_t
         logical :: active(3) = .true.
         real(dp) :: centre(3) = 0 !! of the charge [m]
-        integer :: lo(3) = 1, hi(3) = 1 !! cells that the front can have reached
+        integer :: lo(3) = 1, hi(3) = 1 !! cells of the grid that the front can have reached
+        integer :: first(3) = 1, last(3) = 1 !! those of them in the box of this process
         integer :: m(3) = 1 !! points per direction
         real(dp) :: volume = 0 !! of a point, in the directions that are modelled
     end type probe_t
@@ -59,8 +62,10 @@ contains
         probe%centre = centre
         where (probe%active)
             probe%lo = max(1, floor((centre - reach - air%lo)/air%dx) + 1)
-            probe%hi = min(air%n, ceiling((centre + reach - air%lo)/air%dx))
+            probe%hi = min(air%whole, ceiling((centre + reach - air%lo)/air%dx))
         end where
+        probe%first = max(probe%lo, air%before + 1)
+        probe%last = min(probe%hi, air%before + air%n)
         cells = probe%hi - probe%lo + 1
         probe%m = merge(points_of(blast%input%power), 1, probe%active)
         if (product(real(cells, dp)) > many_cells) probe%m = max(probe%m/2, 1)
@@ -128,9 +133,9 @@ contains
 
         allocate (points(rings%n + 1), source=0_int64)
         !$omp parallel do collapse(2) private(i, a, b, c, ring) reduction(+: points)
-        do k = probe%lo(3), probe%hi(3)
-            do j = probe%lo(2), probe%hi(2)
-                do i = probe%lo(1), probe%hi(1)
+        do k = probe%first(3), probe%last(3)
+            do j = probe%first(2), probe%last(2)
+                do i = probe%first(1), probe%last(1)
                     do c = 1, probe%m(3)
                         do b = 1, probe%m(2)
                             do a = 1, probe%m(1)
@@ -144,6 +149,7 @@ contains
             end do
         end do
         !$omp end parallel do
+        call sum_of_all(air%part%ranks, points)
         rings%points(:rings%n) = points(:rings%n)
     end subroutine count_points
 
@@ -228,13 +234,16 @@ contains
             density(:, ring) = rings%held(:, ring)/(rings%points(ring)*probe%volume)
         end do
         !$omp parallel do collapse(2) private(i, mean, inside)
-        do k = probe%lo(3), probe%hi(3)
-            do j = probe%lo(2), probe%hi(2)
-                do i = probe%lo(1), probe%hi(1)
+        do k = probe%first(3), probe%last(3)
+            do j = probe%first(2), probe%last(2)
+                do i = probe%first(1), probe%last(1)
                     call mean_of_points(air, probe, rings, density, [i, j, k], mean, inside)
                     if (inside == 0) cycle
-                    air%u(i, j, k, :) = real(1 - inside/real(product(probe%m), dp), rk) &
-                        *air%u(i, j, k, :) + real(mean(:air%n_var), rk)
+                    associate (q => air%u(i - air%before(1), j - air%before(2), &
+                                          k - air%before(3), :))
+                        q = real(1 - inside/real(product(probe%m), dp), rk)*q &
+                            + real(mean(:air%n_var), rk)
+                    end associate
                 end do
             end do
         end do
@@ -289,45 +298,36 @@ contains
         type(air_t), intent(inout) :: air
         type(probe_t), intent(in) :: probe
         real(dp), intent(in) :: radial !! sum of the radial momentum [kg m/s]
-        real(dp) :: total(4), rest(4), want(3)
-        integer :: i, j, k
+        real(dp), allocatable :: moved(:, :) !! (4, cells) mass and momentum per volume
+        real(dp) :: total(4), want(3)
+        integer :: i, j, k, cells, lo(3), hi(3)
 
-        total = 0
-        rest = 0
-        do k = probe%lo(3), probe%hi(3)
-            do j = probe%lo(2), probe%hi(2)
-                do i = probe%lo(1), probe%hi(1)
+        lo = probe%first - air%before
+        hi = probe%last - air%before
+        allocate (moved(4, product(max(hi - lo + 1, 0))))
+        cells = 0
+        do k = lo(3), hi(3)
+            do j = lo(2), hi(2)
+                do i = lo(1), hi(1)
                     if (at_rest(air, i, j, k)) cycle
-                    call add(total, rest, real(air%u(i, j, k, 1:4), dp))
+                    cells = cells + 1
+                    moved(:, cells) = air%u(i, j, k, 1:4)
                 end do
             end do
         end do
-        total = total + rest
+        call exact_sums(air%part%ranks, moved(:, :cells), total)
         want = radial*outward(air, probe%centre)
         want = (want/product(air%dx, mask=probe%active) - total(2:4))/total(1)
         where (.not. probe%active) want = 0
-        do k = probe%lo(3), probe%hi(3)
-            do j = probe%lo(2), probe%hi(2)
-                do i = probe%lo(1), probe%hi(1)
+        do k = lo(3), hi(3)
+            do j = lo(2), hi(2)
+                do i = lo(1), hi(1)
                     if (at_rest(air, i, j, k)) cycle
                     air%u(i, j, k, 2:4) = air%u(i, j, k, 2:4) + real(want*air%u(i, j, k, 1), rk)
                 end do
             end do
         end do
     end subroutine balance_momentum
-
-    !> Add to a sum and keep what rounding takes away, so that the order does not count.
-    !> Source: Knuth, The Art of Computer Programming, vol. 2, section 4.2.2.
-    pure elemental subroutine add(total, rest, x)
-        real(dp), intent(inout) :: total, rest
-        real(dp), intent(in) :: x
-        real(dp) :: new, part
-
-        new = total + x
-        part = new - total
-        rest = rest + ((total - (new - part)) + (x - part))
-        total = new
-    end subroutine add
 
     !> Momentum along x, y, z over the radial momentum of the modelled part: zero in a direction
     !> that is whole, the mean component over a half where a plane of symmetry passes the centre.
@@ -342,9 +342,9 @@ contains
         do d = 1, 3
             if (air%n(d) == 1) cycle
             cells = (centre(d) - air%lo(d))/air%dx(d)
-            if (air%bc(1, d) == bc_symmetry .and. abs(cells) < on_plane) &
+            if (air%outer(1, d) == bc_symmetry .and. abs(cells) < on_plane) &
                 share(d) = half_mean(count(air%n > 1))
-            if (air%bc(2, d) == bc_symmetry .and. abs(cells - air%n(d)) < on_plane) &
+            if (air%outer(2, d) == bc_symmetry .and. abs(cells - air%whole(d)) < on_plane) &
                 share(d) = -half_mean(count(air%n > 1))
         end do
     end function outward

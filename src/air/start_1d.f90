@@ -3,6 +3,7 @@
 !> the gauges see meanwhile, and put it into the grid.
 module brz_start_1d
     use brz_air_state, only: air_t, charge_report_t
+    use brz_air_totals, only: cell_sums
     use brz_blast1d_profile, only: blast1d_at
     use brz_blast1d_reconstruct, only: prepare
     use brz_blast1d_state, only: blast1d_t, blast1d_totals, start_blast1d, whole_angle
@@ -153,25 +154,12 @@ contains
         end do
     end subroutine keep_row
 
-    !> Mass, momentum, energy and products in all cells, row by row to keep the rounding small.
-    pure subroutine totals(air, sums)
-        type(air_t), intent(in) :: air
+    !> Mass, momentum, energy and products in all cells.
+    subroutine totals(air, sums)
+        type(air_t), intent(inout) :: air
         real(dp), intent(out) :: sums(6)
-        real(dp) :: row(6), plane(6)
-        integer :: i, j, k
 
-        sums = 0
-        do k = 1, air%n(3)
-            plane = 0
-            do j = 1, air%n(2)
-                row = 0
-                do i = 1, air%n(1)
-                    row(:air%n_var) = row(:air%n_var) + air%u(i, j, k, :)
-                end do
-                plane = plane + row
-            end do
-            sums = sums + plane
-        end do
+        call cell_sums(air, sums)
         sums = sums*product(air%dx)
     end subroutine totals
 

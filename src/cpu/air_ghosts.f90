@@ -7,8 +7,9 @@
 module brz_air_ghosts
     use brz_kinds, only: rk
     use brz_air_outside, only: keep_outside
-    use brz_air_state, only: air_t, bc_outflow, bc_symmetry, bc_wall, n_ghost, wall_t
+    use brz_air_state, only: air_t, bc_inside, bc_outflow, bc_symmetry, bc_wall, n_ghost, wall_t
     use brz_air_walls, only: image_of
+    use brz_fetch, only: fetch
     use brz_grid_lines, only: across, turned
     use brz_outflow, only: open_ghosts
     use brz_scheme, only: max_var
@@ -20,7 +21,8 @@ module brz_air_ghosts
 
 contains
 
-    !> Fill the ghosts of all directions that are modelled.
+    !> Fill the ghosts of all directions that are modelled. Where the box of another process begins
+    !> they are its cells.
     subroutine fill_ghosts(air, wall)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(in) :: wall
@@ -28,9 +30,12 @@ contains
         real(rk) :: sign
 
         call keep_outside(air)
+        call fetch(air%part%ranks, air%part%halo, air%n_var, air%before + 1 - air%g, &
+                   air%before + air%n + air%g, air%u)
         do d = 1, 3
             if (air%n(d) == 1) cycle
             do side = 1, 2
+                if (air%bc(side, d) == bc_inside) cycle
                 if (air%bc(side, d) == bc_outflow) then
                     call open_side(air, wall, d, side)
                     cycle

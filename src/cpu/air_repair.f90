@@ -7,13 +7,17 @@
 !> replaced for both its cells, on walls too, so nothing is lost.
 module brz_air_repair
     use brz_kinds, only: dp, int8, rk
-    use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic, lines_per_block, wall_t
+    use brz_air_bad_cells, only: anywhere, first_lost, grow, is_beside, is_counted, is_own, join_bad
+    use brz_air_state, only: air_ok, air_t, air_unphysical, bc_inside, bc_periodic, &
+        lines_per_block, wall_t
     use brz_air_faces, only: flux_at
     use brz_air_sweep, only: stage_t
+    use brz_air_totals, only: show_outflow
     use brz_air_walls, only: image_of
     use brz_grid_lines, only: first_cell_of, n_blocks, n_lines, turned
     use brz_positivity, only: is_kept, is_number, is_physical, is_sound, most_holds
     use brz_runge_kutta, only: repair_passes
+    use brz_running_total, only: add_to_total
     use brz_scheme, only: first_order, max_var, scheme_t
     implicit none
     private
@@ -38,18 +42,23 @@ contains
         if (air%fallback .and. air%scheme%reconstruction /= first_order) then
             do pass = 1, repair_passes
                 before = n_faces
+                call join_bad(air, last, n_bad)
                 do m = 1, n_bad
                     call lower_faces(air, wall, stage, air%bad(:, m), n_faces)
                 end do
-                if (n_faces == before) exit
+                if (.not. anywhere(air, n_faces > before)) exit
                 call find_bad_neighbours(air, wall, stage, n_faces, n_bad)
             end do
         end if
-        air%fallback_faces = air%fallback_faces + n_faces
-        if (air%fallback) call hold_cells(air, wall, stage, n_bad, n_faces)
+        do m = 1, n_faces
+            if (is_counted(air, air%repair(4, m), air%repair(1:3, m))) &
+                air%fallback_faces = air%fallback_faces + 1
+        end do
+        if (air%fallback) call hold_cells(air, wall, last, stage, n_bad, n_faces)
         do m = 1, n_bad
             if (status == air_ok) call judge(air, stage, air%bad(:, m), status)
         end do
+        if (first_lost(air, last, status /= air_ok)) status = air_unphysical
         do m = 1, n_faces
             air%lowered(air%repair(1, m), air%repair(2, m), air%repair(3, m)) = 0
         end do
@@ -58,9 +67,10 @@ contains
     !> Close the faces of the cells that no flux of first order saves: nothing passes in this stage,
     !> and the cell keeps its state. That may leave a neighbour too little, which is then held too;
     !> a wall beside a held cell feels no push from it. What is no number is a fault and not held.
-    subroutine hold_cells(air, wall, stage, n_bad, n_faces)
+    subroutine hold_cells(air, wall, last, stage, n_bad, n_faces)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
+        integer, intent(in) :: last !! direction of the last sweep
         type(stage_t), intent(in) :: stage
         integer, intent(inout) :: n_bad !! cells that are bad
         integer, intent(inout) :: n_faces !! faces whose flux is not that of the scheme
@@ -70,15 +80,17 @@ contains
         do pass = 1, most_holds
             n = 0
             do m = 1, n_bad
+                if (.not. is_own(air, air%bad(:, m))) cycle
                 call euler_step(air, stage, air%bad(:, m), old, new)
                 if (is_kept(stage%floors, old, new) .or. .not. is_number(new)) cycle
                 n = n + 1
                 air%bad(:, n) = air%bad(:, m)
             end do
+            if (.not. anywhere(air, n > 0)) exit
+            call join_bad(air, last, n)
             do m = 1, n
                 call hold_cell(air, wall, stage, air%bad(:, m), n_faces)
             end do
-            if (n == 0) exit
             call find_bad_neighbours(air, wall, stage, n_faces, n_bad)
         end do
     end subroutine hold_cells
@@ -167,6 +179,7 @@ contains
         integer, intent(inout) :: status
         real(rk) :: old(max_var), new(max_var)
 
+        if (.not. is_own(air, cell)) return
         call euler_step(air, stage, cell, old, new)
         if (is_physical(new)) return
         status = air_unphysical
@@ -188,6 +201,7 @@ contains
             if (air%n(d) == 1) cycle
             do s = -1, 0
                 low = face_of(air, d, s, cell)
+                if (.not. is_beside(air, d, low)) cycle
                 call mark_face(air, d, low, bit_lowered, n_faces, done)
                 if (.not. done) call replace_flux(air, wall, stage, d, low, .false.)
             end do
@@ -195,6 +209,7 @@ contains
     end subroutine lower_faces
 
     !> Hold a cell, unless it is held: let nothing pass its faces; its rates are then exactly zero.
+    !> Of a cell beside the box only the face between matters here.
     subroutine hold_cell(air, wall, stage, cell, n_faces)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
@@ -202,21 +217,25 @@ contains
         integer, intent(in) :: cell(3)
         integer, intent(inout) :: n_faces
         integer :: bits, d, s, low(3)
-        logical :: done
+        logical :: done, own
 
-        bits = air%lowered(cell(1), cell(2), cell(3))
-        if (btest(bits, bit_held)) return
-        air%lowered(cell(1), cell(2), cell(3)) = int(ibset(bits, bit_held), int8)
-        air%held_cells = air%held_cells + 1
+        own = is_own(air, cell)
+        if (own) then
+            bits = air%lowered(cell(1), cell(2), cell(3))
+            if (btest(bits, bit_held)) return
+            air%lowered(cell(1), cell(2), cell(3)) = int(ibset(bits, bit_held), int8)
+            air%held_cells = air%held_cells + 1
+        end if
         do d = 1, 3
             if (air%n(d) == 1) cycle
             do s = -1, 0
                 low = face_of(air, d, s, cell)
+                if (.not. is_beside(air, d, low)) cycle
                 call mark_face(air, d, low, bit_closed, n_faces, done)
                 if (.not. done) call replace_flux(air, wall, stage, d, low, .true.)
             end do
         end do
-        air%rate(cell(1), cell(2), cell(3), :) = 0
+        if (own) air%rate(cell(1), cell(2), cell(3), :) = 0
     end subroutine hold_cell
 
     !> Cell below a face of a cell: its lower (s = -1) or upper (0) one in direction d.
@@ -285,11 +304,12 @@ contains
             call change_impulse(wall, d, low, high, real(stage%share*area, rk)*dp_star)
         if (air%bc(1, d) == bc_periodic) return
         if (low(d) > 0 .and. low(d) < air%n(d)) return
+        if (air%bc(merge(1, 2, low(d) == 0), d) == bc_inside) return
         out = merge(-stage%share, stage%share, low(d) == 0)*area
-        do m = 1, 5
-            air%outflow(turned(m, d)) = air%outflow(turned(m, d)) + out*df(m)
+        do m = 1, air%n_var
+            call add_to_total(air%left(turned(m, d)), out*df(m))
         end do
-        air%outflow_products = air%outflow_products + out*df(6)
+        call show_outflow(air)
     end subroutine replace_flux
 
     !> Add a change of flux into a cell to its rate; the load of a wall is not kept in the ledger.
@@ -335,16 +355,4 @@ contains
             end if
         end do
     end subroutine change_impulse
-
-    !> Make a table with at least n columns, keeping its content.
-    subroutine grow(table, n)
-        integer, allocatable, intent(inout) :: table(:, :)
-        integer, intent(in) :: n
-        integer, allocatable :: longer(:, :)
-
-        if (size(table, 2) >= n) return
-        allocate (longer(size(table, 1), 2*n + 64))
-        longer(:, 1:size(table, 2)) = table
-        call move_alloc(longer, table)
-    end subroutine grow
 end module brz_air_repair

@@ -2,16 +2,19 @@
 !> One time step of the air: two or three Runge-Kutta stages of sweeps (SSP-RK2, which is Heun's
 !> method, and SSP-RK3, of Shu and Osher).
 module brz_air_step
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp, int64, rk
     use brz_air_activity, only: find_awake, next_run
-    use brz_air_state, only: air_ok, air_t, brick, bc_periodic, lines_per_block, n_ghost, &
-        set_scale, wall_t
+    use brz_air_state, only: air_ok, air_t, brick, bc_inside, bc_periodic, lines_per_block, &
+        n_ghost, set_scale, wall_t
     use brz_air_ghosts, only: fill_ghosts
     use brz_air_repair, only: repair
     use brz_air_sweep, only: stage_t, sweep
-    use brz_grid_lines, only: n_blocks
+    use brz_air_totals, only: show_outflow
+    use brz_grid_lines, only: across, n_blocks, n_lines, turned
     use brz_positivity, only: floors_of
+    use brz_ranks, only: most_of_all
     use brz_runge_kutta, only: new_weight, share_of
+    use brz_running_total, only: add_to_total
     use brz_scheme, only: max_var
     use omp_lib, only: omp_get_max_threads
     implicit none
@@ -19,6 +22,7 @@ module brz_air_step
     public :: air_step, begin_step, take_rates, update
 
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
+    integer, parameter :: few_bricks = 100
 
 contains
 
@@ -65,6 +69,7 @@ contains
         type(stage_t), intent(inout) :: stage
         integer, intent(out) :: status
         integer :: d, last
+        integer(int64) :: suspects(1)
 
         status = air_ok
         last = findloc(air%n > 1, .true., dim=1, back=.true.)
@@ -78,15 +83,22 @@ contains
             call add_outflow(air, d, stage%share)
             stage%first = .false.
         end do
-        if (any(air%suspect(1:n_blocks(air%n, last)) > 0)) &
+        suspects = count(air%suspect(1:n_blocks(air%n, last)) > 0)
+        call most_of_all(air%part%ranks, suspects)
+        if (suspects(1) > 0) &
             call repair(air, wall, last, stage, status)
     end subroutine take_rates
 
     !> Give every thread its buffers; only a first step, or one with more threads, allocates.
     subroutine make_buffers(air)
         type(air_t), intent(inout) :: air
-        integer :: t, n
+        integer :: d, s, t, n
 
+        do d = 1, 3
+            do s = 1, 2
+                call make_ends(air, s, d)
+            end do
+        end do
         if (allocated(air%work)) then
             if (size(air%work) >= omp_get_max_threads()) return
             deallocate (air%work)
@@ -100,22 +112,72 @@ contains
         end do
     end subroutine make_buffers
 
-    !> Book what left through the two outer faces of a direction, block by block.
+    !> A place for the fluxes through the outer faces of the grid, where there are some.
+    subroutine make_ends(air, s, d)
+        type(air_t), intent(inout) :: air
+        integer, intent(in) :: s, d !! low or high, direction
+        logical :: outer
+        integer :: bricks(3)
+
+        outer = air%n(d) > 1 .and. all(air%bc(s, d) /= [bc_inside, bc_periodic])
+        associate (ends => air%ends(s, d))
+            if (allocated(ends%f) .eqv. outer) return
+            if (allocated(ends%f)) deallocate (ends%f, ends%sums)
+            if (.not. outer) return
+            bricks = (air%n - 1)/brick + 1
+            allocate (ends%f(n_lines(air%n, d), air%n_var), source=0.0_rk)
+            allocate (ends%sums(air%n_var, product(bricks)/bricks(d)))
+        end associate
+    end subroutine make_ends
+
+    !> Book what left through the outer faces of a direction: the faces of a brick are summed in
+    !> order, and those of bricks exactly, so that neither threads nor processes matter.
     subroutine add_outflow(air, d, share)
         type(air_t), intent(inout) :: air
         integer, intent(in) :: d !! direction
         real(rk), intent(in) :: share !! weight of the stage times dt [s]
-        real(dp) :: total(max_var)
-        integer :: b
+        integer :: b, c, s, bricks
+        real(dp) :: area
 
-        if (air%bc(1, d) == bc_periodic) return
-        total = 0
-        do b = 1, n_blocks(air%n, d)
-            total(:air%n_var) = total(:air%n_var) + air%edge(:, b)
+        area = product(air%dx)/air%dx(d)
+        do s = 1, 2
+            if (.not. allocated(air%ends(s, d)%f)) cycle
+            associate (sums => air%ends(s, d)%sums)
+                bricks = size(sums, 2)
+                !$omp parallel do schedule(static) if (bricks > few_bricks)
+                do b = 1, bricks
+                    call sum_faces(air%n(across(:, d)), b, air%ends(s, d)%f, sums(:, b))
+                end do
+                !$omp end parallel do
+                do b = 1, bricks
+                    do c = 1, air%n_var
+                        call add_to_total(air%left(turned(c, d)), (2*s - 3)*share*area*sums(c, b))
+                    end do
+                end do
+            end associate
         end do
-        air%outflow = air%outflow + share*(product(air%dx)/air%dx(d))*total(1:5)
-        air%outflow_products = air%outflow_products + share*(product(air%dx)/air%dx(d))*total(6)
+        call show_outflow(air)
     end subroutine add_outflow
+
+    !> Fluxes through the faces of a brick at the boundary, added line by line.
+    pure subroutine sum_faces(n, b, f, sums)
+        integer, intent(in) :: n(2) !! lines in the transverse directions
+        integer, intent(in) :: b !! brick
+        real(rk), intent(in) :: f(:, :) !! (lines, n_var)
+        real(dp), intent(out) :: sums(:) !! (n_var)
+        integer :: c, j, k, first(2), last(2)
+
+        first = [modulo(b - 1, (n(1) - 1)/brick + 1), (b - 1)/((n(1) - 1)/brick + 1)]*brick + 1
+        last = min(first + brick - 1, n)
+        sums = 0
+        do c = 1, size(f, 2)
+            do k = first(2), last(2)
+                do j = first(1), last(1)
+                    sums(c) = sums(c) + f((k - 1)*n(1) + j, c)
+                end do
+            end do
+        end do
+    end subroutine sum_faces
 
     !> Combine the Euler step with the start of the step; the first stage keeps the start.
     !>

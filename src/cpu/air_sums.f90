@@ -4,6 +4,8 @@ module brz_air_sums
     use brz_air_activity, only: next_run
     use brz_kinds, only: dp, int8, rk
     use brz_air_state, only: air_t, brick, cell_gamma, wall_t
+    use brz_air_totals, only: cell_sums
+    use brz_ranks, only: least_of_all
     implicit none
     private
     public :: air_time_step, air_totals, products_mass
@@ -12,7 +14,8 @@ module brz_air_sums
 
 contains
 
-    !> Largest stable time step: cfl over the largest sum_d (|u_d| + c)/dx_d of all gas cells.
+    !> Largest stable time step: cfl over the largest sum_d (|u_d| + c)/dx_d of all gas cells of all
+    !> processes.
     !>
     !> Solid cells count with the speed of the wall. The first steps of a blast need a smaller step,
     !> see time_step_ramp. Cells that are not numbers are left out: air_step reports them.
@@ -21,6 +24,7 @@ contains
         type(wall_t), intent(in) :: wall
         real(dp), intent(in) :: cfl !! Courant number [-]
         real(rk) :: fastest, inverse(3)
+        real(dp) :: least(1)
         integer :: j, k, c, at(3)
 
         inverse = merge(real(1/air%dx, rk), 0.0_rk, air%n > 1)
@@ -40,7 +44,9 @@ contains
                 fastest = max(fastest, sum(abs(wall%v(:, c))*inverse))
             end do
         end if
-        air_time_step = cfl/fastest
+        least = cfl/fastest
+        call least_of_all(air%part%ranks, least)
+        air_time_step = least(1)
     end function air_time_step
 
     !> Largest sum_d (|u_d| + c)/dx_d of the awake cells of one row along x.
@@ -98,66 +104,35 @@ contains
         end do
     end function fastest_of_row
 
-    !> Mass, momentum and energy of the gas and of the ledgers of the solid cells.
-    !>
-    !> Row by row along x, then row after row: the same bits whatever the threads do.
+    !> Mass, momentum and energy of the gas and of the ledgers of the solid cells, of all processes.
+    !> See brz_air_totals.
     subroutine air_totals(air, wall, gas, ledger)
-        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(wall_t), intent(in) :: wall
         real(dp), intent(out) :: gas(5) !! [kg, kg m/s, J]
         real(dp), intent(out) :: ledger(5) !! [kg, kg m/s, J]
-        integer :: i, j, k, c, row
+        real(dp) :: sums(6)
+        integer :: c
 
-        !$omp parallel do collapse(2) schedule(static) private(i, c, row) &
-        !$omp& if (size(air%rate) > few_numbers)
-        do k = 1, air%n(3)
-            do j = 1, air%n(2)
-                row = (k - 1)*air%n(2) + j
-                air%row_sum(:, row) = 0
-                do i = 1, air%n(1)
-                    do c = 1, 5
-                        air%row_sum(c, row) = air%row_sum(c, row) + air%u(i, j, k, c)
-                    end do
-                end do
-            end do
-        end do
-        !$omp end parallel do
+        call cell_sums(air, sums)
         ledger = 0
         if (wall%present) then
             do c = 1, wall%n_cells
                 ledger = ledger + air%u(wall%cell(1, c), wall%cell(2, c), wall%cell(3, c), 1:5)
             end do
         end if
-        gas = 0
-        do row = 1, air%n(2)*air%n(3)
-            gas = gas + air%row_sum(:, row)
-        end do
-        gas = (gas - ledger)*product(air%dx)
+        gas = (sums(1:5) - ledger)*product(air%dx)
         ledger = ledger*product(air%dx)
     end subroutine air_totals
 
     !> Mass of the products of explosives in the gas and in the ledgers [kg].
     real(dp) function products_mass(air)
-        type(air_t), intent(inout) :: air !! its row sums are overwritten
-        integer :: i, j, k, row
+        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
+        real(dp) :: sums(6)
 
         products_mass = 0
         if (air%n_var < 6) return
-        !$omp parallel do collapse(2) schedule(static) private(i, row) &
-        !$omp& if (size(air%rate) > few_numbers)
-        do k = 1, air%n(3)
-            do j = 1, air%n(2)
-                row = (k - 1)*air%n(2) + j
-                air%row_sum(1, row) = 0
-                do i = 1, air%n(1)
-                    air%row_sum(1, row) = air%row_sum(1, row) + air%u(i, j, k, 6)
-                end do
-            end do
-        end do
-        !$omp end parallel do
-        do row = 1, air%n(2)*air%n(3)
-            products_mass = products_mass + air%row_sum(1, row)
-        end do
-        products_mass = products_mass*product(air%dx)
+        call cell_sums(air, sums)
+        products_mass = sums(6)*product(air%dx)
     end function products_mass
 end module brz_air_sums

@@ -7,7 +7,7 @@ module brz_air_sweep
     use brz_kinds, only: dp, int8, rk
     use brz_air_activity, only: awake_along, next_run
     use brz_air_boundary, only: beyond_wall
-    use brz_air_state, only: air_t, brick, lines_per_block, n_ghost, sweep_work_t, wall_t
+    use brz_air_state, only: air_t, brick, ends_t, lines_per_block, n_ghost, sweep_work_t, wall_t
     use brz_grid_lines, only: first_cell_of, line_of, n_blocks, n_lines, turned
     use brz_gas, only: pressure
     use brz_positivity, only: margin, stray
@@ -90,7 +90,7 @@ contains
             run%n = run%hi - run%lo + 1
             call sweep_run(air, wall, run, stage, work)
         end do
-        call sum_ends(air%n_var, run%lines, turned(1, d), work%ends, air%edge(1, b))
+        call keep_ends(air%n_var, b, run%lines, work%ends, air%ends(:, d))
     end subroutine sweep_block
 
     !> A part of a block of lines, as lines of their own.
@@ -256,23 +256,22 @@ contains
         end do
     end subroutine difference
 
-    !> What leaves the lines of a block at their two ends, summed line by line.
-    pure subroutine sum_ends(nv, lines, turn, ends, edge)
+    !> Keep the fluxes through the ends of the lines of a block that lie on the boundary.
+    pure subroutine keep_ends(nv, block, lines, ends, kept)
         integer, intent(in) :: nv !! conserved variables
+        integer, intent(in) :: block
         integer, intent(in) :: lines !! lines that count
-        integer, intent(in) :: turn(nv) !! variable in each slot
         real(rk), intent(in) :: ends(nb, nv, 2) !! fluxes through the first and the last face
-        real(dp), intent(out) :: edge(nv) !! sum of fluxes out
-        integer :: c, l
+        type(ends_t), intent(inout) :: kept(2)
+        integer :: c, s
 
-        do c = 1, nv
-            edge(turn(c)) = 0
-            do l = 1, lines
-                edge(turn(c)) = edge(turn(c)) &
-                    + (real(ends(l, c, 2), dp) - real(ends(l, c, 1), dp))
+        do s = 1, 2
+            if (.not. allocated(kept(s)%f)) cycle
+            do c = 1, nv
+                kept(s)%f((block - 1)*nb + 1:(block - 1)*nb + lines, c) = ends(:lines, c, s)
             end do
         end do
-    end subroutine sum_ends
+    end subroutine keep_ends
 
     !> Count the cells whose Euler step loses nearly all density or pressure, or is not a number.
     !>

@@ -15,7 +15,7 @@ contains
 
     !> Totals over the box. Their sum changes only by outflow and by what reaches the solid.
     subroutine coupling_totals(air, coupling, gas, ledger, debt)
-        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(in) :: coupling
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
         real(dp), intent(out) :: ledger(5), debt(5) !! likewise
@@ -47,7 +47,7 @@ contains
 
     !> Mass of the products of explosives in gas, ledgers and debts [kg].
     real(dp) function coupling_products(air, coupling)
-        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(in) :: coupling
 
         coupling_products = products_mass(air)

@@ -1,20 +1,26 @@
 ! SPDX-License-Identifier: MIT
 !> Dump of the air: a VTKHDF image with cell data in single precision.
 !>
+!> Of several processes each writes the cells of its box beside the dump, and the dump names these
+!> parts as one.
+!>
 !> Cells that hold solid carry `solid` = 1 and the state of the undisturbed air: what the solver
 !> keeps there is a ledger, not a state. A direction that is not modelled is one cell thick (VTK
 !> cannot read cells of a flat image), the whole box: volumes and masses of cells are the real ones.
 !> The field data hold what is needed besides for the temperature and the speed of sound: the ratios
 !> of the specific heats, and the undisturbed air.
 module brz_air_dump
+    use brz_air_parts, only: part_name
     use brz_air_state, only: air_t, cell_gamma, wall_t
     use brz_errors, only: error_t
     use brz_gas, only: to_primitive
     use brz_hdf5_array, only: h5_write
     use brz_hdf5_attribute, only: h5_put
-    use brz_hdf5_file, only: h5_t
+    use brz_hdf5_box, only: h5_piece_t, h5_virtual, kind_int8, kind_real32
+    use brz_hdf5_file, only: h5_close, h5_create, h5_packed, h5_t
     use brz_kinds, only: dp, int8, real32, rk
     use brz_meta, only: meta_t
+    use brz_ranks, only: agree, several
     use brz_vtkhdf, only: begin_dump, end_dump, root, write_field
     implicit none
     private
@@ -43,17 +49,70 @@ contains
         type(fields_t) :: fields
 
         call fill_fields(air, wall, fields)
+        if (several(air%part%ranks)) then
+            call h5_create(file, part_name(path, air%part%ranks%rank + 1), h5_packed, err)
+            call put_fields(file, air, fields, err)
+            call h5_close(file, err)
+            call agree(air%part%ranks, err)
+            if (air%part%ranks%rank > 0) return
+        end if
         call begin_dump(file, path, 'ImageData', err)
         call put_grid(file, air, err)
         call put_gas(file, air, err)
+        if (several(air%part%ranks)) then
+            call name_parts(file, path, air, err)
+        else
+            call put_fields(file, air, fields, err)
+        end if
+        call end_dump(file, meta, err)
+    end subroutine write_air_dump
+
+    !> The fields of the cells of this process.
+    subroutine put_fields(file, air, fields, err)
+        type(h5_t), intent(in) :: file
+        type(air_t), intent(in) :: air
+        type(fields_t), intent(in) :: fields
+        type(error_t), intent(inout) :: err
+
         call write_field(file, 'CellData/density', 'kg/m3', fields%density, err)
         call write_field(file, 'CellData/pressure', 'Pa', fields%pressure, err)
         call write_field(file, 'CellData/overpressure', 'Pa', fields%overpressure, err)
         call write_field(file, 'CellData/velocity', 'm/s', fields%velocity, err)
         call write_field(file, 'CellData/solid', '-', fields%solid, err)
         if (air%n_var == 6) call write_field(file, 'CellData/products', '-', fields%products, err)
-        call end_dump(file, meta, err)
-    end subroutine write_air_dump
+    end subroutine put_fields
+
+    !> The same fields of the whole grid, which lie in the files of the processes.
+    subroutine name_parts(file, path, air, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: path
+        type(air_t), intent(in) :: air
+        type(error_t), intent(inout) :: err
+        character(12), parameter :: names(6) = [character(12) :: 'density', 'pressure', &
+                                                'overpressure', 'velocity', 'solid', 'products']
+        character(5), parameter :: units(6) = [character(5) :: 'kg/m3', 'Pa', 'Pa', 'm/s', '-', '-']
+        integer, allocatable :: front(:) !! a vector comes before the cell
+        type(h5_piece_t) :: pieces(air%part%ranks%n)
+        character(:), allocatable :: place
+        integer :: m, r
+
+        do m = 1, air%n_var
+            place = root//'/CellData/'//trim(names(m))
+            front = [integer ::]
+            if (names(m) == 'velocity') front = [3]
+            do r = 1, size(pieces)
+                associate (box => air%part%boxes(r - 1))
+                    pieces(r)%file = part_name(path(index(path, '/', back=.true.) + 1:), r)
+                    pieces(r)%name = place
+                    pieces(r)%lo = [front/3, box%lo]
+                    pieces(r)%extent = [front, box%hi - box%lo + 1]
+                end associate
+            end do
+            call h5_virtual(file, place, merge(kind_int8, kind_real32, names(m) == 'solid'), &
+                            [front, air%whole], pieces, err)
+            call h5_put(file, place, 'units', trim(units(m)), err)
+        end do
+    end subroutine name_parts
 
     !> Attributes of the grid.
     subroutine put_grid(file, air, err)
@@ -63,7 +122,7 @@ contains
         integer :: extent(6)
 
         extent = 0
-        extent(2::2) = air%n
+        extent(2::2) = air%whole
         call h5_put(file, root, 'WholeExtent', extent, err)
         call h5_put(file, root, 'Origin', air%lo, err)
         call h5_put(file, root, 'Spacing', air%dx, err)

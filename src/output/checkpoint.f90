@@ -5,6 +5,8 @@
 !> checkpoint that has its name is complete. The number in the name is that of the step. Before
 !> HDF5 sees one it is compared with its seal: HDF5 does not survive every damage.
 module brz_checkpoint
+    use brz_air_parts, only: check_parts, is_in_parts, read_air_boxes, remove_parts, rename_parts, &
+                             write_air_box, write_boxes
     use brz_air_state, only: air_t
     use brz_byte_file, only: sync_file
     use brz_case, only: case_t
@@ -21,6 +23,7 @@ module brz_checkpoint
     use brz_kinds, only: dp
     use brz_meta, only: describe_run, meta_t, write_meta
     use brz_output_folder, only: checkpoint_begin, checkpoint_end, checkpoint_name
+    use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_seal, only: check_seal
     use brz_solid_state, only: solid_t
     use brz_version, only: precision
@@ -48,6 +51,10 @@ contains
         type(h5_t) :: file
         type(meta_t) :: meta
 
+        if (several(air%part%ranks)) then
+            call write_in_parts(folder, case, clock, air, sums, err)
+            return
+        end if
         call describe_run(case, clock, meta)
         call h5_create(file, folder//'/'//checkpoint_name(clock%cycle), h5_plain, err, title)
         call write_meta(file, meta, err)
@@ -56,6 +63,39 @@ contains
         call sync_file(folder, err) ! its name is on the disk too
         if (.not. failed(err)) call remove_old(folder, clock%cycle)
     end subroutine write_checkpoint
+
+    !> The same of several processes, which share the air: each its box, and the first what all have
+    !> in common, once the boxes are on the disk.
+    subroutine write_in_parts(folder, case, clock, air, sums, err)
+        character(*), intent(in) :: folder
+        type(case_t), intent(in) :: case
+        type(clock_t), intent(inout) :: clock
+        type(air_t), intent(inout) :: air
+        real(dp), intent(inout) :: sums(:)
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: path
+        type(h5_t) :: file
+        type(meta_t) :: meta
+        logical :: leads
+
+        path = folder//'/'//checkpoint_name(clock%cycle)
+        leads = air%part%ranks%rank == 0
+        call write_air_box(path, title, air, err)
+        if (failed(err)) return
+        call describe_run(case, clock, meta)
+        if (leads) call h5_create(file, path, h5_plain, err, title)
+        if (leads) call write_meta(file, meta, err)
+        call write_boxes(file, air, err)
+        if (leads) then
+            call carry(file, 'sums', sums, err)
+            if (.not. failed(err)) call carry_clock(file, clock, err)
+            call h5_close(file, err)
+            call sync_file(folder, err)
+            if (failed(err)) call remove_parts(folder, checkpoint_name(clock%cycle))
+        end if
+        call agree(air%part%ranks, err)
+        if (leads .and. .not. failed(err)) call remove_old(folder, clock%cycle)
+    end subroutine write_in_parts
 
     !> Read a checkpoint into a scene that has been set up from the same deck. Afterwards the solid
     !> and the coupling must derive what is not in it (`resume_solid`, `restart_coupling`).
@@ -69,10 +109,18 @@ contains
         real(dp), intent(inout) :: sums(:)
         type(error_t), intent(inout) :: err
         type(h5_t) :: file
+        logical :: in_parts
 
         call h5_open(file, path, err)
         call check_origin(file, case, err)
-        call carry_all(file, clock, air, coupling, solid, sums, err)
+        in_parts = is_in_parts(file)
+        if (in_parts .or. several(air%part%ranks)) then
+            call read_air_boxes(file, air, err)
+            call carry(file, 'sums', sums, err)
+            if (.not. failed(err)) call carry_clock(file, clock, err)
+        else
+            call carry_all(file, clock, air, coupling, solid, sums, err)
+        end if
         call check_state(path, clock, air, coupling, solid, err)
         call h5_close(file, err)
     end subroutine read_checkpoint
@@ -125,27 +173,47 @@ contains
     end function quoted
 
     !> The checkpoint that a run shall go on from, one whose seal is right.
-    subroutine find_checkpoint(request, folder, path, note, err)
+    !> Of several processes the first looks for all.
+    subroutine find_checkpoint(request, folder, path, note, err, ranks)
         character(*), intent(in) :: request !! a file, or 'latest'
         character(*), intent(in) :: folder !! where 'latest' looks
         character(:), allocatable, intent(out) :: path
         character(:), allocatable, intent(out) :: note !! damaged files that were passed over, or ''
         type(error_t), intent(inout) :: err
+        type(ranks_t), intent(in), optional :: ranks
+        logical :: leads
+
+        note = ''
+        path = request
+        leads = .true.
+        if (present(ranks)) leads = ranks%rank == 0
+        if (leads .and. request == 'latest') then
+            call find_latest(folder, path, note, err)
+        else if (leads) then
+            call check_seal(path, title, err)
+            if (.not. failed(err)) call check_parts(path, title, err)
+        end if
+        if (.not. present(ranks)) return
+        call agree(ranks, err)
+        call share_text(ranks, 0, path)
+    end subroutine find_checkpoint
+
+    !> The newest checkpoint in a folder that is whole.
+    subroutine find_latest(folder, path, note, err)
+        character(*), intent(in) :: folder
+        character(:), allocatable, intent(inout) :: path
+        character(:), allocatable, intent(inout) :: note !! damaged files that were passed over
+        type(error_t), intent(inout) :: err
         type(error_t) :: damage
         integer, allocatable :: steps(:)
         integer :: i
 
-        note = ''
-        path = request
-        if (request /= 'latest') then
-            call check_seal(path, title, err)
-            return
-        end if
         call list_checkpoints(folder, steps)
         do i = 1, size(steps)
             path = folder//'/'//checkpoint_name(steps(i))
             damage = error_t()
             call check_seal(path, title, damage)
+            if (.not. failed(damage)) call check_parts(path, title, damage)
             if (damage%code /= exit_io) then
                 err = damage
                 return
@@ -153,7 +221,7 @@ contains
             note = note//'passed over '//damage%text//new_line('a')
         end do
         call raise(err, exit_io, folder//': no checkpoint that can be read'//new_line('a')//note)
-    end subroutine find_checkpoint
+    end subroutine find_latest
 
     !> Step numbers of the checkpoints in a folder, the newest first.
     subroutine list_checkpoints(folder, steps)
@@ -185,6 +253,7 @@ contains
             if (steps(i) <= step .and. count(steps > steps(i) .and. steps <= step) < kept) &
                 cycle
             call remove_file(folder//'/'//checkpoint_name(steps(i)))
+            call remove_parts(folder, checkpoint_name(steps(i)))
         end do
     end subroutine remove_old
 
@@ -202,6 +271,8 @@ contains
             if (steps(i) <= step .or. failed(err)) cycle
             call rename_file(folder//'/'//checkpoint_name(steps(i)), &
                              folder//'/dropped_'//checkpoint_name(steps(i)), err)
+            call rename_parts(folder, checkpoint_name(steps(i)), &
+                              'dropped_'//checkpoint_name(steps(i)), err)
         end do
     end subroutine drop_later_checkpoints
 end module brz_checkpoint

@@ -7,6 +7,7 @@
 module brz_checkpoint_state
     use, intrinsic :: iso_c_binding, only: c_f_pointer
     use brz_air_state, only: air_t
+    use brz_air_totals, only: take_outflow
     use brz_carry, only: carry
     use brz_clock, only: clock_t, resume_clock
     use brz_coupling_state, only: coupling_t
@@ -14,6 +15,7 @@ module brz_checkpoint_state
     use brz_hdf5_array, only: h5_shape
     use brz_hdf5_file, only: h5_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, real64
+    use brz_running_total, only: total_numbers
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
         is_short, is_single
     use brz_solid_state, only: ledger_t, solid_t
@@ -42,11 +44,23 @@ contains
         type(h5_t), intent(in) :: file
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
+        integer(int64) :: left(total_numbers, 6)
+        integer :: c
 
         call carry(file, 'air/u', air%u, err)
         call carry(file, 'air/reached', air%reached, err)
         call carry(file, 'air/outflow', air%outflow, err)
         call carry(file, 'air/outflow_products', air%outflow_products, err)
+        do c = 1, 6
+            left(:, c) = air%left(c)%limb
+        end do
+        call carry(file, 'air/left', left, err)
+        if (.not. (file%writing .or. failed(err))) then
+            do c = 1, 6
+                air%left(c)%limb = left(:, c)
+            end do
+            call take_outflow(air)
+        end if
         call carry(file, 'air/fallback_faces', air%fallback_faces, err)
         call carry(file, 'air/held_cells', air%held_cells, err)
     end subroutine carry_air

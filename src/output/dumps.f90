@@ -19,6 +19,7 @@ module brz_dumps
     type :: dumps_t
         character(:), allocatable :: folder
         type(series_t) :: air, solid
+        logical :: leads = .true. !! this process names them
         integer :: number = 0 !! of the last dump
         real(dp) :: time = 0 !! of it [s]
     end type dumps_t
@@ -101,6 +102,7 @@ contains
         logical, intent(in) :: has_air, has_solid !! in the scene
         type(error_t), intent(inout) :: err
 
+        if (.not. dumps%leads) return
         if (has_air) call add_to_series(dumps%air, dump_name('air', dumps%number), dumps%time, err)
         if (has_solid) &
             call add_to_series(dumps%solid, dump_name('solid', dumps%number), dumps%time, err)

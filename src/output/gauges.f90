@@ -13,6 +13,7 @@ module brz_gauges
     use brz_errors, only: error_t, raise, exit_deck
     use brz_gauge_quantities, only: find_quantity, quantities
     use brz_kinds, only: dp
+    use brz_ranks, only: several
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: velocity_at_step
     implicit none
@@ -177,16 +178,22 @@ contains
         type(solid_t), intent(in) :: solid
         real(dp), intent(out) :: row(:) !! (n + 1)
         real(dp) :: state(5)
-        integer :: g
+        integer :: g, m
 
         row(1) = time
+        m = 0
         do g = 1, gauges%n
             associate (gauge => gauges%list(g))
                 if (gauge%body > 0) then
                     call find_particle(solid, gauge)
                     row(g + 1) = value_of_particle(solid, gauge%place, gauge%quantity)
                 else
-                    call gas_state_at(air, wall, gauge%at, state)
+                    m = m + 1
+                    if (several(air%part%ranks)) then
+                        call gas_state_at(air, wall, gauge%at, state, air%part%seen(:, :, m))
+                    else
+                        call gas_state_at(air, wall, gauge%at, state)
+                    end if
                     row(g + 1) = value_of_gas(state, real(air%p_rest, dp), gauge%quantity)
                 end if
             end associate

@@ -121,13 +121,14 @@ contains
         text = '; bring the file back, or continue in an empty folder with --out'
     end function remedy
 
-    !> Append one row.
+    !> Append one row; to a history that was not opened, as another process writes it, none.
     subroutine append_row(history, values, err)
         type(history_t), intent(inout) :: history
         real(dp), intent(in) :: values(:) !! (columns)
         type(error_t), intent(inout) :: err
         integer :: length
 
+        if (.not. allocated(history%path)) return
         if (size(values) /= history%columns) then
             call raise(err, exit_internal, history%path//': a row has another number of columns')
             return

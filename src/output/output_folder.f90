@@ -6,6 +6,7 @@
 !>     air.vtkhdf.series, solid.vtkhdf.series what ParaView opens: dumps with their times
 !>     energy.csv, bodies.csv, gauges.csv histories
 !>     chk_001230.h5                      checkpoints by step, the last two
+!>     air_00012.part003.h5, chk_001230.part003.h5   parts of them, where several processes write
 !>
 !> Results are never overwritten unasked: a new run refuses a folder that holds results.
 module brz_output_folder
@@ -23,12 +24,12 @@ module brz_output_folder
 
     character(*), parameter :: checkpoint_begin = 'chk_', checkpoint_end = '.h5'
     ! beginnings and ends of the names of results
-    character(*), parameter :: begins(9) = [character(10) :: 'air_', 'solid_', 'air', 'solid', &
-                                            checkpoint_begin, 'energy', 'bodies', 'gauges', &
-                                            'profile_']
-    character(*), parameter :: ends(9) = [character(14) :: '.vtkhdf', '.vtkhdf', &
-                                          '.vtkhdf.series', '.vtkhdf.series', checkpoint_end, &
-                                          '.csv', '.csv', '.csv', '.csv']
+    character(*), parameter :: begins(10) = [character(10) :: 'air_', 'solid_', 'air', 'solid', &
+                                             'air_', checkpoint_begin, 'energy', 'bodies', &
+                                             'gauges', 'profile_']
+    character(*), parameter :: ends(10) = [character(14) :: '.vtkhdf', '.vtkhdf', &
+                                           '.vtkhdf.series', '.vtkhdf.series', '.h5', &
+                                           checkpoint_end, '.csv', '.csv', '.csv', '.csv']
 
 contains
 

@@ -6,6 +6,7 @@
 !> files.
 module brz_series
     use brz_errors, only: error_t, failed, raise, exit_io
+    use brz_air_parts, only: remove_parts
     use brz_files, only: file_exists, read_text_file, remove_file, write_text_file
     use brz_kinds, only: dp
     use brz_text, only: string_t
@@ -56,6 +57,7 @@ contains
         if (series%entries /= '' .or. size(series%later) > 0) call write_series(series, err)
         do i = 1, size(series%later)
             call remove_file(series%folder//'/'//series%later(i)%s)
+            call remove_parts(series%folder, series%later(i)%s)
         end do
     end subroutine cut_series
 

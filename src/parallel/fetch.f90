@@ -7,9 +7,10 @@
 module brz_fetch
     use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_ptr, c_ptr
     use brz_boxes, only: box_t, cells_of, common, is_empty
-    use brz_kinds, only: int8, int64, rk
+    use brz_kinds, only: dp, int8, int64, rk
     use brz_mpi_library, only: mpi_double, mpi_float, mpi_irecv, mpi_isend, mpi_waitall
-    use brz_ranks, only: ranks_t, several
+    use brz_ranks, only: ranks_t, several, traffic
+    use brz_timer, only: lap, wall_seconds
     implicit none
     private
     public :: fetch_t, plan_fetch, fetch
@@ -195,8 +196,12 @@ contains
     subroutine wait_for_all(plan)
         type(fetch_t), intent(inout) :: plan
         integer(c_int) :: status
+        real(dp) :: mark
 
+        mark = wall_seconds()
         status = mpi_waitall(size(plan%requests, kind=c_int), plan%requests, c_null_ptr)
+        traffic%fetches = traffic%fetches + 1
+        call lap(mark, traffic%seconds)
     end subroutine wait_for_all
 
     !> The type of MPI for working reals.

@@ -13,9 +13,11 @@ module brz_ranks
         mpi_comm_f2c, mpi_comm_rank, mpi_comm_size, mpi_comm_world, mpi_double, mpi_finalize, &
         mpi_in_place, mpi_init, mpi_int64, mpi_max, mpi_min, mpi_sum, open_mpi
     use brz_text, only: to_text
+    use brz_timer, only: lap, wall_seconds
     implicit none
     private
     public :: ranks_t, start_ranks, end_ranks, join_ranks, several
+    public :: traffic_t, traffic
     public :: agree, least_of_all, most_of_all, sum_of_all, bits_of_all, share_text
 
     type :: ranks_t
@@ -24,6 +26,13 @@ module brz_ranks
         integer :: here = 1 !! processes on this machine
         type(c_ptr) :: comm = c_null_ptr !! communicator of MPI
     end type ranks_t
+
+    !> What this process has said to others so far, and how long that took.
+    type :: traffic_t
+        integer(int64) :: votes = 0 !! numbers reduced over all processes, messages of it
+        integer(int64) :: fetches = 0 !! fields fetched
+        real(dp) :: seconds = 0 !! in both, most of them waiting
+    end type traffic_t
 
     interface
         integer(c_int) function c_dup2(from, to) bind(c, name='dup2')
@@ -38,6 +47,7 @@ module brz_ranks
 
     integer(c_int), parameter :: standard_output = 1, standard_error = 2, to_write = 1
     logical, save :: begun = .false. !! MPI is
+    type(traffic_t), save :: traffic
 
 contains
 
@@ -198,45 +208,51 @@ contains
     subroutine least_of_all(ranks, x)
         type(ranks_t), intent(in) :: ranks
         real(dp), intent(inout), target, contiguous :: x(:)
-        integer(c_int) :: status
 
-        if (.not. several(ranks) .or. size(x) == 0) return
-        status = mpi_allreduce(mpi_in_place(), c_loc(x), size(x, kind=c_int), mpi_double, mpi_min, &
-                               ranks%comm)
+        if (several(ranks) .and. size(x) > 0) &
+            call reduce(ranks, c_loc(x), size(x, kind=c_int), mpi_double, mpi_min)
     end subroutine least_of_all
 
     !> Replace every whole number by the largest of it over all processes.
     subroutine most_of_all(ranks, x)
         type(ranks_t), intent(in) :: ranks
         integer(int64), intent(inout), target, contiguous :: x(:)
-        integer(c_int) :: status
 
-        if (.not. several(ranks) .or. size(x) == 0) return
-        status = mpi_allreduce(mpi_in_place(), c_loc(x), size(x, kind=c_int), mpi_int64, mpi_max, &
-                               ranks%comm)
+        if (several(ranks) .and. size(x) > 0) &
+            call reduce(ranks, c_loc(x), size(x, kind=c_int), mpi_int64, mpi_max)
     end subroutine most_of_all
 
     !> Replace every whole number by its sum over all processes.
     subroutine sum_of_all(ranks, x)
         type(ranks_t), intent(in) :: ranks
         integer(int64), intent(inout), target, contiguous :: x(:)
-        integer(c_int) :: status
 
-        if (.not. several(ranks) .or. size(x) == 0) return
-        status = mpi_allreduce(mpi_in_place(), c_loc(x), size(x, kind=c_int), mpi_int64, mpi_sum, &
-                               ranks%comm)
+        if (several(ranks) .and. size(x) > 0) &
+            call reduce(ranks, c_loc(x), size(x, kind=c_int), mpi_int64, mpi_sum)
     end subroutine sum_of_all
 
     !> Gather numbers of which each is 0 to the bit in all processes but one.
     subroutine bits_of_all(ranks, x)
         type(ranks_t), intent(in) :: ranks
         real(dp), intent(inout), target, contiguous :: x(:)
-        integer(c_int) :: status
 
-        if (.not. several(ranks) .or. size(x) == 0) return
-        status = mpi_allreduce(mpi_in_place(), c_loc(x), size(x, kind=c_int), mpi_int64, mpi_bor, &
-                               ranks%comm)
+        if (several(ranks) .and. size(x) > 0) &
+            call reduce(ranks, c_loc(x), size(x, kind=c_int), mpi_int64, mpi_bor)
     end subroutine bits_of_all
+
+    !> Reduce numbers over all processes, in place.
+    subroutine reduce(ranks, numbers, n, type, operation)
+        type(ranks_t), intent(in) :: ranks
+        type(c_ptr), intent(in) :: numbers, type, operation
+        integer(c_int), intent(in) :: n
+        integer(c_int) :: status
+        real(dp) :: mark
+
+        mark = wall_seconds()
+        status = mpi_allreduce(mpi_in_place(), numbers, n, type, operation, ranks%comm)
+        traffic%votes = traffic%votes + 1
+        call lap(mark, traffic%seconds)
+    end subroutine reduce
 
     !> How this process is called in messages.
     pure function who(ranks) result(text)

@@ -16,7 +16,8 @@ module brz_backend_fetch
     use brz_gpu_solid_cohesive, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid
     use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, rk
+    use brz_ranks, only: bits_of_all, several
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals, solid_totals_t
     implicit none
@@ -29,7 +30,7 @@ contains
     !> Totals of the air; what left through its boundaries is brought up to date in `air`.
     subroutine stock_of_air(backend, air, coupling, gas, kept, kinetic, products, err)
         type(backend_t), intent(in) :: backend
-        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(inout) :: coupling !! its work and impulse are brought up to date
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
         real(dp), intent(out) :: kept(5) !! the same in ledgers and debts
@@ -129,6 +130,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: cells(3, 8*size(points, 2)), g
 
+        if (several(air%part%ranks)) call gather_cells(points, air)
         if (.not. backend%on_gpu .or. failed(err)) return
         do g = 1, size(points, 2)
             call cells_around(air, points(:, g), cells(:, 8*g - 7:8*g))
@@ -137,6 +139,29 @@ contains
         end do
         call fetch_cells(backend%air, cells, air, err)
     end subroutine fetch_around
+
+    !> On several processes: give all of them the cells around some points.
+    subroutine gather_cells(points, air)
+        real(dp), intent(in) :: points(:, :) !! (3, n) [m]
+        type(air_t), intent(inout) :: air
+        real(dp) :: seen(air%n_var, 0:7, size(points, 2)), row(size(seen))
+        integer :: cells(3, 0:7), at(3), g, m
+
+        seen = 0
+        do g = 1, size(points, 2)
+            call cells_around(air, points(:, g), cells)
+            do m = 0, 7
+                at = cells(:, m) - air%before
+                if (any(at < 1 .or. at > air%n)) cycle
+                seen(:, m, g) = air%u(at(1), at(2), at(3), :)
+            end do
+        end do
+        row = reshape(seen, [size(seen)])
+        call bits_of_all(air%part%ranks, row)
+        if (.not. allocated(air%part%seen)) &
+            allocate (air%part%seen(air%n_var, 0:7, size(points, 2)))
+        air%part%seen = real(reshape(row, shape(seen)), rk)
+    end subroutine gather_cells
 
     !> Which of the cells low..high hold solid; where all of them do, the gas in reach as well.
     subroutine fetch_wall_around(backend, low, high, air, wall, err)

@@ -4,13 +4,14 @@
 !> All values are of what is modelled (a half or a quarter where symmetry planes cut the scene).
 module brz_ledger
     use brz_air_state, only: air_t
+    use brz_air_totals, only: counts_of_all, outflow_of_all
     use brz_backend, only: backend_t
     use brz_backend_fetch, only: stock_of_air, stock_of_interfaces, stock_of_solid
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals_t
     implicit none
@@ -100,7 +101,7 @@ contains
     subroutine take_stock(time, backend, air, solid, coupling, start, ledger, err)
         real(dp), intent(in) :: time !! [s]
         type(backend_t), intent(inout) :: backend
-        type(air_t), intent(inout) :: air !! its row sums are overwritten
+        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(solid_t), intent(inout) :: solid !! its ledgers are brought up to date
         type(coupling_t), intent(inout) :: coupling !! its sums are brought up to date
         type(ledger_start_t), intent(inout) :: start
@@ -108,15 +109,16 @@ contains
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
         type(solid_totals_t) :: sums
         real(dp) :: all(5), area(2)
+        integer(int64) :: faces, cells
 
         ledger%time = time
         if (air%present) then
             call stock_of_air(backend, air, coupling, ledger%gas, ledger%kept, &
                               ledger%gas_kinetic, ledger%products, err)
-            ledger%outflow = air%outflow
-            ledger%products_out = air%outflow_products
-            ledger%fallback_faces = real(air%fallback_faces, dp)
-            ledger%held_cells = real(air%held_cells, dp)
+            call outflow_of_all(air, ledger%outflow, ledger%products_out)
+            call counts_of_all(air, faces, cells)
+            ledger%fallback_faces = real(faces, dp)
+            ledger%held_cells = real(cells, dp)
         end if
         if (solid%present) then
             call stock_of_solid(backend, solid, 0, sums, err)

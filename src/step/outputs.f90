@@ -22,6 +22,7 @@ module brz_outputs
     use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, holds_histories, &
                                  prepare_folder
     use brz_progress, only: progress_line
+    use brz_ranks, only: agree
     use brz_simulation, only: simulation_t
     use brz_solid_step, only: resume_solid
     use brz_text, only: to_text
@@ -51,13 +52,14 @@ module brz_outputs
 contains
 
     !> Prepare the folder and the files; with a restart, read the state and continue the files. What
-    !> does not fit is found before anything is changed.
+    !> does not fit is found before anything is changed. Of several processes the first does it.
     subroutine open_outputs(options, sim, outputs, err)
         type(options_t), intent(in) :: options
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
         character(:), allocatable :: note
+        logical :: leads
 
         outputs%resumed = options%restart /= ''
         outputs%folder = options%out
@@ -66,24 +68,30 @@ contains
             if (.not. is_folder(outputs%folder)) call raise(err, exit_io, outputs%folder// &
                 ': no such folder, so no checkpoint in it')
         end if
-        call lock_folder(outputs%folder, note, err)
+        note = ''
+        leads = sim%ranks%rank == 0
+        if (leads) call lock_folder(outputs%folder, note, err)
         if (note /= '') write (error_unit, '(a)') note
-        if (.not. outputs%resumed) then
+        call agree(sim%ranks, err)
+        if (.not. outputs%resumed .and. leads) then
             call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, &
                                 merge(folder_replace, folder_fresh, options%replace), err)
-        else if (.not. failed(err)) then
+        else if (outputs%resumed .and. .not. failed(err)) then
             call restart(options%restart, sim, outputs, err)
             outputs%continued = holds_histories(outputs%folder)
             if (.not. (outputs%continued .or. failed(err))) write (error_unit, '(a)') &
                 outputs%folder//': holds no histories; they begin at the checkpoint'
         end if
+        call agree(sim%ranks, err)
         if (failed(err)) return
         call set_up_gauges(sim%case, sim%solid, outputs%gauges, err)
         call open_histories(sim, outputs, err)
         call start_dumps(outputs%dumps, outputs%folder, [sim%air%present, sim%solid%present], &
-                         outputs%continued, sim%clock, err)
-        if (outputs%resumed) call go_on(sim, outputs, err)
-        if (.not. outputs%resumed .and. sim%early%rows > 0) call write_early(sim, outputs, err)
+                         outputs%continued .and. leads, sim%clock, err)
+        outputs%dumps%leads = leads
+        if (leads .and. outputs%resumed) call go_on(sim, outputs, err)
+        if (leads .and. .not. outputs%resumed) call write_early(sim, outputs, err)
+        call agree(sim%ranks, err)
     end subroutine open_outputs
 
     !> Drop what a run has left behind the checkpoint that it goes on from.
@@ -128,7 +136,7 @@ contains
         character(:), allocatable :: path, note
         real(dp) :: sums(8)
 
-        call find_checkpoint(from, outputs%folder, path, note, err)
+        call find_checkpoint(from, outputs%folder, path, note, err, sim%ranks)
         if (failed(err)) return
         if (note /= '') write (error_unit, '(a)') note
         call read_checkpoint(path, sim%case, sim%clock, sim%air, sim%coupling, sim%solid, sums, err)
@@ -168,6 +176,7 @@ contains
             character(*), parameter :: files(3) = [character(11) :: '/energy.csv', '/bodies.csv', &
                                                    '/gauges.csv']
 
+            if (sim%ranks%rank > 0) return
             if (outputs%continued) then
                 call open_history(history, outputs%folder//files(k), columns, err, &
                                   sim%clock%marks(k))
@@ -238,11 +247,13 @@ contains
                                   sim%coupling%wall, sim%solid, err)
             call end_writing(outputs%writer, beside, err)
         end if
+        call agree(sim%ranks, err)
         if (failed(err)) return
         call count_dump(outputs%dumps, sim%clock)
         outputs%dump_open = .true.
         if (outputs%writer%here) &
             call name_dump(outputs%dumps, sim%air%present, sim%solid%present, err)
+        call agree(sim%ranks, err)
     end subroutine save_dump
 
     !> One row in every history; the books must close, and the energy stay in its band.
@@ -270,8 +281,10 @@ contains
                            outputs%gauge_values)
             call append_row(outputs%gauge_history, outputs%gauge_values, err)
         end if
+        call agree(sim%ranks, err)
+        if (failed(err)) return
         call watch_region(sim, ledger%outside, outputs%outside, err)
-        call watch_held(sim, outputs%held)
+        call watch_held(sim, ledger%held_cells, outputs%held)
         if (.not. (is_balanced(ledger) .or. sim%coupling%paper)) call raise(err, exit_numerical, &
             'mass or momentum of the air is lost at t = '//to_text(sim%clock%time)// &
             ' s: errors '//to_text(ledger%mass_error)//' and '//to_text(ledger%momentum_error)// &
@@ -306,16 +319,17 @@ contains
     end subroutine watch_region
 
     !> Cells of gas that even fluxes of first order would have emptied: told once.
-    subroutine watch_held(sim, told)
+    subroutine watch_held(sim, cells, told)
         type(simulation_t), intent(in) :: sim
+        real(dp), intent(in) :: cells !! held so far
         logical, intent(inout) :: told
 
-        if (told .or. sim%air%held_cells == 0) return
+        if (told .or. .not. cells > 0) return
         told = .true.
         write (error_unit, '(a)') 'warning: until t = '//to_text(sim%clock%time)//' s '// &
-            to_text(int(sim%air%held_cells))//' cells of gas were held for a stage, as no flux '// &
-            'would have left density and pressure positive (held_cells[-] in energy.csv); '// &
-            'nothing is lost, but the gas is coarse there: a smaller cfl may help'
+            to_text(nint(cells))//' cells of gas were held for a stage, as no flux would have '// &
+            'left density and pressure positive (held_cells[-] in energy.csv); nothing is '// &
+            'lost, but the gas is coarse there: a smaller cfl may help'
     end subroutine watch_held
 
     !> A progress line, with all rows in their files.
@@ -343,6 +357,7 @@ contains
         apart = .false.
         if (present(beside)) apart = beside
         call flush_all(outputs, err, sync=.true.)
+        call agree(sim%ranks, err)
         sim%clock%marks = [outputs%energy%mark, outputs%bodies%mark, outputs%gauge_history%mark]
         call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         if (failed(err)) return

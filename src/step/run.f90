@@ -114,6 +114,9 @@ contains
 
         if (failed(err)) return
         if (options%backend /= '') sim%case%run%backend = options%backend
+        if (options%ranks > 0 .and. .not. options%check) call raise(err, exit_deck, &
+            'run: --ranks goes with --check; to run on several processes start them with '// &
+            'mpirun -n '//to_text(options%ranks))
         call refuse_on_ranks(sim%case, max(options%ranks, ranks%n), err)
         if (options%check) return
         sim%ranks = ranks

@@ -47,7 +47,7 @@ contains
 
         if (sim%case%air%present) then
             call setup_stage('air')
-            call set_up_air(sim%case, sim%air, err)
+            call set_up_air(sim%case, sim%air, err, sim%ranks)
         end if
         if (failed(err)) return
         if (any(sim%case%charges%start == '1d')) then

@@ -2,14 +2,16 @@
 !> What a run prints at its end: balances, gauges, and what it cost.
 module brz_summary
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+    use brz_boxes, only: cells_of
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
     use brz_errors, only: error_t, failed
     use brz_kernel_profile, only: print_profile, profiling
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64
     use brz_ledger, only: ledger_start_t, ledger_t, take_stock
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
+    use brz_ranks, only: least_of_all, several, traffic
     use brz_simulation, only: simulation_t
     use brz_screen, only: say
     use brz_timer, only: wall_seconds
@@ -39,18 +41,19 @@ contains
                 ledger%coupling_error, ' of the work on the bodies'
             write (output_unit, '(a, es10.2)') 'mass error     ', ledger%mass_error
             write (output_unit, '(a, es10.2)') 'momentum error ', ledger%momentum_error
-            write (output_unit, '(a, i0)') 'fallback faces  ', sim%air%fallback_faces
-            if (sim%air%held_cells > 0) write (output_unit, '(a, i0)') 'held cells      ', &
-                sim%air%held_cells
+            write (output_unit, '(a, i0)') 'fallback faces  ', nint(ledger%fallback_faces, int64)
+            if (ledger%held_cells > 0) write (output_unit, '(a, i0)') 'held cells      ', &
+                nint(ledger%held_cells, int64)
         end if
         call print_clamped(sim)
         call print_interfaces(sim)
-        if (outputs%gauges%n > 0) then
+        if (outputs%gauges%n > 0 .and. sim%ranks%rank == 0) then
             call gauge_summary(outputs%gauges, outputs%folder//'/gauges.csv', text, err)
             if (.not. failed(err)) write (output_unit, '(/, a)') text
         end if
         if (profiling) call print_profile(output_unit)
         call print_cost(sim)
+        if (several(sim%ranks)) call print_share(sim)
         call say('results    '//outputs%folder)
     end subroutine print_summary
 
@@ -84,6 +87,25 @@ contains
                 ' J spent'
         end do
     end subroutine print_interfaces
+
+    !> How even the boxes of the processes are, and how long they waited for each other.
+    subroutine print_share(sim)
+        type(simulation_t), intent(in) :: sim
+        real(dp) :: seconds, waited(2), mean(1)
+        integer :: r
+
+        seconds = max(wall_seconds() - sim%progress%wall_start, 1e-9_dp)
+        waited = 100*traffic%seconds/seconds*[1, -1]
+        mean = 0
+        do r = 0, sim%ranks%n - 1
+            mean = mean + real(cells_of(sim%air%part%boxes(r)), dp)/sim%ranks%n
+        end do
+        call least_of_all(sim%ranks, waited)
+        write (output_unit, '(a, i0, a, f0.2, a, f0.1, a, f0.1, a)') 'processes  ', sim%ranks%n, &
+            ', the largest box over the mean ', &
+            maxval(real(cells_of(sim%air%part%boxes), dp))/mean, ', ', waited(1), ' to ', &
+            -waited(2), ' % of the time with messages'
+    end subroutine print_share
 
     !> Wall-clock time and throughput.
     subroutine print_cost(sim)

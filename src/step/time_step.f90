@@ -129,7 +129,7 @@ contains
             call advance_air(sim%backend, sim%air, sim%coupling%wall, dt, status, err)
         end if
         if (status /= air_ok) call report_lost_cell(sim, err)
-        sim%progress%cell_steps = sim%progress%cell_steps + product(int(sim%air%n, int64))
+        sim%progress%cell_steps = sim%progress%cell_steps + product(int(sim%air%whole, int64))
     end subroutine step_air
 
     !> Say where the air became unphysical, from what, and what may help.

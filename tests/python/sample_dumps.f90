@@ -69,6 +69,7 @@ contains
 
         air%present = .true.
         air%n = n
+        air%whole = n
         air%g = merge(2, 0, n > 1)
         air%lo = [-1.0_dp, 2.0_dp, 3.0_dp]
         air%dx = [0.1_dp, 0.2_dp, 0.4_dp]

@@ -3,10 +3,16 @@
 
 import os
 import shutil
+import signal
 import subprocess
+import time
 
 import pytest
+import pyvista
 from test_run import BRISANCE, ROOT
+
+from post.errors import PostError
+from post.reader import Run
 
 ALONE = {**os.environ, "OMP_NUM_THREADS": "1"}
 TOGETHER = {**ALONE, "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
@@ -80,3 +86,188 @@ def test_a_check_tells_what_processes_get():
     assert "cells 1-44 1-24 1-40, 42240 of its own, 8844 of neighbours" in done.stdout
     done = start(0, "run", ROOT / "inputs/reflection.nml", "--check", "--ranks", "zero")
     assert done.returncode == 2
+    done = start(0, "run", ROOT / "inputs/reflection.nml", "--ranks", "4")
+    assert done.returncode == 2
+    assert "mpirun -n 4" in done.stderr
+
+
+# A burst of gas with products between all kinds of boundary, gauges across the cuts: some seconds.
+DECK = """\
+&run title = 'burst', t_end = 1e-4 /
+&air box = 0, 0.96,  0, 0.64,  0, 0.76, cells = 24, 16, 19, reconstruction = 'muscl',
+     flux = 'hllc', bc = 'symmetry', 'outflow',  'periodic', 'periodic',  'wall', 'outflow',
+     integrator = 'ssprk2' /
+&charge id = 'c', mass = 13, gamma = 1.3, at = 0.35, 0.3, 0.4 /
+&gas id = 'g', box = 0.5, 0.8,  0.1, 0.5,  0.2, 0.6, density = 2, pressure = 3e5 /
+&gauge id = 'floor', at = 0.3, 0.31, 0, quantity = 'overpressure' /
+&gauge id = 'cut', at = 0.47, 0.33, 0.36, quantity = 'speed' /
+&output dump_every = 3e-5, history_every = 0 /
+"""
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """The folder of a run on one process."""
+    folder = tmp_path_factory.mktemp("alone")
+    (folder / "deck.nml").write_text(DECK)
+    done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return folder / "out"
+
+
+def equal_results(one, other):
+    """Histories are the same text, dumps the same numbers."""
+    for name in ("gauges.csv", "energy.csv"):
+        assert (one / name).read_text() == (other / name).read_text(), name
+    frames = [Run(folder).frames for folder in (one, other)]
+    assert len(frames[0]) == len(frames[1]) > 0
+    for a, b in zip(*frames, strict=True):
+        x, y = a.air(), b.air()
+        assert list(x.field) == list(y.field)
+        assert all((x.field[name] == y.field[name]).all() for name in x.field)
+        assert (x.cells == y.cells).all()
+
+
+@needs_mpirun
+@pytest.mark.parametrize("n", [1, 2, 3, 4])
+def test_results_do_not_depend_on_processes(n, alone, tmp_path):
+    (tmp_path / "deck.nml").write_text(DECK)
+    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("results    out") == 1
+    equal_results(alone, tmp_path / "out")
+    if n < 2:
+        return
+    part = tmp_path / "out/air_00001.part002.h5"
+    mesh = [pyvista.read(folder / "air_00001.vtkhdf") for folder in (alone, tmp_path / "out")]
+    assert all((mesh[0].cell_data[k] == mesh[1].cell_data[k]).all() for k in mesh[0].cell_data)
+    part.unlink()
+    with pytest.raises(PostError, match=r"part air_00001\.part002\.h5 is missing"):
+        Run(tmp_path / "out").frames[1].air("pressure")
+
+
+# Decks that come with the program, short: a blast that starts in one dimension, a tube.
+SHORT = {
+    "reflection": ["air.cells=16,16,32", "run.t_end=6e-4", "output.dump_every=1e-4"],
+    "shock_tube": ["output.dump_every=1e-3"],
+}
+
+
+@needs_mpirun
+@pytest.mark.parametrize("name", SHORT)
+def test_decks_of_the_program_give_the_same(name, tmp_path):
+    changes = [word for change in SHORT[name] for word in ("--set", change)]
+    for n in (0, 2, 4):
+        done = start(n, "run", ROOT / f"inputs/{name}.nml", "--out", tmp_path / str(n), *changes)
+        assert done.returncode == 0, done.stderr
+        if n > 0:
+            equal_results(tmp_path / "0", tmp_path / str(n))
+            assert f"processes  {n}, the largest box over the mean" in done.stdout
+
+
+@needs_mpirun
+@pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), (2, 3), (4, 2), (3, 4), (2, 2)])
+def test_other_processes_go_on(n, m, alone, tmp_path):
+    (tmp_path / "deck.nml").write_text(DECK)
+    done = start(n, "run", "deck.nml", "--out", "out", "--set", "run.max_steps=20", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    done = start(m, "run", "deck.nml", "--out", "out", "--restart", "latest", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    equal_results(alone, tmp_path / "out")
+
+
+@needs_mpirun
+def test_a_checkpoint_without_a_part_is_refused(tmp_path):
+    (tmp_path / "deck.nml").write_text(DECK)
+    start(3, "run", "deck.nml", "--out", "out", "--set", "run.max_steps=5", cwd=tmp_path)
+    (tmp_path / "out/chk_000005.part003.h5").unlink()
+    for m in (0, 2):
+        done = start(m, "run", "deck.nml", "--out", "out", "--restart", "latest", cwd=tmp_path)
+        assert done.returncode == 4
+        assert "chk_000005.part003.h5: is lost, one of the 3 parts" in done.stderr
+    part = tmp_path / "out/chk_000005.part001.h5"
+    part.write_bytes(part.read_bytes()[:-100] + bytes(100))
+    done = start(2, "run", "deck.nml", "--restart", "out/chk_000005.h5", cwd=tmp_path)
+    assert done.returncode == 4
+    assert "part001.h5: is damaged" in done.stderr
+
+
+@needs_mpirun
+def test_a_lost_cell_is_told_once_and_alike(tmp_path):
+    (tmp_path / "deck.nml").write_text(DECK)
+    changes = ["air.fallback=.false.", "air.ramp_steps=0", "air.cfl=0.9", "gas(g).pressure=1e3",
+               "gas(g).velocity=3000,0,0", "air.reconstruction='weno5z'",
+               "air.integrator='ssprk3'"]  # fmt: skip
+    words = []
+    for n in (0, 3):
+        done = start(n, "run", "deck.nml", "--out", f"out{n}",
+                     *(word for change in changes for word in ("--set", change)),
+                     cwd=tmp_path)  # fmt: skip
+        assert done.returncode == 3, done.stderr
+        words.append([line for line in done.stderr.splitlines() if "the air is lost" in line])
+    assert len(words[0]) == 1
+    assert words[0] == words[1]
+
+
+@needs_mpirun
+@pytest.mark.parametrize("name", ["air_00001.part002.h5", "chk_000020.part002.h5"])
+def test_what_one_cannot_write_ends_all(name, tmp_path):
+    """The second process finds a folder in the place of its part; the checkpoint before counts."""
+    (tmp_path / "deck.nml").write_text(DECK)
+    (tmp_path / "out" / name / "in the way").mkdir(parents=True)
+    often = ("--set", "output.dump_every=5e-6", "--set", "output.checkpoint_every=2e-6")
+    begin = ("run", "deck.nml", "--out", "out", "--replace", *often)
+    done = start(3, *begin, "--set", "run.max_steps=20", cwd=tmp_path)
+    assert done.returncode == 4, done.stderr
+    assert done.stderr.count("process 2 of 3: ") == 1
+    assert not list((tmp_path / "out").glob("*.tmp"))
+    shutil.rmtree(tmp_path / "out" / name)
+    done = start(2, "run", "deck.nml", "--out", "out", "--restart", "latest", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+
+
+def running(folder, n, *args):
+    """A run on n processes that would take minutes, after its first rows."""
+    (folder / "deck.nml").write_text(DECK)
+    command = [*f"{MPIRUN} -n {n}".split(), BRISANCE, "run", "deck.nml", "--out", "out", "--set",
+               "run.t_end=0.4", "--set", "air.cells=48,32,38", *args]  # fmt: skip
+    run = subprocess.Popen(command, cwd=folder, env=TOGETHER, text=True,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)  # fmt: skip
+    while not (folder / "out/air.vtkhdf.series").exists():
+        time.sleep(0.1)
+        assert run.poll() is None
+    return run
+
+
+@needs_mpirun
+def test_signals_and_stop_files_reach_all(tmp_path):
+    run = running(tmp_path, 3)
+    run.send_signal(signal.SIGUSR1)
+    while not list((tmp_path / "out").glob("chk_*[0-9].h5")):
+        time.sleep(0.1)
+        assert run.poll() is None
+    run.send_signal(signal.SIGUSR2)
+    words = run.communicate(timeout=60)[1]
+    assert run.returncode == 75
+    assert words.count("stopped by SIGUSR2") == 1
+    run = running(tmp_path, 2, "--restart", "latest")
+    (tmp_path / "deck.stop").write_text("")
+    words = run.communicate(timeout=60)[1]
+    assert run.returncode == 75
+    assert "stopped by a stop file" in words
+
+
+@needs_mpirun
+def test_a_killed_process_ends_all_and_the_wall_clock_stops_all(tmp_path):
+    run = running(tmp_path, 3, "--set", "output.checkpoint_every=1e-6")
+    while not list((tmp_path / "out").glob("chk_*[0-9].h5")):
+        time.sleep(0.1)
+    ranks = subprocess.run(["pgrep", "-P", str(run.pid)], capture_output=True, text=True,
+                           check=True).stdout.split()  # fmt: skip
+    os.kill(int(ranks[-1]), signal.SIGKILL)
+    run.communicate(timeout=30)
+    assert run.returncode not in (0, 75)
+    done = start(2, "run", "deck.nml", "--out", "out", "--restart", "latest", "--walltime", "1",
+                 "--set", "run.t_end=0.4", "--set", "air.cells=48,32,38", cwd=tmp_path)  # fmt: skip
+    assert done.returncode == 75, done.stderr
+    assert "stopped by the wall-clock limit" in done.stderr

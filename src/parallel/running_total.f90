@@ -1,0 +1,90 @@
+! SPDX-License-Identifier: MIT
+!> Totals that grow over a whole run and depend on no order: what many processes and threads have
+!> added in any order is the same number. As brz_exact_sum, with a largest exponent that is fixed
+!> when the run begins, and one limb more.
+module brz_running_total
+    use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+    use brz_kinds, only: dp, int64
+    use brz_ranks, only: ranks_t, sum_of_all
+    implicit none
+    private
+    public :: running_total_t, begin_total, add_to_total, value_of, value_of_all, total_numbers
+
+    integer, parameter :: bits = 31, limbs = 4
+    integer, parameter :: room = 40 !! a term may be 2^room times what is expected of all of them
+    integer, parameter :: total_numbers = limbs + 1 !! whole numbers that a total consists of
+
+    type :: running_total_t
+        integer :: top = room !! terms are below 2^top; the same in all processes and restarts
+        integer(int64) :: limb(0:limbs) = 0 !! 0: terms that were too large, or no numbers
+    end type running_total_t
+
+contains
+
+    !> Start from a number, with the size that the total is expected to have.
+    pure subroutine begin_total(total, size, start)
+        type(running_total_t), intent(inout) :: total
+        real(dp), intent(in) :: size
+        real(dp), intent(in) :: start
+
+        total%top = room
+        if (abs(size) > 0) total%top = exponent(size) + room
+        total%limb = 0
+        call add_to_total(total, start)
+    end subroutine begin_total
+
+    !> Add a term.
+    pure subroutine add_to_total(total, x)
+        type(running_total_t), intent(inout) :: total
+        real(dp), intent(in) :: x
+        real(dp) :: rest, whole
+        integer(int64) :: carry
+        integer :: k
+
+        if (.not. abs(x) < scale(1.0_dp, total%top)) then
+            total%limb(0) = total%limb(0) + 1
+            return
+        end if
+        rest = scale(x, bits - total%top)
+        do k = 1, limbs
+            whole = aint(rest)
+            total%limb(k) = total%limb(k) + int(whole, int64)
+            rest = (rest - whole)*2.0_dp**bits
+        end do
+        do k = limbs, 2, -1
+            carry = shifta(total%limb(k), bits)
+            total%limb(k) = total%limb(k) - shiftl(carry, bits)
+            total%limb(k - 1) = total%limb(k - 1) + carry
+        end do
+    end subroutine add_to_total
+
+    !> The total as a number; no number if a term was none.
+    real(dp) function value_of(total)
+        type(running_total_t), intent(in) :: total
+        integer(int64) :: limb(0:limbs), carry
+        integer :: k
+
+        limb = total%limb
+        do k = limbs, 2, -1
+            carry = shifta(limb(k), bits)
+            limb(k) = limb(k) - shiftl(carry, bits)
+            limb(k - 1) = limb(k - 1) + carry
+        end do
+        value_of = 0
+        do k = limbs, 1, -1
+            value_of = value_of + scale(real(limb(k), dp), total%top - bits*k)
+        end do
+        if (limb(0) > 0) value_of = ieee_value(value_of, ieee_quiet_nan)
+    end function value_of
+
+    !> The total of all processes.
+    real(dp) function value_of_all(ranks, total)
+        type(ranks_t), intent(in) :: ranks
+        type(running_total_t), intent(in) :: total
+        type(running_total_t) :: all
+
+        all = total
+        call sum_of_all(ranks, all%limb)
+        value_of_all = value_of(all)
+    end function value_of_all
+end module brz_running_total
