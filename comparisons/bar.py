@@ -94,7 +94,7 @@ create_box 1 space
 lattice sc {spacing} origin 0.5 0.5 0.5
 region bar cylinder z 0 0 {radius} 0 {length} units box
 create_atoms 1 region bar
-group all type 1
+group tlsph type 1
 region low block INF INF INF INF INF {spacing} units box
 group foot region low
 set group all volume {volume}
@@ -104,7 +104,7 @@ neighbor {skin} bin
 neigh_modify every 10 delay 0 check yes
 pair_style smd/tlsph
 pair_coeff 1 1 *COMMON {density} {young} {poisson} {q1} 0.0 {hourglass} 1.0 &
-    *LINEAR_PLASTICITY {yield_stress} {hardening} &
+    *STRENGTH_LINEAR_PLASTIC {yield_stress} {hardening} &
     *EOS_LINEAR &
     *END
 velocity all set 0.0 0.0 -{speed} units box

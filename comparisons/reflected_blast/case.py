@@ -24,9 +24,9 @@ SPACE = f"""A balloon of hot gas over a rigid floor, a quarter: tests/scenes/flo
 
 
 def measures(history: History) -> Measures:
-    """Peak, arrival at a twentieth of it, impulse to 0.3 ms and to the end."""
+    """Peak, arrival at half of it, impulse to 0.3 ms and to the end."""
     peak = max(p for _, p in history)
-    arrival = next(t for t, p in history if p > 0.05 * peak)
+    arrival = next(t for t, p in history if p > peak / 2)
 
     def impulse(end: float) -> float:
         pairs = pairwise(history)
@@ -84,6 +84,8 @@ CASE = Case(
     axes=("time [us]", "overpressure [MPa]"),
     scales=(1e6, 1e-6),
     remarks={
+        "OpenFOAM, 5.6 mm, minmod": "as robust as needed here, and as blunt",
+        "Brisance, 5.6 mm, box of 0.13 m": "in space: 47,808 cells in a fifth of the time of 3,984",
         "OpenFOAM, 2.8 mm, van Leer": "the reference; two dimensions afford the cells, space does "
         "not: we have no axisymmetric air",
         "Brisance 592ab95, along the radius": "what `start = '1d'` begins with; 1/3000 of the time",
