@@ -12,7 +12,7 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	$(Q)$(LINK) -o $@ $(filter-out $(B)/obj/tests/study/study_%,$^) \
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
-.PHONY: charts charts-air charts-solid charts-coupling charts-scenes taylor stability stability-air validate
+.PHONY: charts charts-air charts-solid charts-coupling charts-scenes taylor stability stability-air validate compare
 .PHONY: point-blast point-blast-gpu paper paper-coarse
 paper: all ## every scene of the paper at its resolution: exact quarters, on a GPU; goes on where it stopped
 	@$(PY) scripts/paper.py full hvi_0600 hvi_0300 hvi_0150 hvi_0075; $(PY) scripts/paper.py quarter
@@ -38,6 +38,8 @@ charts-scenes: ## draw the impact on CFRP from what was recorded (scripts/scene_
 	$(PY) scripts/scene_charts.py draw
 point-blast: $(B)/tests/study/study_air ## the point blast up to 128^3 cells, recorded (a quarter of an hour)
 	$< sedov > $(B)/sedov.csv && mv $(B)/sedov.csv docs/data/point_blast.csv
+compare: all ## Brisance beside other codes: rerun what is here, draw what is recorded (ARGS=--help)
+	@$(PY) -m comparisons $(ARGS)
 validate: all ## blasts of TNT against the Kingery-Bulmash curves, recorded and drawn
 	$(PY) scripts/validate_air.py && $(PY) scripts/validate_reflection.py $(ARGS)
 stability-air: $(B)/tests/study/study_air

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: MIT
+"""Brisance beside other codes: `make compare`, docs/comparison.md."""

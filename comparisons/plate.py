@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: MIT
+"""Clamped plates of Brisance: their deck, and what is measured on the motion of a middle."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from pathlib import Path
+
+from comparisons.case import History, Measures
+from comparisons.reading import column
+
+DECK = """{title}
+
+A quarter of a clamped plate of {span:g} x {span:g} mm, {thick:g} mm thick, in {layers} layers,
+written by comparisons/plate.py. The clamp begins where the three columns that are held do.
+
+&run t_end = {t_end}, symmetry = 'x', 'y' /
+{material}
+&body
+    id = 'plate', box = {low}, {high}, {low}, {high}, {bottom}, 0
+    spacing = {spacing}, material = 'm', fix = 'sides'{more}
+/
+{load}
+&gauge id = 'mid', at = 0, 0, {middle}, body = 'plate', quantity = 'displacement_z' /
+&output history_every = {every} /
+"""
+
+
+def write(folder: Path, title: str, shape: tuple[float, float, int], **scene: str | float) -> None:
+    """Write deck.nml. Shape: half of the free span, thickness [m], particles through it.
+
+    Of the scene: material and load (groups of the deck), t_end [s], and `more` keys of the body.
+    """
+    half, thickness, layers = shape
+    t_end, more = scene["t_end"], scene.get("more", "")
+    _, spacing, outer = lattice(half, thickness, layers)
+    text = DECK.format(
+        title=title,
+        span=2e3 * half,
+        thick=1e3 * thickness,
+        layers=layers,
+        t_end=t_end,
+        material=scene["material"],
+        low=f"{-outer:.7g}",
+        high=f"{outer:.7g}",
+        bottom=-thickness,
+        spacing=f"{min(spacing, thickness / layers):.5g}",
+        more=more and f"\n    {more}",
+        load=scene["load"],
+        middle=-thickness / 2,
+        every=t_end / 600,
+    )
+    (folder / "deck.nml").write_text(text, encoding="utf-8")
+
+
+def lattice(half: float, thickness: float, layers: int) -> tuple[int, float, float]:
+    """Columns of the quarter, their spacing, half the width of the box with its clamp [m]."""
+    columns = round(half / (thickness / layers)) + 3
+    spacing = half / (columns - 3)
+    return columns, spacing, columns * spacing
+
+
+def size(half: float, thickness: float, layers: int) -> str:
+    return f"{lattice(half, thickness, layers)[0] ** 2 * layers:,} particles"
+
+
+def deflection(folder: Path) -> History:
+    """Of the middle, away from the load, in m."""
+    return [(t, -z) for t, z in column(folder, "mid")]
+
+
+def peak(history: History) -> tuple[float, float]:
+    """Time and value of the first maximum that no later value tops within a tenth of the run.
+
+    The top is that of the parabola through the highest point and its neighbours.
+    """
+    window = (history[-1][0] - history[0][0]) / 10
+    best = 0
+    for k, (t, w) in enumerate(history):
+        if w > history[best][1]:
+            best = k
+        elif t - history[best][0] > window and history[best][1] > 0.2 * max(v for _, v in history):
+            break
+    if best in (0, len(history) - 1):
+        return history[best]
+    (t0, w0), (t1, w1), (t2, w2) = history[best - 1 : best + 2]
+    left, right = (w1 - w0) / (t1 - t0), (w2 - w1) / (t2 - t1)
+    bend = (right - left) / (t2 - t0)
+    time = (t0 + t1) / 2 - left / (2 * bend)
+    return time, w1 - bend * (time - t1) ** 2 if bend else w1
+
+
+def back(history: History, after: float) -> float | None:
+    """When the middle first passes zero after a time [s]."""
+    for (t0, w0), (t1, w1) in pairwise(history):
+        if t0 > after and w0 > 0 >= w1:
+            return t0 + (t1 - t0) * w0 / (w0 - w1)
+    return None
+
+
+def mean(history: History, start: float, end: float) -> float:
+    """Mean over a stretch of time."""
+    total = time = 0.0
+    for (t0, w0), (t1, w1) in pairwise(history):
+        a, b = max(t0, start), min(t1, end)
+        if b > a:
+            total += (b - a) * (w0 + w1) / 2
+            time += b - a
+    return total / time
+
+
+def measures(history: History, *, residual: tuple[float, float] | None = None,
+             swing: bool = False) -> Measures:  # fmt: skip
+    """Peak, its time, and the first return (`swing`) or what stays between two times."""
+    time, height = peak(history)
+    found = {"peak": height, "peak_time": time}
+    if swing and (when := back(history, time)):
+        found["back"] = when
+    if residual:
+        found["stays"] = mean(history, *residual)
+    return found

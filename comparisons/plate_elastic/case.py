@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: MIT
+"""P1: an elastic clamped plate under a short pressure, small deflections."""
+
+import numpy as np
+
+from comparisons import bricks, mindlin, plate
+from comparisons.case import Case, Quantity, Run
+
+HALF, THICK, END = 0.1, 0.01, 600e-6
+STEEL = (
+    "&material id = 'm', model = 'linear_elastic', density = 7800, youngs_modulus = 200e9, "
+    "poisson_ratio = 0.3 /"
+)
+LOAD = "&load body = 'plate', faces = 'z+', time = 0, 50e-6, pressure = {p}, {p} /"
+
+
+def make(pressure: float, name: str, mark: str, title: str, **more) -> Case:
+    """The case for a pressure: here the small one, in plate_elastic_large the large one."""
+    fem = bricks.Plate(HALF, 10, ((THICK, 1, "STEEL"),),
+                       {"STEEL": bricks.isotropic(200e9, 0.3, 7800)}, END, 2.5e-6)  # fmt: skip
+
+    def ours(layers: int) -> Run:
+        def write(folder):
+            plate.write(folder, title, (HALF, THICK, layers), material=STEEL,
+                        load=LOAD.format(p=f"{pressure:g}"), t_end=END)  # fmt: skip
+
+        def read(folder):
+            history = plate.deflection(folder)
+            return plate.measures(history, swing=True), history
+
+        size = plate.size(HALF, THICK, layers)
+        return Run(f"Brisance, {layers} layers", "brisance", size, write, read)
+
+    def write(folder):
+        text = bricks.pulse(fem, pressure, 50e-6)
+        (folder / "model.inp").write_text(text, encoding="utf-8")
+
+    def read(folder):
+        history = bricks.deflection(folder, -fem.step)
+        return plate.measures(history, swing=True), history
+
+    peer = Run(f"CalculiX {fem.count}", "calculix", f"{fem.count} C3D20R", write, read)
+    return Case(name=name, mark=mark, title=title, runs=(ours(3), ours(4), peer), **more)
+
+
+CASE = make(
+    0.1e6,
+    "plate_elastic",
+    "P1",
+    "Elastic plate, small deflection",
+    setting="Clamped steel plate, 200 x 200 x 10 mm (E 200 GPa, nu 0.3, 7800 kg/m3), 0.1 MPa for "
+    "50 us.",
+    reference="modes of a Mindlin plate (comparisons/mindlin.py)",
+    quantities=(
+        Quantity("peak", "peak", "um", 1e6, 4, 9.229e-6, 0.015),
+        Quantity("peak_time", "at", "us", 1e6, 4, 133.1e-6, 0.02),
+        Quantity("back", "first back", "us", 1e6, 4, 269.7e-6, 0.015),
+    ),
+    axes=("time [us]", "deflection [um]"),
+    scales=(1e6, 1e6),
+    exact=lambda: mindlin.pulse_deflection(
+        mindlin.Square(HALF, THICK, 200e9, 0.3, 7800), 0.1e6, 50e-6, np.linspace(0, END, 301)
+    ),
+)

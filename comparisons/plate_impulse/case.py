@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: MIT
+"""P4': the plate of P4 under a uniform pulse of the same mean impulse."""
+
+from comparisons import plate
+from comparisons.case import Case, Quantity, Run
+from comparisons.plate_blast.case import HALF, STEEL, THICK
+
+PRESSURE, DURATION, END = 8.56e6, 50e-6, 550e-6
+LOAD = (
+    f"&load body = 'plate', faces = 'z+', time = 0, {DURATION}, pressure = {PRESSURE:g}, "
+    f"{PRESSURE:g} /"
+)
+
+
+def _ours(layers: int, slow: bool = False) -> Run:
+    def write(folder):
+        plate.write(
+            folder,
+            "Steel plate under 428 Pa s",
+            (HALF, THICK, layers),
+            material=STEEL,
+            load=LOAD,
+            t_end=END,
+        )
+
+    def read(folder):
+        history = plate.deflection(folder)
+        return plate.measures(history), history
+
+    size = plate.size(HALF, THICK, layers)
+    return Run(f"Brisance, {layers} layers", "brisance", size, write, read, slow)
+
+
+CASE = Case(
+    name="plate_impulse",
+    mark="P4'",
+    title="The same plate under an even 428 Pa s",
+    setting="The plate of P4 under 8.56 MPa for 50 us: what the plate does without the questions "
+    "of its load.",
+    reference="OpenRadioss, full integration, as recorded",
+    quantities=(
+        Quantity("peak", "peak", "mm", 1e3, 3, 6.95e-3, 0.04),
+        Quantity("peak_time", "at", "us", 1e6, 3, 440e-6, 0.03),
+    ),
+    runs=(_ours(3),),
+    axes=("time [us]", "deflection [mm]"),
+    scales=(1e6, 1e3),
+    remarks={
+        "Brisance 592ab95, bending, zeta 0.1": "before plates of metal had tilted gradients",
+    },
+)

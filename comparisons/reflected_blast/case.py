@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: MIT
+"""B1: an ideal balloon over a rigid floor: the load that reaches the middle."""
+
+from itertools import pairwise
+
+from comparisons import foam
+from comparisons.case import Case, History, Measures, Quantity, Run
+from comparisons.reading import column
+
+MASS, DENSITY, ENERGY, AT, END = 0.168, 1630.0, 4.29e6, 0.4, 0.45e-3
+CHARGE = f"mass = {MASS}, density = {DENSITY}, energy = {ENERGY}"
+SPACE = f"""A balloon of hot gas over a rigid floor, a quarter: tests/scenes/floor.nml, any box.
+
+&run t_end = {END} /
+&air
+    box = 0, {{wide}},  0, {{wide}},  0, 0.4648,  cells = {{n}}, {{n}}, {{m}}
+    bc = 'symmetry', 'outflow',  'symmetry', 'outflow',  'wall', 'outflow'
+    reconstruction = 'muscl', flux = 'hllc', integrator = 'ssprk2'
+/
+&charge id = 'tnt', {CHARGE}, eos = 'ideal', at = 0, 0, {AT} /
+&gauge id = 'A', at = {{cell}}, {{cell}}, {{cell}}, quantity = 'overpressure' /
+&output history_every = 2e-7 /
+"""
+
+
+def measures(history: History) -> Measures:
+    """Peak, arrival at half of it, impulse to 0.3 ms and to the end."""
+    peak = max(p for _, p in history)
+    arrival = next(t for t, p in history if p > peak / 2)
+
+    def impulse(end: float) -> float:
+        pairs = pairwise(history)
+        return sum((b - a) * (p + q) / 2 for (a, p), (b, q) in pairs if b <= end * (1 + 1e-9))
+
+    return {"peak": peak, "arrival": arrival, "short": impulse(0.3e-3), "impulse": impulse(END)}
+
+
+def _ours(cell: float, wide: float, slow: bool = False) -> Run:
+    n, m = round(wide / cell), round(0.4648 / cell)
+
+    def write(folder):
+        text = SPACE.format(wide=wide, n=n, m=m, cell=cell / 2)
+        (folder / "deck.nml").write_text(text, encoding="utf-8")
+
+    def read(folder):
+        history = column(folder, "A")
+        return measures(history), history
+
+    name = f"Brisance, {1e3 * cell:.1f} mm, box of {wide:.2f} m"
+    return Run(name, "brisance", f"{n * n * m:,} cells in space", write, read, slow)
+
+
+def _foam(cell: float, slow: bool = False) -> Run:
+    radius = 0.2688
+    n, m = round(0.4648 / cell), round(radius / cell)
+
+    def write(folder):
+        balloon = foam.Balloon(0.02909, AT, DENSITY, 0.4 * DENSITY * ENERGY)
+        foam.write(folder, (0.4648, radius), cell, balloon, END)
+
+    def read(folder):
+        history = foam.pressure(folder)
+        return measures(history), history
+
+    name = f"OpenFOAM, {1e3 * cell:.1f} mm, minmod"
+    return Run(name, "openfoam", f"{n * m:,} cells in a wedge", write, read, slow)
+
+
+CASE = Case(
+    name="reflected_blast",
+    mark="B1",
+    title="Blast on a rigid floor",
+    setting="An ideal balloon of 168 g (1630 kg/m3, 4.29 MJ/kg, gamma 1.4) 0.4 m over a rigid "
+    "floor; overpressure in "
+    "the first cell under it.",
+    reference="OpenFOAM, axisymmetric, 2.8 mm, as recorded",
+    quantities=(
+        Quantity("impulse", "impulse to 0.45 ms", "Pa s", 1, 3, 438, 0.05),
+        Quantity("peak", "peak", "MPa", 1e-6, 3, 13.15e6),
+        Quantity("arrival", "arrival", "ms", 1e3, 4, 0.1668e-3, 0.03),
+        Quantity("short", "impulse to 0.3 ms", "Pa s", 1, 3, 401),
+    ),
+    runs=(_ours(5.6e-3, 0.1344), _ours(5.6e-3, 0.2688), _foam(5.6e-3), _foam(2.8e-3, slow=True)),
+    axes=("time [us]", "overpressure [MPa]"),
+    scales=(1e6, 1e-6),
+    remarks={
+        "OpenFOAM, 5.6 mm, minmod": "as robust as needed here, and as blunt",
+        "Brisance, 5.6 mm, box of 0.13 m": "in space: 47,808 cells in a fifth of the time of 3,984",
+        "OpenFOAM, 2.8 mm, van Leer": "the reference; two dimensions afford the cells, space does "
+        "not: we have no axisymmetric air",
+        "Brisance 592ab95, along the radius": "what `start = '1d'` begins with; 1/3000 of the time",
+    },
+)
