@@ -219,7 +219,7 @@ contains
         integer, intent(in) :: i, j
 
         is_tied = is_joined(links, i, j)
-        if (is_tied .or. .not. allocated(links%joined)) return
+        if (is_tied) return
         associate (m => links%table(link_body(links, i), link_body(links, j)))
             is_tied = m%law == law_cohesive .and. &
                       iand(iand(links%joined(i), links%joined(j)), m%bit) /= 0

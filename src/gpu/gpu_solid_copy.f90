@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The solids on their way to the GPU and back.
 module brz_gpu_solid_copy
+    use brz_buffers, only: doubles_t
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
         free_buffer, launch
     use brz_errors, only: error_t, failed
@@ -9,7 +10,7 @@ module brz_gpu_solid_copy
     use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault
     use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
-    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, open_gpu_solid_memory, part_of
+    use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, open_gpu_solid_memory, tags_of
     use brz_kinds, only: dp, int32, int64, rk
     use brz_materials, only: unloaded_speed
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_built, in_motion, in_place, &
@@ -93,7 +94,7 @@ contains
         x = numbers_of(field, gpu%n)
         do c = 1, field%rows
             if (field%lies == in_tag) call copy_in(int(x(c, :), int32), &
-                tag_of(gpu, field%at + c - 1), 4_int64*gpu%n, err)
+                tags_of(gpu, field%at + c - 1), 4_int64*gpu%n, err)
             if (field%lies == in_state) call copy_in(real(x(c, :), rk), &
                 column_of(gpu, field%at + c - 1), bytes_of_real*gpu%n, err)
         end do
@@ -103,28 +104,12 @@ contains
     pure function rows_of(gpu, lies) result(buffer)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: lies
-        type(buffer_t) :: buffer
+        type(doubles_t) :: buffer
 
         buffer = gpu%place
         if (lies == in_reference) buffer = gpu%reference
         if (lies == in_built) buffer = gpu%built
     end function rows_of
-
-    pure function tag_of(gpu, column) result(rest)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: column !! of `tag`
-        type(buffer_t) :: rest
-
-        rest = part_of(gpu%tag, 4_int64*(column - 1)*gpu%n)
-    end function tag_of
-
-    pure function column_of(gpu, column) result(rest)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: column !! of `state`
-        type(buffer_t) :: rest
-
-        rest = part_of(gpu%state, (column - 1)*bytes_of_real*gpu%n)
-    end function column_of
 
     !> A number of each material, for every particle.
     pure function of_bodies(solid, values) result(x)
@@ -195,7 +180,7 @@ contains
         allocate (x(field%rows, gpu%n), column(gpu%n), marks(gpu%n))
         do c = 1, field%rows
             if (field%lies == in_tag) then
-                call copy_out(tag_of(gpu, field%at + c - 1), marks, 4_int64*gpu%n, err)
+                call copy_out(tags_of(gpu, field%at + c - 1), marks, 4_int64*gpu%n, err)
                 if (.not. failed(err)) x(c, :) = marks
             else
                 call copy_out(column_of(gpu, field%at + c - 1), column, bytes_of_real*gpu%n, err)
@@ -253,7 +238,7 @@ contains
 
         call fetch_solid(gpu, solid, err)
         allocate (marks(solid%n), source=0_int32)
-        call copy_out(tag_of(gpu, tag_fault), marks, 4_int64*gpu%n, err)
+        call copy_out(tags_of(gpu, tag_fault), marks, 4_int64*gpu%n, err)
         do k = 1, size(solid%block, 2)
             associate (first => solid%block(2, k), last => solid%block(3, k))
                 solid%search%bad(k) = findloc(marks(first:last), 1, dim=1)

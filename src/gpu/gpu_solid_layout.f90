@@ -13,6 +13,7 @@
 !> book(n, ...), whose sums over a body are its ledger.
 module brz_gpu_solid_layout
     use brz_kinds, only: dp, rk
+    use brz_link_layout, only: mask_unit
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, at_wave, n_tag, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_joined, &
         tag_ply, tag_support
@@ -72,7 +73,6 @@ module brz_gpu_solid_layout
     ! (slice((t - 1)/w + 1) + k - 1)*w + mod(t - 1, w) + 1, w = slice_width: threads side by side
     ! read side by side. An entry is the neighbour plus mask_unit times its mirrored axes.
     integer, parameter :: slice_width = 32
-    integer, parameter :: mask_unit = 2**28
     integer, parameter :: scan_chunk = 256 !! numbers that a thread of a scan adds
 
     !> One body, as kernels see it.

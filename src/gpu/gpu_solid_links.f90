@@ -79,7 +79,7 @@ contains
             call arguments%add(slices)
             call arguments%add(1)
             call arguments%add(gpu%n)
-            call arguments%add([gpu%links%count, gpu%links%slice])
+            call arguments%add_all(gpu%links%count, gpu%links%slice)
             call launch(gpu%widths, [slices, 1, 1], arguments, err)
             call running_sum(gpu%scan, gpu%links%slice, slices, err, longest)
             entries = int(longest, int64)*slice_width
@@ -115,8 +115,9 @@ contains
                 call arguments%add(gpu%bodies(a)%first)
                 call arguments%add(gpu%bodies(a)%last)
                 call arguments%add(2*real(solid%links%table(a, b)%h, dp) + solid%skin)
-                call arguments%add([gpu%grid, gpu%box, gpu%code, gpu%start, gpu%order, gpu%built, &
-                                    gpu%links%slice, gpu%links%count, gpu%links%list])
+                call arguments%add_all(gpu%grid, gpu%box, gpu%code, gpu%start, gpu%order, &
+                    gpu%built, gpu%links%slice)
+                call arguments%add_all(gpu%links%count, gpu%links%list)
                 call arguments%add(part_of(gpu%links%met, &
                                            4_int64*(a - 1 + size(gpu%bodies)*(b - 1))))
                 call launch(gpu%links%search, &
@@ -134,9 +135,11 @@ contains
         if (.not. gpu%bonded) return
         call arguments%add(gpu%n)
         associate (links => gpu%links)
-            call arguments%add([links%params, links%owner, links%table, gpu%place, gpu%reference, &
-                                gpu%motion, gpu%state, gpu%tag, links%slice, links%count, &
-                                links%list, gpu%row, gpu%grad, gpu%hold, gpu%held])
+            call arguments%add_all(links%params, links%owner, links%table, gpu%place, &
+                gpu%reference, gpu%motion, gpu%state)
+            call arguments%add_all(gpu%tag, links%slice, links%count, links%list, gpu%row, &
+                gpu%grad, gpu%hold)
+            call arguments%add_all(gpu%held)
             call launch_awake(gpu, links%moments, arguments, err)
         end associate
     end subroutine add_bond_moments
@@ -163,7 +166,8 @@ contains
         type(arguments_t) :: arguments
 
         call begin_bonds(gpu, arguments)
-        call arguments%add([gpu%state, gpu%links%slice, gpu%links%count, gpu%links%list, gpu%tag])
+        call arguments%add_all(gpu%state, gpu%links%slice, gpu%links%count, gpu%links%list, &
+            gpu%tag)
         call launch_awake(gpu, gpu%links%break, arguments, err)
     end subroutine break_bonds
 
@@ -173,8 +177,9 @@ contains
         type(arguments_t) :: arguments
 
         call begin_bonds(gpu, arguments)
-        call arguments%add([gpu%state, gpu%hold, gpu%held, gpu%tag, gpu%links%slice, &
-                            gpu%links%count, gpu%links%list, gpu%extra])
+        call arguments%add_all(gpu%state, gpu%hold, gpu%held, gpu%tag, gpu%links%slice, &
+            gpu%links%count, gpu%links%list)
+        call arguments%add_all(gpu%extra)
         call launch_awake(gpu, gpu%links%forces, arguments, err)
     end subroutine add_bond_forces
 
@@ -184,8 +189,8 @@ contains
         type(arguments_t), intent(inout) :: arguments
 
         call arguments%add(gpu%n)
-        call arguments%add([gpu%links%params, gpu%links%owner, gpu%links%table, gpu%place, &
-                            gpu%reference, gpu%motion, gpu%row])
+        call arguments%add_all(gpu%links%params, gpu%links%owner, gpu%links%table, gpu%place, &
+            gpu%reference, gpu%motion, gpu%row)
     end subroutine begin_bonds
 
     subroutine find_pressures(gpu, dt, err)
@@ -197,9 +202,10 @@ contains
         call arguments%add(gpu%n)
         call arguments%add(dt)
         associate (links => gpu%links)
-            call arguments%add([links%params, links%owner, links%table, links%cell, gpu%place, &
-                                gpu%motion, gpu%state, gpu%tag, links%slice, links%count, &
-                                links%list, links%press, gpu%book])
+            call arguments%add_all(links%params, links%owner, links%table, links%cell, &
+                gpu%place, gpu%motion, gpu%state)
+            call arguments%add_all(gpu%tag, links%slice, links%count, links%list, links%press, &
+                gpu%book)
             call launch_awake(gpu, links%find_press, arguments, err)
         end associate
     end subroutine find_pressures
@@ -213,9 +219,11 @@ contains
         call arguments%add(gpu%n)
         call arguments%add(dt)
         associate (links => gpu%links)
-            call arguments%add([links%params, links%owner, links%table, links%cell, gpu%place, &
-                                gpu%motion, gpu%row, links%press, links%slice, links%count, &
-                                links%list, gpu%state, gpu%tag, gpu%book, gpu%rate, gpu%extra])
+            call arguments%add_all(links%params, links%owner, links%table, links%cell, &
+                gpu%place, gpu%motion, gpu%row)
+            call arguments%add_all(links%press, links%slice, links%count, links%list, gpu%state, &
+                gpu%tag, gpu%book)
+            call arguments%add_all(gpu%rate, gpu%extra)
             call launch_awake(gpu, links%push, arguments, err)
         end associate
     end subroutine push_bodies

@@ -40,8 +40,8 @@ contains
             call arguments%add(gpu%n)
             call arguments%add(there%params)
             call arguments%add(solid%skin/2)
-            call arguments%add([there%drive, gpu%reference, gpu%built, gpu%place, gpu%motion, &
-                                gpu%flags])
+            call arguments%add_all(there%drive, gpu%reference, gpu%built, gpu%place, gpu%motion, &
+                gpu%flags)
             call launch(gpu%rigid_place, threads_of(there), arguments, err)
         end associate
     end subroutine move_rigid
@@ -69,7 +69,7 @@ contains
 
         associate (there => gpu%bodies(b))
             call arguments%add(gpu%n)
-            call arguments%add([there%params, there%drive, gpu%motion, gpu%row, gpu%rate])
+            call arguments%add_all(there%params, there%drive, gpu%motion, gpu%row, gpu%rate)
             call launch(gpu%rigid_row, threads_of(there), arguments, err)
         end associate
     end subroutine fill_rigid
@@ -89,7 +89,8 @@ contains
             if (gpu%linked) then
                 call arguments%add(gpu%n)
                 call arguments%add(sum_threads)
-                call arguments%add([there%params, there%drive, gpu%place, gpu%extra, gpu%part])
+                call arguments%add_all(there%params, there%drive, gpu%place, gpu%extra, &
+                    gpu%part)
                 call launch(gpu%rigid_push, [sum_threads, 1, 1], arguments, err)
                 call fold_sums(gpu, sum_threads, push, err)
             end if
@@ -105,8 +106,8 @@ contains
             call arguments%add(merge(1, 0, gpu%linked))
             call arguments%add(there%params)
             call arguments%add(dt)
-            call arguments%add([there%drive, gpu%place, gpu%motion, gpu%row, gpu%extra, gpu%state, &
-                                gpu%book])
+            call arguments%add_all(there%drive, gpu%place, gpu%motion, gpu%row, gpu%extra, &
+                gpu%state, gpu%book)
             call launch(gpu%rigid_accelerate, threads_of(there), arguments, err)
         end associate
     end subroutine balance_rigid

@@ -2,6 +2,7 @@
 !> Neighbour lists on the GPU: the same cells, order and lists as on the CPU.
 module brz_gpu_solid_search
     use brz_cell_grid, only: cell_of_groups, choose_cells, reach_of_lists
+    use brz_buffers, only: doubles_t
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, clear_buffer, copy_in, copy_out, &
         free_buffer, kernel_t, launch
     use brz_errors, only: error_t, failed
@@ -23,7 +24,7 @@ contains
         type(solid_t), intent(inout) :: solid !! its search tables are overwritten
         logical, intent(in) :: sort
         type(error_t), intent(inout) :: err
-        type(buffer_t) :: place
+        type(doubles_t) :: place
         integer :: b, cells
 
         if (sort) then
@@ -48,7 +49,7 @@ contains
     subroutine note_positions(gpu, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        type(buffer_t) :: from
+        type(doubles_t) :: from
         integer(int64) :: start, n
         integer :: b
 
@@ -64,7 +65,7 @@ contains
     !> Copy on the GPU; a multiple of 4 B.
     subroutine copy_bytes(gpu, from, to, bytes, err)
         type(gpu_solid_t), intent(in) :: gpu
-        type(buffer_t), intent(in) :: from, to
+        class(buffer_t), intent(in) :: from, to
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
@@ -80,7 +81,7 @@ contains
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
-        type(buffer_t), intent(in) :: place
+        class(buffer_t), intent(in) :: place
         real(dp), intent(in) :: reach !! side of a cell [m]
         integer, intent(out) :: cells !! along the curve
         type(error_t), intent(inout) :: err
@@ -116,7 +117,7 @@ contains
 
     !> The first bytes of a buffer.
     pure function part_to(buffer, bytes) result(part)
-        type(buffer_t), intent(in) :: buffer
+        class(buffer_t), intent(in) :: buffer
         integer(int64), intent(in) :: bytes
         type(buffer_t) :: part
 
@@ -129,7 +130,7 @@ contains
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
-        type(buffer_t), intent(in) :: place
+        class(buffer_t), intent(in) :: place
         real(dp), intent(in) :: reach !! [m]
         type(error_t), intent(inout) :: err
         type(grid_gpu_t) :: grid
@@ -197,7 +198,7 @@ contains
     subroutine gather(gpu, kernel, from, to, columns, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(kernel_t), intent(in) :: kernel
-        type(buffer_t), intent(in) :: from, to
+        class(buffer_t), intent(in) :: from, to
         integer, intent(in) :: columns
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
@@ -210,8 +211,8 @@ contains
     end subroutine gather
 
     pure subroutine swap(a, b)
-        type(buffer_t), intent(inout) :: a, b
-        type(buffer_t) :: c
+        type(doubles_t), intent(inout) :: a, b
+        type(doubles_t) :: c
 
         c = a
         a = b
@@ -222,7 +223,7 @@ contains
     subroutine list_body(gpu, b, place, err)
         type(gpu_solid_t), intent(inout) :: gpu
         integer, intent(in) :: b
-        type(buffer_t), intent(in) :: place
+        class(buffer_t), intent(in) :: place
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer(int64) :: entries
@@ -251,7 +252,7 @@ contains
     subroutine search(gpu, b, place, keep, err)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b, keep
-        type(buffer_t), intent(in) :: place
+        class(buffer_t), intent(in) :: place
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 

@@ -4,8 +4,10 @@
 !> All arrays of the particles stay on the GPU, see brz_gpu_solid_layout. The host arrays of
 !> `solid_t` are a mirror that brz_gpu_solid_copy refreshes before a dump or a checkpoint.
 module brz_gpu_solid_state
+    use brz_buffers, only: doubles_t, from, integers_t, reals_t
+    use brz_cohesive_launches, only: cohesive_kernels_t
     use brz_device, only: allocate_buffer, buffer_t, clear_buffer, copy_in, device_t, find_kernel, &
-        free_buffer, kernel_t
+        free_buffers, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
     use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_total
@@ -16,7 +18,7 @@ module brz_gpu_solid_state
     implicit none
     private
     public :: gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, close_gpu_solid, &
-              part_of, threads_of, bytes_of_real, sum_threads, total_threads, fold_threads
+              part_of, column_of, tags_of, threads_of, bytes_of_real, sum_threads, total_threads, fold_threads
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
     integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
@@ -33,14 +35,18 @@ module brz_gpu_solid_state
         logical :: drawn = .false. !! has the hold
         logical :: tilted = .false. !! gradients of its outermost layers are tilted
         logical :: asleep = .false. !! left out of the steps
-        type(buffer_t) :: params, material, drive, slice, list
+        type(buffer_t) :: params, material
+        type(doubles_t) :: drive
+        type(integers_t) :: slice, list
         integer(int64) :: room = 0 !! entries that `list` has room for
         type(kernel_t) :: moments, update, forces
     end type gpu_solid_body_t
 
     !> Pairs of particles of different bodies.
     type :: gpu_links_t
-        type(buffer_t) :: params, owner, table, cell, press, slice, count, list, met
+        type(buffer_t) :: params, table
+        type(integers_t) :: owner, slice, count, list, met
+        type(reals_t) :: cell, press
         integer(int64) :: room = 0 !! entries that `list` has room for
         type(kernel_t) :: search, find_press, push, moments, forces, break
     end type gpu_links_t
@@ -50,11 +56,11 @@ module brz_gpu_solid_state
         logical :: present = .false.
         logical :: fetched = .true. !! the host has the state of the points
         integer :: n = 0, nodes = 0
-        type(buffer_t) :: law, bit, of, first, area, gap, rest, weight, back_first, back, row, pull
-        type(buffer_t) :: entry !! node + mask_unit*mask
-        type(buffer_t) :: place_of !! nodes
-        type(buffer_t) :: state !! (3, n) slots of brz_cohesive_law
-        type(kernel_t) :: place, open, join, gather
+        type(buffer_t) :: law
+        type(integers_t) :: bit, of, first, entry, back_first, back, row, place_of
+        type(doubles_t) :: area, gap, rest, weight, pull, push
+        type(doubles_t) :: state !! (3, n) slots of brz_cohesive_law
+        type(cohesive_kernels_t) :: kernels
     end type gpu_cohesive_t
 
     type :: gpu_solid_t
@@ -74,11 +80,11 @@ module brz_gpu_solid_state
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
-        type(buffer_t) :: place, reference, built, motion, state, tag, book, row, grad, hold, held
-        type(buffer_t) :: rate, flags, axes, region, extra
-        type(buffer_t) :: count, cell, order, start, code, grid, box, part
+        type(doubles_t) :: place, reference, built, book, rate, region, box, part, folded
+        type(reals_t) :: motion, state, row, grad, held, axes, extra
+        type(integers_t) :: tag, flags, count, cell, order, start, code
+        type(buffer_t) :: hold, grid
         type(gpu_scan_t) :: scan
-        type(buffer_t) :: folded
         integer :: code_room = 0 !! cells that `code` has room for
         type(kernel_t) :: fold, gradients, rows, drift, hold_drive, end_support, totals
         type(kernel_t) :: extent, count_cells, fill_cells, sort_cells, search, widths
@@ -208,13 +214,28 @@ contains
 
     !> The rest of a buffer from a byte on; only to be read and written, never freed.
     pure function part_of(buffer, byte) result(rest)
-        type(buffer_t), intent(in) :: buffer
+        class(buffer_t), intent(in) :: buffer
         integer(int64), intent(in) :: byte
         type(buffer_t) :: rest
 
         rest%address = buffer%address + byte
         rest%bytes = buffer%bytes - byte
     end function part_of
+
+    !> A column of the state, from its first particle on.
+    pure type(reals_t) function column_of(gpu, column)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: column
+
+        column_of = from(gpu%state, (column - 1_int64)*gpu%n + 1)
+    end function column_of
+
+    pure type(integers_t) function tags_of(gpu, column)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: column
+
+        tags_of = from(gpu%tag, (column - 1_int64)*gpu%n + 1)
+    end function tags_of
 
     !> One thread for each particle of a body.
     pure function threads_of(body) result(n)
@@ -227,27 +248,24 @@ contains
     !> Give the memory back.
     subroutine close_gpu_solid(gpu)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(buffer_t) :: all(50)
         integer :: b
 
-        all = [gpu%place, gpu%reference, gpu%built, gpu%motion, gpu%state, gpu%tag, gpu%book, &
-               gpu%row, gpu%grad, gpu%hold, gpu%held, gpu%rate, gpu%flags, gpu%axes, gpu%region, &
-               gpu%extra, gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
-               gpu%scan%levels, gpu%part, gpu%folded, gpu%box, gpu%links%params, gpu%links%owner, &
-               gpu%links%table, gpu%links%cell, gpu%links%press, gpu%links%slice, &
-               gpu%links%count, gpu%links%list, gpu%links%met, gpu%glue%law, gpu%glue%bit, &
-               gpu%glue%of, gpu%glue%first, gpu%glue%area, gpu%glue%gap, gpu%glue%rest, &
-               gpu%glue%weight, gpu%glue%back_first, gpu%glue%back, gpu%glue%row, gpu%glue%pull, &
-               gpu%glue%entry, gpu%glue%place_of, gpu%glue%state]
-        do b = 1, size(all)
-            call free_buffer(all(b))
-        end do
+        call free_buffers(gpu%place, gpu%reference, gpu%built, gpu%motion, gpu%state, gpu%tag, &
+                          gpu%book, gpu%row, gpu%grad, gpu%hold, gpu%held, gpu%rate)
+        call free_buffers(gpu%flags, gpu%axes, gpu%region, gpu%extra, gpu%count, gpu%cell, &
+                          gpu%order, gpu%start, gpu%code, gpu%grid, gpu%scan%levels, gpu%part)
+        call free_buffers(gpu%folded, gpu%box)
+        associate (links => gpu%links, glue => gpu%glue)
+            call free_buffers(links%params, links%owner, links%table, links%cell, links%press, &
+                              links%slice, links%count, links%list, links%met)
+            call free_buffers(glue%law, glue%bit, glue%of, glue%first, glue%area, glue%gap, &
+                              glue%rest, glue%weight, glue%back_first, glue%back, glue%row)
+            call free_buffers(glue%pull, glue%push, glue%entry, glue%place_of, glue%state)
+        end associate
         do b = 1, size(gpu%bodies)
-            call free_buffer(gpu%bodies(b)%params)
-            call free_buffer(gpu%bodies(b)%material)
-            call free_buffer(gpu%bodies(b)%drive)
-            call free_buffer(gpu%bodies(b)%slice)
-            call free_buffer(gpu%bodies(b)%list)
+            associate (body => gpu%bodies(b))
+                call free_buffers(body%params, body%material, body%drive, body%slice, body%list)
+            end associate
         end do
     end subroutine close_gpu_solid
 end module brz_gpu_solid_state

@@ -151,7 +151,7 @@ module brz_solid_state
                                                !! surface of round bodies
         integer(int32), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
         integer(int32), allocatable :: joined(:) !! (n) cohesive interfaces that still hold a
-                                                 !! particle, a bit each; only where there are some
+                                                 !! particle, a bit each
         real(rk), allocatable :: press(:, :) !! (5, 0:rows) pressure of contact [Pa]; its gradient
                                              !! of the kernel sum [1/m]; stiffness [Pa]
         real(rk), allocatable :: push(:, :) !! (9, 0:rows) forces of contact: springs, drag [N];
