@@ -219,12 +219,14 @@ contains
     subroutine close_gpu_coupling(gpu)
         type(gpu_coupling_t), intent(inout) :: gpu
 
-        call free_buffers(gpu%scan%levels, gpu%shells, gpu%mark, gpu%top, gpu%slot, gpu%counts, &
-            gpu%book, gpu%part, gpu%cell_of, gpu%home, gpu%binned, gpu%before)
-        call free_buffers(gpu%ends, gpu%cell, gpu%above, gpu%ledger, gpu%excess, gpu%gas, &
-            gpu%rows, gpu%owner, gpu%surface, gpu%weight, gpu%force, gpu%impedance)
+        call free_buffers(gpu%scan%levels, gpu%shells, gpu%mark, gpu%top, gpu%slot, &
+            gpu%counts, gpu%book, gpu%part)
+        call free_buffers(gpu%cell_of, gpu%home, gpu%binned, gpu%before, gpu%ends, gpu%cell, &
+            gpu%above, gpu%ledger)
+        call free_buffers(gpu%excess, gpu%gas, gpu%rows, gpu%owner, gpu%surface, gpu%weight, &
+            gpu%force, gpu%impedance)
         call free_buffers(gpu%start, gpu%left, gpu%donor, gpu%shell, gpu%donation, &
-            gpu%debt_cell(1), gpu%debt_cell(2), gpu%debt(1), gpu%debt(2), gpu%carrier, &
-            gpu%carrier_part, gpu%carrier_sums)
+            gpu%debt_cell(1), gpu%debt_cell(2), gpu%debt(1))
+        call free_buffers(gpu%debt(2), gpu%carrier, gpu%carrier_part, gpu%carrier_sums)
     end subroutine close_gpu_coupling
 end module brz_gpu_coupling_state

@@ -10,11 +10,12 @@ module brz_gpu_solid_copy
     use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault
     use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
-    use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, open_gpu_solid_memory, tags_of
-    use brz_kinds, only: dp, int32, int64, rk
+    use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, &
+        open_gpu_solid_memory, tags_of
+    use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_materials, only: unloaded_speed
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_built, in_motion, in_place, &
-        in_reference, in_state, in_tag, numbers_of, set_numbers
+        in_reference, in_state, in_tag, is_single, numbers_of, set_numbers
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -93,8 +94,11 @@ contains
         if (field%lies /= in_state .and. field%lies /= in_tag) return
         x = numbers_of(field, gpu%n)
         do c = 1, field%rows
-            if (field%lies == in_tag) call copy_in(int(x(c, :), int32), &
-                tags_of(gpu, field%at + c - 1), 4_int64*gpu%n, err)
+            if (field%lies == in_tag .and. field%kind == is_single) then
+                call copy_in(real(x(c, :), real32), tags_of(gpu, field%at), 4_int64*gpu%n, err)
+            else if (field%lies == in_tag) then
+                call copy_in(int(x(c, :), int32), tags_of(gpu, field%at), 4_int64*gpu%n, err)
+            end if
             if (field%lies == in_state) call copy_in(real(x(c, :), rk), &
                 column_of(gpu, field%at + c - 1), bytes_of_real*gpu%n, err)
         end do
@@ -180,8 +184,10 @@ contains
         allocate (x(field%rows, gpu%n), column(gpu%n), marks(gpu%n))
         do c = 1, field%rows
             if (field%lies == in_tag) then
-                call copy_out(tags_of(gpu, field%at + c - 1), marks, 4_int64*gpu%n, err)
-                if (.not. failed(err)) x(c, :) = marks
+                call copy_out(tags_of(gpu, field%at), marks, 4_int64*gpu%n, err)
+                if (failed(err)) return
+                x(c, :) = marks
+                if (field%kind == is_single) x(c, :) = transfer(marks, 1.0_real32, gpu%n)
             else
                 call copy_out(column_of(gpu, field%at + c - 1), column, bytes_of_real*gpu%n, err)
                 if (.not. failed(err)) x(c, :) = column

@@ -5,20 +5,24 @@
 !> `solid_t` are a mirror that brz_gpu_solid_copy refreshes before a dump or a checkpoint.
 module brz_gpu_solid_state
     use brz_buffers, only: doubles_t, from, integers_t, reals_t
+    use brz_bond_launches, only: bond_kernels_t
     use brz_cohesive_launches, only: cohesive_kernels_t
+    use brz_contact_launches, only: contact_kernels_t
     use brz_device, only: allocate_buffer, buffer_t, clear_buffer, copy_in, device_t, find_kernel, &
         free_buffers, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
     use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
+    use brz_link_layout, only: link_layout_t
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
     use brz_text, only: to_text
     implicit none
     private
     public :: gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, close_gpu_solid, &
-              part_of, column_of, tags_of, threads_of, bytes_of_real, sum_threads, total_threads, fold_threads
+              part_of, column_of, tags_of, book_of, threads_of, bytes_of_real, sum_threads, &
+              total_threads, fold_threads
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
     integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
@@ -44,11 +48,14 @@ module brz_gpu_solid_state
 
     !> Pairs of particles of different bodies.
     type :: gpu_links_t
-        type(buffer_t) :: params, table
-        type(integers_t) :: owner, slice, count, list, met
+        type(link_layout_t) :: lay
+        type(buffer_t) :: table
+        type(integers_t) :: ends, slice, count, list, met
         type(reals_t) :: cell, press
         integer(int64) :: room = 0 !! entries that `list` has room for
-        type(kernel_t) :: search, find_press, push, moments, forces, break
+        type(kernel_t) :: search, moments
+        type(contact_kernels_t) :: contact
+        type(bond_kernels_t) :: bonds
     end type gpu_links_t
 
     !> Cohesive interfaces, arrays of cohesive_t.
@@ -72,8 +79,6 @@ module brz_gpu_solid_state
         type(gpu_cohesive_t) :: glue
         integer :: n = 0, n_state = 0 !! particles, columns of `state`
         ! columns of `state` that not every scene has, 0: none
-        integer :: touch = 0 !! kernel sum at which contact begins
-        integer :: weight = 0 !! of a cell in sums of contact
         integer :: owed = 0 !! energy that the hold owes [J]
         integer :: load = 0 !! + 1..3: force of the air [N]
         type(gpu_solid_body_t), allocatable :: bodies(:)
@@ -152,8 +157,6 @@ contains
 
         call fields_of(solid, fields)
         gpu%n_state = fields%columns
-        gpu%touch = column_of_field(fields, 'touch')
-        gpu%weight = column_of_field(fields, 'contact_weight')
         gpu%owed = column_of_field(fields, 'owed')
         if (in_air) gpu%load = column_of_field(fields, 'load') - 1
     end subroutine number_columns
@@ -237,6 +240,14 @@ contains
         tags_of = from(gpu%tag, (column - 1_int64)*gpu%n + 1)
     end function tags_of
 
+    !> A column of the books.
+    pure type(doubles_t) function book_of(gpu, column)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: column
+
+        book_of = from(gpu%book, (column - 1_int64)*gpu%n + 1)
+    end function book_of
+
     !> One thread for each particle of a body.
     pure function threads_of(body) result(n)
         type(gpu_solid_body_t), intent(in) :: body
@@ -251,20 +262,24 @@ contains
         integer :: b
 
         call free_buffers(gpu%place, gpu%reference, gpu%built, gpu%motion, gpu%state, gpu%tag, &
-                          gpu%book, gpu%row, gpu%grad, gpu%hold, gpu%held, gpu%rate)
-        call free_buffers(gpu%flags, gpu%axes, gpu%region, gpu%extra, gpu%count, gpu%cell, &
-                          gpu%order, gpu%start, gpu%code, gpu%grid, gpu%scan%levels, gpu%part)
+            gpu%book, gpu%row)
+        call free_buffers(gpu%grad, gpu%hold, gpu%held, gpu%rate, gpu%flags, gpu%axes, &
+            gpu%region, gpu%extra)
+        call free_buffers(gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
+            gpu%scan%levels, gpu%part)
         call free_buffers(gpu%folded, gpu%box)
         associate (links => gpu%links, glue => gpu%glue)
-            call free_buffers(links%params, links%owner, links%table, links%cell, links%press, &
-                              links%slice, links%count, links%list, links%met)
+            call free_buffers(links%ends, links%table, links%cell, links%press, links%slice, &
+                links%count, links%list, links%met)
             call free_buffers(glue%law, glue%bit, glue%of, glue%first, glue%area, glue%gap, &
-                              glue%rest, glue%weight, glue%back_first, glue%back, glue%row)
-            call free_buffers(glue%pull, glue%push, glue%entry, glue%place_of, glue%state)
+                glue%rest, glue%weight)
+            call free_buffers(glue%back_first, glue%back, glue%row, glue%pull, glue%push, &
+                glue%entry, glue%place_of, glue%state)
         end associate
         do b = 1, size(gpu%bodies)
             associate (body => gpu%bodies(b))
-                call free_buffers(body%params, body%material, body%drive, body%slice, body%list)
+                call free_buffers(body%params, body%material, body%drive, body%slice, &
+                    body%list)
             end associate
         end do
     end subroutine close_gpu_solid
