@@ -7,8 +7,8 @@ usage: structure.py ROOT      (ROOT holds src/, tests/, ...)
 Layers: base < parallel < deck < materials < {air, solid} < coupling < {cpu, gpu} < output < step
 < main; a file uses only its own folder and what is to the left. Point physics (files with `!@cuf`)
 uses only base, plain data and other point physics; a material model may describe itself to the deck
-as well. Sizes: files 400 lines, procedures 80, arguments 8, which items (`!@item`) may exceed; of
-kernels (cuda/*.CUF) only files count.
+as well. Sizes: files 400 lines, procedures 80, arguments 8, which items and what they call in their
+file (`*_items.f90`, below a `!@cuf` line) may exceed; of kernels (cuda/*.CUF) only files count.
 Also: the licence line, the module name, `use` with `only`. Lines of *.md files have at most 120
 columns, rows of tables excepted.
 """
@@ -55,7 +55,9 @@ class Source:
         self.name = path.relative_to(root)
         text = path.read_text(encoding="utf-8")
         self.lines = text.splitlines()
-        self.items = set(re.findall(r"!@item.*\n.*\n +pure subroutine (\w+)", text))
+        self.items = set()
+        if path.stem.endswith("_items"):
+            self.items |= set(re.findall(r"!@cuf.*\n +pure (?:subroutine|function) (\w+)", text))
         self.marked = any(line.lstrip().startswith("!@cuf") for line in self.lines)
         self.statements = list(statements(text))
         self.plain = not any(s.lower() == "contains" for _, _, s in self.statements)

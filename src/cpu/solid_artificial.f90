@@ -6,8 +6,7 @@ module brz_solid_artificial
     use brz_pair_force, only: stress_force
     use brz_solid_lanes, only: centre_t, group_of
     use brz_solid_mirror, only: signs
-    use brz_solid_pair_sums, only: at_hold, n_terms
-    use brz_solid_state, only: body_t, pair_affine, solid_t
+    use brz_solid_state, only: at_hold, n_terms, body_t, pair_affine, solid_t
     implicit none
     private
     public :: add_artificial

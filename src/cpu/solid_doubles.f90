@@ -4,7 +4,7 @@ module brz_solid_doubles
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int64
     use brz_solid_lanes, only: group_of
-    use brz_solid_links, only: first_link, last_link
+    use brz_solid_links, only: first_link, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
@@ -31,7 +31,7 @@ contains
                 end do
                 if (.not. solid%links%present) cycle
                 do k = first_link(solid%links, i), last_link(solid%links, i)
-                    call look(b, i, solid%links%list(k), int(solid%links%mask(k)))
+                    call look(b, i, link_partner(solid%links, k), link_mask(solid%links, k))
                 end do
                 if (failed(err)) return
             end do

@@ -10,11 +10,11 @@ module brz_solid_forces
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
                                place_body, place_group, place_images
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
-    use brz_solid_pair_sums, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
-                                   sum_axial, sum_held, sum_plain, sum_plate, sum_stiff, &
+    use brz_solid_pair_sums, only: sum_axial, sum_held, sum_plain, sum_plate, sum_stiff, &
                                    sum_viscous
     use brz_solid_artificial, only: add_artificial
-    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
+                               body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, held_energy, held_stiffness, is_gone, lanes, n_held, &
                                n_pair, pair_tilt, solid_t, worth_threads
     use brz_tension_hold, only: kept_work

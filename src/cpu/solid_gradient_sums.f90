@@ -7,19 +7,14 @@ module brz_solid_gradient_sums
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, rk
     use brz_solid_lanes, only: body_kernel, group_t, kernel_t, pair_kernels
-    use brz_solid_state, only: lanes
+    use brz_solid_state, only: at_g, at_s, at_x, at_y, lanes, n_terms => n_moments
     use brz_tilted_arm, only: tilted_arm
     implicit none
     private
     public :: sum_plain, sum_bending, sum_drawn, sum_tilted
-    public :: n_moment, n_outer, n_terms, at_g, at_x, at_s, at_y
+    public :: n_moment, n_outer
 
-    ! slots of the sums: moments of x_ij (x) x_ij, then v_ij (x) x_ij, then X_ij (x) x_ij, then
-    ! moments of X_ij (x) X_ij; with a tilt v_ij (x) y_ij in place of the second, and
-    ! x_ij (x) y_ij after all
     integer, parameter :: n_moment = 6, n_outer = 9
-    integer, parameter :: at_g = n_moment, at_x = n_moment + n_outer
-    integer, parameter :: at_s = at_x + n_outer, at_y = at_s + n_moment, n_terms = at_y + n_outer
 
 contains
 

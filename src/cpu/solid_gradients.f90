@@ -11,12 +11,12 @@ module brz_solid_gradients
     use brz_material, only: point_t, strength_left
     use brz_materials, only: unloaded_speed, update_material
     use brz_solid_bonds, only: add_bonded_gradients
-    use brz_solid_gradient_sums, only: at_g, at_s, at_x, at_y, n_terms, &
-                                       sum_bending, sum_drawn, sum_plain, sum_tilted
+    use brz_solid_gradient_sums, only: sum_bending, sum_drawn, sum_plain, sum_tilted
     use brz_solid_lanes, only: group_of, group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
     use brz_solid_rows, only: fill_hold, fill_row
-    use brz_solid_state, only: body_t, form_bending, form_rigid, form_total, form_uncorrected, &
+    use brz_solid_state, only: at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
+                               form_total, form_uncorrected, n_terms => n_moments, &
                                held_stiffness, intact_share, is_gone, lanes, pair_spin, &
                                pair_stress, pair_tilt, pair_volume, solid_t, worth_threads
     use brz_tension_hold, only: may_be_drawn
@@ -103,7 +103,7 @@ contains
                 if (solid%fixed(i) == is_gone) cycle
                 sums = group(i - first + 1, :)
                 solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
-                if (solid%links%bonds) call add_bonded_gradients(solid, i, body%normal, sums)
+                if (solid%links%bonds) call add_bonded_gradients(solid, i, sums)
                 call advance(solid, body, dt, i, k, p%drawn(i - first + 1), sums, limit)
             end do
         end do

@@ -9,15 +9,14 @@ module brz_solid_lanes
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, int32, int64, rk
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: body_t, lanes, n_held, n_pair, solid_t
+    use brz_solid_state, only: body_t, lanes, n_held, n_pair, n_terms, solid_t
     implicit none
     private
     public :: centre_t, group_t, group_of, place_body, place_group
-    public :: kernel_t, body_kernel, pair_kernels, n_force
+    public :: kernel_t, body_kernel, pair_kernels
     public :: images_t, place_images, most_images, in_turn
 
     integer, parameter :: most_images = 64 !! that are laid down at a time
-    integer, parameter :: n_force = 12 !! sums of pass 2, see brz_solid_pair_sums
     integer :: k_turn
     integer(int32), parameter :: in_turn(most_images) = [(k_turn, k_turn=1, most_images)]
 
@@ -48,7 +47,7 @@ module brz_solid_lanes
         real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_solid_state
         real(rk) :: own(lanes, n_held) = 0 !! the same, the hold
         real(rk) :: hold(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
-        real(rk) :: sums(lanes, n_force) = 0 !! what pass 2 sums up
+        real(rk) :: sums(lanes, n_terms) = 0 !! what pass 2 sums up
     end type group_t
 
     !> Kernel of the pairs of a neighbour with the members of a group.

@@ -27,8 +27,9 @@ contains
                                                 == [form_rigid, form_total])) cycle
             do i = solid%bodies(b)%first, solid%bodies(b)%last
                 if (solid%fixed(i) /= is_free .or. is_inside(solid, solid%x(:, i))) cycle
-                if (.not. is_inside(solid, solid%x_ref(:, i)) .or. is_pressed(solid, i)) cycle
-                if (allocated(solid%links%joined)) then ! so does what is glued
+                if (.not. is_inside(solid, solid%x_ref(:, i))) cycle
+                if (is_pressed(solid, i)) cycle
+                if (solid%cohesive%present) then ! so does what is glued
                     if (solid%links%joined(i) /= 0) cycle
                 end if
                 solid%fixed(i) = is_gone

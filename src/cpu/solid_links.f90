@@ -5,14 +5,16 @@
 !> the order of the particles alone.
 module brz_solid_links
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid
-    use brz_contact, only: joins, law_bonded, law_cohesive, law_none
-    use brz_kinds, only: dp, int32, int64, int8
+    use brz_contact_items, only: owner_of
+    use brz_contact, only: law_bonded, law_none
+    use brz_kinds, only: dp, int64
+    use brz_link_layout, only: link_unit, mask_unit, n_press
     use brz_list_drift, only: begin_links, links_reach, may_link
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: bond_whole, is_gone, links_t, solid_t, worth_threads
     implicit none
     private
-    public :: build_links, is_bonded, is_joined, is_tied, link_body, first_link, last_link
+    public :: build_links, is_bonded, first_link, last_link, link_partner, link_mask
     public :: first_bonds
 
 contains
@@ -33,18 +35,16 @@ contains
         call visit_bodies(solid, box, .false.)
         call number_rows(solid%links)
         call visit_bodies(solid, box, .true.)
-        solid%links%first = solid%links%first + 1
     end subroutine build_links
 
     !> Count in `row`, or store, the links of every particle with one body after the other; note
-    !> which bodies have some. As they are stored, first(r+1) is the place of the last of row r.
+    !> which bodies have some.
     subroutine visit_bodies(solid, box, keep)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) corners of x_built [m]
         logical, intent(in) :: keep
         real(dp) :: shift(3), reach
-        integer(int64) :: last
-        integer :: a, b, i, m
+        integer :: a, b, i, m, more
         logical :: met
 
         solid%links%met = .false.
@@ -59,23 +59,19 @@ contains
                 shift = solid%bodies(a)%drift_linked - solid%bodies(b)%drift_linked
                 met = .false.
                 !$omp parallel do if(solid%n >= worth_threads) schedule(static) &
-                !$omp private(last, m) reduction(.or.: met)
+                !$omp private(m, more) reduction(.or.: met)
                 do i = solid%bodies(a)%first, solid%bodies(a)%last
-                    associate (row => solid%links%row(i), first => solid%links%first)
+                    associate (row => solid%links%row(i))
                         if (solid%fixed(i) == is_gone .or. keep .and. row == 0) cycle
-                        last = row
-                        if (keep) last = first(row + 1)
+                        more = 0
                         do m = 0, 7
                             if (near(solid, i, m, box(:, 1, b) - shift - reach, &
                                      box(:, 2, b) - shift + reach)) &
-                                call search(solid, i, m, shift, reach, keep, last)
+                                call search(solid, i, m, shift, reach, keep, more)
                         end do
-                        if (keep) then
-                            met = met .or. last > first(row + 1)
-                            first(row + 1) = last
-                        else
-                            row = int(last, int32)
-                        end if
+                        met = met .or. more > 0
+                        if (keep) solid%links%count(row) = solid%links%count(row) + more
+                        if (.not. keep) row = row + more
                     end associate
                 end do
                 solid%links%met(a, b) = met
@@ -103,16 +99,18 @@ contains
     end function near
 
     !> Count or store the particles of the body in the grid near the image of i, which has drifted.
-    pure subroutine search(solid, i, m, shift, reach, keep, last)
+    pure subroutine search(solid, i, m, shift, reach, keep, more)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: i, m
         real(dp), intent(in) :: shift(3), reach !! relative to the body in the grid [m]
         logical, intent(in) :: keep
-        integer(int64), intent(inout) :: last
+        integer, intent(inout) :: more !! links with this body
+        integer(int64) :: last
         real(dp) :: x(3), d(3)
         integer :: c, c1, c2, c3, j, k, lo(3), hi(3)
 
         x = signs(m)*solid%x_built(:, i) + shift
+        if (keep) last = last_link(solid%links, i)
         call cell_span(solid%search, x, reach, lo, hi)
         do c3 = lo(3), hi(3)
             do c2 = lo(2), hi(2)
@@ -123,57 +121,56 @@ contains
                         j = solid%search%order(k)
                         d = solid%x_built(:, j) - x
                         if (d(1)*d(1) + d(2)*d(2) + d(3)*d(3) >= reach*reach) cycle
-                        last = last + 1
-                        if (.not. keep) cycle
-                        solid%links%list(last) = j
-                        solid%links%mask(last) = int(m, int8)
+                        more = more + 1
+                        if (keep) solid%links%list(last + more) = j + m*mask_unit
                     end do
                 end do
             end do
         end do
     end subroutine search
 
-    !> Turn numbers of links into numbers of rows, of particles that have some; first(r+1) is then
-    !> the place before the links of row r. Row 0 is for all others: it has no links and stays nil.
+    !> Turn numbers of links into numbers of rows, of particles that have some. Row 0 is for all
+    !> others: it has no links and stays nil.
     subroutine number_rows(links)
         type(links_t), intent(inout) :: links
-        integer(int64) :: number, total
-        integer :: i
+        integer :: i, number, total
 
         links%rows = count(links%row > 0)
-        call make_room(links, links%rows, sum(int(links%row, int64)))
+        call make_room(links, links%rows, sum(int((links%row + link_unit - 1)/link_unit, int64)))
         links%rows = 0
-        links%first = 0
+        links%slice = 0
+        links%count = 0
         total = 0
         do i = 1, size(links%row)
             number = links%row(i)
             if (number == 0) cycle
             links%rows = links%rows + 1
             links%row(i) = links%rows
-            links%first(links%rows + 1) = total
-            total = total + number
+            links%slice(links%rows) = total
+            total = total + (number + link_unit - 1)/link_unit
         end do
         links%press = 0
         links%push = 0
     end subroutine number_rows
 
-    !> Room for so many rows and links, with something to spare.
-    subroutine make_room(links, rows, n)
+    !> Room for so many rows and entries, with something to spare.
+    subroutine make_room(links, rows, units)
         type(links_t), intent(inout) :: links
         integer, intent(in) :: rows
-        integer(int64), intent(in) :: n
+        integer(int64), intent(in) :: units !! of link_unit entries
         integer :: most
 
         if (ubound(links%push, 2) < rows) then
             most = rows + rows/4
-            deallocate (links%first, links%press, links%push)
-            allocate (links%first(0:most + 1), links%press(5, 0:most), links%push(9, 0:most))
+            deallocate (links%slice, links%count, links%press, links%push)
+            allocate (links%slice(0:most), links%count(0:most), links%press(n_press, 0:most), &
+                      links%push(9, 0:most))
         end if
         if (allocated(links%list)) then
-            if (size(links%list, kind=int64) >= n) return
-            deallocate (links%list, links%mask)
+            if (size(links%list, kind=int64) >= units*link_unit) return
+            deallocate (links%list)
         end if
-        allocate (links%list(n + n/4 + 64), links%mask(n + n/4 + 64))
+        allocate (links%list((units + units/4 + 8)*link_unit))
     end subroutine make_room
 
     !> Links of particle i: first..last.
@@ -181,26 +178,30 @@ contains
         type(links_t), intent(in) :: links
         integer, intent(in) :: i
 
-        k = links%first(links%row(i))
+        k = int(links%slice(links%row(i)), int64)*link_unit + 1
     end function first_link
 
     pure integer(int64) function last_link(links, i) result(k)
         type(links_t), intent(in) :: links
         integer, intent(in) :: i
 
-        k = links%first(links%row(i) + 1) - 1
+        k = int(links%slice(links%row(i)), int64)*link_unit + links%count(links%row(i))
     end function last_link
 
-    !> Body of a particle.
-    pure integer function link_body(links, i) result(b)
+    !> The other end of a link, and its mirrored axes, bits 0..2.
+    pure integer function link_partner(links, k) result(j)
         type(links_t), intent(in) :: links
-        integer, intent(in) :: i
+        integer(int64), intent(in) :: k
 
-        b = 1
-        do while (i > links%ends(b))
-            b = b + 1
-        end do
-    end function link_body
+        j = iand(links%list(k), mask_unit - 1)
+    end function link_partner
+
+    pure integer function link_mask(links, k) result(m)
+        type(links_t), intent(in) :: links
+        integer(int64), intent(in) :: k
+
+        m = links%list(k)/mask_unit
+    end function link_mask
 
     !> True where a pair of bodies is bonded and the bond is whole at both particles.
     pure logical function is_bonded(links, i, j)
@@ -209,33 +210,10 @@ contains
 
         is_bonded = .false.
         if (.not. links%bonds) return
-        is_bonded = links%table(link_body(links, i), link_body(links, j))%law == law_bonded .and. &
+        is_bonded = links%table(owner_of(links%ends, i), &
+                                owner_of(links%ends, j))%law == law_bonded .and. &
                     links%bond(i) == bond_whole .and. links%bond(j) == bond_whole
     end function is_bonded
-
-    !> True where a pair may take part in all sums: its bond is whole, or its bodies share them.
-    pure logical function is_joined(links, i, j)
-        type(links_t), intent(in) :: links
-        integer, intent(in) :: i, j
-
-        is_joined = .false.
-        if (.not. links%bonds) return
-        is_joined = joins(links%table(link_body(links, i), link_body(links, j)), &
-                          links%bond(i) == bond_whole .and. links%bond(j) == bond_whole)
-    end function is_joined
-
-    !> True where a pair has no contact: it is joined, or a cohesive interface holds both.
-    pure logical function is_tied(links, i, j)
-        type(links_t), intent(in) :: links
-        integer, intent(in) :: i, j
-
-        is_tied = is_joined(links, i, j)
-        if (is_tied .or. .not. allocated(links%joined)) return
-        associate (m => links%table(link_body(links, i), link_body(links, j)))
-            is_tied = m%law == law_cohesive .and. &
-                      iand(iand(links%joined(i), links%joined(j)), m%bit) /= 0
-        end associate
-    end function is_tied
 
     !> Bond the particles that have a partner within reach at the start; others never bond.
     subroutine first_bonds(solid)
@@ -244,9 +222,9 @@ contains
         integer(int64) :: k
 
         do i = 1, solid%n
-            a = link_body(solid%links, i)
+            a = owner_of(solid%links%ends, i)
             do k = first_link(solid%links, i), last_link(solid%links, i)
-                b = link_body(solid%links, solid%links%list(k))
+                b = owner_of(solid%links%ends, link_partner(solid%links, k))
                 if (solid%links%table(a, b)%law == law_bonded) &
                     solid%links%bond(i) = bond_whole
             end do

@@ -8,23 +8,16 @@ module brz_solid_pair_sums
     use brz_kinds, only: dp, int32, real32, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, most_bent, &
                               most_drawn, stress_force, viscous_force
-    use brz_solid_lanes, only: body_kernel, group_t, kernel_t, n_force, pair_kernels
-    use brz_solid_state, only: held_affine, held_stiffness, held_whole, lanes, n_held, n_pair, &
-                               pair_affine, pair_hold, pair_keep, pair_linear, pair_quadratic, &
+    use brz_solid_lanes, only: body_kernel, group_t, kernel_t, pair_kernels
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, &
+                               held_affine, held_stiffness, held_whole, lanes, n_held, n_pair, &
+                               n_terms, pair_affine, pair_hold, pair_keep, pair_linear, &
+                               pair_quadratic, &
                                pair_stress, pair_tilt, pair_volume
     use brz_tilted_arm, only: tilted_arm, tilted_force
     implicit none
     private
     public :: sum_plain, sum_viscous, sum_held, sum_plate, sum_stiff, sum_axial, viscosity
-    public :: n_terms, at_heat, at_friction, at_drag, at_hold, at_work
-
-    ! slots of the sums: 1..3 force of the stress [N]
-    integer, parameter :: at_heat = 4 !! heat of the viscosity [W]
-    integer, parameter :: at_friction = 5 !! heat of the viscous hourglass force [W]
-    integer, parameter :: at_drag = 5 !! + 1..3: viscous forces [N]
-    integer, parameter :: at_hold = 8 !! + 1..3: stiff hourglass force, or artificial stress [N]
-    integer, parameter :: at_work = 12 !! work against the hold, half of it to each of a pair [W]
-    integer, parameter :: n_terms = n_force
 
 contains
 

@@ -2,10 +2,11 @@
 !> Tilt of the gradients in the outermost layers of laminates and of plates, from the unloaded
 !> body.
 module brz_solid_tilts
+    use brz_contact_items, only: owner_of
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: int64, real32, rk
     use brz_solid_lanes, only: group_of
-    use brz_solid_links, only: first_link, is_bonded, last_link, link_body
+    use brz_solid_links, only: first_link, is_bonded, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, solid_t, worth_threads
     implicit none
@@ -43,7 +44,7 @@ contains
         integer, intent(in) :: i
         real(rk) :: sums(3), scale, d
         integer(int64) :: k
-        integer :: g
+        integer :: g, j
 
         sums = 0
         scale = kernel_scale(body%h, solid%dimension)
@@ -59,11 +60,12 @@ contains
         end if
         if (solid%links%bonds) then
             do k = first_link(solid%links, i), last_link(solid%links, i)
-                if (.not. is_bonded(solid%links, i, solid%links%list(k))) cycle
-                associate (m => solid%links%table(link_body(solid%links, i), &
-                                           link_body(solid%links, solid%links%list(k))))
-                    call add(solid, body, i, solid%links%list(k), int(solid%links%mask(k)), &
-                             m%scale, m%half_over_h, sums)
+                j = link_partner(solid%links, k)
+                if (.not. is_bonded(solid%links, i, j)) cycle
+                associate (m => solid%links%table(owner_of(solid%links%ends, i), &
+                                                  owner_of(solid%links%ends, j)))
+                    call add(solid, body, i, j, link_mask(solid%links, k), m%scale, &
+                             m%half_over_h, sums)
                 end associate
             end do
         end if

@@ -20,8 +20,9 @@ module brz_device
     implicit none
     private
     public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
-    public :: find_kernel, allocate_buffer, put_buffer, reserve_buffer, free_buffer, copy_in, &
-              copy_out, clear_buffer, launch, wait_for_device, start_timer, stop_timer
+    public :: find_kernel, allocate_buffer, put_buffer, reserve_buffer, free_buffer, &
+              free_buffers, copy_in, copy_out, clear_buffer, launch, &
+              wait_for_device, start_timer, stop_timer
 
     integer, parameter :: threads_per_block = 128 !! all along x
 
@@ -219,6 +220,20 @@ contains
         if (buffer%address /= 0) code = cu_free(buffer%address)
         buffer%address = 0
     end subroutine free_buffer
+
+    !> The same for several.
+    subroutine free_buffers(b1, b2, b3, b4, b5, b6, b7, b8)
+        class(buffer_t), intent(inout), optional :: b1, b2, b3, b4, b5, b6, b7, b8
+
+        if (present(b1)) call free_buffer(b1)
+        if (present(b2)) call free_buffer(b2)
+        if (present(b3)) call free_buffer(b3)
+        if (present(b4)) call free_buffer(b4)
+        if (present(b5)) call free_buffer(b5)
+        if (present(b6)) call free_buffer(b6)
+        if (present(b7)) call free_buffer(b7)
+        if (present(b8)) call free_buffer(b8)
+    end subroutine free_buffers
 
     subroutine clear_buffer(buffer, err)
         class(buffer_t), intent(in) :: buffer

@@ -12,7 +12,7 @@ module brz_gpu_coupling_state
     use brz_column_launches, only: column_kernels_t
     use brz_coupling_box, only: box_t
     use brz_debt_launches, only: debt_kernels_t
-    use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel, free_buffer, kernel_t, &
+    use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel, free_buffers, kernel_t, &
         reserve_buffer
     use brz_donor_launches, only: donor_kernels_t
     use brz_errors, only: error_t
@@ -219,41 +219,14 @@ contains
     subroutine close_gpu_coupling(gpu)
         type(gpu_coupling_t), intent(inout) :: gpu
 
-        call free_buffer(gpu%scan%levels)
-        call free_buffer(gpu%shells)
-        call free_buffer(gpu%mark)
-        call free_buffer(gpu%top)
-        call free_buffer(gpu%slot)
-        call free_buffer(gpu%counts)
-        call free_buffer(gpu%book)
-        call free_buffer(gpu%part)
-        call free_buffer(gpu%cell_of)
-        call free_buffer(gpu%home)
-        call free_buffer(gpu%binned)
-        call free_buffer(gpu%before)
-        call free_buffer(gpu%ends)
-        call free_buffer(gpu%cell)
-        call free_buffer(gpu%above)
-        call free_buffer(gpu%ledger)
-        call free_buffer(gpu%excess)
-        call free_buffer(gpu%gas)
-        call free_buffer(gpu%rows)
-        call free_buffer(gpu%owner)
-        call free_buffer(gpu%surface)
-        call free_buffer(gpu%weight)
-        call free_buffer(gpu%force)
-        call free_buffer(gpu%impedance)
-        call free_buffer(gpu%start)
-        call free_buffer(gpu%left)
-        call free_buffer(gpu%donor)
-        call free_buffer(gpu%shell)
-        call free_buffer(gpu%donation)
-        call free_buffer(gpu%debt_cell(1))
-        call free_buffer(gpu%debt_cell(2))
-        call free_buffer(gpu%debt(1))
-        call free_buffer(gpu%debt(2))
-        call free_buffer(gpu%carrier)
-        call free_buffer(gpu%carrier_part)
-        call free_buffer(gpu%carrier_sums)
+        call free_buffers(gpu%scan%levels, gpu%shells, gpu%mark, gpu%top, gpu%slot, &
+            gpu%counts, gpu%book, gpu%part)
+        call free_buffers(gpu%cell_of, gpu%home, gpu%binned, gpu%before, gpu%ends, gpu%cell, &
+            gpu%above, gpu%ledger)
+        call free_buffers(gpu%excess, gpu%gas, gpu%rows, gpu%owner, gpu%surface, gpu%weight, &
+            gpu%force, gpu%impedance)
+        call free_buffers(gpu%start, gpu%left, gpu%donor, gpu%shell, gpu%donation, &
+            gpu%debt_cell(1), gpu%debt_cell(2), gpu%debt(1))
+        call free_buffers(gpu%debt(2), gpu%carrier, gpu%carrier_part, gpu%carrier_sums)
     end subroutine close_gpu_coupling
 end module brz_gpu_coupling_state

@@ -3,12 +3,12 @@
 module brz_gpu_solid_cohesive
     use brz_cohesive_law, only: has_damage, has_held, has_spent
     use brz_cohesive_state, only: cohesive_t
-    use brz_device, only: allocate_buffer, arguments_t, copy_out, device_t, find_kernel, launch, &
-        put_buffer
+    use brz_buffers, only: from
+    use brz_device, only: allocate_buffer, copy_out, device_t, put_buffer
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: mask_unit
-    use brz_gpu_solid_state, only: gpu_solid_t
-    use brz_kinds, only: dp, int32, int64
+    use brz_gpu_solid_layout, only: tag_fixed, tag_id, tag_joined
+    use brz_gpu_solid_state, only: gpu_solid_t, tags_of
+    use brz_kinds, only: dp, int64
     implicit none
     private
     public :: open_gpu_cohesive, place_gpu_nodes, open_gpu_points, gather_gpu_points, &
@@ -33,8 +33,7 @@ contains
             call put_buffer(glue%bit, there%bit, 4_int64*size(glue%bit), err)
             call put_buffer(glue%of, there%of, 4_int64*glue%n, err)
             call put_buffer(glue%first, there%first, 4_int64*(glue%n + 1), err)
-            call put_buffer(glue%node + int(glue%mask, int32)*mask_unit, there%entry, &
-                            4_int64*size(glue%node), err)
+            call put_buffer(glue%entry, there%entry, 4_int64*size(glue%entry), err)
             call put_buffer(glue%weight, there%weight, 8_int64*size(glue%weight), err)
             call put_buffer(glue%area, there%area, 8_int64*glue%n, err)
             call put_buffer(glue%gap, there%gap, 8_int64*glue%n, err)
@@ -45,10 +44,8 @@ contains
             call put_buffer(glue%place, there%place_of, 4_int64*glue%nodes, err)
             call put_buffer(state_of(glue), there%state, 24_int64*glue%n, err)
             call allocate_buffer(there%pull, 72_int64*glue%n, err)
-            call find_kernel(device, 'cohesive_place', there%place, err)
-            call find_kernel(device, 'cohesive_open', there%open, err)
-            call find_kernel(device, 'cohesive_join', there%join, err)
-            call find_kernel(device, 'cohesive_gather', there%gather, err)
+            call allocate_buffer(there%push, 24_int64*glue%nodes, err)
+            call there%kernels%open(device, err)
         end associate
     end subroutine open_gpu_cohesive
 
@@ -66,34 +63,25 @@ contains
     subroutine place_gpu_nodes(gpu, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        if (.not. gpu%glue%present) return
-        call arguments%add(gpu%n)
-        call arguments%add([gpu%tag, gpu%glue%row, gpu%glue%place_of])
-        call launch(gpu%glue%place, [gpu%n, 1, 1], arguments, err)
+        if (gpu%glue%present) call gpu%glue%kernels%place_node(gpu%n, tags_of(gpu, tag_id), &
+            gpu%glue%row, gpu%glue%place_of, err)
     end subroutine place_gpu_nodes
 
     !> State and forces of all points, and which interfaces still hold their particles.
     subroutine open_gpu_points(gpu, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
         if (.not. gpu%glue%present) return
-        associate (glue => gpu%glue)
-            call arguments%add(glue%n)
-            call arguments%add(gpu%n)
-            call arguments%add([glue%law, glue%bit, glue%of, glue%first, glue%entry, glue%weight, &
-                                glue%area, glue%gap, glue%rest, glue%place_of, gpu%place, &
-                                gpu%tag, glue%state, glue%pull])
-            call launch(glue%open, [glue%n, 1, 1], arguments, err)
-            arguments%n = 0
-            call arguments%add(glue%nodes)
-            call arguments%add(gpu%n)
-            call arguments%add([glue%bit, glue%of, glue%back_first, glue%back, glue%state, &
-                                glue%place_of, gpu%tag])
-            call launch(glue%join, [glue%nodes, 1, 1], arguments, err)
+        associate (glue => gpu%glue, damage => from(gpu%glue%state, int(has_damage, int64)))
+            call glue%kernels%open_point(glue%n, 4, 3, glue%law, glue%bit, glue%of, glue%first, &
+                glue%entry, glue%weight, glue%area, glue%gap, glue%rest, glue%place_of, &
+                gpu%place, tags_of(gpu, tag_fixed), tags_of(gpu, tag_joined), damage, &
+                from(glue%state, int(has_spent, int64)), from(glue%state, int(has_held, int64)), &
+                glue%pull, err)
+            call glue%kernels%join_node(glue%nodes, 3, glue%bit, glue%of, glue%back_first, &
+                glue%back, damage, glue%place_of, tags_of(gpu, tag_joined), err)
         end associate
     end subroutine open_gpu_points
 
@@ -101,15 +89,12 @@ contains
     subroutine gather_gpu_points(gpu, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
         if (.not. gpu%glue%present) return
         associate (glue => gpu%glue)
-            call arguments%add(glue%nodes)
-            call arguments%add(gpu%n)
-            call arguments%add([glue%back_first, glue%back, glue%entry, glue%weight, glue%pull, &
-                                glue%place_of, gpu%extra])
-            call launch(glue%gather, [glue%nodes, 1, 1], arguments, err)
+            call glue%kernels%gather_node(glue%nodes, glue%back_first, glue%back, glue%entry, &
+                                          glue%weight, glue%pull, glue%push, err)
+            call glue%kernels%add_pull(glue%nodes, gpu%n, glue%place_of, glue%push, gpu%extra, err)
         end associate
     end subroutine gather_gpu_points
 

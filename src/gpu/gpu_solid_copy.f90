@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The solids on their way to the GPU and back.
 module brz_gpu_solid_copy
+    use brz_buffers, only: doubles_t
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
         free_buffer, launch
     use brz_errors, only: error_t, failed
@@ -9,11 +10,12 @@ module brz_gpu_solid_copy
     use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault
     use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
-    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, open_gpu_solid_memory, part_of
-    use brz_kinds, only: dp, int32, int64, rk
+    use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, &
+        open_gpu_solid_memory, tags_of
+    use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_materials, only: unloaded_speed
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_built, in_motion, in_place, &
-        in_reference, in_state, in_tag, numbers_of, set_numbers
+        in_reference, in_state, in_tag, is_single, numbers_of, set_numbers
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -92,8 +94,11 @@ contains
         if (field%lies /= in_state .and. field%lies /= in_tag) return
         x = numbers_of(field, gpu%n)
         do c = 1, field%rows
-            if (field%lies == in_tag) call copy_in(int(x(c, :), int32), &
-                tag_of(gpu, field%at + c - 1), 4_int64*gpu%n, err)
+            if (field%lies == in_tag .and. field%kind == is_single) then
+                call copy_in(real(x(c, :), real32), tags_of(gpu, field%at), 4_int64*gpu%n, err)
+            else if (field%lies == in_tag) then
+                call copy_in(int(x(c, :), int32), tags_of(gpu, field%at), 4_int64*gpu%n, err)
+            end if
             if (field%lies == in_state) call copy_in(real(x(c, :), rk), &
                 column_of(gpu, field%at + c - 1), bytes_of_real*gpu%n, err)
         end do
@@ -103,28 +108,12 @@ contains
     pure function rows_of(gpu, lies) result(buffer)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: lies
-        type(buffer_t) :: buffer
+        type(doubles_t) :: buffer
 
         buffer = gpu%place
         if (lies == in_reference) buffer = gpu%reference
         if (lies == in_built) buffer = gpu%built
     end function rows_of
-
-    pure function tag_of(gpu, column) result(rest)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: column !! of `tag`
-        type(buffer_t) :: rest
-
-        rest = part_of(gpu%tag, 4_int64*(column - 1)*gpu%n)
-    end function tag_of
-
-    pure function column_of(gpu, column) result(rest)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: column !! of `state`
-        type(buffer_t) :: rest
-
-        rest = part_of(gpu%state, (column - 1)*bytes_of_real*gpu%n)
-    end function column_of
 
     !> A number of each material, for every particle.
     pure function of_bodies(solid, values) result(x)
@@ -195,8 +184,10 @@ contains
         allocate (x(field%rows, gpu%n), column(gpu%n), marks(gpu%n))
         do c = 1, field%rows
             if (field%lies == in_tag) then
-                call copy_out(tag_of(gpu, field%at + c - 1), marks, 4_int64*gpu%n, err)
-                if (.not. failed(err)) x(c, :) = marks
+                call copy_out(tags_of(gpu, field%at), marks, 4_int64*gpu%n, err)
+                if (failed(err)) return
+                x(c, :) = marks
+                if (field%kind == is_single) x(c, :) = transfer(marks, 1.0_real32, gpu%n)
             else
                 call copy_out(column_of(gpu, field%at + c - 1), column, bytes_of_real*gpu%n, err)
                 if (.not. failed(err)) x(c, :) = column
@@ -253,7 +244,7 @@ contains
 
         call fetch_solid(gpu, solid, err)
         allocate (marks(solid%n), source=0_int32)
-        call copy_out(tag_of(gpu, tag_fault), marks, 4_int64*gpu%n, err)
+        call copy_out(tags_of(gpu, tag_fault), marks, 4_int64*gpu%n, err)
         do k = 1, size(solid%block, 2)
             associate (first => solid%block(2, k), last => solid%block(3, k))
                 solid%search%bad(k) = findloc(marks(first:last), 1, dim=1)

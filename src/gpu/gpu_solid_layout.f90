@@ -13,15 +13,17 @@
 !> book(n, ...), whose sums over a body are its ledger.
 module brz_gpu_solid_layout
     use brz_kinds, only: dp, rk
+    use brz_link_layout, only: mask_unit
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, at_wave, n_tag, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_joined, &
-        tag_ply, tag_support
+        tag_ply, tag_support, tag_touch, tag_weight
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms
     implicit none
     private
-    public :: body_gpu_t, grid_gpu_t, link_gpu_t
+    public :: body_gpu_t, grid_gpu_t
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
     public :: tag_id, tag_ply, tag_support, tag_fixed, tag_cut, tag_fault, &
-              tag_bond, tag_joined, n_tag
+              tag_bond, tag_joined, tag_touch, tag_weight, n_tag
     public :: book_viscous, book_friction, book_hold, book_ahead, book_plastic, book_damage, &
               book_clamped, &
               book_force, book_early, book_contact_early, book_contact, book_contact_heat, &
@@ -48,12 +50,6 @@ module brz_gpu_solid_layout
     integer, parameter :: n_book = 16
     integer, parameter :: n_total = 16 !! sums of the state of a body, see brz_solid_totals
 
-    ! sums of pass 2: 1..3 force of the stress [N]
-    integer, parameter :: at_heat = 4, at_friction = 5 !! heat of the two viscous forces [W]
-    integer, parameter :: at_drag = 5, at_hold = 8 !! + 1..3: viscous forces, stiff ones [N]
-    integer, parameter :: at_work = 12 !! work against the hold [W]
-    integer, parameter :: n_terms = 12
-
     ! where a rigid body is: centre unloaded and now [m], velocity, spin, attitude at the step and
     ! in its middle; + 1..3 or + 1..9
     integer, parameter :: pose_centre = 0, pose_x = 3, pose_velocity = 6, pose_spin = 9, &
@@ -72,7 +68,6 @@ module brz_gpu_solid_layout
     ! (slice((t - 1)/w + 1) + k - 1)*w + mod(t - 1, w) + 1, w = slice_width: threads side by side
     ! read side by side. An entry is the neighbour plus mask_unit times its mirrored axes.
     integer, parameter :: slice_width = 32
-    integer, parameter :: mask_unit = 2**28
     integer, parameter :: scan_chunk = 256 !! numbers that a thread of a scan adds
 
     !> One body, as kernels see it.
@@ -103,13 +98,4 @@ module brz_gpu_solid_layout
         integer :: mirror(3) !! 1: symmetry plane
         real(dp) :: lo(3), size, reach !! low corner, side of a cell, length of a pair [m]
     end type grid_gpu_t
-
-    !> Pairs of particles of different bodies.
-    type :: link_gpu_t
-        integer :: bodies, dimension
-        integer :: touch !! column of `state` with the kernel sum at which contact begins
-        integer :: weight !! column of `state` with the weight of a cell in sums of contact
-        integer :: holds !! 1: some body has the hold
-        real(rk) :: depth !! of directions that are not modelled [m or m2]
-    end type link_gpu_t
 end module brz_gpu_solid_layout

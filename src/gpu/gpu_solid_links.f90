@@ -1,15 +1,19 @@
 ! SPDX-License-Identifier: MIT
 !> Contact and bonds between bodies on the GPU: memory, lists of links, launches.
 module brz_gpu_solid_links
+    use brz_buffers, only: from
     use brz_device, only: allocate_buffer, arguments_t, clear_buffer, copy_out, device_t, &
-        find_kernel, free_buffer, kernel_t, launch, put_buffer
+        find_kernel, free_buffer, launch, put_buffer
     use brz_errors, only: error_t
     use brz_gpu_scan, only: running_sum
     use brz_gpu_solid_cohesive, only: gather_gpu_points, open_gpu_points
-    use brz_gpu_solid_layout, only: link_gpu_t, n_terms, slice_width
+    use brz_gpu_solid_layout, only: at_energy, at_mass, at_stress, book_contact, &
+        book_contact_early, book_contact_heat, book_rub, n_terms, slice_width, tag_bond, &
+        tag_joined, tag_touch, tag_weight
     use brz_gpu_solid_search, only: order_body
-    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, part_of
+    use brz_gpu_solid_state, only: book_of, bytes_of_real, column_of, gpu_solid_t, part_of, tags_of
     use brz_kinds, only: dp, int64, rk
+    use brz_link_layout, only: link_layout_t, n_press
     use brz_list_drift, only: begin_links, links_reach, may_link
     use brz_solid_state, only: solid_t
     implicit none
@@ -24,38 +28,29 @@ contains
         type(solid_t), intent(in) :: solid
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        type(link_gpu_t) :: params
         integer(int64) :: bytes, n
-        integer :: b
 
         if (.not. gpu%linked) return
         n = gpu%n
         associate (links => gpu%links)
-            call put_buffer([(spread(b, 1, solid%bodies(b)%last - solid%bodies(b)%first + 1), &
-                              b=1, size(solid%bodies))], links%owner, 4*n, err)
+            call put_buffer(solid%links%ends, links%ends, 4_int64*size(solid%bodies), err)
             bytes = size(solid%links%table)*(storage_size(solid%links%table)/8_int64)
             call put_buffer(solid%links%table, links%table, bytes, err)
             call put_buffer(solid%links%cell, links%cell, &
                             size(solid%links%cell)*bytes_of_real, err)
-            params%bodies = size(solid%bodies)
-            params%touch = gpu%touch
-            params%weight = gpu%weight
-            params%dimension = solid%dimension
-            params%holds = merge(1, 0, gpu%owed > 0)
-            params%depth = real(solid%depth, rk)
-            call put_buffer(params, links%params, int(storage_size(params)/8, int64), err)
-            call allocate_buffer(links%press, 8*bytes_of_real*n, err)
+            links%lay = link_layout_t(size(solid%bodies), solid%dimension, &
+                                      merge(1, 0, gpu%owed > 0), 4, gpu%n, 1, 4, 0, slice_width, &
+                                      slice_width, real(solid%depth, rk))
+            call allocate_buffer(links%press, n_press*bytes_of_real*n, err)
             call allocate_buffer(links%count, 4*n, err)
             call allocate_buffer(links%met, 4_int64*size(solid%bodies)**2, err)
             call allocate_buffer(links%slice, 4*((n - 1)/slice_width + 2), err)
             call free_buffer(gpu%extra)
             call allocate_buffer(gpu%extra, n_terms*bytes_of_real*n, err)
             call find_kernel(device, 'solid_link_search', links%search, err)
-            call find_kernel(device, 'solid_link_press', links%find_press, err)
-            call find_kernel(device, 'solid_link_push', links%push, err)
             call find_kernel(device, 'solid_bond_moments', links%moments, err)
-            call find_kernel(device, 'solid_bond_forces', links%forces, err)
-            call find_kernel(device, 'solid_bond_break', links%break, err)
+            call links%contact%open(device, err)
+            call links%bonds%open(device, err)
         end associate
     end subroutine open_gpu_links
 
@@ -83,7 +78,7 @@ contains
             call arguments%add(slices)
             call arguments%add(1)
             call arguments%add(gpu%n)
-            call arguments%add([gpu%links%count, gpu%links%slice])
+            call arguments%add_all(gpu%links%count, gpu%links%slice)
             call launch(gpu%widths, [slices, 1, 1], arguments, err)
             call running_sum(gpu%scan, gpu%links%slice, slices, err, longest)
             entries = int(longest, int64)*slice_width
@@ -124,8 +119,9 @@ contains
                 do c = 1, 3
                     call arguments%add(shift(c))
                 end do
-                call arguments%add([gpu%grid, gpu%box, gpu%code, gpu%start, gpu%order, gpu%built, &
-                                    gpu%links%slice, gpu%links%count, gpu%links%list])
+                call arguments%add_all(gpu%grid, gpu%box, gpu%code, gpu%start, gpu%order, &
+                    gpu%built, gpu%links%slice)
+                call arguments%add_all(gpu%links%count, gpu%links%list)
                 call arguments%add(part_of(gpu%links%met, &
                                            4_int64*(a - 1 + size(gpu%bodies)*(b - 1))))
                 call launch(gpu%links%search, &
@@ -139,14 +135,25 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
+        integer :: k, range(2, size(gpu%bodies))
 
         if (.not. gpu%bonded) return
-        call arguments%add(gpu%n)
+        call find_awake(gpu, range)
         associate (links => gpu%links)
-            call arguments%add([links%params, links%owner, links%table, gpu%place, gpu%reference, &
-                                gpu%motion, gpu%state, gpu%tag, links%slice, links%count, &
-                                links%list, gpu%row, gpu%grad, gpu%hold, gpu%held])
-            call launch_awake(gpu, links%moments, arguments, err)
+            do k = 1, count(range(1, :) > 0)
+                arguments%n = 0
+                call arguments%add(gpu%n)
+                call arguments%add(range(1, k))
+                call arguments%add(range(2, k))
+                call arguments%add_structure(links%lay, storage_size(links%lay)/8)
+                call arguments%add_all(links%ends, links%table, gpu%place, gpu%reference, &
+                                       gpu%motion, from(gpu%motion, 4_int64), &
+                                       column_of(gpu, at_mass))
+                call arguments%add_all(tags_of(gpu, tag_bond), links%slice, links%count, &
+                                       links%list, gpu%row, gpu%grad)
+                call arguments%add_all(gpu%hold, gpu%held)
+                call launch(links%moments, [range(2, k) - range(1, k) + 1, 1, 1], arguments, err)
+            end do
         end associate
     end subroutine add_bond_moments
 
@@ -156,102 +163,107 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
+        integer :: k, range(2, size(gpu%bodies))
 
         if (.not. gpu%linked) return
-        if (gpu%bonded .and. dt > 0) call break_bonds(gpu, err)
+        call find_awake(gpu, range)
+        if (gpu%bonded .and. dt > 0) then
+            do k = 1, count(range(1, :) > 0)
+                call break_bonds(gpu, range(:, k), err)
+            end do
+        end if
         call open_gpu_points(gpu, err)
-        call find_pressures(gpu, real(dt, rk), err)
-        call push_bodies(gpu, real(dt, rk), err)
-        if (gpu%bonded) call add_bond_forces(gpu, err)
+        do k = 1, count(range(1, :) > 0)
+            call find_pressures(gpu, range(:, k), real(dt, rk), err)
+        end do
+        do k = 1, count(range(1, :) > 0)
+            call push_bodies(gpu, range(:, k), dt, err)
+            if (gpu%bonded) call add_bond_forces(gpu, range(:, k), err)
+        end do
         call gather_gpu_points(gpu, err)
     end subroutine contact_pass
 
-    subroutine break_bonds(gpu, err)
+    !> First and last particles of the bodies that are awake; bodies side by side go together.
+    pure subroutine find_awake(gpu, range)
         type(gpu_solid_t), intent(in) :: gpu
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
+        integer, intent(out) :: range(:, :) !! (2, bodies), 0 behind the last
+        integer :: b, n
 
-        call begin_bonds(gpu, arguments)
-        call arguments%add([gpu%state, gpu%links%slice, gpu%links%count, gpu%links%list, gpu%tag])
-        call launch_awake(gpu, gpu%links%break, arguments, err)
+        range = 0
+        n = 0
+        do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%asleep) cycle
+            if (n > 0) then
+                if (range(2, n) == gpu%bodies(b)%first - 1) n = n - 1
+            end if
+            n = n + 1
+            if (range(1, n) == 0) range(1, n) = gpu%bodies(b)%first
+            range(2, n) = gpu%bodies(b)%last
+        end do
+    end subroutine find_awake
+
+    subroutine break_bonds(gpu, range, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: range(2) !! first and last particle
+        type(error_t), intent(inout) :: err
+
+        associate (l => gpu%links)
+            call l%bonds%break_bond(range(2) - range(1) + 1, range(1), l%lay, l%ends, l%table, &
+                                    gpu%place, gpu%motion, gpu%row, &
+                                    column_of(gpu, at_stress + 1), l%count, l%slice, l%count, &
+                                    l%list, tags_of(gpu, tag_bond), err)
+        end associate
     end subroutine break_bonds
 
-    subroutine add_bond_forces(gpu, err)
+    subroutine add_bond_forces(gpu, range, err)
         type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: range(2)
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call begin_bonds(gpu, arguments)
-        call arguments%add([gpu%state, gpu%hold, gpu%held, gpu%tag, gpu%links%slice, &
-                            gpu%links%count, gpu%links%list, gpu%extra])
-        call launch_awake(gpu, gpu%links%forces, arguments, err)
+        associate (l => gpu%links)
+            call l%bonds%pull_links(range(2) - range(1) + 1, range(1), gpu%n, l%lay, l%ends, &
+                                    l%table, gpu%place, gpu%reference, gpu%motion, &
+                                    column_of(gpu, at_mass), gpu%row, gpu%hold, gpu%held, &
+                                    tags_of(gpu, tag_bond), l%count, l%slice, l%count, l%list, &
+                                    gpu%extra, err)
+        end associate
     end subroutine add_bond_forces
 
-    !> The first arguments of the kernels of bonds that read what pass 1 has found.
-    subroutine begin_bonds(gpu, arguments)
+    subroutine find_pressures(gpu, range, dt, err)
         type(gpu_solid_t), intent(in) :: gpu
-        type(arguments_t), intent(inout) :: arguments
-
-        call arguments%add(gpu%n)
-        call arguments%add([gpu%links%params, gpu%links%owner, gpu%links%table, gpu%place, &
-                            gpu%reference, gpu%motion, gpu%row])
-    end subroutine begin_bonds
-
-    subroutine find_pressures(gpu, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: range(2)
         real(rk), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call arguments%add(gpu%n)
-        call arguments%add(dt)
-        associate (links => gpu%links)
-            call arguments%add([links%params, links%owner, links%table, links%cell, gpu%place, &
-                                gpu%motion, gpu%state, gpu%tag, links%slice, links%count, &
-                                links%list, links%press, gpu%book])
-            call launch_awake(gpu, links%find_press, arguments, err)
+        associate (l => gpu%links, weight => tags_of(gpu, tag_weight), &
+                   touch => tags_of(gpu, tag_touch))
+            call l%contact%press_links(range(2) - range(1) + 1, range(1), l%lay, dt, l%ends, &
+                                       l%table, l%cell, gpu%place, gpu%motion, &
+                                       column_of(gpu, at_mass), weight%buffer_t, &
+                                       touch%buffer_t, tags_of(gpu, tag_bond), &
+                                       tags_of(gpu, tag_joined), l%count, l%slice, l%count, &
+                                       l%list, column_of(gpu, at_energy), &
+                                       book_of(gpu, book_contact_heat), l%press, err)
         end associate
     end subroutine find_pressures
 
-    subroutine push_bodies(gpu, dt, err)
+    subroutine push_bodies(gpu, range, dt, err)
         type(gpu_solid_t), intent(in) :: gpu
-        real(rk), intent(in) :: dt !! [s]
+        integer, intent(in) :: range(2)
+        real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call arguments%add(gpu%n)
-        call arguments%add(dt)
-        associate (links => gpu%links)
-            call arguments%add([links%params, links%owner, links%table, links%cell, gpu%place, &
-                                gpu%motion, gpu%row, links%press, links%slice, links%count, &
-                                links%list, gpu%state, gpu%tag, gpu%book, gpu%rate, gpu%extra])
-            call launch_awake(gpu, links%push, arguments, err)
+        associate (l => gpu%links, weight => tags_of(gpu, tag_weight))
+            call l%contact%push_links(range(2) - range(1) + 1, range(1), gpu%n, l%lay, dt, &
+                                      l%ends, l%table, l%cell, gpu%place, gpu%motion, &
+                                      column_of(gpu, at_mass), weight%buffer_t, &
+                                      column_of(gpu, at_stress + 1), gpu%row, l%press, &
+                                      tags_of(gpu, tag_bond), tags_of(gpu, tag_joined), l%count, &
+                                      l%slice, l%count, l%list, column_of(gpu, at_energy), &
+                                      book_of(gpu, book_contact), &
+                                      book_of(gpu, book_contact_early), &
+                                      book_of(gpu, book_contact_heat), book_of(gpu, book_rub), &
+                                      gpu%rate, gpu%extra, err)
         end associate
     end subroutine push_bodies
-
-    !> Launch a kernel over the particles of the bodies that are awake; bodies side by side go
-    !> together. Its last two arguments are the first and the last particle.
-    subroutine launch_awake(gpu, kernel, arguments, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(kernel_t), intent(in) :: kernel
-        type(arguments_t), intent(inout) :: arguments !! all but the last two
-        type(error_t), intent(inout) :: err
-        integer :: b, given, first, last
-
-        given = arguments%n
-        first = 0
-        do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%asleep) cycle
-            if (first == 0) first = gpu%bodies(b)%first
-            last = gpu%bodies(b)%last
-            if (b < size(gpu%bodies)) then
-                if (.not. gpu%bodies(b + 1)%asleep) cycle
-            end if
-            arguments%n = given
-            call arguments%add(first)
-            call arguments%add(last)
-            call launch(kernel, [last - first + 1, 1, 1], arguments, err)
-            first = 0
-        end do
-    end subroutine launch_awake
 end module brz_gpu_solid_links

@@ -45,8 +45,8 @@ contains
             do a = 1, 3
                 call arguments%add(body%drift(a))
             end do
-            call arguments%add([there%drive, gpu%reference, gpu%built, gpu%place, gpu%motion, &
-                                moved_flags(gpu, b)])
+            call arguments%add_all(there%drive, gpu%reference, gpu%built, gpu%place, gpu%motion, &
+                moved_flags(gpu, b))
             call launch(gpu%rigid_place, threads_of(there), arguments, err)
         end associate
     end subroutine move_rigid
@@ -74,7 +74,7 @@ contains
 
         associate (there => gpu%bodies(b))
             call arguments%add(gpu%n)
-            call arguments%add([there%params, there%drive, gpu%motion, gpu%row, gpu%rate])
+            call arguments%add_all(there%params, there%drive, gpu%motion, gpu%row, gpu%rate)
             call launch(gpu%rigid_row, threads_of(there), arguments, err)
         end associate
     end subroutine fill_rigid
@@ -94,7 +94,8 @@ contains
             if (gpu%linked) then
                 call arguments%add(gpu%n)
                 call arguments%add(sum_threads)
-                call arguments%add([there%params, there%drive, gpu%place, gpu%extra, gpu%part])
+                call arguments%add_all(there%params, there%drive, gpu%place, gpu%extra, &
+                    gpu%part)
                 call launch(gpu%rigid_push, [sum_threads, 1, 1], arguments, err)
                 call fold_sums(gpu, sum_threads, push, err)
             end if
@@ -110,8 +111,8 @@ contains
             call arguments%add(merge(1, 0, gpu%linked))
             call arguments%add(there%params)
             call arguments%add(dt)
-            call arguments%add([there%drive, gpu%place, gpu%motion, gpu%row, gpu%extra, gpu%state, &
-                                gpu%book])
+            call arguments%add_all(there%drive, gpu%place, gpu%motion, gpu%row, gpu%extra, &
+                gpu%state, gpu%book)
             call launch(gpu%rigid_accelerate, threads_of(there), arguments, err)
         end associate
     end subroutine balance_rigid

@@ -2,6 +2,7 @@
 !> Neighbour lists on the GPU: the same cells, order and lists as on the CPU.
 module brz_gpu_solid_search
     use brz_cell_grid, only: cell_of_groups, choose_cells, reach_of_lists
+    use brz_buffers, only: doubles_t
     use brz_device, only: allocate_buffer, arguments_t, buffer_t, clear_buffer, copy_in, copy_out, &
         free_buffer, kernel_t, launch
     use brz_errors, only: error_t, failed
@@ -28,7 +29,7 @@ contains
         logical, intent(in) :: sort
         logical, intent(in) :: stale(:) !! (bodies)
         type(error_t), intent(inout) :: err
-        type(buffer_t) :: place
+        type(doubles_t) :: place
         integer :: b, cells
 
         do b = 1, size(gpu%bodies)
@@ -67,7 +68,7 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
-        type(buffer_t) :: from
+        type(doubles_t) :: from
         integer(int64) :: start
 
         start = 32_int64*(body%first - 1)
@@ -80,7 +81,7 @@ contains
     !> Copy on the GPU; a multiple of 4 B.
     subroutine copy_bytes(gpu, from, to, bytes, err)
         type(gpu_solid_t), intent(in) :: gpu
-        type(buffer_t), intent(in) :: from, to
+        class(buffer_t), intent(in) :: from, to
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
@@ -96,7 +97,7 @@ contains
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
-        type(buffer_t), intent(in) :: place
+        class(buffer_t), intent(in) :: place
         real(dp), intent(in) :: reach !! side of a cell [m]
         integer, intent(out) :: cells !! along the curve
         type(error_t), intent(inout) :: err
@@ -132,7 +133,7 @@ contains
 
     !> The first bytes of a buffer.
     pure function part_to(buffer, bytes) result(part)
-        type(buffer_t), intent(in) :: buffer
+        class(buffer_t), intent(in) :: buffer
         integer(int64), intent(in) :: bytes
         type(buffer_t) :: part
 
@@ -145,7 +146,7 @@ contains
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
-        type(buffer_t), intent(in) :: place
+        class(buffer_t), intent(in) :: place
         real(dp), intent(in) :: reach !! [m]
         type(error_t), intent(inout) :: err
         type(grid_gpu_t) :: grid
@@ -176,7 +177,7 @@ contains
     subroutine find_box(gpu, b, place, box, err)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b
-        type(buffer_t), intent(in) :: place
+        type(doubles_t), intent(in) :: place
         real(dp), intent(out) :: box(3, 2) !! [m]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
@@ -217,7 +218,7 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
         type(kernel_t), intent(in) :: kernel
-        type(buffer_t), intent(in) :: values
+        class(buffer_t), intent(in) :: values
         integer, intent(in) :: columns
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
@@ -230,8 +231,8 @@ contains
             call arguments%add(body%last)
             call arguments%add(back)
             call arguments%add(gpu%order)
-            if (back == 0) call arguments%add([values, gpu%row])
-            if (back == 1) call arguments%add([gpu%row, values])
+            if (back == 0) call arguments%add_all(values, gpu%row)
+            if (back == 1) call arguments%add_all(gpu%row, values)
             call launch(kernel, [body%last - body%first + 1, columns, 1], arguments, err)
         end do
     end subroutine gather
@@ -240,7 +241,7 @@ contains
     subroutine list_body(gpu, b, place, err)
         type(gpu_solid_t), intent(inout) :: gpu
         integer, intent(in) :: b
-        type(buffer_t), intent(in) :: place
+        class(buffer_t), intent(in) :: place
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
         integer(int64) :: entries
@@ -269,7 +270,7 @@ contains
     subroutine search(gpu, b, place, keep, err)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b, keep
-        type(buffer_t), intent(in) :: place
+        class(buffer_t), intent(in) :: place
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
 

@@ -4,12 +4,17 @@
 !> All arrays of the particles stay on the GPU, see brz_gpu_solid_layout. The host arrays of
 !> `solid_t` are a mirror that brz_gpu_solid_copy refreshes before a dump or a checkpoint.
 module brz_gpu_solid_state
+    use brz_buffers, only: doubles_t, from, integers_t, reals_t
+    use brz_bond_launches, only: bond_kernels_t
+    use brz_cohesive_launches, only: cohesive_kernels_t
+    use brz_contact_launches, only: contact_kernels_t
     use brz_device, only: allocate_buffer, buffer_t, clear_buffer, copy_in, device_t, find_kernel, &
-        free_buffer, kernel_t
+        free_buffers, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
     use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
+    use brz_link_layout, only: link_layout_t
     use brz_move_level, only: move_levels
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
@@ -17,8 +22,8 @@ module brz_gpu_solid_state
     implicit none
     private
     public :: gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, close_gpu_solid, &
-              part_of, moved_flags, threads_of, bytes_of_real, sum_threads, total_threads, &
-              fold_threads
+              part_of, moved_flags, column_of, tags_of, book_of, threads_of, bytes_of_real, &
+              sum_threads, total_threads, fold_threads
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
     integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
@@ -36,16 +41,23 @@ module brz_gpu_solid_state
         logical :: tilted = .false. !! gradients of its outermost layers are tilted
         logical :: asleep = .false. !! left out of the steps
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
-        type(buffer_t) :: params, material, drive, slice, list
+        type(buffer_t) :: params, material
+        type(doubles_t) :: drive
+        type(integers_t) :: slice, list
         integer(int64) :: room = 0 !! entries that `list` has room for
         type(kernel_t) :: moments, update, forces
     end type gpu_solid_body_t
 
     !> Pairs of particles of different bodies.
     type :: gpu_links_t
-        type(buffer_t) :: params, owner, table, cell, press, slice, count, list, met
+        type(link_layout_t) :: lay
+        type(buffer_t) :: table
+        type(integers_t) :: ends, slice, count, list, met
+        type(reals_t) :: cell, press
         integer(int64) :: room = 0 !! entries that `list` has room for
-        type(kernel_t) :: search, find_press, push, moments, forces, break
+        type(kernel_t) :: search, moments
+        type(contact_kernels_t) :: contact
+        type(bond_kernels_t) :: bonds
     end type gpu_links_t
 
     !> Cohesive interfaces, arrays of cohesive_t.
@@ -53,11 +65,11 @@ module brz_gpu_solid_state
         logical :: present = .false.
         logical :: fetched = .true. !! the host has the state of the points
         integer :: n = 0, nodes = 0
-        type(buffer_t) :: law, bit, of, first, area, gap, rest, weight, back_first, back, row, pull
-        type(buffer_t) :: entry !! node + mask_unit*mask
-        type(buffer_t) :: place_of !! nodes
-        type(buffer_t) :: state !! (3, n) slots of brz_cohesive_law
-        type(kernel_t) :: place, open, join, gather
+        type(buffer_t) :: law
+        type(integers_t) :: bit, of, first, entry, back_first, back, row, place_of
+        type(doubles_t) :: area, gap, rest, weight, pull, push
+        type(doubles_t) :: state !! (3, n) slots of brz_cohesive_law
+        type(cohesive_kernels_t) :: kernels
     end type gpu_cohesive_t
 
     type :: gpu_solid_t
@@ -69,19 +81,17 @@ module brz_gpu_solid_state
         type(gpu_cohesive_t) :: glue
         integer :: n = 0, n_state = 0 !! particles, columns of `state`
         ! columns of `state` that not every scene has, 0: none
-        integer :: touch = 0 !! kernel sum at which contact begins
-        integer :: weight = 0 !! of a cell in sums of contact
         integer :: owed = 0 !! energy that the hold owes [J]
         integer :: load = 0 !! + 1..3: force of the air [N]
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
-        type(buffer_t) :: place, reference, built, motion, state, tag, book, row, grad, hold, held
-        type(buffer_t) :: rate, flags, axes, region, extra
-        type(buffer_t) :: count, cell, order, start, code, grid, box, part
+        type(doubles_t) :: place, reference, built, book, rate, region, box, part, folded
+        type(reals_t) :: motion, state, row, grad, held, axes, extra
+        type(integers_t) :: tag, flags, count, cell, order, start, code
+        type(buffer_t) :: hold, grid
         type(gpu_scan_t) :: scan
-        type(buffer_t) :: folded
         integer :: code_room = 0 !! cells that `code` has room for
         type(kernel_t) :: fold, gradients, rows, drift, hold_drive, end_support, totals
         type(kernel_t) :: extent, count_cells, fill_cells, sort_cells, search, widths
@@ -149,8 +159,6 @@ contains
 
         call fields_of(solid, fields)
         gpu%n_state = fields%columns
-        gpu%touch = column_of_field(fields, 'touch')
-        gpu%weight = column_of_field(fields, 'contact_weight')
         gpu%owed = column_of_field(fields, 'owed')
         if (in_air) gpu%load = column_of_field(fields, 'load') - 1
     end subroutine number_columns
@@ -211,7 +219,7 @@ contains
 
     !> The rest of a buffer from a byte on; only to be read and written, never freed.
     pure function part_of(buffer, byte) result(rest)
-        type(buffer_t), intent(in) :: buffer
+        class(buffer_t), intent(in) :: buffer
         integer(int64), intent(in) :: byte
         type(buffer_t) :: rest
 
@@ -228,6 +236,29 @@ contains
         flags = part_of(gpu%flags, 4_int64*(n_flag + move_levels*(b - 1)))
     end function moved_flags
 
+    !> A column of the state, from its first particle on.
+    pure type(reals_t) function column_of(gpu, column)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: column
+
+        column_of = from(gpu%state, (column - 1_int64)*gpu%n + 1)
+    end function column_of
+
+    pure type(integers_t) function tags_of(gpu, column)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: column
+
+        tags_of = from(gpu%tag, (column - 1_int64)*gpu%n + 1)
+    end function tags_of
+
+    !> A column of the books.
+    pure type(doubles_t) function book_of(gpu, column)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: column
+
+        book_of = from(gpu%book, (column - 1_int64)*gpu%n + 1)
+    end function book_of
+
     !> One thread for each particle of a body.
     pure function threads_of(body) result(n)
         type(gpu_solid_body_t), intent(in) :: body
@@ -239,27 +270,28 @@ contains
     !> Give the memory back.
     subroutine close_gpu_solid(gpu)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(buffer_t) :: all(50)
         integer :: b
 
-        all = [gpu%place, gpu%reference, gpu%built, gpu%motion, gpu%state, gpu%tag, gpu%book, &
-               gpu%row, gpu%grad, gpu%hold, gpu%held, gpu%rate, gpu%flags, gpu%axes, gpu%region, &
-               gpu%extra, gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
-               gpu%scan%levels, gpu%part, gpu%folded, gpu%box, gpu%links%params, gpu%links%owner, &
-               gpu%links%table, gpu%links%cell, gpu%links%press, gpu%links%slice, &
-               gpu%links%count, gpu%links%list, gpu%links%met, gpu%glue%law, gpu%glue%bit, &
-               gpu%glue%of, gpu%glue%first, gpu%glue%area, gpu%glue%gap, gpu%glue%rest, &
-               gpu%glue%weight, gpu%glue%back_first, gpu%glue%back, gpu%glue%row, gpu%glue%pull, &
-               gpu%glue%entry, gpu%glue%place_of, gpu%glue%state]
-        do b = 1, size(all)
-            call free_buffer(all(b))
-        end do
+        call free_buffers(gpu%place, gpu%reference, gpu%built, gpu%motion, gpu%state, gpu%tag, &
+            gpu%book, gpu%row)
+        call free_buffers(gpu%grad, gpu%hold, gpu%held, gpu%rate, gpu%flags, gpu%axes, &
+            gpu%region, gpu%extra)
+        call free_buffers(gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
+            gpu%scan%levels, gpu%part)
+        call free_buffers(gpu%folded, gpu%box)
+        associate (links => gpu%links, glue => gpu%glue)
+            call free_buffers(links%ends, links%table, links%cell, links%press, links%slice, &
+                links%count, links%list, links%met)
+            call free_buffers(glue%law, glue%bit, glue%of, glue%first, glue%area, glue%gap, &
+                glue%rest, glue%weight)
+            call free_buffers(glue%back_first, glue%back, glue%row, glue%pull, glue%push, &
+                glue%entry, glue%place_of, glue%state)
+        end associate
         do b = 1, size(gpu%bodies)
-            call free_buffer(gpu%bodies(b)%params)
-            call free_buffer(gpu%bodies(b)%material)
-            call free_buffer(gpu%bodies(b)%drive)
-            call free_buffer(gpu%bodies(b)%slice)
-            call free_buffer(gpu%bodies(b)%list)
+            associate (body => gpu%bodies(b))
+                call free_buffers(body%params, body%material, body%drive, body%slice, &
+                    body%list)
+            end associate
         end do
     end subroutine close_gpu_solid
 end module brz_gpu_solid_state

@@ -130,8 +130,9 @@ contains
                     call arguments%add(body%drift(a))
                 end do
                 call arguments%add(gpu%load)
-                call arguments%add([there%drive, gpu%place, gpu%motion, gpu%state, gpu%tag, &
-                                    gpu%built, gpu%book, moved_flags(gpu, b)])
+                call arguments%add_all(there%drive, gpu%place, gpu%motion, gpu%state, gpu%tag, &
+                    gpu%built, gpu%book)
+                call arguments%add_all(moved_flags(gpu, b))
                 call launch(gpu%drift, threads_of(there), arguments, err)
             end associate
         end do
@@ -182,11 +183,11 @@ contains
         if (body%total) call arguments%add(gpu%reference)
         call arguments%add(gpu%place)
         if (body%held .and. .not. body%total) call arguments%add(gpu%reference)
-        call arguments%add([gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad])
+        call arguments%add_all(gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad)
         if (body%tilted) then
-            call arguments%add([gpu%state, gpu%tag, gpu%hold, gpu%held])
+            call arguments%add_all(gpu%state, gpu%tag, gpu%hold, gpu%held)
         else if (body%drawn) then
-            call arguments%add([gpu%state, gpu%held])
+            call arguments%add_all(gpu%state, gpu%held)
         end if
         call launch(body%moments, threads_of(body), arguments, err)
     end subroutine sum_moments
@@ -199,7 +200,7 @@ contains
         type(arguments_t) :: arguments
 
         call begin(gpu, body, arguments)
-        call arguments%add([gpu%row, gpu%grad, gpu%tag, gpu%hold, gpu%held, gpu%state])
+        call arguments%add_all(gpu%row, gpu%grad, gpu%tag, gpu%hold, gpu%held, gpu%state)
         call arguments%add(dt)
         call launch(gpu%gradients, threads_of(body), arguments, err)
     end subroutine find_gradients
@@ -213,8 +214,8 @@ contains
 
         call arguments%add(gpu%n)
         call arguments%add(dt)
-        call arguments%add([body%params, body%material, gpu%grad, gpu%state, gpu%tag, gpu%book, &
-                            gpu%flags])
+        call arguments%add_all(body%params, body%material, gpu%grad, gpu%state, gpu%tag, &
+            gpu%book, gpu%flags)
         call launch(body%update, threads_of(body), arguments, err)
     end subroutine update_material
 
@@ -225,8 +226,9 @@ contains
         type(arguments_t) :: arguments
 
         call begin(gpu, body, arguments)
-        call arguments%add([body%material, gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, &
-                            gpu%row, gpu%rate, gpu%axes, gpu%hold, gpu%held, gpu%flags])
+        call arguments%add_all(body%material, gpu%place, gpu%grad, gpu%state, gpu%tag, &
+            gpu%motion, gpu%row)
+        call arguments%add_all(gpu%rate, gpu%axes, gpu%hold, gpu%held, gpu%flags)
         call launch(gpu%rows, threads_of(body), arguments, err)
     end subroutine fill_rows
 
@@ -246,9 +248,11 @@ contains
                 call arguments%add(real(dt, rk))
                 call arguments%add(merge(1, 0, gpu%linked))
                 call arguments%add(gpu%load)
-                call arguments%add([body%params, gpu%place, gpu%motion, gpu%row, gpu%reference, &
-                                    gpu%hold, gpu%held, body%slice, gpu%count, body%list, &
-                                    gpu%extra, gpu%state, gpu%tag, gpu%book, gpu%flags])
+                call arguments%add_all(body%params, gpu%place, gpu%motion, gpu%row, &
+                    gpu%reference, gpu%hold, gpu%held)
+                call arguments%add_all(body%slice, gpu%count, body%list, gpu%extra, gpu%state, &
+                    gpu%tag, gpu%book)
+                call arguments%add_all(gpu%flags)
                 call launch(body%forces, threads_of(body), arguments, err)
             end associate
         end do
@@ -270,8 +274,8 @@ contains
             associate (body => gpu%bodies(b))
                 call begin(gpu, body, arguments)
                 call arguments%add(intact_share)
-                call arguments%add([body%slice, gpu%count, body%list, gpu%reference, gpu%state, &
-                                    gpu%tag])
+                call arguments%add_all(body%slice, gpu%count, body%list, gpu%reference, &
+                    gpu%state, gpu%tag)
                 call launch(gpu%end_support, threads_of(body), arguments, err)
             end associate
         end do
@@ -328,7 +332,7 @@ contains
             call copy_in(velocity_of(body%motion, solid%time), there%drive, 24_int64, err)
             call begin(gpu, there, arguments)
             call arguments%add(dt)
-            call arguments%add([there%drive, gpu%motion, gpu%tag, gpu%state])
+            call arguments%add_all(there%drive, gpu%motion, gpu%tag, gpu%state)
             call launch(gpu%hold_drive, threads_of(there), arguments, err)
         end associate
     end subroutine balance_drive

@@ -49,7 +49,7 @@ contains
         call arguments%add(total_threads)
         call arguments%add(gpu%bodies(b)%params)
         call arguments%add(real(dt_last/2, rk))
-        call arguments%add([gpu%region, gpu%place, gpu%motion, gpu%state, gpu%book, gpu%part])
+        call arguments%add_all(gpu%region, gpu%place, gpu%motion, gpu%state, gpu%book, gpu%part)
         call launch(gpu%totals, [total_threads, 1, 1], arguments, err)
         call fold_sums(gpu, total_threads, sums, err)
     end subroutine sums_of_body
@@ -66,7 +66,7 @@ contains
 
         call arguments%add(m)
         call arguments%add(size(folded, 1))
-        call arguments%add([gpu%part, gpu%folded])
+        call arguments%add_all(gpu%part, gpu%folded)
         call launch(gpu%fold, [size(folded, 1), size(sums), 1], arguments, err)
         folded = 0
         call copy_out(gpu%folded, folded, 8_int64*size(folded), err)
@@ -140,12 +140,12 @@ contains
 
         call arguments%add(int(gpu%n, int64))
         call arguments%add(first_fold)
-        call arguments%add([gpu%rate, gpu%part])
+        call arguments%add_all(gpu%rate, gpu%part)
         call launch(gpu%most, [first_fold, 1, 1], arguments, err)
         arguments%n = 0
         call arguments%add(int(first_fold, int64))
         call arguments%add(fold_threads)
-        call arguments%add([gpu%part, gpu%folded])
+        call arguments%add_all(gpu%part, gpu%folded)
         call launch(gpu%most, [fold_threads, 1, 1], arguments, err)
         folded = 0
         call copy_out(gpu%folded, folded, 8_int64*fold_threads, err)

@@ -10,6 +10,7 @@ module brz_cohesive_points
     use brz_cohesive_faces, only: faces_t
     use brz_cohesive_state, only: cohesive_t
     use brz_kinds, only: dp, int32, int8
+    use brz_link_layout, only: mask_unit
     use brz_linear_weights, only: linear_weights
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: solid_t
@@ -284,6 +285,7 @@ contains
             glue%row(i) = glue%nodes
         end do
         glue%node = glue%row(glue%node)
+        glue%entry = glue%node + int(glue%mask, int32)*mask_unit
         glue%beside = reshape(glue%row(reshape(glue%beside, [2*glue%n])), [2, glue%n])
         allocate (glue%back_first(glue%nodes + 1), source=0_int32)
         do e = 1, size(glue%node)

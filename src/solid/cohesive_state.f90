@@ -34,6 +34,7 @@ module brz_cohesive_state
         ! entries: a node with its weights
         integer(int32), allocatable :: node(:)
         integer(int8), allocatable :: mask(:) !! mirrored axes, bits 0..2
+        integer(int32), allocatable :: entry(:) !! both in one, see brz_link_layout
         real(dp), allocatable :: weight(:, :) !! (3, entries) of the opening; of the tangents [1/m]
         ! nodes
         integer(int32), allocatable :: back_first(:) !! (nodes+1) entries of a node in `back`

@@ -2,6 +2,7 @@
 !> Allocation of the arrays of the particles, for a fresh start and for a restart alike.
 module brz_solid_arrays
     use brz_kinds, only: dp, int64, rk
+    use brz_link_layout, only: link_layout_t, link_unit, n_press
     use brz_solid_fields, only: fields_of, fields_t, make_fields, memory_of
     use brz_solid_state, only: lanes, solid_t
     implicit none
@@ -46,12 +47,16 @@ contains
         type(solid_t), intent(inout) :: solid
 
         associate (n => solid%n, links => solid%links)
-            allocate (links%row(n))
-            allocate (links%first(0:1), links%press(5, 0:0), links%push(9, 0:0))
+            allocate (links%row(n), links%slice(0:1), links%count(0:1), links%press(n_press, 0:1), &
+                      links%push(9, 0:1))
             allocate (links%met(size(solid%bodies), size(solid%bodies)), source=.false.)
             allocate (links%spare(size(solid%bodies), size(solid%bodies)), source=0.0_dp)
             links%ends = solid%bodies%last
-            links%first = 1
+            links%lay = link_layout_t(size(solid%bodies), solid%dimension, &
+                                      merge(1, 0, allocated(solid%held)), 3, 1, 6, 1, 1, 1, &
+                                      link_unit, real(solid%depth, rk))
+            links%slice = 0
+            links%count = 0
             links%row = 0
             links%press = 0
             links%push = 0
@@ -87,7 +92,7 @@ contains
         associate (s => solid)
             bytes = bytes + 8*real(size(s%first), dp)/s%n
             if (allocated(s%image_first)) bytes = bytes + 8*real(size(s%image_first), dp)/s%n
-            if (s%links%present) bytes = bytes + 4 + real(8*size(s%links%first) &
+            if (s%links%present) bytes = bytes + 4 + real(8*size(s%links%slice) &
                 + (size(s%links%press) + size(s%links%push))*(storage_size(1.0_rk)/8), dp)/s%n
         end associate
     end function bytes_per_particle

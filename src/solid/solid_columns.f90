@@ -5,7 +5,7 @@ module brz_solid_columns
     private
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
     public :: tag_id, tag_ply, tag_support, tag_fixed, tag_cut, tag_fault, &
-              tag_bond, tag_joined, n_tag
+              tag_bond, tag_joined, tag_touch, tag_weight, n_tag
 
     ! columns of `state`
     integer, parameter :: at_mu = 1, at_energy = 2
@@ -19,5 +19,6 @@ module brz_solid_columns
     integer, parameter :: tag_fault = 6 !! 1: an impossible state was seen here
     integer, parameter :: tag_bond = 7 !! bond_none, ...
     integer, parameter :: tag_joined = 8 !! cohesive interfaces that still hold it, a bit each
-    integer, parameter :: n_tag = 8
+    integer, parameter :: tag_touch = 9, tag_weight = 10 !! real32, see links_t
+    integer, parameter :: n_tag = 10
 end module brz_solid_columns

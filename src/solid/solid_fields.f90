@@ -5,7 +5,8 @@ module brz_solid_fields
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
     use brz_kinds, only: int16, int32, int8, real32, real64
     use brz_solid_columns, only: at_accel, at_damage, at_energy, at_hist, at_mass, at_mu, &
-        at_stress, tag_bond, tag_cut, tag_fixed, tag_id, tag_joined, tag_ply, tag_support
+        at_stress, tag_bond, tag_cut, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
+        tag_touch, tag_weight
     use brz_solid_state, only: bond_none, n_held, n_pair, solid_t
     implicit none
     private
@@ -107,8 +108,8 @@ contains
         call see(t, 'support', s%support, .true., in_tag, tag_support)
         call see(t, 'fixed', s%fixed, .true., in_tag, tag_fixed)
         call see(t, 'cut', s%cut, .true., in_tag, tag_cut)
-        call see(t, 'touch', s%links%touch, linked, in_state, next)
-        call see(t, 'contact_weight', s%links%weight, linked, in_state, next)
+        call see(t, 'touch', s%links%touch, linked, in_tag, tag_touch)
+        call see(t, 'contact_weight', s%links%weight, linked, in_tag, tag_weight)
         call see(t, 'bond', s%links%bond, linked, in_tag, tag_bond)
         call see(t, 'joined', s%links%joined, .false., in_tag, tag_joined, derived=.true.)
         call see(t, 'owed', s%owed, held, in_state, next)

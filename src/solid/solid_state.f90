@@ -8,6 +8,7 @@ module brz_solid_state
     use brz_cohesive_state, only: cohesive_t
     use brz_face_load, only: loads_t
     use brz_contact, only: meeting_t
+    use brz_link_layout, only: link_layout_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
     use brz_material, only: material_t
     use brz_motion, only: motion_t
@@ -21,6 +22,8 @@ module brz_solid_state
     public :: is_free, is_held, is_gone
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold, pair_spin, pair_tilt
+    public :: at_g, at_x, at_s, at_y, n_moments
+    public :: at_heat, at_friction, at_drag, at_hold, at_work, n_terms
     public :: n_held, held_stiffness, held_affine, held_energy, held_whole
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
@@ -55,6 +58,19 @@ module brz_solid_state
     integer, parameter :: held_energy = 11 !! that it holds [J]
     integer, parameter :: held_whole = 12 !! 0: lost its support, holds nothing; else 1
     integer, parameter :: n_held = 12
+
+    ! sums of pass 1: moments of x_ij (x) x_ij, then v_ij (x) x_ij, then X_ij (x) x_ij, then
+    ! moments of X_ij (x) X_ij; with a tilt v_ij (x) y_ij in place of the second, and
+    ! x_ij (x) y_ij after all
+    integer, parameter :: at_g = 6, at_x = 15, at_s = 24, at_y = 30, n_moments = 39
+
+    ! sums of pass 2: 1..3 force of the stress [N]
+    integer, parameter :: at_heat = 4 !! heat of the viscosity [W]
+    integer, parameter :: at_friction = 5 !! heat of the viscous hourglass force [W]
+    integer, parameter :: at_drag = 5 !! + 1..3: viscous forces [N]
+    integer, parameter :: at_hold = 8 !! + 1..3: stiff hourglass force, or artificial stress [N]
+    integer, parameter :: at_work = 12 !! work against the hold, half of it to each of a pair [W]
+    integer, parameter :: n_terms = 12
 
     !> What one body has done with its energy so far, all in J.
     type :: ledger_t
@@ -144,12 +160,13 @@ module brz_solid_state
         logical, allocatable :: met(:, :) !! (bodies, bodies) some particles of both have links
         real(dp), allocatable :: spare(:, :) !! (bodies, bodies) what they were further apart than
                                              !! links reach [m]
-        integer, allocatable :: ends(:) !! (bodies) last particle of a body
+        type(link_layout_t) :: lay !! how lists and arrays lie
+        integer(int32), allocatable :: ends(:) !! (bodies) last particle of each
         integer(int32), allocatable :: row(:) !! (n) row of a particle that has links, else 0
         integer :: rows = 0 !! particles that have links
-        integer(int64), allocatable :: first(:) !! (0:rows+1) first link of a row; row 0 has none
-        integer(int32), allocatable :: list(:) !! particle of another body
-        integer(int8), allocatable :: mask(:) !! mirrored axes of an entry, bits 0..2
+        integer(int32), allocatable :: slice(:) !! (rows) entries before its own, over link_unit
+        integer(int32), allocatable :: count(:) !! (rows) its links
+        integer(int32), allocatable :: list(:) !! entries, see brz_link_layout
         real(rk), allocatable :: cell(:) !! (bodies) lattice volume per mass of particle [m3/kg]
         real(real32), allocatable :: touch(:) !! (n) kernel sum at which contact begins
         real(real32), allocatable :: weight(:) !! (n) of its cell in sums of contact, 1 but at the
@@ -157,8 +174,8 @@ module brz_solid_state
         integer(int32), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
         integer(int32), allocatable :: joined(:) !! (n) cohesive interfaces that still hold a
                                                  !! particle, a bit each; only where there are some
-        real(rk), allocatable :: press(:, :) !! (5, 0:rows) pressure of contact [Pa]; its gradient
-                                             !! of the kernel sum [1/m]; stiffness [Pa]
+        real(rk), allocatable :: press(:, :) !! (n_press, 0:rows) pressure of contact [Pa]; its
+                                             !! gradient of the kernel sum [1/m]; stiffness [Pa]
         real(rk), allocatable :: push(:, :) !! (9, 0:rows) forces of contact: springs, drag [N];
                                             !! moment of drag on what turns [N m]
     end type links_t

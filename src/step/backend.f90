@@ -115,10 +115,8 @@ contains
         type(particles_t) :: particles
 
         associate (solid => backend%solid)
-            particles = particles_t(solid%n, doubles_t(buffer_t=solid%place), &
-                                    reals_t(buffer_t=solid%motion), &
-                                    reals_t(buffer_t=solid%state), &
-                                    integers_t(buffer_t=solid%tag), solid%load)
+            particles = particles_t(solid%n, solid%place, solid%motion, solid%state, &
+                                    solid%tag, solid%load)
         end associate
     end function particles_of
 end module brz_backend

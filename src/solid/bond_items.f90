@@ -1,0 +1,368 @@
+! SPDX-License-Identifier: MIT
+!> Bonds between bodies, a particle at a time: particles take part in each other's sums as one
+!> continuum does, until a bond breaks for good. Bodies that share their sums do so whenever they
+!> approach or are compressed, though they start apart.
+module brz_bond_items
+    use brz_contact, only: bond_effort, joins, law_bonded, law_shared, meeting_t, takes_part
+    use brz_contact_items, only: links_of, look_along, owner_of
+    use brz_gradient, only: moment_terms, outer_terms
+    use brz_kernel, only: kernel_slope
+    use brz_kinds, only: dp, int32, int64, real32, rk
+    use brz_link_layout, only: link_layout_t
+    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, most_bent, &
+        most_drawn, viscous_force
+    use brz_shared_sums, only: carried_along
+    use brz_solid_state, only: at_drag, at_friction, at_g, at_heat, at_hold, at_s, at_work, at_x, &
+        at_y, bond_broken, bond_whole, form_bending, form_corrected_hourglass, held_affine, &
+        held_stiffness, held_whole, n_held, n_moments, n_pair, n_terms, pair_affine, pair_hold, &
+        pair_keep, pair_linear, pair_quadratic, pair_stress, pair_tilt, pair_volume
+    use brz_tilted_arm, only: tilted_arm, tilted_force
+    implicit none
+    private
+    public :: sum_bonds, pull_bonds, break_bond, pull_links
+
+contains
+
+    !> Add the bonded partners of particle i to its moments and gradients (see pass 1).
+    !@cuf attributes(host,device) &
+    pure subroutine sum_bonds(i, lay, tilt, ends, table, x, x_ref, v, volume, mass, bond, row, &
+                              slice, count, list, sums)
+        integer, intent(in) :: i
+        type(link_layout_t), intent(in) :: lay
+        real(rk), intent(in) :: tilt !! [1/m]
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *), volume(lay%step_v, *), mass(*)
+        integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
+        real(rk), intent(inout) :: sums(n_moments) !! slots at_g, ...
+        real(rk) :: s(3), r(3), dv(3), dx(3), y(3), m(6), g(9), other(6), normal(3), w, vr
+        integer :: a, b, j, k, n, t
+        integer(int64) :: at
+
+        a = owner_of(ends, i)
+        do t = 1, 6
+            other(t) = 0
+        end do
+        call links_of(lay, i, row, slice, count, t, n, at)
+        do k = 0, n - 1
+            call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
+            b = owner_of(ends, j)
+            if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
+            do t = 1, 3
+                dx(t) = real(x_ref(t, i) - s(t)*x_ref(t, j), rk)
+                normal(t) = table(a, b)%normal(t, 1)
+            end do
+            w = volume(1, j)*kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
+                                          sqrt(r(1)**2 + r(2)**2 + r(3)**2))
+            call moment_terms(w, r, m)
+            if (table(a, b)%law == law_shared) then
+                vr = dot_product(r, dv)
+                if (.not. takes_part(table(a, b), mass(i), volume(1, i), mass(j), volume(1, j), &
+                                     vr)) cycle
+                do t = 1, 6
+                    other(t) = other(t) + m(t)
+                end do
+                call outer_terms(w, dv, r, g)
+                do t = 1, 9
+                    sums(at_g + t) = sums(at_g + t) + g(t)
+                end do
+                call outer_terms(w, r, r, g)
+                do t = 1, 9
+                    sums(at_y + t) = sums(at_y + t) + g(t)
+                end do
+                cycle
+            end if
+            call tilted_arm(tilt, normal, dx, r, y)
+            do t = 1, 6
+                sums(t) = sums(t) + m(t)
+            end do
+            call outer_terms(w, dv, y, g)
+            do t = 1, 9
+                sums(at_g + t) = sums(at_g + t) + g(t)
+            end do
+            call outer_terms(w, dx, r, g)
+            do t = 1, 9
+                sums(at_x + t) = sums(at_x + t) + g(t)
+            end do
+            call moment_terms(w, dx, m)
+            do t = 1, 6
+                sums(at_s + t) = sums(at_s + t) + m(t)
+            end do
+            call outer_terms(w, r, y, g)
+            do t = 1, 9
+                sums(at_y + t) = sums(at_y + t) + g(t)
+            end do
+        end do
+        if (.not. max(other(1), other(2), other(3)) > 0) return
+        call carried_along(lay%dimension, sums(1), sums(at_x + 1), other, g, m)
+        do t = 1, 6
+            sums(t) = sums(t) + other(t)
+            sums(at_s + t) = sums(at_s + t) + m(t)
+        end do
+        do t = 1, 9
+            sums(at_x + t) = sums(at_x + t) + g(t)
+        end do
+    end subroutine sum_bonds
+
+    !> Add the forces of the bonded partners of particle i (see pass 2).
+    !@cuf attributes(host,device) &
+    pure subroutine pull_bonds(i, lay, ends, table, x, x_ref, v, mass, pair, hold, held, bond, &
+                               row, slice, count, list, f)
+        integer, intent(in) :: i
+        type(link_layout_t), intent(in) :: lay
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *), mass(*), pair(n_pair, *)
+        real(real32), intent(in) :: hold(6, *)
+        real(rk), intent(in) :: held(n_held, *)
+        integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
+        real(rk), intent(inout) :: f(n_terms)
+        real(rk) :: s(3), r(3), dv(3), dx(3), g(3), other(n_pair), w, u, vr, slope
+        integer :: a, b, j, k, n, t
+        integer(int64) :: at
+
+        a = owner_of(ends, i)
+        call links_of(lay, i, row, slice, count, t, n, at)
+        do k = 0, n - 1
+            call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
+            b = owner_of(ends, j)
+            if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
+            slope = kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
+                                 sqrt(r(1)**2 + r(2)**2 + r(3)**2))
+            vr = dot_product(r, dv)
+            if (table(a, b)%law == law_shared) then
+                if (.not. takes_part(table(a, b), mass(i), pair(pair_volume, i), mass(j), &
+                                     pair(pair_volume, j), vr)) cycle
+            end if
+            do t = 1, 3
+                dx(t) = real(x_ref(t, i) - s(t)*x_ref(t, j), rk)
+            end do
+            call mirror_pair(s, pair(1, j), other)
+            w = pair(pair_volume, i)*other(pair_volume)*slope
+            u = viscous_force(w, table(a, b)%h, dot_product(r, r), vr, &
+                              pair(pair_linear, i) + other(pair_linear), &
+                              pair(pair_quadratic, i) + other(pair_quadratic))
+            do t = 1, 3
+                f(at_drag + t) = f(at_drag + t) + u*r(t)
+            end do
+            f(at_heat) = f(at_heat) - u*vr/2
+            if (table(a, b)%law == law_shared) then
+                call tilted_force(w, pair(pair_stress + 1, i), other(pair_stress + 1), r, r, g)
+                if (.not. dot_product(g, r) > 0) cycle ! never in tension
+                do t = 1, 3
+                    f(t) = f(t) + g(t)
+                end do
+                cycle
+            end if
+            call pull_bond(table(a, b), w, s, r, dx, pair(1, i), other, f)
+            w = w*pair(pair_keep, i)*other(pair_keep)
+            if (table(a, b)%formulation == form_bending) then
+                call bend_bond(table(a, b), w, s, r, dx, pair(1, i), other, hold(1, i), &
+                               hold(1, j), f)
+            else if (table(a, b)%formulation == form_corrected_hourglass) then
+                call drag_bond(w, r, dv, pair(1, i), other, f)
+                if (lay%holds == 1) call draw_bond(w, s, r, dv, dx, held(1, i), held(1, j), f)
+            end if
+        end do
+    end subroutine pull_bonds
+
+    !> A row of `pair` as the image of its particle has it: its tensors change.
+    !@cuf attributes(host,device) &
+    pure subroutine mirror_pair(s, pair, other)
+        real(rk), intent(in) :: s(3), pair(n_pair)
+        real(rk), intent(out) :: other(n_pair)
+        integer :: c, t
+
+        do t = 1, n_pair
+            other(t) = pair(t)
+        end do
+        do t = 1, 3
+            do c = 1, 3
+                other(pair_stress + 3*(t - 1) + c) = s(t)*s(c)*pair(pair_stress + 3*(t - 1) + c)
+                other(pair_affine + 3*(t - 1) + c) = s(t)*s(c)*pair(pair_affine + 3*(t - 1) + c)
+            end do
+        end do
+    end subroutine mirror_pair
+
+    !> Force of the stress of a bonded pair.
+    !@cuf attributes(host,device) &
+    pure subroutine pull_bond(m, w, s, r, dx, own, other, f)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: w, s(3), r(3), dx(3), own(n_pair), other(n_pair)
+        real(rk), intent(inout) :: f(n_terms)
+        real(rk) :: arm(3), arm_j(3), normal(3), g(3)
+        integer :: t
+
+        do t = 1, 3
+            normal(t) = m%normal(t, 1)
+        end do
+        call tilted_arm(own(pair_tilt), normal, dx, r, arm)
+        do t = 1, 3
+            normal(t) = s(t)*m%normal(t, 2)
+        end do
+        call tilted_arm(-other(pair_tilt), normal, dx, r, arm_j)
+        call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
+        do t = 1, 3
+            f(t) = f(t) + g(t)
+        end do
+    end subroutine pull_bond
+
+    !> Stiff hourglass force of a bonded pair.
+    !@cuf attributes(host,device) &
+    pure subroutine bend_bond(m, y, s, r, dx, own, other, hold_i, hold_j, f)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: y, s(3), r(3), dx(3), own(n_pair), other(n_pair)
+        real(real32), intent(in) :: hold_i(6), hold_j(6)
+        real(rk), intent(inout) :: f(n_terms)
+        real(rk) :: stiff(6), g(3)
+        integer :: t
+
+        if (m%directional) then
+            do t = 1, 6
+                stiff(t) = real(hold_j(t), rk)
+            end do
+            stiff(4) = stiff(4)*(s(1)*s(2))
+            stiff(5) = stiff(5)*(s(2)*s(3))
+            stiff(6) = stiff(6)*(s(1)*s(3))
+            do t = 1, 6
+                stiff(t) = real(hold_i(t), rk) + stiff(t)
+            end do
+            call hourglass_axial(y, stiff, own(pair_affine + 1), other(pair_affine + 1), dx, r, g)
+        else
+            call hourglass_stiff(most_bent, y, own(pair_hold) + other(pair_hold), &
+                                 own(pair_affine + 1), other(pair_affine + 1), dx, r, g)
+        end if
+        do t = 1, 3
+            f(at_hold + t) = f(at_hold + t) + g(t)
+        end do
+    end subroutine bend_bond
+
+    !> Viscous hourglass force of a bonded pair.
+    !@cuf attributes(host,device) &
+    pure subroutine drag_bond(y, r, dv, own, other, f)
+        real(rk), intent(in) :: y, r(3), dv(3), own(n_pair), other(n_pair)
+        real(rk), intent(inout) :: f(n_terms)
+        real(rk) :: g(3), heat
+        integer :: t
+
+        call hourglass_viscous(y*own(pair_hold), y*other(pair_hold), own(pair_affine + 1), &
+                               other(pair_affine + 1), dv, r, g, heat)
+        do t = 1, 3
+            f(at_drag + t) = f(at_drag + t) + g(t)
+        end do
+        f(at_friction) = f(at_friction) + heat
+    end subroutine drag_bond
+
+    !> The hold of a bonded pair.
+    !@cuf attributes(host,device) &
+    pure subroutine draw_bond(y, s, r, dv, dx, own, other, f)
+        real(rk), intent(in) :: y, s(3), r(3), dv(3), dx(3)
+        real(rk), intent(in) :: own(n_held), other(n_held)
+        real(rk), intent(inout) :: f(n_terms)
+        real(rk) :: p(9), q(9), g(3), work
+        integer :: c, t
+
+        if (.not. own(held_stiffness) + other(held_stiffness) > 0) return
+        do t = 1, 3
+            do c = 1, 3
+                p(3*(t - 1) + c) = own(held_affine + 3*(t - 1) + c)
+                q(3*(t - 1) + c) = s(t)*s(c)*other(held_affine + 3*(t - 1) + c)
+            end do
+        end do
+        call hourglass_stiff(most_drawn, y*own(held_whole)*other(held_whole), &
+                             own(held_stiffness) + other(held_stiffness), p, q, dx, r, g)
+        work = dot_product(g, dv)
+        do t = 1, 3
+            f(at_hold + t) = f(at_hold + t) + g(t)
+        end do
+        f(at_work) = f(at_work) - work/2
+    end subroutine draw_bond
+
+    !> Add the forces of the bonded partners to `extra`, which pass 2 starts from.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine pull_links(k, first, particles, lay, ends, table, x, x_ref, v, mass, pair, &
+                               hold, held, bond, row, slice, count, list, extra)
+        integer, intent(in) :: k !! particles
+        integer, intent(in) :: first, particles !! the first of them; all
+        type(link_layout_t), intent(in) :: lay
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *), mass(*), pair(n_pair, *)
+        real(real32), intent(in) :: hold(6, *)
+        real(rk), intent(in) :: held(n_held, *)
+        integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
+        real(rk), intent(inout) :: extra(particles, *)
+        real(rk) :: f(n_terms)
+        integer :: i, n, t
+        integer(int64) :: at
+
+        i = first - 1 + k
+        call links_of(lay, i, row, slice, count, t, n, at)
+        if (n == 0) return
+        do t = 1, n_terms
+            f(t) = 0
+        end do
+        call pull_bonds(i, lay, ends, table, x, x_ref, v, mass, pair, hold, held, bond, row, &
+                        slice, count, list, f)
+        do t = 1, n_terms
+            extra(i, t) = extra(i, t) + f(t)
+        end do
+    end subroutine pull_links
+
+    !> Break the bond of a particle whose traction on it exceeds its strength.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine break_bond(k, first, lay, ends, table, x, v, pair, stress, row, slice, &
+                               count, list, bond)
+        integer, intent(in) :: k !! particles
+        integer, intent(in) :: first !! the first of them
+        type(link_layout_t), intent(in) :: lay
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        real(dp), intent(in) :: x(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *), pair(n_pair, *), stress(*)
+        integer(int32), intent(in) :: row(*), slice(*), count(*), list(*)
+        integer(int32), intent(inout) :: bond(*)
+        real(rk) :: s(3), r(3), dv(3), normal(3), own(6), w, length, effort
+        integer :: a, b, i, j, n, p, t
+        integer(int64) :: at
+
+        i = first - 1 + k
+        if (bond(i) /= bond_whole) return
+        a = owner_of(ends, i)
+        do t = 1, 3
+            normal(t) = 0
+        end do
+        call links_of(lay, i, row, slice, count, t, n, at)
+        do p = 0, n - 1
+            call look_along(lay, list(at + p*lay%side), i, x, v, j, s, r, dv)
+            b = owner_of(ends, j)
+            if (table(a, b)%law /= law_bonded) cycle
+            w = pair(pair_volume, j)*kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
+                                                  sqrt(r(1)**2 + r(2)**2 + r(3)**2))
+            do t = 1, 3
+                normal(t) = normal(t) + w*r(t)
+            end do
+        end do
+        length = sqrt(dot_product(normal, normal))
+        if (.not. length > 0) return
+        do t = 1, 3
+            normal(t) = normal(t)/length
+        end do
+        do t = 1, 6
+            own(t) = stress((i - 1_int64)*lay%step_p + (t - 1_int64)*lay%step_c + 1)
+        end do
+        effort = 0
+        do p = 0, n - 1
+            call look_along(lay, list(at + p*lay%side), i, x, v, j, s, r, dv)
+            b = owner_of(ends, j)
+            if (table(a, b)%law == law_bonded) &
+                effort = max(effort, bond_effort(table(a, b), own, normal))
+        end do
+        if (effort >= 1) bond(i) = bond_broken
+    end subroutine break_bond
+end module brz_bond_items

@@ -1,0 +1,175 @@
+! SPDX-License-Identifier: MIT
+!> Cohesive interfaces at the present places, a point or a node at a time: openings, damage, forces
+!> on the particles.
+!>
+!> A point that is broken keeps pressing until none of the particles that it sees is held by its
+!> interface any more: these then meet by contact. Forces are gathered in the order of `back`.
+module brz_cohesive_items
+    use brz_cohesive_law, only: cohesive_law_t, has_damage, has_held, has_spent, load_point
+    use brz_kinds, only: dp, int32, rk
+    use brz_link_layout, only: mask_unit
+    use brz_solid_state, only: is_gone
+    implicit none
+    private
+    public :: place_node, open_point, join_node, gather_node, add_pull
+
+contains
+
+    !> Where the particles of the nodes lie.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine place_node(i, id, row, place_of)
+        integer, intent(in) :: i !! particles
+        integer(int32), intent(in) :: id(*), row(*) !! row: node of the particle of a number, or 0
+        integer(int32), intent(inout) :: place_of(*)
+
+        if (row(id(i)) > 0) place_of(row(id(i))) = i
+    end subroutine place_node
+
+    !> State and forces of a point.
+    !@item if(n >= worth_threads/4) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine open_point(p, wide, step, law, bit, of, first, entry, weight, area, gap, rest, &
+                               place_of, x, fixed, joined, damage, spent, held, pull)
+        integer, intent(in) :: p !! points
+        integer, intent(in) :: wide, step !! rows of x; distance of states
+        type(cohesive_law_t), intent(in) :: law(*)
+        integer(int32), intent(in) :: bit(*), of(*), first(*), entry(*)
+        real(dp), intent(in) :: weight(3, *), area(*), gap(*), rest(3, 2, *)
+        integer(int32), intent(in) :: place_of(*)
+        real(dp), intent(in) :: x(wide, *)
+        integer(int32), intent(in) :: fixed(*), joined(*)
+        real(dp), intent(inout) :: damage(step, *), spent(step, *), held(step, *)
+        real(dp), intent(inout) :: pull(3, 3, *)
+        real(dp) :: seen(3, 3), f(3, 3), own(3), y
+        logical :: released
+        integer :: c, e, i, t
+
+        released = .false.
+        if (damage(1, p) >= 1) released = is_released(first(p), first(p + 1) - 1, bit(of(p)), &
+                                                      entry, place_of, fixed, joined)
+        if (released) then ! what it held in pressure is gone for the contact
+            spent(1, p) = spent(1, p) + held(1, p)
+            held(1, p) = 0
+            do c = 1, 3
+                do t = 1, 3
+                    pull(t, c, p) = 0
+                end do
+            end do
+            return
+        end if
+        do t = 1, 3
+            seen(t, 1) = 0
+            seen(t, 2) = rest(t, 1, p)
+            seen(t, 3) = rest(t, 2, p)
+        end do
+        do e = first(p), first(p + 1) - 1
+            i = place_of(iand(entry(e), mask_unit - 1))
+            do t = 1, 3
+                y = x(t, i)
+                if (btest(entry(e), 27 + t)) y = -y
+                do c = 1, 3
+                    seen(t, c) = seen(t, c) + weight(c, e)*y
+                end do
+            end do
+        end do
+        own(has_damage) = damage(1, p)
+        own(has_spent) = spent(1, p)
+        own(has_held) = held(1, p)
+        call load_point(law(of(p)), area(p), gap(p), seen, own, f)
+        damage(1, p) = own(has_damage)
+        spent(1, p) = own(has_spent)
+        held(1, p) = own(has_held)
+        do c = 1, 3
+            do t = 1, 3
+                pull(t, c, p) = f(t, c)
+            end do
+        end do
+    end subroutine open_point
+
+    !> True where none of the particles of a broken point is held by its interface any more, or one
+    !> of them is gone.
+    !@cuf attributes(host,device) &
+    pure function is_released(first, last, bit, entry, place_of, fixed, joined) result(yes)
+        integer, intent(in) :: first, last !! entries of the point
+        integer(int32), intent(in) :: bit, entry(*), place_of(*), fixed(*), joined(*)
+        logical :: yes
+        integer :: e, i
+
+        yes = .true.
+        do e = first, last
+            i = place_of(iand(entry(e), mask_unit - 1))
+            if (fixed(i) == is_gone) then
+                yes = .true.
+                return
+            end if
+            if (iand(joined(i), bit) /= 0) yes = .false.
+        end do
+    end function is_released
+
+    !> Which interfaces still hold the particle of a node.
+    !@item if(n >= worth_threads/4) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine join_node(r, step, bit, of, back_first, back, damage, place_of, joined)
+        integer, intent(in) :: r !! nodes
+        integer, intent(in) :: step !! distance of states
+        integer(int32), intent(in) :: bit(*), of(*), back_first(*), back(2, *)
+        real(dp), intent(in) :: damage(step, *)
+        integer(int32), intent(in) :: place_of(*)
+        integer(int32), intent(inout) :: joined(*)
+        integer(int32) :: bits
+        integer :: k
+
+        bits = 0
+        do k = back_first(r), back_first(r + 1) - 1
+            if (damage(1, back(2, k)) < 1) bits = ior(bits, bit(of(back(2, k))))
+        end do
+        joined(place_of(r)) = bits
+    end subroutine join_node
+
+    !> Force on the particle of a node.
+    !@item if(n >= worth_threads/4) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine gather_node(r, back_first, back, entry, weight, pull, push)
+        integer, intent(in) :: r !! nodes
+        integer(int32), intent(in) :: back_first(*), back(2, *), entry(*)
+        real(dp), intent(in) :: weight(3, *), pull(3, 3, *)
+        real(dp), intent(inout) :: push(3, *) !! [N]
+        real(dp) :: total(3), f
+        integer :: c, e, k, t
+
+        do t = 1, 3
+            total(t) = 0
+        end do
+        do k = back_first(r), back_first(r + 1) - 1
+            e = back(1, k)
+            do t = 1, 3
+                f = 0
+                do c = 1, 3
+                    f = f + pull(t, c, back(2, k))*weight(c, e)
+                end do
+                if (btest(entry(e), 27 + t)) f = -f
+                total(t) = total(t) + f
+            end do
+        end do
+        do t = 1, 3
+            push(t, r) = total(t)
+        end do
+    end subroutine gather_node
+
+    !> Add the force on a node to those on its particle.
+    !@item if(n >= worth_threads/4) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine add_pull(r, particles, place_of, push, force)
+        integer, intent(in) :: r !! nodes
+        integer, intent(in) :: particles
+        integer(int32), intent(in) :: place_of(*)
+        real(dp), intent(in) :: push(3, *) !! [N]
+        real(rk), intent(inout) :: force(particles, *) !! its first three columns [N]
+        integer :: t
+
+        do t = 1, 3
+            force(place_of(r), t) = force(place_of(r), t) + real(push(t, r), rk)
+        end do
+    end subroutine add_pull
+end module brz_cohesive_items

@@ -1,0 +1,376 @@
+! SPDX-License-Identifier: MIT
+!> Contact between bodies, a particle at a time: pressures, forces, heat, energy and time step.
+!>
+!> Forces are gathered, and equal and opposite pair by pair.
+module brz_contact_items
+    use brz_contact, only: add_link, add_moment, contact_drag, contact_normal, contact_push, &
+        core_loss, crossing_share, drag_stiffness, joins, law_shared, link_normal, link_pressure, &
+        link_stiffness, mean_stiffness, meeting_t, n_link, spring_loss, spring_share, &
+        surface_velocity
+    use brz_kernel, only: kernel_slope
+    use brz_kinds, only: dp, int32, int64, real32, rk
+    use brz_link_layout, only: link_layout_t, mask_unit, n_press
+    use brz_pair_force, only: viscous_force
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, bond_whole, n_pair, &
+        n_terms, pair_linear, pair_quadratic, pair_spin, pair_volume
+    implicit none
+    private
+    public :: owner_of, links_of, look_along, is_tied, sum_links, push_particle, press_links, &
+              push_links
+    public :: n_kept, kept_energy, kept_heat, kept_rub, kept_early
+
+    ! what push_particle keeps in the books of a particle [J]
+    integer, parameter :: kept_energy = 1 !! that contact holds now
+    integer, parameter :: kept_heat = 2, kept_rub = 3 !! heat of contact, of friction
+    integer, parameter :: kept_early = 4 !! heat of the half step to come, see ledger_t
+    integer, parameter :: n_kept = 4
+
+contains
+
+    !> Body of a particle.
+    !@cuf attributes(host,device) &
+    pure function owner_of(ends, i) result(b)
+        integer(int32), intent(in) :: ends(*) !! last particle of each body
+        integer, intent(in) :: i
+        integer :: b
+
+        b = 1
+        do while (i > ends(b))
+            b = b + 1
+        end do
+    end function owner_of
+
+    !> The links of particle i: entries at, at + side, ... of the list, n of them, and the row of
+    !> its sums.
+    !@cuf attributes(host,device) &
+    pure subroutine links_of(lay, i, row, slice, count, r, n, at)
+        type(link_layout_t), intent(in) :: lay
+        integer, intent(in) :: i
+        integer(int32), intent(in) :: row(*), slice(*), count(*)
+        integer, intent(out) :: r, n
+        integer(int64), intent(out) :: at
+
+        r = i
+        if (lay%compact == 1) r = row(i)
+        n = 0
+        at = 1
+        if (r == 0) return
+        n = count(r)
+        at = int(slice((r - 1)/lay%side + 1), int64)*lay%unit + mod(r - 1, lay%side) + 1
+    end subroutine links_of
+
+    !> Other end of a link: x_ij, v_ij, and the signs of mirrored components.
+    !@cuf attributes(host,device) &
+    pure subroutine look_along(lay, entry, i, x, v, j, s, r, dv)
+        type(link_layout_t), intent(in) :: lay
+        integer(int32), intent(in) :: entry
+        integer, intent(in) :: i
+        real(dp), intent(in) :: x(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *)
+        integer, intent(out) :: j
+        real(rk), intent(out) :: s(3), r(3), dv(3)
+        integer :: t
+
+        j = iand(entry, mask_unit - 1)
+        do t = 1, 3
+            s(t) = 1
+            if (btest(entry, 27 + t)) s(t) = -1
+            r(t) = real(x(t, i) - s(t)*x(t, j), rk)
+            dv(t) = v(t, i) - s(t)*v(t, j)
+        end do
+    end subroutine look_along
+
+    !> True where a pair has no contact: its sums are joined, or a cohesive interface holds both.
+    !@cuf attributes(host,device) &
+    pure function is_tied(m, bond_i, bond_j, joined_i, joined_j) result(yes)
+        type(meeting_t), intent(in) :: m
+        integer(int32), intent(in) :: bond_i, bond_j, joined_i, joined_j
+        logical :: yes
+
+        yes = joins(m, bond_i == bond_whole .and. bond_j == bond_whole)
+        if (m%bit /= 0) yes = yes .or. iand(iand(joined_i, joined_j), m%bit) /= 0
+    end function is_tied
+
+    !> Kernel sum over the particles of other bodies, 1 at a flat surface one spacing away: now, and
+    !> a step before, where all came from with their velocities.
+    !@cuf attributes(host,device) &
+    pure subroutine sum_links(i, all, lay, dt, ends, table, cell, x, v, mass, weight, bond, &
+                              joined, row, slice, count, list, now, before)
+        integer, intent(in) :: i
+        logical, intent(in) :: all !! bonded partners as well
+        type(link_layout_t), intent(in) :: lay
+        real(rk), intent(in) :: dt !! step just made, 0: none [s]
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        real(rk), intent(in) :: cell(*)
+        real(dp), intent(in) :: x(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *), mass(*)
+        real(real32), intent(in) :: weight(*)
+        integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
+        real(rk), intent(out) :: now(n_link), before(n_link) !! see brz_contact
+        real(rk) :: s(3), r(3), dv(3), w
+        integer :: a, b, j, k, n, t
+        integer(int64) :: at
+
+        do t = 1, n_link
+            now(t) = 0
+            before(t) = 0
+        end do
+        a = owner_of(ends, i)
+        call links_of(lay, i, row, slice, count, t, n, at)
+        do k = 0, n - 1
+            call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
+            b = owner_of(ends, j)
+            if (.not. all) then
+                if (is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle
+            end if
+            w = cell(b)*mass(j)*weight(j)/lay%depth/table(a, b)%touch
+            call add_link(table(a, b), w, r, dv, now)
+            if (.not. dt > 0) cycle
+            do t = 1, 3
+                r(t) = r(t) - dt*dv(t)
+            end do
+            call add_link(table(a, b), w, r, dv, before)
+        end do
+        call mean_stiffness(now)
+        call mean_stiffness(before)
+    end subroutine sum_links
+
+    !> Pressure of contact of each particle, the sum of V F x_ij that shows its normal, stiffness;
+    !> what its spring lost over dt, the step just made.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine press_links(k, first, lay, dt, ends, table, cell, x, v, mass, weight, touch, &
+                                bond, joined, row, slice, count, list, energy, heat, press)
+        integer, intent(in) :: k !! particles
+        integer, intent(in) :: first !! the first of them
+        type(link_layout_t), intent(in) :: lay
+        real(rk), intent(in) :: dt !! [s]
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        real(rk), intent(in) :: cell(*)
+        real(dp), intent(in) :: x(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *), mass(*)
+        real(real32), intent(in) :: weight(*), touch(*)
+        integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
+        real(rk), intent(inout) :: energy(*)
+        real(dp), intent(inout) :: heat(*) !! of contact, of each particle [J]
+        real(rk), intent(inout) :: press(n_press, *) !! see links_t
+        real(rk) :: now(n_link), before(n_link), lost
+        integer :: i, n, r, t
+        integer(int64) :: at
+
+        i = first - 1 + k
+        call links_of(lay, i, row, slice, count, r, n, at)
+        if (n == 0) return
+        call sum_links(i, .false., lay, dt, ends, table, cell, x, v, mass, weight, bond, joined, &
+                       row, slice, count, list, now, before)
+        press(1, r) = link_pressure(now, real(touch(i), rk))
+        do t = 1, 3
+            press(1 + t, r) = now(link_normal + t)
+        end do
+        press(5, r) = now(link_stiffness)
+        if (.not. dt > 0) return
+        lost = cell(owner_of(ends, i))*mass(i)*weight(i) &
+            *spring_loss(real(touch(i), rk), dt, now, before)
+        energy(i) = energy(i) + lost/mass(i)
+        heat(i) = heat(i) + lost
+    end subroutine press_links
+
+    !> Forces of contact on a particle, its shares of the energies, and what time step it bears.
+    !@cuf attributes(host,device) &
+    pure subroutine push_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, stress, &
+                                  pair, press, bond, joined, row, slice, count, list, f, kept, &
+                                  gain, limit)
+        integer, intent(in) :: i
+        type(link_layout_t), intent(in) :: lay
+        real(dp), intent(in) :: dt !! step just made, 0: none [s]
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        real(rk), intent(in) :: cell(*)
+        real(dp), intent(in) :: x(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *), mass(*), stress(*)
+        real(real32), intent(in) :: weight(*)
+        real(rk), intent(in) :: pair(n_pair, *), press(n_press, *)
+        integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
+        real(rk), intent(out) :: f(n_terms) !! springs; at_drag: what makes heat; at_hold: moment
+        real(dp), intent(out) :: kept(n_kept) !! [J]
+        real(rk), intent(out) :: gain !! heat of the particle itself [J]
+        real(dp), intent(inout) :: limit !! largest stable time step [s]
+        real(rk) :: s(3), r(3), dv(3), own, other, energy, lost, stiffness, damping, d, vr
+        integer :: a, b, j, k, n, q, t, u
+        integer(int64) :: at
+
+        a = owner_of(ends, i)
+        do t = 1, n_terms
+            f(t) = 0
+        end do
+        call links_of(lay, i, row, slice, count, q, n, at)
+        own = cell(a)*mass(i)*weight(i)
+        energy = 0
+        lost = 0
+        stiffness = 0
+        damping = 0
+        if (press(1, q) > 0) then
+            energy = own*press(1, q)*press(1, q)/(2*press(5, q))
+            d = 0
+            do t = 2, 4
+                d = d + press(t, q)*press(t, q)
+            end do
+            stiffness = own*press(5, q)*d
+        end if
+        do k = 0, n - 1
+            call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
+            d = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
+            vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
+            b = owner_of(ends, j)
+            if (d > 2*table(a, b)%h) cycle
+            if (table(a, b)%law /= law_shared) then
+                if (is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle
+            end if
+            if (vr < 0) limit = min(limit, crossing_share*table(a, b)%spacing*d/(-real(vr, dp)))
+            if (table(a, b)%law == law_shared) cycle
+            u = j
+            if (lay%compact == 1) u = row(j)
+            other = cell(b)*mass(j)*weight(j)
+            call add_pair(lay, table(a, b), table(b, a), real(dt, rk), own, other, s, r, dv, d, &
+                          vr, press(1, q), press(1, u), pair(1, i), pair(1, j), &
+                          trace_at(lay, stress, i), trace_at(lay, stress, j), f, energy, lost, &
+                          stiffness, damping)
+        end do
+        if (stiffness > 0 .and. .not. table(a, a)%rigid) & ! see rigid_step
+            limit = min(limit, spring_share*sqrt(real(mass(i), dp)/stiffness))
+        if (damping > 0) limit = min(limit, real(mass(i), dp)/damping)
+        gain = real(dt, rk)*(f(at_heat) + f(at_friction)) + lost
+        kept(kept_energy) = energy
+        kept(kept_heat) = dt*f(at_heat) + lost
+        kept(kept_rub) = dt*f(at_friction)
+        kept(kept_early) = dt/2*(f(at_heat) + f(at_friction))
+    end subroutine push_particle
+
+    !> Sum of the normal stresses of a particle.
+    !@cuf attributes(host,device) &
+    pure function trace_at(lay, stress, p) result(total)
+        type(link_layout_t), intent(in) :: lay
+        real(rk), intent(in) :: stress(*)
+        integer, intent(in) :: p
+        real(rk) :: total(3)
+        integer(int64) :: at
+        integer :: t
+
+        at = (p - 1_int64)*lay%step_p + 1
+        do t = 1, 3
+            total(t) = stress(at + (t - 1_int64)*lay%step_c)
+        end do
+    end function trace_at
+
+    !> What a link adds to the sums of a particle.
+    !@cuf attributes(host,device) &
+    pure subroutine add_pair(lay, m, back, dt, own, other, s, r, dv, distance, vr, p, q, pair_i, &
+                             pair_j, stress_i, stress_j, f, energy, lost, stiffness, damping)
+        type(link_layout_t), intent(in) :: lay
+        type(meeting_t), intent(in) :: m, back !! law of i with j, of j with i
+        real(rk), intent(in) :: dt, own, other !! step just made [s], volumes of the cells [m3]
+        real(rk), intent(in) :: s(3), r(3), dv(3), distance, vr
+        real(rk), intent(in) :: p(n_press), q(n_press), pair_i(n_pair), pair_j(n_pair)
+        real(rk), intent(in) :: stress_i(3), stress_j(3)
+        real(rk), intent(inout) :: f(n_terms), energy, lost, stiffness, damping
+        real(rk) :: slip(3), n(3), g(3), z(3), spin_i(3), spin_j(3), moment(3), heat(2)
+        real(rk) :: cells, slope, u, core, area, toward, share, w
+        integer :: t
+
+        slope = kernel_slope(m%scale, m%half_over_h, distance)
+        cells = own*other/lay%depth
+        call contact_push(m, cells*slope, p(1)/m%touch + q(1)/back%touch, distance, u, core)
+        energy = energy + core/2
+        lost = lost + core_loss(m, dt, r, dv)/2
+        do t = 1, 3
+            f(t) = f(t) + u*r(t)
+        end do
+        share = 0
+        if (m%shared) then ! its limit ahead of the first touch
+            w = pair_i(pair_volume)*pair_j(pair_volume)*slope/lay%depth
+            share = viscous_force(w, m%h, distance*distance, vr, &
+                                  pair_i(pair_linear) + pair_j(pair_linear), &
+                                  pair_i(pair_quadratic) + pair_j(pair_quadratic))
+            damping = damping + drag_stiffness(share, distance*distance, vr)
+            share = share + w*max(-(stress_i(1) + stress_i(2) + stress_i(3) + stress_j(1) &
+                                    + stress_j(2) + stress_j(3))/3, 0.0_rk)
+        end if
+        if (.not. (p(1) + q(1) > 0 .or. core > 0)) return
+        do t = 1, 3
+            g(t) = p(1 + t)
+            z(t) = s(t)*q(1 + t)
+            spin_i(t) = pair_i(pair_spin + t)
+            spin_j(t) = s(1)*s(2)*s(3)*s(t)*pair_j(pair_spin + t)
+            moment(t) = f(at_hold + t)
+        end do
+        call contact_normal(p(1), g, q(1), z, r, n)
+        toward = r(1)*n(1) + r(2)*n(2) + r(3)*n(3)
+        area = cells*slope*max(toward, 0.0_rk)*2/(m%slope + back%slope)
+        call surface_velocity(m, r, dv, spin_i, spin_j, slip)
+        call contact_drag(m, area, u*toward, slip, n, g, heat)
+        call add_moment(m, r, g, moment)
+        stiffness = stiffness + cells*q(5)*(slope*distance/back%touch)**2*own
+        if (core > 0) stiffness = stiffness + m%core/(m%spacing/2)
+        do t = 1, 3
+            f(at_hold + t) = moment(t)
+            f(at_drag + t) = f(at_drag + t) + g(t)
+            f(at_drag + t) = f(at_drag + t) + share*r(t)
+        end do
+        f(at_heat) = f(at_heat) + heat(1)/2
+        f(at_heat) = f(at_heat) - share*vr/2
+        f(at_friction) = f(at_friction) + heat(2)/2
+    end subroutine add_pair
+
+    !> Forces of contact, heat, the books, and what time step the links bear.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine push_links(k, first, particles, lay, dt, ends, table, cell, x, v, mass, &
+                               weight, stress, pair, press, bond, joined, row, slice, count, &
+                               list, energy, held, early, heat, rub, rate, extra)
+        integer, intent(in) :: k !! particles
+        integer, intent(in) :: first, particles !! the first of them; all
+        type(link_layout_t), intent(in) :: lay
+        real(dp), intent(in) :: dt !! [s]
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        real(rk), intent(in) :: cell(*)
+        real(dp), intent(in) :: x(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *), mass(*), stress(*)
+        real(real32), intent(in) :: weight(*)
+        real(rk), intent(in) :: pair(n_pair, *), press(n_press, *)
+        integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
+        real(rk), intent(inout) :: energy(*)
+        real(dp), intent(inout) :: held(*), early(*), heat(*), rub(*) !! see n_kept [J]
+        real(dp), intent(inout) :: rate(*) !! 1/(largest stable time step) [1/s]
+        real(rk), intent(inout) :: extra(particles, *) !! n_terms columns, what pass 2 starts from
+        real(rk) :: f(n_terms), gain
+        real(dp) :: kept(n_kept), limit
+        integer :: i, n, r, t
+        integer(int64) :: at
+
+        i = first - 1 + k
+        do t = 1, n_terms
+            extra(i, t) = 0
+        end do
+        held(i) = 0
+        early(i) = 0
+        call links_of(lay, i, row, slice, count, r, n, at)
+        if (n == 0) return
+        limit = huge(limit)
+        call push_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, stress, pair, &
+                           press, bond, joined, row, slice, count, list, f, kept, gain, limit)
+        rate(i) = max(rate(i), 1/limit)
+        do t = 1, 3
+            extra(i, t) = f(t)
+            extra(i, at_drag + t) = f(at_drag + t)
+            extra(i, at_hold + t) = f(at_hold + t)
+        end do
+        energy(i) = energy(i) + gain/mass(i)
+        held(i) = kept(kept_energy)
+        early(i) = kept(kept_early)
+        heat(i) = heat(i) + kept(kept_heat)
+        rub(i) = rub(i) + kept(kept_rub)
+    end subroutine push_links
+end module brz_contact_items
