@@ -5,7 +5,7 @@ module brz_air_state
     use brz_air_grid, only: brick
     use brz_air_part, only: part_t
     use brz_kinds, only: dp, int8, int64, rk
-    use brz_running_total, only: running_total_t
+    use brz_total_state, only: running_total_t
     use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t
     implicit none
     private

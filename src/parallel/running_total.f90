@@ -6,18 +6,12 @@ module brz_running_total
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
     use brz_kinds, only: dp, int64
     use brz_ranks, only: ranks_t, sum_of_all
+    use brz_total_state, only: limbs, room, running_total_t, total_numbers
     implicit none
     private
     public :: running_total_t, begin_total, add_to_total, value_of, value_of_all, total_numbers
 
-    integer, parameter :: bits = 31, limbs = 4
-    integer, parameter :: room = 40 !! a term may be 2^room times what is expected of all of them
-    integer, parameter :: total_numbers = limbs + 1 !! whole numbers that a total consists of
-
-    type :: running_total_t
-        integer :: top = room !! terms are below 2^top; the same in all processes and restarts
-        integer(int64) :: limb(0:limbs) = 0 !! 0: terms that were too large, or no numbers
-    end type running_total_t
+    integer, parameter :: bits = 31
 
 contains
 
