@@ -177,7 +177,7 @@ contains
     subroutine find_box(gpu, b, place, box, err)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b
-        type(doubles_t), intent(in) :: place
+        class(buffer_t), intent(in) :: place
         real(dp), intent(out) :: box(3, 2) !! [m]
         type(error_t), intent(inout) :: err
         type(arguments_t) :: arguments
