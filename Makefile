@@ -45,15 +45,17 @@ MAIN := $(wildcard src/main.f90)
 MADE  := build/items
 ITEMS := $(filter %_items.f90,$(SRC))
 ITEM_NAMES := $(patsubst %_items,%,$(basename $(notdir $(ITEMS))))
-LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(ITEM_NAMES:%=$(MADE)/%_launches.f90)
+LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(ITEM_NAMES:%=$(MADE)/%_launches.f90) $(MADE)/model_list.f90
+MODELS := $(wildcard src/materials/*.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
 LIB  := $(B)/brisance.o
-KERNELS := $(sort $(wildcard cuda/*.CUF)) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF)
+KERNELS := $(sort $(wildcard cuda/*.CUF)) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF) $(MADE)/model_kernels.CUF \
+           $(MADE)/model_list.f90
 PARTS_OF_KERNELS := $(wildcard cuda/*.inc cuda/*.ll)
 PTX  := $(BIN).ptx
 # what the GPU code is made from; the executable refuses a PTX file of other sources
-DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(wildcard cuda/*.CUF) $(PARTS_OF_KERNELS) scripts/items.py
+DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(wildcard cuda/*.CUF) $(PARTS_OF_KERNELS) scripts/items.py scripts/models.py
 STAMP := $(shell cat $(DEVICE) scripts/cuda_fortran.py | sha1sum | cut -c 1-16)
 SAVE := scripts/write_if_changed.sh
 
@@ -83,6 +85,8 @@ $(EMULATOR): $(DEVICE) $(KERNELS) scripts/gpu_emulate.py tests/gpu/emulator.c te
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(SRC) $(KERNELS) >/dev/null
 $(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels.CUF $(MADE)/%_launches.f90: $f%_items.f90 scripts/items.py ; \
     @mkdir -p $(MADE) && scripts/items.py $$< $(MADE)))
+$(MADE)/model_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
+	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)
 $(B)/obj/%.o: %.f90 $(B)/command
 	@mkdir -p $(@D) $(B)/mod
 	$(call say,compile $<)
@@ -199,9 +203,9 @@ figures: ## are the figures in the tables of docs those of the tests? (after ver
 check-docs: all ## is docs/deck_reference.md what the program says?
 	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
 	else echo 'skipped: there is no $(BIN)'; fi
-gpu-check: ## compile all point physics as CUDA Fortran for the GPU
-	@$(PY) scripts/gpu_check.py --work build/gpu/double $(SRC)
-	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC)
+gpu-check: $(MADE)/model_list.f90 ## compile all point physics as CUDA Fortran for the GPU
+	@$(PY) scripts/gpu_check.py --work build/gpu/double $(SRC) $<
+	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC) $<
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
 SCANNED = $(SRC) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \

@@ -2,24 +2,17 @@
 !> Each body on the GPU: its parameters, its material, and the kernels that suit them.
 module brz_gpu_solid_bodies
     use brz_artificial_stress, only: artificial_none
-    use brz_bilinear_j2, only: bilinear_j2
-    use brz_detonation_products, only: detonation_products
     use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel
-    use brz_errors, only: error_t
+    use brz_errors, only: error_t, exit_device, raise
     use brz_gpu_solid_layout, only: body_gpu_t, n_pose, pose_spin, slice_width
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_body_t, gpu_solid_t
-    use brz_gruneisen, only: gruneisen
-    use brz_hjc, only: hjc
-    use brz_ideal_gas, only: ideal_gas
-    use brz_johnson_cook, only: johnson_cook
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, int64, rk
-    use brz_linear_elastic, only: linear_elastic
     use brz_material, only: class_elastic, material_t
-    use brz_orthotropic_ply, only: orthotropic_ply
-    use brz_polynomial_eos, only: polynomial_eos
+    use brz_model_list, only: find_kernel_of
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
         form_total, solid_t
+    use brz_text, only: to_text
     implicit none
     private
     public :: open_gpu_bodies, cannot_run_solid
@@ -30,11 +23,15 @@ contains
     subroutine cannot_run_solid(solid, why)
         type(solid_t), intent(in) :: solid
         character(:), allocatable, intent(out) :: why
-        integer :: b
+        character(:), allocatable :: name
+        integer :: b, slots
 
         do b = 1, size(solid%bodies)
-            if (model_name(int(solid%materials(solid%bodies(b)%material)%model)) == '') &
-                why = "the material of body '"//trim(solid%bodies(b)%id)//"'"
+            associate (material => solid%materials(solid%bodies(b)%material))
+                call find_kernel_of(int(material%model), name, slots)
+                if (name == '' .or. slots < material%n_hist) &
+                    why = "the material of body '"//trim(solid%bodies(b)%id)//"'"
+            end associate
         end do
         if (solid%remove) why = "leave='remove'"
         if (allocated(solid%loads%of)) why = '&load'
@@ -97,7 +94,9 @@ contains
         type(body_gpu_t) :: params
         type(material_t) :: material
         real(dp) :: pose(n_pose)
+        character(:), allocatable :: name
         integer(int64) :: bytes
+        integer :: slots
 
         material = solid%materials(solid%bodies(b)%material)
         params = params_of(solid%bodies(b), solid%dimension, axes_before(solid, b))
@@ -124,7 +123,10 @@ contains
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
         gpu%tilted = any(params%normal > 0)
         call find_kernel(device, moment_name(gpu), gpu%moments, err)
-        call find_kernel(device, 'update_by_'//model_name(int(material%model)), gpu%update, err)
+        call find_kernel_of(int(material%model), name, slots)
+        if (slots < material%n_hist) call raise(err, exit_device, 'the kernel '//name//' holds '// &
+            to_text(slots)//' history variables, the material '//to_text(int(material%n_hist)))
+        call find_kernel(device, name, gpu%update, err)
         call find_kernel(device, 'solid_forces_'//force_name(params), gpu%forces, err)
     end subroutine open_body
 
@@ -196,23 +198,4 @@ contains
             if (p%artificial /= artificial_none) name = 'artificial'
         end select
     end function force_name
-
-    !> Name of a material model among the kernels.
-    pure function model_name(model) result(name)
-        integer, intent(in) :: model
-        character(:), allocatable :: name
-
-        select case (model)
-        case (linear_elastic); name = 'linear_elastic'
-        case (gruneisen); name = 'gruneisen'
-        case (orthotropic_ply); name = 'orthotropic_ply'
-        case (hjc); name = 'hjc'
-        case (polynomial_eos); name = 'polynomial_eos'
-        case (bilinear_j2); name = 'bilinear_j2'
-        case (johnson_cook); name = 'johnson_cook'
-        case (ideal_gas); name = 'ideal_gas'
-        case (detonation_products); name = 'detonation_products'
-        case default; name = ''
-        end select
-    end function model_name
 end module brz_gpu_solid_bodies

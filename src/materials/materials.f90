@@ -1,27 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> The registry of material models.
 !>
-!> A new model is one new file, and here its name in three places: the `use` line, the list of
-!> models, and the case of the dispatcher. (Two models of the same code do not compile.)
+!> A new model is one new file: scripts/models.py finds it, and writes the list of the models, the
+!> case of each and its kernel into the build folder.
 module brz_materials
     use brz_kinds, only: rk
-    use brz_bilinear_j2, only: bilinear_j2, describe_bilinear_j2, update_bilinear_j2
     use brz_case, only: material_case_t
-    use brz_detonation_products, only: detonation_products, describe_detonation_products, &
-                                       update_detonation_products
     use brz_errors, only: error_t, raise, exit_deck
-    use brz_gruneisen, only: gruneisen, describe_gruneisen, update_gruneisen
-    use brz_hjc, only: hjc, describe_hjc, update_hjc
-    use brz_ideal_gas, only: ideal_gas, describe_ideal_gas, update_ideal_gas
-    use brz_johnson_cook, only: johnson_cook, describe_johnson_cook, update_johnson_cook
     use brz_key, only: key_t
-    use brz_linear_elastic, only: linear_elastic, describe_linear_elastic, update_linear_elastic
     use brz_material, only: material_t, point_t, n_hist, material_ok, material_not_finite, &
-                            material_step_too_large, material_unknown
+                            material_step_too_large
     use brz_model, only: derived_t, model_t, load_parameters, material_label
-    use brz_orthotropic_ply, only: orthotropic_ply, describe_orthotropic_ply, &
-                                   update_orthotropic_ply
-    use brz_polynomial_eos, only: polynomial_eos, describe_polynomial_eos, update_polynomial_eos
+    use brz_model_list, only: apply_model, list_models
     implicit none
     private
     public :: material_keys, make_material, start_point, update_material, update_model, &
@@ -33,46 +23,6 @@ module brz_materials
                            most_energy = 1e14_rk, most_history = 1e14_rk
 
 contains
-
-    !> All models. Add a line here, ...
-    subroutine list_models(models)
-        type(model_t), allocatable, intent(out) :: models(:)
-
-        allocate (models(9))
-        call describe_linear_elastic(models(1))
-        call describe_gruneisen(models(2))
-        call describe_orthotropic_ply(models(3))
-        call describe_polynomial_eos(models(4))
-        call describe_bilinear_j2(models(5))
-        call describe_johnson_cook(models(6))
-        call describe_hjc(models(7))
-        call describe_ideal_gas(models(8))
-        call describe_detonation_products(models(9))
-    end subroutine list_models
-
-    !> The physics of one step of one material point. ... and a line here.
-    !@cuf attributes(host,device) &
-    pure subroutine apply_model(model, material, dt, crack, l, point, status)
-        integer, intent(in) :: model !! code
-        type(material_t), intent(in) :: material
-        real(rk), intent(in) :: dt, crack, l(3, 3)
-        type(point_t), intent(inout) :: point
-        integer, intent(out) :: status
-
-        select case (model)
-        case (linear_elastic); call update_linear_elastic(material, dt, l, point, status)
-        case (gruneisen); call update_gruneisen(material, dt, l, point, status)
-        case (orthotropic_ply); call update_orthotropic_ply(material, dt, crack, l, point, status)
-        case (hjc); call update_hjc(material, dt, crack, l, point, status)
-        case (polynomial_eos); call update_polynomial_eos(material, dt, l, point, status)
-        case (bilinear_j2); call update_bilinear_j2(material, dt, l, point, status)
-        case (johnson_cook); call update_johnson_cook(material, dt, l, point, status)
-        case (ideal_gas); call update_ideal_gas(material, dt, l, point, status)
-        case (detonation_products)
-            call update_detonation_products(material, dt, l, point, status)
-        case default; status = material_unknown
-        end select
-    end subroutine apply_model
 
     !> Move a material point over one step.
     !>

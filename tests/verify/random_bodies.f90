@@ -5,7 +5,7 @@
 !> closes and opens) or breathe; broken ones fly apart, each particle pushed by its own load.
 module random_bodies
     use brz_air_state, only: air_t
-    use brz_kinds, only: dp, int8, rk
+    use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
     use dice, only: dice_t
     implicit none
@@ -44,7 +44,7 @@ contains
                 speed = max(speed, norm2(bodies(b)%v), abs(bodies(b)%rate)*air%dx(1))
         end do
         allocate (solid%v(3, solid%n), solid%a(3, solid%n), solid%load(3, solid%n), source=0.0_rk)
-        allocate (solid%fixed(solid%n), source=0_int8)
+        allocate (solid%fixed(solid%n), source=0)
         solid%id = [(p, p=1, solid%n)]
         do b = 1, size(bodies)
             call start_body(air, random, solid, bodies(b))

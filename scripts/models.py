@@ -1,0 +1,159 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Write the registry of the material models, and their kernels; docs/extending.md says how.
+
+usage: models.py OUTDIR FILE...    (model_list.f90, model_kernels.CUF)
+
+A model is a file NAME.f90 with `integer, parameter :: NAME = CODE !! code of the model`,
+`describe_NAME`, `update_NAME`, and `model%n_hist = ...` where it has a history: a number, or names
+of of constants of the file or of those beside it that it uses.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+CODE = re.compile(r"^ *integer, parameter :: (\w+) = (\d+) !! code of the model", re.M)
+CONSTANTS = re.compile(r"^ *integer, parameter(?:, public)? :: ((?:[^!\n]|& *\n)+)", re.M)
+
+
+def constants(text):
+    """{name: value} of the integers that a file names."""
+    lines = (re.sub(r"& *\n", " ", line) for line in CONSTANTS.findall(text))
+    return dict(x for line in lines for x in re.findall(r"(\w+) *= *([\w+* -]+)", line))
+
+
+def model_of(path):
+    """(code, name, arguments of its update, most history variables), or None."""
+    text = path.read_text(encoding="utf-8")
+    if not (found := CODE.search(text)):
+        return None
+    name = found[1]
+    given = re.search(rf"^ *pure subroutine update_{name}\(([^)]*)\)", text, re.M)
+    if not given:
+        sys.exit(f"{path}: no 'pure subroutine update_{name}'")
+    known = {}
+    for used in re.findall(r"^ *use brz_(\w+)", text, re.M):
+        if (beside := path.with_name(f"{used}.f90")).exists():
+            known |= constants(beside.read_text(encoding="utf-8"))
+    known |= constants(text)
+    slots = re.search(r"^ *model%n_hist = (.*)$", text, re.M)
+    slots = slots[1].split("!")[0] if slots else "0"
+    while names := re.findall(r"[a-z]\w*", slots):
+        if names[0] not in known:
+            sys.exit(f"{path}: {names[0]} of model%n_hist is no constant that is known")
+        slots = re.sub(rf"\b{names[0]}\b", f"({known[names[0]]})", slots)
+    return int(found[2]), name, given[1], eval(slots)  # numbers and + - * alone are left
+
+
+def listed(models):
+    """The module that names, describes and dispatches them."""
+    lines = [f"    use brz_{x}, only: {x}, describe_{x}, update_{x}" for _, x, _, _ in models]
+    lines += [
+        "    use brz_kinds, only: rk",
+        "    use brz_material, only: material_t, material_unknown, point_t",
+        "    use brz_model, only: model_t",
+        "    implicit none",
+        "    private",
+        "    public :: list_models, apply_model, find_kernel_of",
+        "",
+        "contains",
+        "",
+        "    !> All models.",
+        "    subroutine list_models(models)",
+        "        type(model_t), allocatable, intent(out) :: models(:)",
+        "",
+        f"        allocate (models({len(models)}))",
+    ]
+    lines += [f"        call describe_{x}(models({k}))" for k, (_, x, _, _) in enumerate(models, 1)]
+    lines += [
+        "    end subroutine list_models",
+        "",
+        "    !> The physics of one step of one material point.",
+        "    !@cuf attributes(host,device) &",
+        "    pure subroutine apply_model(model, material, dt, crack, l, point, status)",
+        "        integer, intent(in) :: model !! code",
+        "        type(material_t), intent(in) :: material",
+        "        real(rk), intent(in) :: dt, crack, l(3, 3)",
+        "        type(point_t), intent(inout) :: point",
+        "        integer, intent(out) :: status",
+        "",
+        "        select case (model)",
+    ]
+    lines += [f"        case ({x}); call update_{x}({given})" for _, x, given, _ in models]
+    lines += [
+        "        case default; status = material_unknown",
+        "        end select",
+        "    end subroutine apply_model",
+        "",
+        "    !> Kernel of a model, '' without one, and how many history variables it has room for.",
+        "    pure subroutine find_kernel_of(model, name, slots)",
+        "        integer, intent(in) :: model !! code",
+        "        character(:), allocatable, intent(out) :: name",
+        "        integer, intent(out) :: slots",
+        "",
+        "        name = ''",
+        "        slots = 0",
+        "        select case (model)",
+    ]
+    for _, x, _, slots in models:
+        lines += [f"        case ({x})", f"            name = 'update_by_{x}'"]
+        lines += [f"            slots = {slots}"]
+    lines += ["        end select", "    end subroutine find_kernel_of"]
+    return lines
+
+
+def kernels(models):
+    """One kernel for each model: a kernel for all would need the registers of the largest."""
+    lines = [f"    use brz_{x}, only: {x}" for _, x, _, _ in models]
+    lines += [
+        "    use brz_gpu_solid_layout, only: body_gpu_t",
+        "    use brz_kinds, only: dp, int32, rk",
+        "    use brz_material, only: material_t",
+        "    use brz_solid_material_kernels, only: advance_point",
+        "    implicit none",
+        "    private",
+        *(f"    public :: update_by_{x}" for _, x, _, _ in models),
+        "",
+        "contains",
+    ]
+    for _, x, _, slots in models:
+        lines += [
+            "",
+            f"    attributes(global) subroutine update_by_{x}(n, dt, body, material, grad, &",
+            "        state, tag, book, flags)",
+            "        integer, value :: n",
+            "        real(rk), value :: dt !! [s]",
+            "        type(body_gpu_t), device, intent(in) :: body",
+            "        type(material_t), device, intent(in) :: material",
+            "        real(rk), device, intent(in) :: grad(n, 9)",
+            "        real(rk), device, intent(inout) :: state(n, *)",
+            "        integer(int32), device, intent(inout) :: tag(n, *)",
+            "        real(dp), device, intent(inout) :: book(n, *)",
+            "        integer, device, intent(inout) :: flags(*)",
+            "",
+            f"        call advance_point({x}, {slots}, n, &",
+            "            body%first - 1 + (blockIdx%x - 1)*blockDim%x + threadIdx%x, dt, body, &",
+            "            material, grad, state, tag, book, flags)",
+            f"    end subroutine update_by_{x}",
+        ]
+    return lines
+
+
+def write(path, lines):
+    head = ["! SPDX-License-Identifier: MIT", "!> Written by scripts/models.py from src/materials."]
+    module = f"brz_{path.stem}"
+    text = "\n".join([*head, f"module {module}", *lines, f"end module {module}"]) + "\n"
+    path.write_text(text, encoding="utf-8")
+
+
+def main():
+    folder = Path(sys.argv[1])
+    models = sorted(m for m in map(model_of, map(Path, sys.argv[2:])) if m)
+    if len({code for code, *_ in models}) < len(models):
+        sys.exit("models.py: two material models have the same code")
+    write(folder / "model_list.f90", listed(models))
+    write(folder / "model_kernels.CUF", kernels(models))
+
+
+main()
