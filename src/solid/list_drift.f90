@@ -93,7 +93,8 @@ contains
             body%drift = 0
             body%drift_linked = 0
             body%drift_velocity = velocity
-            if (body%formulation == form_rigid) body%drift_velocity = body%rigid%p/body%rigid%mass
+            if (body%formulation == form_rigid) body%drift_velocity = &
+                body%rigid%p/max(body%rigid%mass, tiny(velocity))
             where (solid%mirror .or. solid%remove) body%drift_velocity = 0
         end associate
     end subroutine begin_list
