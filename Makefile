@@ -45,8 +45,9 @@ MAIN := $(wildcard src/main.f90)
 MADE  := build/items
 ITEMS := $(filter %_items.f90,$(SRC))
 ITEM_NAMES := $(patsubst %_items,%,$(basename $(notdir $(ITEMS))))
-LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(ITEM_NAMES:%=$(MADE)/%_launches.f90) $(MADE)/model_list.f90
 MODELS := $(wildcard src/materials/*.f90)
+LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(ITEM_NAMES:%=$(MADE)/%_launches.f90) \
+         $(if $(MODELS),$(MADE)/model_list.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
 LIB  := $(B)/brisance.o

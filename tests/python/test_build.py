@@ -199,10 +199,12 @@ def fake_pfunit(folder, name, project):
     text = run("python3", stub / "write_funit.py", cwd=home).stdout
     (home / "lib/funit.f90").write_text(text)
     (home / "lib/none.f90").write_text("subroutine parse_nothing()\nend subroutine\n")
-    sources = [stub / "pf_core.f90", "funit.f90", stub / "pf_run.f90", stub / "pf_report.f90"]
+    parts = ["pf_core", "pf_mpi", "pf_run", "pf_report"]
+    sources = [*(stub / f"{part}.f90" for part in parts[:2]), "funit.f90"]
+    sources += [stub / f"{part}.f90" for part in parts[2:]]
     done = run("gfortran", "-c", "-J../include", *sources, "none.f90", cwd=home / "lib")
     assert done.returncode == 0, done.stderr
-    objects = ["pf_core.o", "funit.o", "pf_run.o", "pf_report.o"]
+    objects = [*(f"{part}.o" for part in parts), "funit.o"]
     run("ar", "rc", "libfunit.a", *objects, cwd=home / "lib")
     run("ar", "rc", "libfake_argparse.a", "none.o", cwd=home / "lib")
     return folder
