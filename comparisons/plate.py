@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
 
-from comparisons.case import History, Measures
+from comparisons.case import History, Measures, Run
 from comparisons.reading import column
 
 DECK = """{title}
@@ -119,3 +120,18 @@ def measures(history: History, *, residual: tuple[float, float] | None = None,
     if residual:
         found["stays"] = mean(history, *residual)
     return found
+
+
+def run(title: str, shape: tuple[float, float, int],
+        measure: Callable[[History], Measures] = measures,
+        **scene: str | float) -> Run:  # fmt: skip
+    """A run of Brisance: the deck of `write`, and the measures of its middle."""
+
+    def inputs(folder: Path) -> None:
+        write(folder, title, shape, **scene)
+
+    def results(folder: Path) -> tuple[Measures, History]:
+        history = deflection(folder)
+        return measure(history), history
+
+    return Run(f"Brisance, {shape[2]} layers", "brisance", size(*shape), inputs, results)

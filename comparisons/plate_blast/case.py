@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """P4: a steel plate under TNT, by a load of Kingery-Bulmash and by air."""
 
+from dataclasses import replace
+
 from comparisons import bricks, kingery, plate
 from comparisons.case import Case, Quantity, Run
 
@@ -28,21 +30,9 @@ FEM = bricks.Plate(
 
 
 def _ours(layers: int, load: str, name: str, size: str, slow: bool = False) -> Run:
-    def write(folder):
-        plate.write(
-            folder,
-            "Steel plate under 168 g of TNT at 0.4 m",
-            (HALF, THICK, layers),
-            material=STEEL,
-            load=load,
-            t_end=END,
-        )
-
-    def read(folder):
-        history = plate.deflection(folder)
-        return plate.measures(history), history
-
-    return Run(name, "brisance", plate.size(HALF, THICK, layers) + size, write, read, slow)
+    run = plate.run("Steel plate under 168 g of TNT at 0.4 m", (HALF, THICK, layers),
+                    material=STEEL, load=load, t_end=END)  # fmt: skip
+    return replace(run, name=name, size=run.size + size, slow=slow)
 
 
 def _write_fem(folder):

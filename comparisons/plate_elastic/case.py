@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """P1: an elastic clamped plate under a short pressure, small deflections."""
 
+from functools import partial
+
 import numpy as np
 
 from comparisons import bricks, mindlin, plate
@@ -20,16 +22,9 @@ def make(pressure: float, name: str, mark: str, title: str, **more) -> Case:
                        {"STEEL": bricks.isotropic(200e9, 0.3, 7800)}, END, 2.5e-6)  # fmt: skip
 
     def ours(layers: int) -> Run:
-        def write(folder):
-            plate.write(folder, title, (HALF, THICK, layers), material=STEEL,
-                        load=LOAD.format(p=f"{pressure:g}"), t_end=END)  # fmt: skip
-
-        def read(folder):
-            history = plate.deflection(folder)
-            return plate.measures(history, swing=True), history
-
-        size = plate.size(HALF, THICK, layers)
-        return Run(f"Brisance, {layers} layers", "brisance", size, write, read)
+        return plate.run(title, (HALF, THICK, layers), partial(plate.measures, swing=True),
+                         material=STEEL, load=LOAD.format(p=f"{pressure:g}"),
+                         t_end=END)  # fmt: skip
 
     def write(folder):
         text = bricks.pulse(fem, pressure, 50e-6)

@@ -12,23 +12,9 @@ LOAD = (
 )
 
 
-def _ours(layers: int, slow: bool = False) -> Run:
-    def write(folder):
-        plate.write(
-            folder,
-            "Steel plate under 428 Pa s",
-            (HALF, THICK, layers),
-            material=STEEL,
-            load=LOAD,
-            t_end=END,
-        )
-
-    def read(folder):
-        history = plate.deflection(folder)
-        return plate.measures(history), history
-
-    size = plate.size(HALF, THICK, layers)
-    return Run(f"Brisance, {layers} layers", "brisance", size, write, read, slow)
+def _ours(layers: int) -> Run:
+    return plate.run("Steel plate under 428 Pa s", (HALF, THICK, layers),
+                     material=STEEL, load=LOAD, t_end=END)  # fmt: skip
 
 
 CASE = Case(

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """P2: an elastic cross-ply laminate."""
 
+from functools import partial
+
 from comparisons import bricks, plate
 from comparisons.case import Case, Quantity, Run
 
@@ -16,6 +18,7 @@ LOAD = (
     f"&load body = 'plate', faces = 'z+', time = 0, {DURATION}, pressure = {PRESSURE:g}, "
     f"{PRESSURE:g} /"
 )
+MEASURE = partial(plate.measures, swing=True)
 
 
 def _fem() -> bricks.Plate:
@@ -27,16 +30,8 @@ def _fem() -> bricks.Plate:
 
 
 def _ours(layers: int) -> Run:
-    def write(folder):
-        plate.write(folder, "Cross-ply laminate", (HALF, THICK, layers),
-                    material=PLY, load=LOAD, t_end=END, more="plies = '0/90/90/0'")  # fmt: skip
-
-    def read(folder):
-        history = plate.deflection(folder)
-        return plate.measures(history, swing=True), history
-
-    size = plate.size(HALF, THICK, layers)
-    return Run(f"Brisance, {layers} layers", "brisance", size, write, read)
+    return plate.run("Cross-ply laminate", (HALF, THICK, layers), MEASURE,
+                     material=PLY, load=LOAD, t_end=END, more="plies = '0/90/90/0'")  # fmt: skip
 
 
 def _write_fem(folder):
@@ -46,7 +41,7 @@ def _write_fem(folder):
 
 def _read_fem(folder):
     history = bricks.deflection(folder, -_fem().step)
-    return plate.measures(history, swing=True), history
+    return MEASURE(history), history
 
 
 CASE = Case(

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """P3: a steel plate that yields."""
 
+from functools import partial
+
 from comparisons import bricks, plate
 from comparisons.case import Case, Quantity, Run
 
@@ -15,7 +17,7 @@ LOAD = (
     f"&load body = 'plate', faces = 'z+', time = 0, {DURATION}, pressure = {PRESSURE:g}, "
     f"{PRESSURE:g} /"
 )
-LATE = (400e-6, 600e-6)
+MEASURE = partial(plate.measures, residual=(400e-6, 600e-6))
 FEM = bricks.Plate(
     HALF,
     10,
@@ -27,16 +29,8 @@ FEM = bricks.Plate(
 
 
 def _ours(layers: int) -> Run:
-    def write(folder):
-        plate.write(folder, "Steel plate that yields", (HALF, THICK, layers),
-                    material=STEEL, load=LOAD, t_end=END)  # fmt: skip
-
-    def read(folder):
-        history = plate.deflection(folder)
-        return plate.measures(history, residual=LATE), history
-
-    size = plate.size(HALF, THICK, layers)
-    return Run(f"Brisance, {layers} layers", "brisance", size, write, read)
+    return plate.run("Steel plate that yields", (HALF, THICK, layers), MEASURE,
+                     material=STEEL, load=LOAD, t_end=END)  # fmt: skip
 
 
 def _write_fem(folder):
@@ -46,7 +40,7 @@ def _write_fem(folder):
 
 def _read_fem(folder):
     history = bricks.deflection(folder, -FEM.step)
-    return plate.measures(history, residual=LATE), history
+    return MEASURE(history), history
 
 
 CASE = Case(
