@@ -6,7 +6,7 @@ module brz_memory
     use omp_lib, only: omp_get_max_threads
     implicit none
     private
-    public :: free_memory
+    public :: free_memory, held_memory
 
     real(dp), parameter :: kib = 1024
     real(dp), parameter :: thread_bytes = 8e7_dp !! addresses that a thread takes: arena and stack
@@ -30,6 +30,11 @@ contains
         known = number_behind('/sys/fs/cgroup/memory/memory.limit_in_bytes', '')
         if (known >= 0) free_memory = min(free_memory, known)
     end function free_memory
+
+    !> What this process holds of the machine's memory [B]; 0 where nothing is known.
+    real(dp) function held_memory()
+        held_memory = kib*max(0.0_dp, number_behind('/proc/self/status', 'VmRSS:'))
+    end function held_memory
 
     !> The number that follows a word at the start of a line of a file; -1 where there is none.
     real(dp) function number_behind(path, word) result(number)

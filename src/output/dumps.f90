@@ -14,14 +14,12 @@ module brz_dumps
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: dumps_t, start_dumps, cut_dumps, write_dump_files, count_dump, name_dump
+    public :: dumps_t, start_dumps, cut_dumps, write_dump_files, name_dump
 
     type :: dumps_t
         character(:), allocatable :: folder
         type(series_t) :: air, solid
         logical :: leads = .true. !! this process names them
-        integer :: number = 0 !! of the last dump
-        real(dp) :: time = 0 !! of it [s]
     end type dumps_t
 
 contains
@@ -85,26 +83,16 @@ contains
             case%materials%id, meta, err)
     end subroutine write_dump_files
 
-    !> Count a dump that is written, or about to be.
-    subroutine count_dump(dumps, clock)
+    !> Name a dump in the series, once it is on the disk.
+    subroutine name_dump(dumps, number, time, has_air, has_solid, err)
         type(dumps_t), intent(inout) :: dumps
-        type(clock_t), intent(inout) :: clock
-
-        dumps%number = clock%dump_number
-        dumps%time = clock%time
-        clock%dump_number = clock%dump_number + 1
-        clock%dump_time = clock%time
-    end subroutine count_dump
-
-    !> Name the dump that was counted last in the series, once it is on the disk.
-    subroutine name_dump(dumps, has_air, has_solid, err)
-        type(dumps_t), intent(inout) :: dumps
+        integer, intent(in) :: number !! of the dump
+        real(dp), intent(in) :: time !! of it [s]
         logical, intent(in) :: has_air, has_solid !! in the scene
         type(error_t), intent(inout) :: err
 
         if (.not. dumps%leads) return
-        if (has_air) call add_to_series(dumps%air, dump_name('air', dumps%number), dumps%time, err)
-        if (has_solid) &
-            call add_to_series(dumps%solid, dump_name('solid', dumps%number), dumps%time, err)
+        if (has_air) call add_to_series(dumps%air, dump_name('air', number), time, err)
+        if (has_solid) call add_to_series(dumps%solid, dump_name('solid', number), time, err)
     end subroutine name_dump
 end module brz_dumps

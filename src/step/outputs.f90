@@ -8,7 +8,7 @@ module brz_outputs
     use brz_clock, only: resume_clock, tick
     use brz_command_line, only: options_t
     use brz_coupling_setup, only: restart_coupling
-    use brz_dumps, only: count_dump, cut_dumps, dumps_t, name_dump, start_dumps, write_dump_files
+    use brz_dumps, only: cut_dumps, dumps_t, name_dump, start_dumps, write_dump_files
     use brz_errors, only: error_t, exit_io, exit_numerical, failed, raise
     use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, &
                           gauges_need_state, gauges_t, radial_gauge_row, set_up_gauges
@@ -26,8 +26,9 @@ module brz_outputs
     use brz_simulation, only: simulation_t
     use brz_solid_step, only: resume_solid
     use brz_text, only: to_text
-    use brz_timer, only: wall_seconds
-    use brz_writer, only: begin_writing, end_writing, look_at_writer, writer_t
+    use brz_watch, only: watch_held, watch_region
+    use brz_writer, only: begin_writing, end_writing, has_room, hear_writer, no_dump, writer_t, &
+                          writers_t
     implicit none
     private
     public :: outputs_t, open_outputs, write_due, report, save_checkpoint, close_outputs
@@ -38,8 +39,7 @@ module brz_outputs
         type(history_t) :: energy, bodies, gauge_history
         type(gauges_t) :: gauges
         real(dp), allocatable :: body_values(:), gauge_values(:) !! buffers of a row
-        type(writer_t) :: writer !! of dumps and checkpoints, beside the run
-        logical :: dump_open = .false. !! what it writes is a dump
+        type(writers_t) :: writers !! of dumps and checkpoints, beside the run
         real(dp) :: reserve = 0 !! wall-clock time that a checkpoint has taken at most [s]
         real(dp) :: energy_error = 0 !! of the last history row, relative
         integer :: saved_cycle = -1 !! cycle of the last checkpoint
@@ -193,7 +193,7 @@ contains
         type(error_t), intent(inout) :: err
         logical :: last
 
-        call hear_writer(sim, outputs, .false., err)
+        call hear_writers(sim, outputs, outputs%writers%n, err)
         if (failed(err)) return
         last = sim%clock%time >= sim%case%run%t_end
         if (tick(sim%clock%history, sim%clock%time) .or. last) &
@@ -205,22 +205,37 @@ contains
             call save_checkpoint(sim, outputs, err, beside=on_gpu(sim))
     end subroutine write_due
 
-    !> Hear what has become of the dump or checkpoint that is written beside the run.
-    subroutine hear_writer(sim, outputs, wait, err)
+    !> Hear what has become of the dumps and the checkpoint that are written beside the run; those
+    !> that are written are named, in their order.
+    subroutine hear_writers(sim, outputs, most, err)
         type(simulation_t), intent(in) :: sim
         type(outputs_t), intent(inout) :: outputs
-        logical, intent(in) :: wait !! until it is written
+        integer, intent(in) :: most !! wait until no more than that are at work
         type(error_t), intent(inout) :: err
+        type(writer_t) :: writer
         logical :: ended
 
-        call look_at_writer(outputs%writer, wait, ended, err)
-        if (.not. ended) return
-        if (outputs%dump_open) then
-            call name_dump(outputs%dumps, sim%air%present, sim%solid%present, err)
+        do
+            call hear_writer(outputs%writers, outputs%writers%n > most, writer, ended, err)
+            if (.not. ended) exit
+            call written(sim, outputs, writer, err)
+        end do
+    end subroutine hear_writers
+
+    !> A dump is on the disk: name it. A checkpoint is: keep what it took in mind.
+    subroutine written(sim, outputs, writer, err)
+        type(simulation_t), intent(in) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(writer_t), intent(in) :: writer
+        type(error_t), intent(inout) :: err
+
+        if (writer%dump == no_dump) then
+            outputs%reserve = max(outputs%reserve, 2*writer%seconds)
         else
-            outputs%reserve = max(outputs%reserve, 2*outputs%writer%seconds)
+            call name_dump(outputs%dumps, writer%dump, writer%time, sim%air%present, &
+                           sim%solid%present, err)
         end if
-    end subroutine hear_writer
+    end subroutine written
 
     !> True if a GPU computes, so that the host has time to write.
     pure logical function on_gpu(sim)
@@ -234,25 +249,29 @@ contains
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
-        logical :: beside
+        type(writer_t) :: writer
+        logical :: beside, here
 
-        call hear_writer(sim, outputs, .true., err)
+        do while (.not. (has_room(outputs%writers) .or. failed(err)))
+            call hear_writers(sim, outputs, outputs%writers%n - 1, err)
+        end do
         call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         if (failed(err)) return
         beside = on_gpu(sim)
-        call begin_writing(outputs%writer, beside, &
-                           'the dump of t = '//to_text(sim%clock%time)//' s')
-        if (outputs%writer%here) then
+        writer%what = 'the dump of t = '//to_text(sim%clock%time)//' s'
+        writer%dump = sim%clock%dump_number
+        writer%time = sim%clock%time
+        call begin_writing(outputs%writers, writer, beside, here)
+        if (here) then
             call write_dump_files(outputs%dumps, sim%case, sim%clock, sim%air, &
                                   sim%coupling%wall, sim%solid, err)
-            call end_writing(outputs%writer, beside, err)
+            call end_writing(writer, beside, err)
         end if
         call agree(sim%ranks, err)
         if (failed(err)) return
-        call count_dump(outputs%dumps, sim%clock)
-        outputs%dump_open = .true.
-        if (outputs%writer%here) &
-            call name_dump(outputs%dumps, sim%air%present, sim%solid%present, err)
+        sim%clock%dump_number = sim%clock%dump_number + 1
+        sim%clock%dump_time = sim%clock%time
+        if (here) call written(sim, outputs, writer, err)
         call agree(sim%ranks, err)
     end subroutine save_dump
 
@@ -295,43 +314,6 @@ contains
             to_text(sim%case%run%energy_band))
     end subroutine write_histories
 
-    !> Particles that have left the region: told once, and by the key `leave` the end of the run.
-    subroutine watch_region(sim, mass, told, err)
-        type(simulation_t), intent(inout) :: sim
-        real(dp), intent(in) :: mass !! outside [kg]
-        logical, intent(inout) :: told
-        type(error_t), intent(inout) :: err
-        character(:), allocatable :: text
-
-        if (told .or. .not. mass > 0) return
-        told = .true.
-        text = to_text(mass)//' kg of particles have left the region of &solid at t = '// &
-               to_text(sim%clock%time)//' s'
-        if (sim%case%solid%leave == 'stop') then
-            sim%intact = .true.
-            call raise(err, exit_numerical, text)
-        else if (sim%case%solid%leave == 'remove') then
-            write (error_unit, '(a)') text//'; they are taken out (removed[kg] in energy.csv)'
-        else
-            write (error_unit, '(a)') text//'; they fly on and feel no air (outside[kg] in '// &
-                'energy.csv)'
-        end if
-    end subroutine watch_region
-
-    !> Cells of gas that even fluxes of first order would have emptied: told once.
-    subroutine watch_held(sim, cells, told)
-        type(simulation_t), intent(in) :: sim
-        real(dp), intent(in) :: cells !! held so far
-        logical, intent(inout) :: told
-
-        if (told .or. .not. cells > 0) return
-        told = .true.
-        write (error_unit, '(a)') 'warning: until t = '//to_text(sim%clock%time)//' s '// &
-            to_text(nint(cells))//' cells of gas were held for a stage, as no flux would have '// &
-            'left density and pressure positive (held_cells[-] in energy.csv); nothing is '// &
-            'lost, but the gas is coarse there: a smaller cfl may help'
-    end subroutine watch_held
-
     !> A progress line, with all rows in their files.
     subroutine report(sim, outputs, err)
         type(simulation_t), intent(inout) :: sim
@@ -350,9 +332,10 @@ contains
         type(error_t), intent(inout) :: err
         logical, intent(in), optional :: beside !! the run; else it is on the disk on return
         real(dp) :: sums(8)
-        logical :: apart
+        type(writer_t) :: writer
+        logical :: apart, here
 
-        call hear_writer(sim, outputs, .true., err)
+        call hear_writers(sim, outputs, 0, err)
         if (outputs%saved_cycle == sim%clock%cycle .or. failed(err)) return
         apart = .false.
         if (present(beside)) apart = beside
@@ -363,14 +346,13 @@ contains
         if (failed(err)) return
         sums = [sim%start%total, sim%start%mass, sim%start%momentum, sim%start%energy, &
                 sim%start%work, sim%start%supply]
-        outputs%dump_open = .false.
-        call begin_writing(outputs%writer, apart, &
-                           'the checkpoint of t = '//to_text(sim%clock%time)//' s')
-        if (outputs%writer%here) then
+        writer%what = 'the checkpoint of t = '//to_text(sim%clock%time)//' s'
+        call begin_writing(outputs%writers, writer, apart, here)
+        if (here) then
             call write_checkpoint(outputs%folder, sim%case, sim%clock, sim%air, sim%coupling, &
                                   sim%solid, sums, err)
-            call end_writing(outputs%writer, apart, err)
-            outputs%reserve = max(outputs%reserve, 2*outputs%writer%seconds)
+            call end_writing(writer, apart, err)
+            call written(sim, outputs, writer, err)
         end if
         if (.not. failed(err)) outputs%saved_cycle = sim%clock%cycle
     end subroutine save_checkpoint
@@ -392,7 +374,7 @@ contains
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
 
-        call hear_writer(sim, outputs, .true., err)
+        call hear_writers(sim, outputs, 0, err)
         call close_history(outputs%energy, err)
         call close_history(outputs%bodies, err)
         call close_history(outputs%gauge_history, err)
