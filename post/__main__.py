@@ -93,6 +93,10 @@ def _parser() -> argparse.ArgumentParser:
         "--out", metavar="FOLDER", help="where paper.html and paper.md go (default: the first OUT)"
     )
     paper.add_argument("--markdown", metavar="FILE", help="another place for the Markdown page")
+    questions = commands.add_parser("questions", help="what the paper leaves open, run by run")
+    questions.set_defaults(command=_questions)
+    questions.add_argument("folder", metavar="OUT", help="folder of the runs of the questions")
+    questions.add_argument("--markdown", metavar="FILE", help="the page (default: OUT/questions.md)")
     material = commands.add_parser("material", help="curves of a table of `brisance mat`")
     material.set_defaults(command=_material)
     material.add_argument("files", metavar="FILE.csv", nargs="+", help="tables, to be compared")
@@ -157,6 +161,15 @@ def _paper(options: argparse.Namespace) -> int:
     page, runs = make_paper_page(folders, out, options.markdown and Path(options.markdown))
     print(f"paper: {page} ({page.stat().st_size / 1e6:.1f} MB), {len(runs)} runs")
     return next((run.exit_code for run in runs if run.exit_code), 0)
+
+
+def _questions(options: argparse.Namespace) -> int:
+    from post.questions import make_questions_page  # noqa: PLC0415
+
+    folder = Path(options.folder)
+    page = Path(options.markdown) if options.markdown else folder / "questions.md"
+    print(f"questions: {page}, {make_questions_page(folder, page)} runs")
+    return 0
 
 
 def _material(options: argparse.Namespace) -> int:

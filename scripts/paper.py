@@ -3,6 +3,7 @@
 """Run the scenes of Chen et al.: every case of inputs/paper/campaign.toml at one size.
 
 usage: paper.py SIZE [CASE...] [--backend cpu|gpu|auto] [--out FOLDER] [--brisance FILE] [--list]
+       paper.py questions [QUESTION...] ...: the runs of inputs/paper/questions.toml, each once
 
 Results go to out/paper/SIZE/CASE, what a run prints to out/paper/SIZE/CASE.log. A case that has
 results goes on from its last checkpoint, one that is done is passed over: so a campaign that was
@@ -22,6 +23,7 @@ from pathlib import Path
 
 INPUTS = Path(__file__).parents[1] / "inputs" / "paper"
 SIZES = ("full", "quarter", "coarse", "tiny")
+QUESTIONS = "questions"
 STOPPED = 75
 
 
@@ -39,12 +41,19 @@ class Case:
         return [str(self.deck), *(part for text in self.sets for part in ("--set", text))]
 
 
+def read_table(name):
+    """A table of inputs/paper."""
+    return tomllib.loads((INPUTS / name).read_text(encoding="utf-8"))
+
+
 def cases(size, names=()):
     """The cases that exist at a size, those of `names` where there are any.
 
     Raises KeyError for an unknown case, and ValueError for one that lacks the size.
     """
-    table = tomllib.loads((INPUTS / "campaign.toml").read_text(encoding="utf-8"))
+    if size == QUESTIONS:
+        return question_cases(names)
+    table = read_table("campaign.toml")
     chosen = []
     for name in names or table["case"]:
         case = table["case"][name]
@@ -54,6 +63,23 @@ def cases(size, names=()):
             continue
         sets = tuple(text for key in case[size] for text in table["sets"][key])
         chosen.append(Case(name, case["section"], INPUTS / case["deck"], sets))
+    return chosen
+
+
+def question_cases(names=()):
+    """The runs of all questions of questions.toml, or of some; one that several share is there once.
+
+    Raises KeyError for an unknown question.
+    """
+    campaign, table = read_table("campaign.toml"), read_table("questions.toml")
+    sets = campaign["sets"] | table["sets"]
+    runs = [run for name in names or table["question"] for run in table["question"][name]["runs"]]
+    chosen = []
+    for name in dict.fromkeys(runs):
+        base, *changes = table["run"][name]
+        case = campaign["case"].get(base, {"deck": f"{base}.nml", "section": "3.2.2"})
+        texts = tuple(text for change in changes for text in sets[change])
+        chosen.append(Case(name, case["section"], INPUTS / case["deck"], texts))
     return chosen
 
 
@@ -87,7 +113,7 @@ def last_lines(file, n):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("size", choices=SIZES)
+    parser.add_argument("size", choices=(*SIZES, QUESTIONS))
     parser.add_argument("case", nargs="*", help="default: all that have this size")
     parser.add_argument(
         "--backend", choices=("cpu", "gpu", "auto"), help="default: as the deck says"

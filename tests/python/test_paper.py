@@ -110,3 +110,11 @@ def test_mirror_image_is_left_out(tmp_path):
         assert "left" in text and "plane of symmetry" in text
     check(SPHERES.replace("spin=0,-10,-20", "spin=0,-10,20"), tmp_path, 2)
     check(SPHERES.replace("centre=-0.02,0,0", "centre=-0.021,0,0"), tmp_path, 2)
+
+
+@pytest.mark.parametrize("case", paper.cases("questions"), ids=lambda case: case.name)
+def test_runs_of_the_questions_are_sound_decks(case):
+    command = [BRISANCE, "run", *case.arguments(), "--check"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    assert "verdict" in done.stdout
