@@ -96,7 +96,7 @@ def _parser() -> argparse.ArgumentParser:
     questions = commands.add_parser("questions", help="what the paper leaves open, run by run")
     questions.set_defaults(command=_questions)
     questions.add_argument("folder", metavar="OUT", help="folder of the runs of the questions")
-    questions.add_argument("--markdown", metavar="FILE", help="the page (default: OUT/questions.md)")
+    questions.add_argument("--markdown", metavar="FILE", help="page (default: OUT/questions.md)")
     material = commands.add_parser("material", help="curves of a table of `brisance mat`")
     material.set_defaults(command=_material)
     material.add_argument("files", metavar="FILE.csv", nargs="+", help="tables, to be compared")

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""What the paper leaves open, answered by runs that differ in one thing: `python -m post questions`.
+"""What the paper leaves open, by runs that differ in one thing: `python -m post questions`.
 
 The questions stand in inputs/paper/questions.toml, `scripts/paper.py questions` runs them.
 """

@@ -67,7 +67,7 @@ def cases(size, names=()):
 
 
 def question_cases(names=()):
-    """The runs of all questions of questions.toml, or of some; one that several share is there once.
+    """The runs of all questions of questions.toml, or of some; a run that several share once.
 
     Raises KeyError for an unknown question.
     """

@@ -6,6 +6,7 @@
 !> energy and products come out exactly. Outside the front the air is left as it is; what the
 !> rings cover more or less than their true volume is made up for at the front. Momentum points
 !> outwards; the small sum that the points leave of it is taken out in proportion to the mass.
+!> A half, a quarter or an eighth between planes of symmetry gets what the whole has there.
 !> No sum depends on the order of the directions: x, y and z get the same bits.
 module brz_blast_remap
     use brz_air_state, only: air_t, bc_symmetry
@@ -19,9 +20,9 @@ module brz_blast_remap
 
     integer, parameter :: points_of(0:2) = [64, 16, 8]
     !! points per direction in a cell: plane, cylinder, sphere
-    integer, parameter :: many_cells = 400000 !! more are probed with half the points
+    integer, parameter :: many_cells = 400000 !! of the whole ball; more have half the points
     real(dp), parameter :: on_plane = 1e-6_dp !! how exactly a plane halves a charge, in cells
-    integer, parameter :: few_points = 200 !! a ring with fewer joins the next
+    integer, parameter :: few_points = 200 !! of a whole ring; with fewer it joins the next
     real(dp), parameter :: unit = 2.0_dp**52
     !! of direction cosines as whole numbers, whose sums are exact in any order
 
@@ -68,11 +69,11 @@ contains
         probe%last = min(probe%hi, air%before + air%n)
         cells = probe%hi - probe%lo + 1
         probe%m = merge(points_of(blast%input%power), 1, probe%active)
-        if (product(real(cells, dp)) > many_cells) probe%m = max(probe%m/2, 1)
+        if (product(real(cells, dp)) > part*many_cells) probe%m = max(probe%m/2, 1)
         probe%volume = product(air%dx/probe%m, mask=probe%active)
         call gather_rings(blast, 2*maxval(air%dx/probe%m, mask=probe%active), part, rings)
         call count_points(air, probe, rings)
-        call join_thin_rings(rings)
+        call join_thin_rings(part, rings)
         call make_up_volume(blast, probe, part, rings)
         call pour_rings(air, probe, rings)
         call balance_momentum(air, probe, sum(rings%held(2, :rings%n)))
@@ -176,15 +177,16 @@ contains
     end function length
 
     !> Rings with few points join the next outside, the last one the one before.
-    subroutine join_thin_rings(rings)
+    subroutine join_thin_rings(part, rings)
+        real(dp), intent(in) :: part
         type(rings_t), intent(inout) :: rings
         integer :: i, n
 
         n = 0
         do i = 1, rings%n
             if (n > 0) then
-                if (rings%points(n) < few_points .or. &
-                    (i == rings%n .and. rings%points(i) < few_points)) then
+                if (rings%points(n) < part*few_points .or. &
+                    (i == rings%n .and. rings%points(i) < part*few_points)) then
                     rings%held(:, n) = rings%held(:, n) + rings%held(:, i)
                     rings%points(n) = rings%points(n) + rings%points(i)
                     rings%edge(n) = rings%edge(i)

@@ -76,8 +76,8 @@ contains
         call leave_process(err%code)
     end subroutine end_writing
 
-    !> Has the writer that began first ended well? Then it is taken from the list. The failure of one
-    !> is a failure of the run; it is taken from the list as well.
+    !> Has the writer that began first ended well? Then it is taken from the list; so is one that
+    !> has failed, and its failure is one of the run.
     subroutine hear_writer(writers, wait, writer, ended, err)
         type(writers_t), intent(inout) :: writers
         logical, intent(in) :: wait !! until it has

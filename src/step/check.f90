@@ -2,6 +2,7 @@
 !> What `--check` prints: what was discretised, whether it is resolved, and what it will cost.
 module brz_check
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+    use brz_advice, only: print_advice, print_work, work_t
     use brz_air_setup, only: time_step_ramp
     use brz_body_setup, only: meeting_speed
     use brz_case, only: body_case_t, case_t
@@ -84,11 +85,12 @@ contains
                            'it and looks for bodies that overlap')
     end subroutine print_outline
 
-    !> Memory, steps and output.
+    !> Memory, steps, output and time, and what would be cheaper.
     subroutine print_cost(case, size_of)
         type(case_t), intent(in) :: case
         type(scene_size_t), intent(in) :: size_of
         real(dp), parameter :: slack = 1e-9_dp !! rounding of a time, in intervals
+        type(work_t) :: work
         real(dp) :: dt, dumps, steps, substeps
 
         write (output_unit, '(2a)') 'memory       ', memory_text(size_of)
@@ -110,6 +112,9 @@ contains
         write (output_unit, '(3a, f0.1, a)') 'output       ', count_text(dumps), &
             ' dumps, about ', 1e-6_dp*dumps*(air_dump_bytes*size_of%cells + &
                                              solid_dump_bytes*size_of%particles), ' MB'
+        work = work_t(steps, substeps, size_of%cells, size_of%particles)
+        call print_work(work)
+        call print_advice(case, work)
     end subroutine print_cost
 
     !> What all of it comes to; warnings have been written on the error unit.

@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: MIT
+"""What `--check` advises: what is so, for decks of inputs/ and for a scene changed in one thing."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).parents[2]
+BRISANCE = Path(os.environ.get("BRISANCE", ROOT / "bin" / "brisance"))
+MIRROR, LOAD, RIGID, NEAR, FAR = (
+    "mirror image",
+    "Kingery and",
+    "held everywhere",
+    "send back",
+    "not reach",
+)
+
+EVEN = """
+&run t_end = 2e-5 /
+&air box = -0.06, 0.06, -0.06, 0.06, -0.04, 0.08, cells = 30, 30, 30 /
+&charge id = 'tnt', mass = 1.5e-3, start = '1d', at = 0, 0, 0.05 /
+&material id = 'ply', model = 'orthotropic_ply', density = 1600, e1 = 140e9, e2 = 10e9, e3 = 10e9
+  nu12 = 0.3, nu13 = 0.3, nu23 = 0.4, g12 = 5e9, g13 = 5e9, g23 = 3.5e9 /
+&material id = 'steel', model = 'linear_elastic', density = 7800, youngs_modulus = 2e11
+  poisson_ratio = 0.3 /
+&body id = 'plate', box = -0.02, 0.02, -0.02, 0.02, -0.008, 0, spacing = 2e-3, material = 'ply'
+  plies = '0/90/90/0', fix = 'x-', 'x+' /
+&body id = 'left', shape = 'sphere', centre = -0.012, 0, -0.02, radius = 4e-3, spacing = 2e-3
+  material = 'steel' /
+&body id = 'right', shape = 'sphere', centre = 0.012, 0, -0.02, radius = 4e-3, spacing = 2e-3
+  material = 'steel' /
+"""
+
+
+def advice(deck, *sets):
+    command = [BRISANCE, "run", deck, "--check", *(part for one in sets for part in ("--set", one))]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert done.returncode == 0, done.stdout + done.stderr
+    head, _, _ = done.stdout.partition("verdict")
+    return head.split("advice       ")[1:]
+
+
+def kinds(texts):
+    return {kind for kind in (MIRROR, LOAD, RIGID, NEAR, FAR) if any(kind in t for t in texts)}
+
+
+@pytest.mark.parametrize(
+    ("deck", "expected"),
+    [
+        ("demo", {LOAD, NEAR}),
+        ("beam", set()),
+        ("plate_load", set()),
+        ("reflection", set()),
+        ("rod_concrete", set()),
+        ("shock_tube", set()),
+        ("paper/hvi", set()),  # plies of 45 degrees
+        ("paper/plate", {MIRROR, LOAD, NEAR}),
+        ("paper/slab_2", {MIRROR}),  # of a cylinder
+        ("paper/fragments_460", {MIRROR}),
+        ("paper/sphere", {MIRROR}),
+    ],
+)
+def test_decks_of_the_project(deck, expected):
+    assert kinds(advice(ROOT / "inputs" / f"{deck}.nml")) == expected
+
+
+@pytest.mark.parametrize(
+    ("change", "planes"),
+    [
+        ("run.t_end=2e-5", "x = 0, y = 0"),
+        ("charge(tnt).at=1e-3,0,0.05", "y = 0"),
+        ("body(plate).plies=45/90/90/45", None),
+        ("body(plate).plies=0/90/0/90", "x = 0, y = 0"),
+        ("body(plate).fix=x-", "y = 0"),
+        ("body(left).velocity=10,0,0", "y = 0"),
+        ("body(left).velocity=0,10,0", None),
+        ("body(left).spin=0,0,5", None),
+        ("body(plate).spin=0,5,0", "y = 0"),
+        ("body(right).radius=5e-3", "y = 0"),
+        ("body(right).centre=0.012,1e-3,-0.02", None),
+        ("body(left).material=ply", "y = 0"),
+        ("air.bc=outflow,wall,outflow,outflow,outflow,outflow", "y = 0"),
+        ("air.box=-0.06,0.061,-0.06,0.06,-0.04,0.08", "y = 0"),
+        ("run.symmetry=y", None),
+        ("body(plate).fix_box=-0.03,-0.018,-0.03,0.03,-1,1", "y = 0"),
+        ("body(plate).fix_box=-0.03,-0.018,-0.03,0.03,-1,1,0.018,0.03,-0.03,0.03,-1,1",
+         "x = 0, y = 0"),
+    ],
+)  # fmt: skip
+def test_planes_of_symmetry(tmp_path, change, planes):
+    deck = tmp_path / "even.nml"
+    deck.write_text(EVEN, encoding="utf-8")
+    sets = [change]
+    if change == "run.symmetry=y":  # the rest of y: the box of the air begins at the plane
+        sets += ["air.box=-0.06,0.06,0,0.06,-0.04,0.08", "air.cells=30,15,30"]
+        planes = "x = 0"
+    told = [text for text in advice(deck, *sets) if MIRROR in text]
+    if planes is None:
+        assert told == []
+    else:
+        assert len(told) == 1
+        assert f"mirror image in {planes}:" in told[0]
+
+
+def test_the_part_moves_as_the_whole(tmp_path):
+    """What the advice promises: the quarter has the energies of the whole, divided by four."""
+    deck = tmp_path / "even.nml"
+    gas = (
+        "&gas id = 'hot', box = -0.06, 0.06, -0.06, 0.06, 0.01, 0.08, density = 8, pressure = 1e7 /"
+    )
+    charge = next(line for line in EVEN.splitlines() if line.startswith("&charge"))
+    deck.write_text(EVEN.replace(charge, gas), encoding="utf-8")
+    assert kinds(advice(deck)) == {MIRROR}
+    last = []
+    for name, sets in (
+        ("whole", []),
+        ("part", ["run.symmetry=x,y", "air.box=0,0.06,0,0.06,-0.04,0.08", "air.cells=15,15,30"]),
+    ):
+        command = [BRISANCE, "run", deck, "--out", tmp_path / name, "--backend", "cpu"]
+        command += [part for one in sets for part in ("--set", one)]
+        done = subprocess.run(command, capture_output=True, text=True, timeout=300)
+        assert done.returncode == 0, done.stdout + done.stderr
+        with (tmp_path / name / "energy.csv").open(encoding="utf-8") as file:
+            names = file.readline().strip().split(",")
+            row = np.loadtxt(file.readlines()[-1:], delimiter=",")
+        last.append([row[names.index(f"solid_{kind}[J]")] for kind in ("kinetic", "internal")])
+    assert last[0][0] > 0
+    np.testing.assert_allclose(4 * np.array(last[1]), last[0], rtol=1e-6)
+
+
+def test_a_body_that_is_held_everywhere(tmp_path):
+    deck = tmp_path / "even.nml"
+    deck.write_text(EVEN, encoding="utf-8")
+    assert RIGID in kinds(advice(deck, "body(plate).fix_box=-1,1,-1,1,-1,1"))
+    assert RIGID not in kinds(advice(deck, "body(plate).fix_box=-1,1,-1,1,-0.004,1"))
+
+
+def test_sides_that_the_blast_does_not_reach(tmp_path):
+    deck = tmp_path / "even.nml"
+    deck.write_text(EVEN, encoding="utf-8")
+    wide = ["air.box=-0.3,0.3,-0.06,0.06,-0.04,0.08", "air.cells=150,30,30"]
+    assert FAR in kinds(advice(deck, "run.t_end=2e-5", *wide))
+    assert FAR not in kinds(advice(deck, "run.t_end=2e-3", *wide))
+
+
+def test_a_load_by_curves_needs_a_face_with_nothing_before_it(tmp_path):
+    deck = tmp_path / "even.nml"
+    deck.write_text(EVEN, encoding="utf-8")
+    assert LOAD in kinds(advice(deck))
+    before = [f"body({name}).centre={x},0,0.02" for name, x in (("left", -0.03), ("right", 0.03))]
+    assert LOAD not in kinds(advice(deck, *before))
+    assert LOAD not in kinds(advice(deck, "body(left).velocity=0,0,10"))
