@@ -24,10 +24,10 @@ QUESTIONS = Path(__file__).parents[1] / "inputs" / "paper" / "questions.toml"
 CURVE = "mid:displacement_z"
 INTRODUCTION = (
     "The paper does not say how its slabs were held, reinforced and glued, nor how its charge was "
-    "started. Each table is of runs that differ in that one thing, on particles of 3 mm where "
-    "nothing else is said (the paper: 2 mm), a quarter of the scene; energies are of the whole. "
-    "Answers are written by hand from the tables, all else by `python -m post questions`. The runs "
-    "stand in inputs/paper/questions.toml: `scripts/paper.py questions`."
+    "started. Each table is of runs that differ in that one thing: quarters of the scene; energies "
+    "are of the whole. Answers are written by hand from the tables, all else by `python -m post "
+    "questions`. The runs stand in inputs/paper/questions.toml: `scripts/paper.py questions`, or "
+    "`questions-fine` on a GPU."
 )
 
 

@@ -3,7 +3,8 @@
 """Run the scenes of Chen et al.: every case of inputs/paper/campaign.toml at one size.
 
 usage: paper.py SIZE [CASE...] [--backend cpu|gpu|auto] [--out FOLDER] [--brisance FILE] [--list]
-       paper.py questions [QUESTION...] ...: the runs of inputs/paper/questions.toml, each once
+       paper.py questions [QUESTION...]: the runs of inputs/paper/questions.toml, coarse;
+       paper.py questions-fine [QUESTION...]: the same for a GPU
 
 Results go to out/paper/SIZE/CASE, what a run prints to out/paper/SIZE/CASE.log. A case that has
 results goes on from its last checkpoint, one that is done is passed over: so a campaign that was
@@ -23,7 +24,7 @@ from pathlib import Path
 
 INPUTS = Path(__file__).parents[1] / "inputs" / "paper"
 SIZES = ("full", "quarter", "coarse", "tiny")
-QUESTIONS = "questions"
+QUESTIONS = {"questions": "coarse", "questions-fine": "fine"}
 STOPPED = 75
 
 
@@ -51,8 +52,8 @@ def cases(size, names=()):
 
     Raises KeyError for an unknown case, and ValueError for one that lacks the size.
     """
-    if size == QUESTIONS:
-        return question_cases(names)
+    if size in QUESTIONS:
+        return question_cases(size, names)
     table = read_table("campaign.toml")
     chosen = []
     for name in names or table["case"]:
@@ -66,13 +67,13 @@ def cases(size, names=()):
     return chosen
 
 
-def question_cases(names=()):
+def question_cases(size, names=()):
     """The runs of all questions of questions.toml, or of some; a run that several share once.
 
     Raises KeyError for an unknown question.
     """
     campaign, table = read_table("campaign.toml"), read_table("questions.toml")
-    sets = campaign["sets"] | table["sets"]
+    sets = campaign["sets"] | table["sets"] | table[f"sets_{QUESTIONS[size]}"]
     runs = [run for name in names or table["question"] for run in table["question"][name]["runs"]]
     chosen = []
     for name in dict.fromkeys(runs):
@@ -113,7 +114,7 @@ def last_lines(file, n):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("size", choices=(*SIZES, QUESTIONS))
+    parser.add_argument("size", choices=(*SIZES, *QUESTIONS))
     parser.add_argument("case", nargs="*", help="default: all that have this size")
     parser.add_argument(
         "--backend", choices=("cpu", "gpu", "auto"), help="default: as the deck says"

@@ -112,8 +112,10 @@ def test_mirror_image_is_left_out(tmp_path):
     check(SPHERES.replace("centre=-0.02,0,0", "centre=-0.021,0,0"), tmp_path, 2)
 
 
-@pytest.mark.parametrize("case", paper.cases("questions"), ids=lambda case: case.name)
-def test_runs_of_the_questions_are_sound_decks(case):
+@pytest.mark.parametrize("size", paper.QUESTIONS)
+@pytest.mark.parametrize("name", [case.name for case in paper.cases("questions")])
+def test_runs_of_the_questions_are_sound_decks(size, name):
+    case = next(case for case in paper.cases(size) if case.name == name)
     command = [BRISANCE, "run", *case.arguments(), "--check"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
