@@ -24,7 +24,8 @@ module brz_tilted_arm
     private
     public :: mirrored_tilt, pack_tilt, tilted_arm, tilted_correction, tilted_force
 
-    real(rk), parameter :: shift = 4096 !! of the first part of a packed tilt
+    integer, parameter :: bits = 12 !! that the second part of a packed tilt takes
+    integer, parameter :: shift = 2**bits !! of its first part
     integer, parameter :: largest = 2000 !! of a part
 
 contains
@@ -36,15 +37,22 @@ contains
         real(rk), intent(in) :: n(3) !! normal of the plies in the unloaded body; bars: see above
         real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]
         real(rk), intent(out) :: y(3) !! [m]
-        real(rk) :: bar, first, z, z1, slope, along, across
-        integer :: t
+        real(rk) :: bar, first, second, z, z1, slope, along, across
+        integer :: parts, t
 
         bar = two_of(n)
-        first = bar*anint(c/shift)
-        z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
+        first = 0
+        second = c
+        if (bar > 0) then ! whole numbers: not one operation on a real in the loop over neighbours
+            parts = int(c)
+            t = shifta(parts + shift/2, bits)
+            first = real(t, rk)
+            second = real(parts - shift*t, rk)
+        end if
         z1 = n(1)*x_ref(1)
         if (n(1) == 0) z1 = n(2)*x_ref(2)
-        slope = (c - shift*first)*(z - bar*z1) + first*z1
+        z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
+        slope = second*(z - bar*z1) + first*z1
         along = 1 + slope
         if (overstretched(most_bent, x_ref, r)) then
             along = 0
@@ -64,14 +72,9 @@ contains
     pure function two_of(n) result(two)
         real(rk), intent(in) :: n(3)
         real(rk) :: two
-        integer :: count, t
 
-        count = 0
-        do t = 1, 3
-            if (abs(n(t)) > 0) count = count + 1
-        end do
         two = 0
-        if (count == 2) two = 1
+        if (merge(1, 0, n(1) /= 0) + merge(1, 0, n(2) /= 0) + merge(1, 0, n(3) /= 0) == 2) two = 1
     end function two_of
 
     !> Both parts of the tilt of a bar in one number.
@@ -81,7 +84,7 @@ contains
         integer :: whole(2)
 
         whole = max(-largest, min(largest, nint(parts)))
-        c = whole(1)*shift + whole(2)
+        c = real(whole(1)*shift + whole(2), rk)
     end function pack_tilt
 
     !> Tilt of an image: it changes sign where a plane turns its direction round.
