@@ -18,6 +18,7 @@ module brz_solid_forces
                                form_total, held_energy, held_stiffness, is_gone, lanes, n_held, &
                                n_pair, pair_tilt, solid_t, worth_threads
     use brz_tension_hold, only: kept_work
+    use brz_tilted_arm, only: mirrored_tilt
     implicit none
     private
     public :: force_pass, update_sizes
@@ -196,7 +197,7 @@ contains
             s = signs(int(solid%mask(e)))
             rows%pair(:, n) = mirrored_row(s, solid%pair(:, j))
             if (p%held) rows%held(:, n) = mirrored_hold(s, solid%held(:, j))
-            rows%pair(pair_tilt, n) = dot_product(s, p%normal)*solid%pair(pair_tilt, j)
+            rows%pair(pair_tilt, n) = mirrored_tilt(s, p%normal, solid%pair(pair_tilt, j))
             if (p%directional) rows%hold(:, n) = real(mirrored(s, solid%hold(:, j)), real32)
         end do
     end subroutine mirror_rows

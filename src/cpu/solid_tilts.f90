@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Tilt of the gradients in the outermost layers of laminates and of plates, from the unloaded
+!> Tilt of the gradients in the outermost layers of laminates, plates and bars, from the unloaded
 !> body.
 module brz_solid_tilts
     use brz_contact_items, only: owner_of
@@ -9,6 +9,7 @@ module brz_solid_tilts
     use brz_solid_links, only: first_link, is_bonded, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, solid_t, worth_threads
+    use brz_tilted_arm, only: pack_tilt
     implicit none
     private
     public :: find_tilts
@@ -37,25 +38,26 @@ contains
 
     !> c with sum w t^2 (z - d) (1 + c z) = 0 over the neighbours of particle i, t along the layer
     !> and z across it [1/m]: u = t z then has the gradient of a place d from it. d is 0 but at the
-    !> faces of plates, which see the strain further out.
+    !> faces of plates and bars, which see the strain further out. In bars c and d are vectors.
     pure real(rk) function tilt_of(solid, body, i) result(tilt)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
-        real(rk) :: sums(3), scale, d
+        real(rk) :: sums(6), scale
         integer(int64) :: k
-        integer :: g, j
+        integer :: across(2), g, j
 
+        across = directions(body%normal)
         sums = 0
         scale = kernel_scale(body%h, solid%dimension)
         g = group_of(body, i)
         do k = solid%first(g), solid%first(g + 1) - 1
-            call add(solid, body, i, solid%list(k), 0, scale, 1/(2*body%h), sums)
+            call add(solid, across, i, solid%list(k), 0, scale, 1/(2*body%h), sums)
         end do
         if (any(solid%mirror)) then
             do k = solid%image_first(g), solid%image_first(g + 1) - 1
-                call add(solid, body, i, solid%image(k), int(solid%mask(k)), scale, 1/(2*body%h), &
-                         sums)
+                call add(solid, across, i, solid%image(k), int(solid%mask(k)), scale, &
+                         1/(2*body%h), sums)
             end do
         end if
         if (solid%links%bonds) then
@@ -64,33 +66,81 @@ contains
                 if (.not. is_bonded(solid%links, i, j)) cycle
                 associate (m => solid%links%table(owner_of(solid%links%ends, i), &
                                                   owner_of(solid%links%ends, j)))
-                    call add(solid, body, i, j, link_mask(solid%links, k), m%scale, &
+                    call add(solid, across, i, j, link_mask(solid%links, k), m%scale, &
                              m%half_over_h, sums)
                 end associate
             end do
         end if
-        tilt = 0
-        if (sums(2) > 0) tilt = -sums(1)/sums(2)
-        if (abs(tilt)*body%spacing < level) tilt = 0
-        if (abs(tilt)*body%spacing < one_sided) return
-        d = -sign(body%outward, sums(1))
-        tilt = (d*sums(3) - sums(1))/(sums(2) - d*sums(1))
+        if (across(2) == 0) then
+            tilt = one_way(body, sums(1), sums(3), sums(6))
+        else
+            tilt = pack_tilt(both_ways(body, sums)/maxval(body%normal))
+        end if
     end function tilt_of
 
-    !> Add a neighbour, or its image in the planes of the mask, to the sums of w t^2 z, of w t^2 z^2
-    !> and of w t^2.
-    pure subroutine add(solid, body, i, j, mask, scale, half_over_h, sums)
-        type(solid_t), intent(in) :: solid
+    !> Directions across a body: one of a plate, two of a bar.
+    pure function directions(normal) result(across)
+        real(rk), intent(in) :: normal(3)
+        integer :: across(2)
+
+        across(1) = findloc(normal > 0, .true., dim=1)
+        across(2) = findloc(normal > 0, .true., dim=1, back=.true.)
+        if (across(2) == across(1)) across(2) = 0
+    end function directions
+
+    !> Tilt in one direction, from the sums of w t^2 z, of w t^2 z^2 and of w t^2 [1/m].
+    pure real(rk) function one_way(body, first, second, plain) result(tilt)
         type(body_t), intent(in) :: body
-        integer, intent(in) :: i, j, mask
+        real(rk), intent(in) :: first, second, plain
+        real(rk) :: d
+
+        tilt = 0
+        if (second > 0) tilt = -first/second
+        if (abs(tilt)*body%spacing < level) tilt = 0
+        if (abs(tilt)*body%spacing < one_sided) return
+        d = -sign(body%outward, first)
+        tilt = (d*plain - first)/(second - d*first)
+    end function one_way
+
+    !> Tilts of a bar in both directions across it: on its edges they act together [1/m].
+    pure function both_ways(body, sums) result(tilt)
+        type(body_t), intent(in) :: body
+        real(rk), intent(in) :: sums(6) !! see add
+        real(rk) :: tilt(2), d(2), a(2, 2), b(2), det
+        integer :: k
+
+        do k = 1, 2
+            tilt(k) = one_way(body, sums(k), sums(2 + k), sums(6))
+        end do
+        if (.not. all(abs(tilt) > 0)) return
+        d = 0
+        do k = 1, 2
+            if (abs(sums(k)/sums(2 + k))*body%spacing >= one_sided) &
+                d(k) = -sign(body%outward, sums(k))
+        end do
+        a(1, :) = [sums(3) - d(1)*sums(1), sums(5) - d(1)*sums(2)]
+        a(2, :) = [sums(5) - d(2)*sums(1), sums(4) - d(2)*sums(2)]
+        b = d*sums(6) - sums(1:2)
+        det = a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1)
+        if (det > 0.01_rk*a(1, 1)*a(2, 2)) tilt = [b(1)*a(2, 2) - a(1, 2)*b(2), &
+                                                   a(1, 1)*b(2) - b(1)*a(2, 1)]/det
+    end function both_ways
+
+    !> Add a neighbour, or its image in the planes of the mask, to the sums of w t^2 times y, z,
+    !> y^2, z^2, y z and 1, with y and z the directions across; of a plate there is no z.
+    pure subroutine add(solid, across, i, j, mask, scale, half_over_h, sums)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: across(2), i, j, mask
         real(rk), intent(in) :: scale, half_over_h !! see brz_kernel
-        real(rk), intent(inout) :: sums(3)
-        real(rk) :: r(3), w, z
+        real(rk), intent(inout) :: sums(6)
+        real(rk) :: r(3), w, y, z
 
         r = real(solid%x_ref(:, i) - signs(mask)*solid%x_ref(:, j), rk)
-        z = dot_product(body%normal, r)
+        y = r(across(1))
+        z = 0
+        if (across(2) > 0) z = r(across(2))
         w = solid%volume(j)*kernel_slope(scale, half_over_h, norm2(r))
-        w = w*(dot_product(r, r) - z*z)
-        sums = sums + w*[z, z*z, 1.0_rk]
+        w = w*(dot_product(r, r) - y*y - z*z)
+        sums = sums + w*[y, z, y*y, z*z, y*z, 1.0_rk]
     end subroutine add
 end module brz_solid_tilts

@@ -161,8 +161,8 @@ contains
                 key_t(group=g, key='plate_axis', kind=kind_text, default='auto', &
                       choices='auto|none|x|y|z', &
                       meaning='corrected_hourglass: normal of a flat body, so that it bends '// &
-                      'right. auto: boxes and discs of 3 to 12 layers, at most a third of '// &
-                      'every other side, where bodies meet at up to 1 km/s.'), &
+                      'right. auto: boxes and discs of 3 to 12 layers, at most 1/3 of every '// &
+                      'other side, and bars, where bodies meet at up to 1 km/s.'), &
                 key_t(group=g, key='smoothing', default='1.2', lower=one, upper=2*one, &
                       meaning='Smoothing length over spacing.'), &
                 key_t(group=g, key='variable_h', kind=kind_logical, default='F', &

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Plates: flat bodies that bend, and yield or crack.
+!> Plates and bars: thin bodies that bend, and yield or crack.
 !>
 !> Sums of thin bodies miss the bending stiffness of each layer about its own middle, 1/n^2 of that
 !> of n layers, and the outermost layers see the strain of a place a quarter of a spacing deeper.
@@ -25,18 +25,21 @@ module brz_plate
     !> Exact for n layers is sqrt((n - 1)^2/4 + n/24) - (n - 1)/2, 0.061 to 0.050 for n = 3 to 6;
     !> so the stiffness is right within 1.1 % from three on.
     real(dp), parameter :: further_out = 0.055_dp
+    real(dp), parameter :: tilt_unit = 1e-3_dp !! of the tilts of a bar, over the spacing
 
 contains
 
-    !> Normal of a body that is a plate, and from where its faces see the strain.
+    !> Normal of a body that is a plate, or the directions across a bar, and from where its faces
+    !> see the strain.
     subroutine settle_plate(input, speed, shape, body, err)
         type(body_case_t), intent(in) :: input
         real(dp), intent(in) :: speed !! largest of two bodies towards each other [m/s]
         type(shape_t), intent(in) :: shape
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
-        integer :: a
+        integer :: a, along
 
+        along = 0
         a = index('xyz', trim(input%plate_axis))
         if (a > 0) then
             if (a > shape%dimension .or. .not. body%tension_hold > 0) then
@@ -46,12 +49,44 @@ contains
                 return
             end if
         else if (input%plate_axis == 'auto') then
-            if (body%tension_hold > 0 .and. speed <= fast) a = thin_axis(input, shape)
+            if (body%tension_hold > 0 .and. speed <= fast) then
+                a = thin_axis(input, shape)
+                along = bar_axis(input, shape)
+            end if
+        end if
+        if (a == 0 .and. along > 0) then
+            body%normal = real(tilt_unit/maxval(shape%spacing), rk)
+            body%normal(along) = 0
+            body%outward = real(further_out*sum(shape%spacing, body%normal > 0)/2, rk)
         end if
         if (a == 0) return
         body%normal(a) = 1
         body%outward = real(further_out*shape%spacing(a), rk)
     end subroutine settle_plate
+
+    !> Direction of a bar with square edges, thin in both others: a box, or `bars`; 0: it is none.
+    pure integer function bar_axis(input, shape) result(along)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        real(dp) :: side(3)
+        integer :: a, layers
+
+        along = 0
+        if (shape%dimension < 3 .or. all(input%shape /= ['box ', 'bars'])) return
+        side = whole_sides(shape)
+        along = maxloc(side, dim=1)
+        if (input%shape == 'bars') then
+            along = index('xyz', input%axis)
+            side(modulo([along, along + 1], 3) + 1) = input%diameter
+        end if
+        do a = 1, 3
+            if (a == along) cycle
+            layers = nint(side(a)/shape%spacing(a))
+            if (side(a) > (1 + 1e-9_dp)*flat*side(along) .or. layers < least_layers .or. &
+                layers > most_layers) along = 0
+            if (along == 0) return
+        end do
+    end function bar_axis
 
     !> Direction in which a box or a disc is thin; 0 where it is no plate.
     pure integer function thin_axis(input, shape) result(thin)

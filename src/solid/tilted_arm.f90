@@ -9,6 +9,11 @@
 !> fields on any arrangement, for u = t z also, and blind to a rigid rotation. The force of the
 !> stress is its adjoint, -w (T_i y^i_ij + T_j y^j_ij) with T = stress M^-T. Point physics.
 !>
+!> A bar along e has free faces in both directions across it. There the tilt is a vector C,
+!>     y_ij = X_ij + (C.X_ij) (e.X_ij) e,
+!> and n holds, in place of a normal, the unit of C twice, in the directions across; both parts of
+!> C lie in one number, as whole multiples of that unit.
+!>
 !> Source: docs/solid.md section 4
 module brz_tilted_arm
     use brz_algebra, only: inverse3
@@ -17,32 +22,83 @@ module brz_tilted_arm
     use brz_pair_force, only: most_bent, overstretched
     implicit none
     private
-    public :: tilted_arm, tilted_correction, tilted_force
+    public :: mirrored_tilt, pack_tilt, tilted_arm, tilted_correction, tilted_force
+
+    integer, parameter :: bits = 12 !! that the second part of a packed tilt takes
+    integer, parameter :: shift = 2**bits !! of its first part
+    integer, parameter :: largest = 2000 !! of a part
 
 contains
 
     !> Arm of a pair: x_ij without tilt; with it none where the pair left the stretches 1/1.6..1.6.
     !@cuf attributes(host,device) &
     pure subroutine tilted_arm(c, n, x_ref, r, y)
-        real(rk), intent(in) :: c !! tilt [1/m]; of j as seen from i: with the other sign
-        real(rk), intent(in) :: n(3) !! normal of the plies in the unloaded body
+        real(rk), intent(in) :: c !! tilt [1/m], of bars packed; of j as seen from i: the other sign
+        real(rk), intent(in) :: n(3) !! normal of the plies in the unloaded body; bars: see above
         real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]
         real(rk), intent(out) :: y(3) !! [m]
-        real(rk) :: z, along, across
-        integer :: t
+        real(rk) :: bar, first, second, z, z1, slope, along, across
+        integer :: parts, t
 
+        bar = two_of(n)
+        first = 0
+        second = c
+        if (bar > 0) then ! whole numbers: not one operation on a real in the loop over neighbours
+            parts = int(c)
+            t = shifta(parts + shift/2, bits)
+            first = real(t, rk)
+            second = real(parts - shift*t, rk)
+        end if
+        z1 = n(1)*x_ref(1)
+        if (n(1) == 0) z1 = n(2)*x_ref(2)
         z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
-        along = 1 + c*z
-        across = c*z*z
+        slope = second*(z - bar*z1) + first*z1
+        along = 1 + slope
         if (overstretched(most_bent, x_ref, r)) then
             along = 0
-            across = 0
+            slope = 0
         end if
         do t = 1, 3
-            y(t) = along*x_ref(t) - across*n(t)
+            across = z*n(t)
+            if (bar > 0) across = x_ref(t)
+            if (n(t) == 0) across = 0
+            y(t) = along*x_ref(t) - slope*across
             if (c == 0) y(t) = r(t)
         end do
     end subroutine tilted_arm
+
+    !> 1 where two components of a vector are not zero, as of a bar; else 0.
+    !@cuf attributes(host,device) &
+    pure function two_of(n) result(two)
+        real(rk), intent(in) :: n(3)
+        real(rk) :: two
+
+        two = 0
+        if (merge(1, 0, n(1) /= 0) + merge(1, 0, n(2) /= 0) + merge(1, 0, n(3) /= 0) == 2) two = 1
+    end function two_of
+
+    !> Both parts of the tilt of a bar in one number.
+    pure function pack_tilt(parts) result(c)
+        real(rk), intent(in) :: parts(2) !! over their unit, in the order of the axes
+        real(rk) :: c
+        integer :: whole(2)
+
+        whole = max(-largest, min(largest, nint(parts)))
+        c = real(whole(1)*shift + whole(2), rk)
+    end function pack_tilt
+
+    !> Tilt of an image: it changes sign where a plane turns its direction round.
+    pure function mirrored_tilt(s, n, c) result(mirrored)
+        real(rk), intent(in) :: s(3) !! -1 along the normal of a plane, else 1
+        real(rk), intent(in) :: n(3), c !! see tilted_arm
+        real(rk) :: mirrored
+        integer :: t
+
+        mirrored = dot_product(s, n)*c
+        if (.not. two_of(n) > 0) return
+        t = merge(2, 1, n(1) == 0)
+        mirrored = s(t)*shift*anint(c/shift) + s(merge(2, 3, n(3) == 0))*(c - shift*anint(c/shift))
+    end function mirrored_tilt
 
     !> Inverse of M; where it is weak none, which for that step leaves the particle without stress
     !> and strain.

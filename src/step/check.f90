@@ -257,8 +257,10 @@ contains
             if (body%tension_hold > 0) &
                 text = text//', held by '//to_text(real(body%tension_hold, real32))// &
                        ' times its tension'
-            if (body%tension_hold > 0 .and. any(body%normal > 0)) &
+            if (body%tension_hold > 0 .and. count(body%normal > 0) == 1) &
                 text = text//', a plate across '//axis_names(maxloc(body%normal, dim=1))
+            if (body%tension_hold > 0 .and. count(body%normal > 0) == 2) &
+                text = text//', a bar along '//axis_names(minloc(body%normal, dim=1))
         end associate
     end function reason
 

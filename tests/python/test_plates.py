@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from notes import note
+from test_gpu import run as on_gpu
+from test_gpu import same, stamp
 
 BRISANCE = Path(__file__).parents[2] / "bin" / "brisance"
 
@@ -86,3 +88,31 @@ def test_a_strip_of_few_layers_swings_as_a_beam(tmp_path, layers):
     note(f"strip_{layers}_layers_plain", plain)
     assert 1 < found < 1 + HIGH / layers / HALF
     assert plain > 1.1
+
+
+# a bar in two bonded pieces, one plane of symmetry along it, that bends both ways and yields
+BAR = """\
+&run t_end=1e-5, symmetry='z' /
+&material id='m', model='bilinear_j2', density=7800, youngs_modulus=200e9, poisson_ratio=0.3,
+  yield_stress=350e6, tangent_modulus=1e9 /
+&body id='low', box=0,0.012, -0.002,0.002, -0.002,0.002, spacing=0.001, material='m', fix='x-',
+  velocity=0,60,0 /
+&body id='high', box=0.012,0.024, -0.002,0.002, -0.002,0.002, spacing=0.001, material='m',
+  velocity=0,60,0 /
+&interaction bodies='low','high', law='bonded' /
+&gauge id='g', body='high', at=0.02,0,0.001, quantity='displacement_y' /
+&output history_every=1e-6 /
+"""
+
+
+def test_a_bar_on_the_gpu(tmp_path):
+    """Tilts in both directions across a bar, over a bond and beside a plane: as on the CPU."""
+    (tmp_path / "g.nml").write_text(BAR)
+    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n", encoding="utf-8")
+    for backend in ("cpu", "gpu"):
+        done = on_gpu(tmp_path, "g.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+        assert ("the bodies run on Emulated" in done.stderr) == (backend == "gpu")
+    same("gpu", "cpu", tmp_path)
+    done = on_gpu(tmp_path, "g.nml", "--check")
+    assert "a bar along x" in done.stdout

@@ -20,6 +20,7 @@ module drawn_bodies
 
     type :: rebar_t
         real(dp) :: stress = 0 !! of its middle over that of its law
+        real(dp) :: force = 0 !! at its end, from the work there, over that of its law
         real(dp) :: energy = 0 !! error of the total over the work
         real(dp) :: hourglass = 0 !! energy that the hold has, over the work
         logical :: ended = .false. !! the program stopped with an error
@@ -103,9 +104,10 @@ contains
         type(tools_scene_t) :: scene
         logical, allocatable :: middle(:)
         character(200) :: words
-        real(dp) :: strain, start, d
+        real(dp) :: strain, start, d, from(2)
 
         d = 0.012_dp/across
+        from = -1
         write (words, '(2(a, es10.4), a, es10.4, a)') 'body.spacing=', d, ' body.box=0,', &
             half + 3*d, ',-0.006,0.006,-0.006,0.006 body.motion_velocity=', rate*half, ',0,0 '
         call open_scene('rebar', trim(words)//' '//changes, scene)
@@ -115,12 +117,17 @@ contains
             do while (sim%clock%time*rate < last)
                 call advance_scene(sim, scene%err)
                 if (failed(scene%err)) exit
+                if (from(1) < 0 .and. sim%clock%time*rate > last/2) &
+                    from = [sim%clock%time, sum(solid%bodies%ledger%drive)]
             end do
             found%ended = failed(scene%err)
             allocate (middle(solid%n))
             call look(solid, half/2, middle, strain)
             found%stress = sum(solid%stress(1, :), middle)/count(middle) &
                            /law(log(1 + strain), rate/(1 + strain))
+            found%force = (sum(solid%bodies%ledger%drive) - from(2)) &
+                          /((sim%clock%time - from(1))*rate*half*0.012_dp**2) &
+                          /nominal(0.75_dp*last, rate)
             found%energy = error_of_work(solid, start)
             found%hourglass = sum(solid%bodies%ledger%hourglass)/sum(solid%bodies%ledger%drive)
         end associate
@@ -137,6 +144,16 @@ contains
                 *(1 + (rate/cowper_d)**(1/cowper_p))
         end do
     end function law
+
+    !> The same as force over the area of the undrawn bar, whose volume stays but for Poisson's
+    !> ratio of 0.3 in what is elastic.
+    pure real(dp) function nominal(strain, rate)
+        real(dp), intent(in) :: strain, rate !! of the undrawn bar
+
+        associate (s => law(log(1 + strain), rate/(1 + strain)))
+            nominal = s/(1 + strain)*exp(0.4_dp*s/young)
+        end associate
+    end function nominal
 
     !> A ring of steel that flies apart at 600 m/s.
     subroutine ring(changes, layers, found)
