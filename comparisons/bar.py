@@ -137,13 +137,13 @@ def lammps(bar: Bar, name: str, **constants: float) -> Run:
         (folder / "model.lmp").write_text(text, encoding="utf-8")
 
     def read(folder: Path) -> tuple[Measures, History]:
-        start, end = (_dumped(next(folder.glob(n))) for n in ("shape.0.dump", "end.dump"))
+        start, end = (dumped(next(folder.glob(n))) for n in ("shape.0.dump", "end.dump"))
         return measure(bar, start, end), []
 
     return Run(name, "lammps", f"about {count(bar):,} particles", write, read)
 
 
-def _dumped(path: Path) -> np.ndarray:
+def dumped(path: Path) -> np.ndarray:
     """Places of a dump, sorted by number."""
     lines = path.read_text(encoding="utf-8").split("ITEM: ATOMS id x y z")[1].split()
     table = np.array(lines, float).reshape(-1, 4)

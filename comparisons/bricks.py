@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from comparisons.case import History
+from comparisons.case import History, Measures, Run
 
 
 @dataclass(frozen=True)
@@ -180,8 +180,8 @@ def blast(plate: Plate, start: float, pressure: Callable[[float, float, float], 
     return "\n".join(lines) + "\n"
 
 
-def printed(folder: Path) -> History:
-    """Time and third component of the one node in model.dat."""
+def printed(folder: Path, component: int = 3) -> History:
+    """Time and one component of the one node in model.dat."""
     found, time = [], None
     for line in (folder / "model.dat").read_text(encoding="utf-8").splitlines():
         words = line.split()
@@ -189,8 +189,8 @@ def printed(folder: Path) -> History:
             time = float(words[-1])
         elif time is not None and len(words) == 4:
             # an exponent of three digits leaves no room for its letter
-            tiny = "E" not in words[3]
-            found.append((time, 0.0 if tiny else float(words[3])))
+            value = words[component]
+            found.append((time, float(value) if "E" in value else 0.0))
             time = None
     return found
 
@@ -198,3 +198,18 @@ def printed(folder: Path) -> History:
 def deflection(folder: Path, start: float = 0.0) -> History:
     """Deflection of the middle away from the load against time."""
     return [(start, 0.0), *((start + t, -u) for t, u in printed(folder))]
+
+
+def run(plate: Plate, pressure: float, duration: float,
+        measure: Callable[[History], Measures], slow: bool = False) -> Run:  # fmt: skip
+    """A run of CalculiX: an even pressure from 0 to a time, and the measures of its middle."""
+
+    def write(folder: Path) -> None:
+        (folder / "model.inp").write_text(pulse(plate, pressure, duration), encoding="utf-8")
+
+    def read(folder: Path) -> tuple[Measures, History]:
+        history = deflection(folder, -plate.step)
+        return measure(history), history
+
+    count = plate.count
+    return Run(f"CalculiX {count}", "calculix", f"{count} C3D20R", write, read, slow)

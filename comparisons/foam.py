@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: MIT
 """A blast on a rigid floor for rhoCentralFoam of OpenFOAM: a wedge of 2 degrees about the axis.
 
-The axis is x (upwards from the floor at 0), y the radius. Cells are square. Kurganov's flux,
-minmod (with van Leer's and van Albada's limiters this balloon ends in a negative temperature),
-Euler steps at a Courant number of 0.2.
+The axis is x (upwards from the floor at 0), y the radius. Cells are square; those that the surface
+of the balloon cuts hold their share of its mass and energy. Euler steps at a Courant number of 0.2.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+import numpy as np
 
 from comparisons.case import History
 
@@ -28,6 +30,18 @@ class Balloon:
     pressure: float
 
 
+@dataclass(frozen=True)
+class Scheme:
+    """Flux ('Tadmor', 'Kurganov') and limiters of density and temperature, and of velocity."""
+
+    flux: str = "Kurganov"
+    limiter: str = "vanLeer"
+    of_velocity: str = "vanLeerV"
+
+
+SCHEME = Scheme()
+
+
 def _field(name: str, dimensions: str, value: str, kind: str, outer: str) -> str:
     walls = {
         "floor": "slip" if kind == "vector" else "zeroGradient",
@@ -39,7 +53,7 @@ def _field(name: str, dimensions: str, value: str, kind: str, outer: str) -> str
     }
     body = "\n".join(f"    {patch} {{ type {text}; }}" for patch, text in walls.items())
     title = HEAD.format(kind=f"vol{kind.capitalize()}Field", name=name)
-    inside = f"dimensions {dimensions};\ninternalField uniform {value};\n"
+    inside = f"dimensions {dimensions};\ninternalField {value};\n"
     return f"{title}{inside}boundaryField\n{{\n{body}\n}}\n"
 
 
@@ -67,28 +81,60 @@ boundary
     )
 
 
+def shares(space: tuple[float, float], cell: float, balloon: Balloon) -> np.ndarray:
+    """Share of each cell (along the axis, along the radius) that lies in the balloon."""
+    fine = 32
+    n, m = (round(side / cell) for side in space)
+    x = (np.arange(n * fine) + 0.5) * cell / fine - balloon.at
+    y = (np.arange(m * fine) + 0.5) * cell / fine
+    found = np.zeros((n, m))
+    for k in range(m * fine):  # a ring of points; its weight is its radius
+        inside = (x**2 + y[k] ** 2 < balloon.radius**2).reshape(n, fine).mean(axis=1)
+        found[:, k // fine] += inside * y[k]
+    return found / y.reshape(m, fine).sum(axis=1)
+
+
+def cells(values: Sequence[float]) -> str:
+    """A field that differs from cell to cell, in the order of the mesh."""
+    numbers = " ".join(f"{v:.9g}" for v in values)
+    return f"nonuniform List<scalar> {len(values)} ({numbers})"
+
+
 def write(
     folder: Path, space: tuple[float, float], cell: float, balloon: Balloon, end: float
 ) -> None:
     """Write the case: a space of a height and a radius, a balloon over its floor."""
+    folders(folder)
     height, radius = space
-    for name in ("0", "constant", "system"):
-        (folder / name).mkdir()
-
-    def put(place: str, kind: str, text: str) -> None:
-        name = place.split("/")[1]
-        (folder / place).write_text(HEAD.format(kind=kind, name=name) + text, encoding="utf-8")
-
     (folder / "system/blockMeshDict").write_text(_mesh(height, radius, cell), encoding="utf-8")
-    still = 101325 / (GAS * 1.225)
+    share = shares(space, cell, balloon)
+    pressure = share * balloon.pressure + (1 - share) * 101325
+    density = share * balloon.density + (1 - share) * 1.225
     for name, dimensions, value, kind in (
-        ("p", "[1 -1 -2 0 0 0 0]", "101325", "scalar"),
-        ("T", "[0 0 0 1 0 0 0]", f"{still:.6f}", "scalar"),
-        ("U", "[0 1 -1 0 0 0 0]", "(0 0 0)", "vector"),
+        ("p", "[1 -1 -2 0 0 0 0]", cells(pressure.T.ravel()), "scalar"),
+        ("T", "[0 0 0 1 0 0 0]", cells((pressure / (GAS * density)).T.ravel()), "scalar"),
+        ("U", "[0 1 -1 0 0 0 0]", "uniform (0 0 0)", "vector"),
     ):
         text = _field(name, dimensions, value, kind, "zeroGradient")
         (folder / "0" / name).write_text(text, encoding="utf-8")
-    put("constant/thermophysicalProperties", "dictionary", f"""thermoType
+    numerics(folder, end, f"({cell / 2} {cell / 2} 0)")
+
+
+def folders(folder: Path) -> None:
+    """The three folders of a case."""
+    for name in ("0", "constant", "system"):
+        (folder / name).mkdir()
+
+
+def put(folder: Path, place: str, kind: str, text: str) -> None:
+    """Write a file, its head first."""
+    name = place.split("/")[1]
+    (folder / place).write_text(HEAD.format(kind=kind, name=name) + text, encoding="utf-8")
+
+
+def numerics(folder: Path, end: float, places: str, scheme: Scheme = SCHEME) -> None:
+    """Air, schemes, steps, and the places where pressures are read in every step."""
+    put(folder, "constant/thermophysicalProperties", "dictionary", f"""thermoType
 {{ type hePsiThermo; mixture pureMixture; transport const; thermo eConst;
   equationOfState perfectGas;
   specie specie; energy sensibleInternalEnergy; }}
@@ -96,38 +142,38 @@ mixture {{ specie {{ molWeight {8314.46 / GAS:.6f}; }}
   thermodynamics {{ Cv {GAS / 0.4:.4f}; Hf 0; }}
   transport {{ mu 0; Pr 1; }} }}
 """)  # fmt: skip
-    put("constant/turbulenceProperties", "dictionary", "simulationType laminar;\n")
-    put("system/fvSchemes", "dictionary", """fluxScheme Kurganov;
-ddtSchemes { default Euler; }
-gradSchemes { default Gauss linear; }
-divSchemes { default none; div(tauMC) Gauss linear; }
-laplacianSchemes { default Gauss linear corrected; }
-interpolationSchemes { default linear; reconstruct(rho) Minmod; reconstruct(U) Minmod;
-  reconstruct(T) Minmod; }
-snGradSchemes { default corrected; }
+    put(folder, "constant/turbulenceProperties", "dictionary", "simulationType laminar;\n")
+    put(folder, "system/fvSchemes", "dictionary", f"""fluxScheme {scheme.flux};
+ddtSchemes {{ default Euler; }}
+gradSchemes {{ default Gauss linear; }}
+divSchemes {{ default none; div(tauMC) Gauss linear; }}
+laplacianSchemes {{ default Gauss linear corrected; }}
+interpolationSchemes {{ default linear; reconstruct(rho) {scheme.limiter};
+  reconstruct(U) {scheme.of_velocity}; reconstruct(T) {scheme.limiter}; }}
+snGradSchemes {{ default corrected; }}
 """)  # fmt: skip
-    put("system/fvSolution", "dictionary", """solvers
+    put(folder, "system/fvSolution", "dictionary", """solvers
 { "(rho|rhoU|rhoE)" { solver diagonal; }
   U { solver smoothSolver; smoother GaussSeidel; tolerance 1e-9; relTol 0.01; }
   e { $U; tolerance 1e-10; relTol 0; } }
 """)  # fmt: skip
-    put("system/controlDict", "dictionary", f"""application rhoCentralFoam;
+    put(folder, "system/controlDict", "dictionary", f"""application rhoCentralFoam;
 startFrom startTime; startTime 0; stopAt endTime; endTime {end}; deltaT 1e-10; adjustTimeStep yes;
 maxCo 0.2; maxDeltaT 1; writeControl adjustableRunTime; writeInterval {end}; runTimeModifiable no;
-functions {{ floor {{ type probes; libs (sampling); fields (p);
+functions {{ probes {{ type probes; libs (sampling); fields (p);
   writeControl timeStep; writeInterval 1;
-  probeLocations (({cell / 2} {cell / 2} 0)); }} }}
+  probeLocations ({places}); }} }}
 """)  # fmt: skip
-    hot = balloon.pressure / (GAS * balloon.density)
-    put("system/setFieldsDict", "dictionary", f"""defaultFieldValues ();
-regions ( sphereToCell {{ centre ({balloon.at} 0 0); radius {balloon.radius};
-  fieldValues ( volScalarFieldValue p {balloon.pressure} volScalarFieldValue T {hot} ); }} );
-""")  # fmt: skip
+
+
+def probed(folder: Path) -> list[tuple[float, list[float]]]:
+    """Times and pressures at the places."""
+    path = next((folder / "postProcessing").rglob("p"))
+    lines = path.read_text(encoding="utf-8").splitlines()
+    rows = [line.split() for line in lines if line.strip() and not line.startswith("#")]
+    return [(float(row[0]), [float(p) for p in row[1:]]) for row in rows]
 
 
 def pressure(folder: Path) -> History:
     """Overpressure in the first cell over the floor, on the axis."""
-    path = next((folder / "postProcessing").rglob("p"))
-    lines = path.read_text(encoding="utf-8").splitlines()
-    rows = [line.split() for line in lines if line.strip() and not line.startswith("#")]
-    return [(float(row[0]), float(row[1]) - 101325) for row in rows]
+    return [(t, p[0] - 101325) for t, p in probed(folder)]

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -13,7 +14,7 @@ from comparisons.reading import column
 DECK = """{title}
 
 A quarter of a clamped plate of {span:g} x {span:g} mm, {thick:g} mm thick, in {layers} layers,
-written by comparisons/plate.py. The clamp begins where the three columns that are held do.
+written by comparisons/plate.py. The clamp acts at the first of the three columns that are held.
 
 &run t_end = {t_end}, symmetry = 'x', 'y' /
 {material}
@@ -45,7 +46,7 @@ def write(folder: Path, title: str, shape: tuple[float, float, int], **scene: st
         low=f"{-outer:.7g}",
         high=f"{outer:.7g}",
         bottom=-thickness,
-        spacing=f"{min(spacing, thickness / layers):.5g}",
+        spacing=f"{spacing:.7g}",
         more=more and f"\n    {more}",
         load=scene["load"],
         middle=-thickness / 2,
@@ -55,9 +56,12 @@ def write(folder: Path, title: str, shape: tuple[float, float, int], **scene: st
 
 
 def lattice(half: float, thickness: float, layers: int) -> tuple[int, float, float]:
-    """Columns of the quarter, their spacing, half the width of the box with its clamp [m]."""
-    columns = round(half / (thickness / layers)) + 3
-    spacing = half / (columns - 3)
+    """Columns of the quarter, their spacing, half the width of the box with its clamp [m].
+
+    Three columns are held; the clamp acts at the centres of the first (docs/solid.md, section 4).
+    """
+    columns = math.ceil(half / (thickness / layers) + 2.5)
+    spacing = half / (columns - 2.5)
     return columns, spacing, columns * spacing
 
 

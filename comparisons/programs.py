@@ -91,7 +91,7 @@ PROGRAMS = {
     "openfoam": Program(
         "OpenFOAM",
         lambda: _on_path("rhoCentralFoam"),
-        ("blockMesh", "setFields", "{}"),
+        ("blockMesh", "{}"),
         lambda path: _find(r"OpenFOAM-? \((\d+)\)", said(path, "-help", env=FOAM)),
         FOAM,
         "apt-get install --no-install-recommends openfoam",

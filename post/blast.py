@@ -11,9 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-TABLE = Path(__file__).parent / "data" / "kb_free_air.csv"
+DATA = Path(__file__).parent / "data"
+TABLES = {"air": DATA / "kb_free_air.csv", "surface": DATA / "kb_surface.csv"}
 LB = 0.45359237  # [kg]
 FT_PER_CUBE_ROOT_LB = LB ** (1 / 3) / 0.3048  # of 1 m/kg^(1/3)
+UNITS = {"air": FT_PER_CUBE_ROOT_LB, "surface": 1.0}  # of the distances of the tables
 PSI = 6894.757293  # [Pa]
 QUANTITIES = (
     "incident_overpressure",
@@ -27,7 +29,7 @@ QUANTITIES = (
 
 @dataclass(frozen=True)
 class FreeAirBlast:
-    """Spherical TNT burst in free air at sea level, seen at one distance.
+    """TNT burst at sea level, a sphere in free air or a hemisphere on the ground, at one distance.
 
     Reflected values are those of a large rigid wall hit squarely. All in SI units.
     """
@@ -54,13 +56,14 @@ class FreeAirBlast:
 
 
 @cache
-def _branches() -> dict[str, list[tuple[float, float, float, float, float, list[float]]]]:
+def _branches(burst: str) -> dict[str, list[tuple[float, float, float, float, float, list[float]]]]:
     """Per quantity: (x_low, x_high, SI factor, shift, scale, coefficients), in rising order."""
-    factor = {"psi": PSI, "ms/lb^(1/3)": 1e-3, "psi ms/lb^(1/3)": PSI * 1e-3}
+    factor = {"psi": PSI, "ms/lb^(1/3)": 1e-3, "psi ms/lb^(1/3)": PSI * 1e-3,
+              "kPa": 1e3, "ms/kg^(1/3)": 1e-3, "kPa ms/kg^(1/3)": 1.0}  # fmt: skip
     table: dict[str, list] = {name: [] for name in QUANTITIES}
-    with TABLE.open() as file:
+    with TABLES[burst].open() as file:
         for row in csv.DictReader(line for line in file if not line.startswith("#")):
-            coefficients = [float(row[f"c{k}"]) for k in range(10) if row[f"c{k}"]]
+            coefficients = [float(row[f"c{k}"]) for k in range(12) if row.get(f"c{k}")]
             unit = factor[row["unit"]]
             if "lb^" in row["unit"]:
                 unit /= LB ** (1 / 3)
@@ -69,12 +72,12 @@ def _branches() -> dict[str, list[tuple[float, float, float, float, float, list[
     return table
 
 
-def free_air_range() -> tuple[float, float]:
+def free_air_range(burst: str = "air") -> tuple[float, float]:
     """Smallest and largest scaled distance of the curves [m/kg^(1/3)]."""
-    branches = [b for rows in _branches().values() for b in rows]
+    branches = [b for rows in _branches(burst).values() for b in rows]
     low, high = min(b[0] for b in branches), max(b[1] for b in branches)
-    low, high = 10**low / FT_PER_CUBE_ROOT_LB, 10**high / FT_PER_CUBE_ROOT_LB
-    return low, max(high, 40.0)  # the curves end at 100 ft/lb^(1/3), commonly quoted as 40
+    low, high = 10**low / UNITS[burst], 10**high / UNITS[burst]
+    return low, max(high, 40.0)  # the spheres end at 100 ft/lb^(1/3), commonly quoted as 40
 
 
 def free_air(mass: float, distance: float) -> FreeAirBlast:
@@ -83,18 +86,27 @@ def free_air(mass: float, distance: float) -> FreeAirBlast:
     Raises ValueError where mass or distance is not positive and finite, or where the scaled
     distance is outside the range of the curves.
     """
+    return _blast("air", mass, distance)
+
+
+def surface(mass: float, distance: float) -> FreeAirBlast:
+    """The same for a hemisphere of `mass` of TNT that lies on the ground."""
+    return _blast("surface", mass, distance)
+
+
+def _blast(burst: str, mass: float, distance: float) -> FreeAirBlast:
     for name, value in (("mass", mass), ("distance", distance)):
         if not (math.isfinite(value) and value > 0):
             raise ValueError(f"Kingery-Bulmash: the {name} must be positive, got {value}")
     z = distance / mass ** (1 / 3)
-    low, high = free_air_range()
+    low, high = free_air_range(burst)
     if not low <= z <= high:
         raise ValueError(
             f"Kingery-Bulmash: scaled distance {z:.4g} m/kg^(1/3) is outside "
             f"{low:.3g} .. {high:.3g} (mass {mass:g} kg at {distance:g} m)"
         )
-    x = math.log10(z * FT_PER_CUBE_ROOT_LB)
-    values = {name: _evaluate(name, x) for name in QUANTITIES}
+    x = math.log10(z * UNITS[burst])
+    values = {name: _evaluate(burst, name, x) for name in QUANTITIES}
     for name in ("arrival", "duration", "incident_impulse", "reflected_impulse"):
         values[name] *= mass ** (1 / 3)
     return FreeAirBlast(scaled_distance=z, **values)
@@ -111,9 +123,9 @@ def kinney_graham(mass: float, distance: float) -> tuple[float, float]:
     return 101325 * peak, 100 * impulse * mass ** (1 / 3)  # impulse: bar ms
 
 
-def _evaluate(name: str, x: float) -> float:
-    """One curve at x = log10(ft/lb^(1/3)); SI, per cube root of kg where scaled."""
-    branches = _branches()[name]
+def _evaluate(burst: str, name: str, x: float) -> float:
+    """One curve at x = log10(scaled distance of its table); SI, per cube root of kg if scaled."""
+    branches = _branches(burst)[name]
     _, _, unit, shift, scale, coefficients = next((b for b in branches if x <= b[1]), branches[-1])
     return unit * 10 ** np.polynomial.polynomial.polyval(shift + scale * x, coefficients)
 

@@ -18,6 +18,13 @@ AIR = f"""&air
     bc = 'symmetry', 'outflow',  'symmetry', 'outflow',  'outflow', 'outflow'
 /
 &charge id = 'tnt', mass = {MASS}, explosive = 'tnt', eos = 'ideal', at = 0, 0, {AT[2]} /"""
+RADIAL = f"""&air
+    box = 0, 0.2688,  0, 0.2688,  -0.0392, 0.672,  cells = 48, 48, 127
+    bc = 'symmetry', 'outflow',  'symmetry', 'outflow',  'outflow', 'outflow'
+/
+&charge
+    id = 'tnt', mass = {MASS}, explosive = 'tnt', eos = 'jwl', start = '1d', at = 0, 0, {AT[2]}
+/"""
 STEP, START = 5e-6, 150e-6  # of CalculiX; the front arrives in the middle at 162 us
 FEM = bricks.Plate(
     HALF,
@@ -51,15 +58,16 @@ CASE = Case(
     title="Steel plate under 168 g of TNT at 0.4 m",
     setting="Clamped plate, 250 x 250 x 4.2 mm, steel of P3. Kingery-Bulmash: 474 Pa s in the "
     "middle, 428 on average.",
-    reference="CalculiX and OpenRadioss with a load of Kingery-Bulmash, as recorded",
+    reference="CalculiX and OpenRadioss with a load of Kingery-Bulmash",
     quantities=(
-        Quantity("peak", "peak", "mm", 1e3, 3, 7.0e-3, 0.05),
-        Quantity("peak_time", "at", "us", 1e6, 3, 607e-6, 0.05),
+        Quantity("peak", "peak", "mm", 1e3, 3, 6.98e-3, 0.05),
+        Quantity("peak_time", "at", "us", 1e6, 3, 606e-6, 0.05),
     ),
     runs=(
         _ours(3, LOAD, "Brisance, &load, 3 layers", ""),
         _ours(5, LOAD, "Brisance, &load, 5 layers", "", slow=True),
         _ours(3, AIR, "Brisance, air, 3 layers", ", 207,360 cells", slow=True),
+        _ours(3, RADIAL, "Brisance, air, JWL, 1-D, 3 layers", ", 292,608 cells", slow=True),
         Run(
             "CalculiX 12 x 12 x 2, K-B",
             "calculix",
@@ -71,8 +79,11 @@ CASE = Case(
     axes=("time after detonation [us]", "deflection [mm]"),
     scales=(1e6, 1e3),
     remarks={
-        "Brisance, air, 3 layers": "the load of the air is below the curves, by 7 % in the "
-        "middle and 15 % over the plate: a finer air, or `&load`",
+        "Brisance, air, 3 layers": "the load of the air is below the curves, mostly for want of "
+        "heat and because the plate has edges (B3); planned: air load at a plate",
+        "Brisance, air, JWL, 1-D, 3 layers": "without the jet of a start on the grid in the middle",
+        "Brisance, &load, 3 layers": "five times the time of 288 quadratic bricks, as three layers "
+        "are 25,392 particles and short steps; planned: coarse bodies that bend",
         "OpenRadioss /LOAD/PBLAST": "the same load on 6,400 bricks: eight times quicker",
         "CalculiX 12 x 12 x 2, K-B": "the same load on 288 quadratic bricks: five times "
         "quicker than ours; begins when the front is there",

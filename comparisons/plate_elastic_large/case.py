@@ -10,17 +10,20 @@ CASE = make(
     "P1b",
     "Elastic plate, deflection of half its thickness",
     setting="The plate of P1 under 50 MPa for 50 us.",
-    reference="mean of CalculiX and OpenRadioss as recorded",
+    reference="mean of CalculiX 20 x 20 x 2 and OpenRadioss, which lie 0.5 % off it",
     quantities=(
-        Quantity("peak", "peak", "mm", 1e3, 4, 4.51e-3, 0.02),
-        Quantity("peak_time", "at", "us", 1e6, 4, 129.3e-6, 0.02),
+        Quantity("peak", "peak", "mm", 1e3, 4, 4.463e-3, 0.02),
+        Quantity("peak_time", "at", "us", 1e6, 4, 128.0e-6, 0.02),
         Quantity("back", "first back", "us", 1e6, 4),
     ),
     axes=("time [us]", "deflection [mm]"),
     scales=(1e6, 1e3),
     remarks={
         "OpenRadioss HEPH 20 x 20 x 4": "eight times quicker: 1,600 bricks with one point; bricks "
-        "or shells are the choice for what stays whole",
+        "or shells are the choice for what stays whole; planned: coarse bodies that bend",
         "CalculiX 10 x 10 x 1, as recorded": "with 3 % too much impulse: see above",
+        "CalculiX 20 x 20 x 2": "what is left in it by P1: finer meshes and steps add some 0.5 %",
+        "Brisance, 4 layers": "2 % too soft in P1 too, against the same elements: the rim of the "
+        "clamp; planned: coarse bodies that bend",
     },
 )

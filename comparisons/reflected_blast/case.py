@@ -15,7 +15,7 @@ SPACE = f"""A balloon of hot gas over a rigid floor, a quarter: tests/scenes/flo
 &air
     box = 0, {{wide}},  0, {{wide}},  0, 0.4648,  cells = {{n}}, {{n}}, {{m}}
     bc = 'symmetry', 'outflow',  'symmetry', 'outflow',  'wall', 'outflow'
-    reconstruction = 'muscl', flux = 'hllc', integrator = 'ssprk2'
+    reconstruction = '{{scheme}}', flux = 'hllc', integrator = 'ssprk{{stages}}'
 /
 &charge id = 'tnt', {CHARGE}, eos = 'ideal', at = 0, 0, {AT} /
 &gauge id = 'A', at = {{cell}}, {{cell}}, {{cell}}, quantity = 'overpressure' /
@@ -35,11 +35,12 @@ def measures(history: History) -> Measures:
     return {"peak": peak, "arrival": arrival, "short": impulse(0.3e-3), "impulse": impulse(END)}
 
 
-def _ours(cell: float, wide: float, slow: bool = False) -> Run:
+def _ours(cell: float, wide: float, scheme: str = "muscl") -> Run:
     n, m = round(wide / cell), round(0.4648 / cell)
 
     def write(folder):
-        text = SPACE.format(wide=wide, n=n, m=m, cell=cell / 2)
+        text = SPACE.format(wide=wide, n=n, m=m, cell=cell / 2, scheme=scheme,
+                            stages=3 if scheme == "weno5z" else 2)  # fmt: skip
         (folder / "deck.nml").write_text(text, encoding="utf-8")
 
     def read(folder):
@@ -47,7 +48,8 @@ def _ours(cell: float, wide: float, slow: bool = False) -> Run:
         return measures(history), history
 
     name = f"Brisance, {1e3 * cell:.1f} mm, box of {wide:.2f} m"
-    return Run(name, "brisance", f"{n * n * m:,} cells in space", write, read, slow)
+    name += "" if scheme == "muscl" else f", {scheme}"
+    return Run(name, "brisance", f"{n * n * m:,} cells in space", write, read)
 
 
 def _foam(cell: float, slow: bool = False) -> Run:
@@ -62,7 +64,7 @@ def _foam(cell: float, slow: bool = False) -> Run:
         history = foam.pressure(folder)
         return measures(history), history
 
-    name = f"OpenFOAM, {1e3 * cell:.1f} mm, minmod"
+    name = f"OpenFOAM, {1e3 * cell:.1f} mm, van Leer"
     return Run(name, "openfoam", f"{n * m:,} cells in a wedge", write, read, slow)
 
 
@@ -80,11 +82,25 @@ CASE = Case(
         Quantity("arrival", "arrival", "ms", 1e3, 4, 0.1668e-3, 0.03),
         Quantity("short", "impulse to 0.3 ms", "Pa s", 1, 3, 401),
     ),
-    runs=(_ours(5.6e-3, 0.1344), _ours(5.6e-3, 0.2688), _foam(5.6e-3), _foam(2.8e-3, slow=True)),
+    runs=(
+        _ours(5.6e-3, 0.1344),
+        _ours(5.6e-3, 0.2688),
+        _ours(5.6e-3, 0.1344, "weno5z"),
+        _foam(5.6e-3),
+        _foam(2.8e-3, slow=True),
+    ),
     axes=("time [us]", "overpressure [MPa]"),
     scales=(1e6, 1e-6),
+    text="The limiter: with whole cells in the balloon (3.7 % of its mass is missing with cells of "
+    "5.6 mm) rhoCentralFoam ends with van Leer at 12 us, or with van Leer by components at 30 us, "
+    "in the root of a negative temperature, at a Courant number of 0.05 as at 0.2: jets from the "
+    "steps of the balloon leave cold gas at 5 km/s, whose heat is the small difference of its "
+    "energies. With minmod for the temperature, or with Tadmor's flux, it ran on, with 646 and 407 "
+    "Pa s: the jet along the axis hits the gauge in the first. Since cells that the surface cuts "
+    "hold their share, van Leer runs, and Tadmor's flux gives 418 Pa s, with minmod 387.",
     remarks={
-        "OpenFOAM, 5.6 mm, minmod": "as robust as needed here, and as blunt",
+        "OpenFOAM, 5.6 mm, van Leer": "peak 8 % higher than ours with the same cells: van Leer is "
+        "sharper than our default; `reconstruction = 'weno5z'` is ours",
         "Brisance, 5.6 mm, box of 0.13 m": "in space: 47,808 cells in a fifth of the time of 3,984",
         "OpenFOAM, 2.8 mm, van Leer": "the reference; two dimensions afford the cells, space does "
         "not: we have no axisymmetric air",

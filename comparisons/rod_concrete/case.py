@@ -18,13 +18,15 @@ CASE = Case(
     ),
     remarks={
         "Brisance, hjc_48, 3 mm": "434 m/s is near the limit of perforation: 1 % of the energy "
-        "that the slab takes is 3 % "
-        "of the velocity",
+        "that the slab takes is 3 % of the velocity; planned: damage that tells tension from "
+        "crushing",
         "LS-DYNA, modified HJC": "a third stress invariant and a damage of its own in tension; "
         "ours has the second "
         "in concrete_48",
     },
-    text="Published beside it: Polanco-Loria, Hopperstad, Borvik and Berstad, Int. J. Impact Eng. "
+    text="None of the codes that can be installed from packages has a law for concrete under "
+    "pressure (LAMMPS: von Mises; CalculiX: no equation of state). Published beside it: "
+    "Polanco-Loria, Hopperstad, Borvik and Berstad, Int. J. Impact Eng. "
     "35 (2008) 290, a modified "
     "HJC model in LS-DYNA: ballistic limits of concrete slabs within 8 % of experiments "
     "(abstract). Ours of this slab is "

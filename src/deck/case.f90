@@ -169,7 +169,8 @@ module brz_case
         integer :: body = 0 !! its place
         logical :: faces(6) = .false. !! x-, x+, y-, ...
         real(dp), allocatable :: time(:), pressure(:) !! history of the overpressure [s, Pa]
-        real(dp) :: mass = 0 !! of a sphere of TNT in free air; 0: the history [kg]
+        real(dp) :: mass = 0 !! of a charge of TNT; 0: the history [kg]
+        logical :: on_ground = .false. !! a hemisphere on the ground, no sphere in free air
         real(dp) :: at(3) = 0 !! of its centre [m]
         real(dp) :: start = 0 !! when it detonates [s]
     end type load_case_t

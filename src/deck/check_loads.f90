@@ -39,8 +39,10 @@ contains
                 key_t(group=g, key='pressure', n_max=most_points, unit='Pa', &
                       meaning='Overpressure at these times; positive pushes on the face.'), &
                 key_t(group=g, key='mass', unit='kg', lower=zero, open_lower=.true., &
-                      meaning='Sphere of TNT that detonates in free air, in place of a '// &
-                      'history. A hemisphere on the ground: 1.8 times its mass.'), &
+                      meaning='Charge of TNT that detonates, in place of a history.'), &
+                key_t(group=g, key='burst', kind=kind_text, choices='air|surface', &
+                      default='air', meaning='mass: a sphere in free air, or a hemisphere on '// &
+                      'the ground, which reflects the blast: its own mass counts, once.'), &
                 key_t(group=g, key='at', n_min=3, n_max=3, unit='m', &
                       meaning='mass: centre of the charge.'), &
                 key_t(group=g, key='detonation_time', unit='s', default='0.0', &
@@ -70,7 +72,7 @@ contains
         integer, intent(in) :: g
         type(case_t), intent(in) :: case
         type(load_case_t), intent(inout) :: load
-        character(name_len) :: body, faces(6)
+        character(name_len) :: body, burst, faces(6)
         integer :: i, n
 
         load%place = place(deck, deck%groups(g)%line)
@@ -87,6 +89,9 @@ contains
         call fill_list(deck, g, 'time', load%time)
         call fill_list(deck, g, 'pressure', load%pressure)
         call get(deck%groups(g), 'mass', load%mass)
+        burst = 'air'
+        call get(deck%groups(g), 'burst', burst)
+        load%on_ground = burst == 'surface'
         call get(deck%groups(g), 'at', load%at)
         call get(deck%groups(g), 'detonation_time', load%start)
     end subroutine fill
@@ -111,7 +116,8 @@ contains
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(load_case_t), intent(in) :: load
-        character(15), parameter :: of_charge(2) = [character(15) :: 'at', 'detonation_time']
+        character(15), parameter :: of_charge(3) = [character(15) :: 'at', 'burst', &
+                                                    'detonation_time']
         integer :: i
 
         associate (group => deck%groups(g), n => size(load%pressure), m => size(load%time))

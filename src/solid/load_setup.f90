@@ -6,7 +6,8 @@ module brz_load_setup
     use brz_errors, only: error_t, exit_deck, raise
     use brz_face_load, only: facets_t, find_places
     use brz_kinds, only: dp, rk
-    use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest
+    use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest, &
+                                   nearest_ground, surface_blast
     use brz_solid_state, only: body_t, solid_t
     use brz_text, only: to_text
     implicit none
@@ -173,11 +174,12 @@ contains
         type(facets_t), intent(inout) :: facets
         type(error_t), intent(inout) :: err
         type(blast_t) :: blast
-        real(dp) :: arm(3), c, distance, near, far
+        real(dp) :: arm(3), c, distance, near, far, least
         integer :: i, k
 
         allocate (facets%wave(6, facets%n), source=0.0_dp)
         near = huge(near)
+        least = merge(nearest_ground, nearest, load%on_ground)
         far = 0
         do k = 1, facets%n
             i = solid%loads%place(facets%id(k))
@@ -186,17 +188,21 @@ contains
             distance = norm2(arm)
             near = min(near, distance/load%mass**(1/3.0_dp))
             far = max(far, distance/load%mass**(1/3.0_dp))
-            if (near < nearest .or. far > farthest) cycle
-            blast = free_air_blast(load%mass, distance)
+            if (near < least .or. far > farthest) cycle
+            if (load%on_ground) then
+                blast = surface_blast(load%mass, distance)
+            else
+                blast = free_air_blast(load%mass, distance)
+            end if
             c = max(sign(1, facets%side(k))*arm(abs(facets%side(k)))/distance, 0.0_dp)
             facets%wave(:, k) = [load%start + blast%arrival, blast%duration, &
                 c*c*blast%reflected, (1 + c*c - 2*c)*blast%peak, &
                 friedlander_decay(blast%reflected, blast%duration, blast%reflected_impulse), &
                 friedlander_decay(blast%peak, blast%duration, blast%impulse)]
         end do
-        if (near < nearest .or. far > farthest) call raise(err, exit_deck, &
+        if (near < least .or. far > farthest) call raise(err, exit_deck, &
             label('load', load%id, load%place)//'scaled distances from '//to_text(near)//' to '// &
             to_text(far)//' m/kg^(1/3) leave the range of the Kingery-Bulmash curves, '// &
-            to_text(nearest)//' to '//to_text(farthest)//'; move the charge, or compute the air')
+            to_text(least)//' to '//to_text(farthest)//'; move the charge, or compute the air')
     end subroutine find_waves
 end module brz_load_setup

@@ -160,7 +160,10 @@ def test_what_is_measured_on_a_history():
     assert (few[0], few[-1]) == (history[0], history[-1])
 
 
-def test_the_clamp_begins_at_the_free_span():
-    columns, spacing, outer = plate.lattice(0.1, 0.01, 4)
-    assert (columns - 3) * spacing == pytest.approx(0.1)
-    assert columns * spacing == pytest.approx(outer)
+def test_the_clamp_acts_at_the_edge_of_the_free_span():
+    """There lie the centres of the first column that is held: the third from outside."""
+    for half, thickness, layers in ((0.1, 0.01, 3), (0.1, 0.01, 4), (0.125, 0.0042, 3)):
+        columns, spacing, outer = plate.lattice(half, thickness, layers)
+        assert (columns - 3 + 0.5) * spacing == pytest.approx(half)
+        assert columns * spacing == pytest.approx(outer)
+        assert 0.98 * thickness / layers < spacing <= thickness / layers

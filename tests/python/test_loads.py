@@ -13,7 +13,7 @@ from notes import note
 HOME = Path(__file__).parents[2]
 sys.path.insert(0, str(HOME))
 
-from post.blast import free_air  # noqa: E402
+from post.blast import free_air, surface  # noqa: E402
 
 BRISANCE = HOME / "bin" / "brisance"
 STEEL = """\
@@ -91,29 +91,30 @@ def test_pressure_on_all_faces_of_what_turns_is_balanced(tmp_path):
     assert abs(tables["energy"]["error[-]"]).max() < 1e-3
 
 
-def test_blast_is_that_of_kingery_bulmash(tmp_path):
+@pytest.mark.parametrize(("burst", "curves"), [("air", free_air), ("surface", surface)])
+def test_blast_is_that_of_kingery_bulmash(tmp_path, burst, curves):
     """A small rigid plate that looks at the charge, one at 60 degrees, and one that looks away."""
     mass, far = 2.0, 1.5
-    blast = free_air(mass, far)
+    blast = curves(mass, far)
     end = 1.05 * (blast.arrival + blast.duration)
     head = f"&run t_end={end} /\n" + STEEL.replace("7800", "1e6")  # it hardly turns
     plate = """\
 &body id='b', box=-0.01,0.01, -0.01,0.01, 0,0.01, spacing=5e-3, material='s', formulation='rigid' /
 &output history_every={every}, dump_every=1 /
-&load body='b', faces='{face}', mass={mass}, at={at} /
+&load body='b', faces='{face}', mass={mass}, at={at}, burst='{burst}' /
 """
     area = 0.02**2
     for angle, face in ((0, "z-"), (60, "z-"), (180, "z+")):
         turn = math.radians(angle if face == "z-" else 0)
         level = 2.5e-3 if face == "z-" else 7.5e-3  # of the layer that is loaded
         at = f"{far * math.sin(turn)},0,{level - far * math.cos(turn)}"
-        deck = head + plate.format(every=end / 100, face=face, mass=mass, at=at)
+        deck = head + plate.format(every=end / 100, face=face, mass=mass, at=at, burst=burst)
         tables = run(tmp_path, deck)
         got = -momentum(tables)[2] if face == "z+" else momentum(tables)[2]
         _, wanted = blast.on_surface(turn)
         if face == "z+":  # the incident wave passes over it
             wanted = blast.incident_impulse
-        note(f"load_blast_{angle}",
+        note(f"load_blast_{angle}" if burst == "air" else f"load_ground_{angle}",
              got / (wanted * area))  # fmt: skip
         assert got == pytest.approx(wanted * area, rel=1e-3)
 
@@ -202,6 +203,8 @@ BAD = {
     "body='b', faces='z-', mass=1, at=0,0,-50": "leave the range of the Kingery-Bulmash curves",
     "body='b', faces='z-', mass=1, at=0,0,-1, time=1": "time belongs to a history",
     "body='b', faces='z-', pressure=1, detonation_time=1": "belongs to a charge",
+    "body='b', faces='z-', pressure=1, burst='surface'": "burst belongs to a charge",
+    "body='b', faces='z-', mass=1, at=0,0,-0.065, burst='surface'": "leave the range of the King",
 }
 
 
