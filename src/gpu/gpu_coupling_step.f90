@@ -6,8 +6,7 @@
 module brz_gpu_coupling_step
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t
-    use brz_buffers, only: arguments_t
-    use brz_device, only: clear_buffer, copy_out, launch
+    use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: gpu_air_t
     use brz_gpu_coupling_carriers, only: load_gpu_carriers, move_gpu_carriers, &
@@ -89,22 +88,16 @@ contains
         integer, intent(in) :: first(:), last(:) !! particles of each body
         logical, intent(out) :: loaded(:)
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         integer :: b, marks(size(first))
 
-        call clear_buffer(gpu%part, err)
+        call reserve_buffer(gpu%loaded, 4_int64*size(first), err)
+        call clear_buffer(gpu%loaded, err)
         do b = 1, size(first)
-            arguments%n = 0
-            call arguments%add(first(b))
-            call arguments%add(last(b))
-            call arguments%add(b)
-            call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-            call arguments%add(dt)
-            call arguments%add_all(gpu%home, gpu%above, there%walls%impulse, gpu%part)
-            call launch(gpu%loaded, [last(b) - first(b) + 1, 1, 1], arguments, err)
+            call gpu%kernels%loaded_bodies([last(b) - first(b) + 1, 1, 1], first(b), last(b), b, &
+                gpu%box, dt, gpu%home, gpu%above, there%walls%impulse, gpu%loaded, err)
         end do
         marks = 0
-        call copy_out(gpu%part, marks, 4_int64*size(marks), err)
+        call copy_out(gpu%loaded, marks, 4_int64*size(marks), err)
         loaded = marks /= 0
     end subroutine gpu_is_loaded
 

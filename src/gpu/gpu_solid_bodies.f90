@@ -122,7 +122,6 @@ contains
         call copy_in(pose, gpu%drive, 8_int64*n_pose, err)
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
         gpu%tilted = any(params%normal > 0)
-        call find_kernel(device, moment_name(gpu), gpu%moments, err)
         call find_kernel_of(int(material%model), name, slots)
         if (slots < material%n_hist) call raise(err, exit_device, 'the kernel '//name//' holds '// &
             to_text(slots)//' history variables, the material '//to_text(int(material%n_hist)))
@@ -168,17 +167,6 @@ contains
         p%across_layer = body%across_layer
         p%contraction = body%contraction
     end function params_of
-
-    !> Kernel of the sums of pass 1.
-    pure function moment_name(gpu) result(name)
-        type(gpu_solid_body_t), intent(in) :: gpu
-        character(:), allocatable :: name
-
-        name = 'solid_moments'
-        if (gpu%held) name = 'solid_moments_held'
-        if (gpu%drawn) name = 'solid_moments_drawn'
-        if (gpu%tilted) name = 'solid_moments_tilted'
-    end function moment_name
 
     !> Which forces a body has, as the kernels are named.
     pure function force_name(p) result(name)

@@ -101,7 +101,7 @@ contains
     !> What these times mean: throughput, and each pass beside its floors.
     subroutine compare(scene, solid, best)
         type(scene_t), intent(in) :: scene
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: best(n_part) !! per particle [s]
         real(dp) :: pairs, turns, bytes
 
