@@ -27,6 +27,7 @@ VARIED = re.compile(
     r"((?:^ *!>.*\n)+)((?:^ *!@kernel .*\n)+)^ *attributes\(device\) subroutine (\w+)\(", re.M
 )
 VARIANT = re.compile(r"!@kernel ([\w*]+)(\([\d, ]+\))?: (.*)")
+PUBLIC = re.compile(r"^ *public :: ((?:[\w, ]|& *\n *&?)+)", re.M)
 LINE = re.compile(
     r"^ *(\w+(?:\(\w+\))?), *(value|(?:device, *)?intent\(\w+\)) *::([^!\n]*)(?:!!?(.*))?", re.M
 )
@@ -92,20 +93,22 @@ def variants(kernel):
 
 def main():
     stem, folder, plain, varied = sys.argv[1], Path(sys.argv[2]), [], []
-    known, owner = dict(KNOWN), {}
+    known, own = dict(KNOWN), {}
     for text in (Path(x).read_text(encoding="utf-8") for x in sys.argv[3:]):
         plain += [Kernel(*m.groups(), text[m.end() :]) for m in KERNEL.finditer(text)]
         for m in VARIED.finditer(text):
             varied += [Kernel(m[1], m[3], text[m.end() :], VARIANT.findall(m[2]))]
-            owner[m[3]] = re.search(r"^module (\w+)", text, re.M)[1]
-        for module, names in USE.findall(text):
-            known |= dict.fromkeys(re.findall(r"\w+", names), module)
+        for owner, names in USE.findall(text):
+            known |= dict.fromkeys(re.findall(r"\w+", names), owner)
+        for names in PUBLIC.findall(text):
+            module = re.search(r"^module (\w+)", text, re.M)[1]
+            own |= dict.fromkeys(re.findall(r"\w+", names), module)
     kind, made = launches(stem, plain, launch, "") if plain else ([], [])
     made += [launch(0, stem, x) for x in varied]
     source = f"cuda/{stem}*.CUF"
     write(folder / f"{stem}_launches.f90", source, known, kind, made)
     if made := [one for x in varied for one in variants(x)]:
-        write(folder / f"{stem}_variants.CUF", source, known | owner, [], made)
+        write(folder / f"{stem}_variants.CUF", source, known | own, [], made)
 
 
 main()

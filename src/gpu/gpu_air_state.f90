@@ -14,6 +14,7 @@ module brz_gpu_air_state
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, &
         device_t, find_kernel, free_buffers, kernel_t, put_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_ghost_launches, only: ghost_kernels_t
     use brz_gpu_common, only: gpu_common_t
     use brz_kinds, only: dp, int64, int8, rk
     use brz_scheme, only: first_order, hllc, muscl_cells, scheme_t, weno3_cells
@@ -56,6 +57,7 @@ module brz_gpu_air_state
         type(doubles_t) :: part !! one number for each column along z
         type(kernel_t) :: faces, march, last, redo !! of the scheme
         type(air_kernels_t) :: kernels
+        type(ghost_kernels_t) :: ghosts
         type(gpu_common_t) :: common
         type(gpu_walls_t) :: walls
         type(gpu_bricks_t) :: bricks
@@ -87,7 +89,6 @@ contains
         call allocate_buffer(gpu%flux, field, err)
         call allocate_buffer(gpu%bad, cells, err)
         call allocate_buffer(gpu%found, 8_int64, err)
-        call allocate_buffer(gpu%outside, 2*ends*bytes_of_real, err)
         call allocate_buffer(gpu%edge, 2*ends*bytes_of_real, err)
         call allocate_buffer(gpu%outflow, 8*ends, err)
         call allocate_buffer(gpu%part, 8_int64*air%n(1)*air%n(2), err)
@@ -98,7 +99,7 @@ contains
         gpu%outflow_before = [air%outflow, air%outflow_products]
         call keep_outside(air)
         call set_scale(air)
-        call put_outside(air, gpu, err)
+        call put_buffer(air%outside, gpu%outside, 2*ends*bytes_of_real, err)
         call copy_in(air%u, gpu%u, field, err)
         do m = 1, 2
             call allocate_buffer(gpu%spare(m), field, err)
@@ -166,6 +167,7 @@ contains
 
         call gpu%kernels%open(device, err)
         call gpu%common%open(device, 1, err)
+        call gpu%ghosts%open(device, err)
         call gpu%bricks%wake%open(device, err)
         call find_kernel(device, 'faces_'//name_of(scheme), gpu%faces, err)
         call find_kernel(device, 'march_'//name_of(scheme), gpu%march, err)
@@ -186,30 +188,6 @@ contains
         end select
         name = name//trim(merge('_hllc ', '_split', scheme%flux == hllc))
     end function name_of
-
-    !> Copy the gas beyond the open boundaries, line by line.
-    subroutine put_outside(air, gpu, err)
-        type(air_t), intent(in) :: air
-        type(gpu_air_t), intent(in) :: gpu
-        type(error_t), intent(inout) :: err
-        real(rk), allocatable :: outside(:, :, :)
-        integer :: c, d, first, side
-
-        allocate (outside(gpu%grid%lines, air%n_var, 2), source=0.0_rk)
-        do d = 1, 3
-            do side = 1, 2
-                if (.not. allocated(air%outside(side, d)%q)) cycle
-                first = gpu%grid%before(d) + 1
-                associate (q => air%outside(side, d)%q)
-                    do c = 1, air%n_var
-                        outside(first:first + size(q)/air%n_var - 1, c, side) = &
-                            pack(q(c, :, :), .true.)
-                    end do
-                end associate
-            end do
-        end do
-        call copy_in(outside, gpu%outside, size(outside, kind=int64)*bytes_of_real, err)
-    end subroutine put_outside
 
     !> Give the memory back.
     subroutine close_gpu_air(gpu)

@@ -46,7 +46,8 @@ contains
         states = states_t(gpu%u, gpu%u, gpu%spare(1))
         do m = 1, air%n_stages
             stage = stage_of(air, dt, m)
-            call fill_ghosts(gpu, air, states%u, err)
+            call gpu%ghosts%fill_end(2*gpu%grid%lines, gpu%grid, air%scheme, gpu%outside, &
+                                     gpu%walls%solid, states%u, err)
             call sweep(gpu, air, stage, states, err)
             if (gpu%grid%walls == 1) call redo(gpu, air, states, stage, 0, 0, err)
             call repair(gpu, air, states, stage, lost, err)
@@ -91,18 +92,6 @@ contains
         found_bad = found(1) /= 0 .and. .not. failed(err)
         if (found_bad) call clear_buffer(gpu%found, err)
     end function found_bad
-
-    subroutine fill_ghosts(gpu, air, u, err)
-        type(gpu_air_t), intent(in) :: gpu
-        type(air_t), intent(in) :: air
-        type(reals_t), intent(in) :: u
-        type(error_t), intent(inout) :: err
-        integer :: d, lines
-
-        lines = maxval([(lines_along(gpu%grid, d), d=1, 3)], mask=air%n > 1)
-        call gpu%kernels%air_ghosts([lines, 6, 1], gpu%grid, air%scheme, gpu%outside, &
-                                    gpu%walls%solid, u, err)
-    end subroutine fill_ghosts
 
     !> Rates of all directions; the last one completes the next state and marks its bad cells.
     subroutine sweep(gpu, air, stage, states, err)

@@ -165,8 +165,8 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: part(book_threads)
 
-        call gpu%kernels%fastest_walls([book_threads, 1, 1], gpu%n_cells, gpu%box, &
-                                       there%walls%v, gpu%part, err)
+        call clear_buffer(gpu%part, err)
+        call gpu%loads%wall_speed(gpu%n_cells, there%grid, there%walls%v, gpu%part, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)
         fastest = maxval(part)

@@ -8,19 +8,22 @@ module brz_gpu_coupling_state
     use brz_carrier_rules, only: n_push
     use brz_coupling_state, only: coupling_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
+    use brz_cell_items, only: cells_of_a_chunk
+    use brz_cell_launches, only: cell_kernels_t
     use brz_column_launches, only: column_kernels_t
     use brz_coupling_box, only: box_t
     use brz_coupling_launches, only: coupling_kernels_t
     use brz_debt_launches, only: debt_kernels_t
-    use brz_device, only: allocate_buffer, device_t, free_buffers, put_buffer, reserve_buffer
+    use brz_device, only: allocate_buffer, device_t, find_kernel, free_buffers, kernel_t, &
+        put_buffer, reserve_buffer
     use brz_donor_launches, only: donor_kernels_t
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_coupling_layout, only: book_threads, n_book, n_count
-    use brz_gpu_solid_layout, only: scan_chunk
     use brz_kinds, only: int64
     use brz_ledger_launches, only: ledger_kernels_t
+    use brz_load_launches, only: load_kernels_t
     use brz_scheme, only: max_var
     use brz_velocity_launches, only: velocity_kernels_t
     implicit none
@@ -46,13 +49,13 @@ module brz_gpu_coupling_state
         integer(int64) :: fetched_changes = -1 !! cells that had changed hands at the last fetch
         type(buffer_t) :: shells !! shells_t
         type(bytes_t) :: mark !! (cells) what the particles make of a cell
-        type(integers_t) :: top !! (cells/scan_chunk) cells of a kind before each chunk
+        type(integers_t) :: top !! (chunks) cells of a kind before each chunk
         type(integers_t) :: slot !! (cells) place among the debts, or 0
         type(integers_t) :: counts !! see brz_gpu_coupling_layout
         type(doubles_t) :: book, part !! likewise
         integer :: bodies = 0 !! that may carry particles
         integer :: carrier_threads = 0 !! that add up what the gas does to a body
-        type(integers_t) :: loaded !! (bodies) 1: the air moves it
+        type(integers_t) :: felt !! (bodies) particles that feel the air
         type(buffer_t) :: carrier !! (bodies) as in coupling_t
         type(doubles_t) :: carrier_part !! what the gas does to them
         type(integers_t) :: cell_of, home, binned !! (particles) cell, place of it in the list, bins
@@ -71,8 +74,11 @@ module brz_gpu_coupling_state
         type(integers_t) :: debt_cell(2) !! the list, and room for the next one
         type(reals_t) :: debt(2)
         integer :: room_debts = 0
+        type(kernel_t) :: shift, push, load !! sums of carriers
         type(coupling_kernels_t) :: kernels
         type(gpu_common_t) :: common
+        type(cell_kernels_t) :: cells
+        type(load_kernels_t) :: loads
         type(column_kernels_t) :: columns
         type(velocity_kernels_t) :: velocities
         type(ledger_kernels_t) :: ledgers
@@ -95,6 +101,11 @@ contains
         gpu%bodies = size(coupling%carrier)
         call gpu%kernels%open(device, err)
         call gpu%common%open(device, n_push*gpu%bodies*fold_rows, err)
+        call find_kernel(device, 'carrier_shift', gpu%shift, err)
+        call find_kernel(device, 'carrier_push', gpu%push, err)
+        call find_kernel(device, 'carrier_load', gpu%load, err)
+        call gpu%cells%open(device, err)
+        call gpu%loads%open(device, err)
         call gpu%columns%open(device, err)
         call gpu%velocities%open(device, err)
         call gpu%ledgers%open(device, err)
@@ -102,7 +113,7 @@ contains
         call gpu%donors%open(device, err)
         call put_buffer(coupling%shells, gpu%shells, storage_size(coupling%shells)/8_int64, err)
         call allocate_buffer(gpu%mark, int(gpu%box%cells, int64), err)
-        call allocate_buffer(gpu%top, 4_int64*(gpu%box%cells/scan_chunk + 2), err)
+        call allocate_buffer(gpu%top, 4_int64*(gpu%box%cells/cells_of_a_chunk + 2), err)
         call allocate_buffer(gpu%slot, 4_int64*gpu%box%cells, err)
         call allocate_buffer(gpu%counts, 4_int64*n_count, err)
         call allocate_buffer(gpu%book, 8_int64*book_threads*n_book, err)
@@ -176,7 +187,7 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
 
         call free_buffers(gpu%shells, gpu%mark, gpu%top, gpu%slot, gpu%counts, gpu%book, gpu%part, &
-            gpu%loaded)
+            gpu%felt)
         call free_buffers(gpu%cell_of, gpu%home, gpu%binned, gpu%before, gpu%ends, gpu%cell, &
             gpu%above, gpu%ledger)
         call free_buffers(gpu%excess, gpu%gas, gpu%rows, gpu%owner, gpu%surface, gpu%weight, &

@@ -6,6 +6,7 @@
 module brz_gpu_coupling_step
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t
+    use brz_buffers, only: from
     use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: gpu_air_t
@@ -90,14 +91,15 @@ contains
         type(error_t), intent(inout) :: err
         integer :: b, marks(size(first))
 
-        call reserve_buffer(gpu%loaded, 4_int64*size(first), err)
-        call clear_buffer(gpu%loaded, err)
+        call reserve_buffer(gpu%felt, 4_int64*size(first), err)
+        call clear_buffer(gpu%felt, err)
         do b = 1, size(first)
-            call gpu%kernels%loaded_bodies([last(b) - first(b) + 1, 1, 1], first(b), last(b), b, &
-                gpu%box, dt, gpu%home, gpu%above, there%walls%impulse, gpu%loaded, err)
+            call gpu%loads%feel_load(last(b) - first(b) + 1, first(b), gpu%box, dt, gpu%home, &
+                                     gpu%above, there%walls%impulse, &
+                                     from(gpu%felt, int(b, int64)), err)
         end do
         marks = 0
-        call copy_out(gpu%loaded, marks, 4_int64*size(marks), err)
+        call copy_out(gpu%felt, marks, 4_int64*size(marks), err)
         loaded = marks /= 0
     end subroutine gpu_is_loaded
 
@@ -115,7 +117,7 @@ contains
         call look_at_particles(gpu, there, particles, counts, err)
         if (failed(err)) return
         coupling%outside = counts(count_outside)
-        if (counts(count_moved) == 1) then
+        if (counts(count_moved) > 0) then
             if (counts(count_covered) + counts(count_uncovered) > 0) &
                 call change_gpu_hands(gpu, there, air, coupling, counts, err)
             call fill_gpu_bins(gpu, there, particles, err)

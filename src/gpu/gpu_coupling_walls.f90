@@ -4,14 +4,15 @@
 module brz_gpu_coupling_walls
     use brz_air_state, only: air_t
     use brz_buffers, only: from, integers_t
+    use brz_cell_items, only: cells_of_a_chunk
     use brz_device, only: clear_buffer, copy_out
     use brz_coupling_box, only: is_solid
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: gpu_air_t, mark_near_walls
-    use brz_gpu_coupling_layout, only: n_count
+    use brz_gpu_coupling_layout, only: count_covered, count_moved, n_count
     use brz_gpu_coupling_state, only: column_of, gpu_coupling_t, particles_t, &
         size_cells, size_faces, tags_of
-    use brz_gpu_solid_layout, only: at_mass, scan_chunk, tag_fixed
+    use brz_gpu_solid_layout, only: at_mass, tag_fixed
     use brz_kinds, only: int64, int8
     implicit none
     private
@@ -29,10 +30,12 @@ contains
 
         call clear_buffer(gpu%counts, err)
         call clear_buffer(gpu%mark, err)
-        call gpu%kernels%coupling_find([particles%n, 1, 1], particles%n, gpu%box, &
-                                       particles%place, gpu%cell_of, gpu%mark, gpu%counts, err)
-        call gpu%kernels%coupling_compare(gpu%box%n, gpu%box, there%grid, there%walls%solid, &
-                                          gpu%mark, gpu%counts, err)
+        call gpu%cells%find_cell(particles%n, gpu%box, 4, particles%place, &
+                                 tags_of(particles, tag_fixed), gpu%cell_of, &
+                                 from(gpu%counts, int(count_moved, int64)), err)
+        call gpu%cells%mark_cell(particles%n, gpu%cell_of, gpu%mark, err)
+        call gpu%cells%compare_cell(gpu%box%cells, gpu%box, there%walls%solid, gpu%mark, &
+                                    from(gpu%counts, int(count_covered, int64)), err)
         counts = 0
         call copy_out(gpu%counts, counts, 4_int64*n_count, err)
     end subroutine look_at_particles
@@ -46,12 +49,11 @@ contains
         integer, intent(out), optional :: total
         integer :: chunks
 
-        chunks = (gpu%box%cells - 1)/scan_chunk + 1
-        call gpu%kernels%count_kind([chunks, 1, 1], gpu%box%cells, int(kind_of), gpu%mark, &
-                                    gpu%top, err)
+        chunks = (gpu%box%cells - 1)/cells_of_a_chunk + 1
+        call gpu%cells%count_kind(chunks, gpu%box%cells, int(kind_of), gpu%mark, gpu%top, err)
         call gpu%common%running_sum(gpu%top, chunks, err, total)
-        if (present(list)) call gpu%kernels%list_kind([chunks, 1, 1], gpu%box%cells, &
-            int(kind_of), gpu%mark, gpu%top, list, err)
+        if (present(list)) call gpu%cells%list_kind(chunks, gpu%box%cells, int(kind_of), &
+                                                    gpu%mark, gpu%top, list, err)
     end subroutine list_cells_of_kind
 
     !> Put the walls up where `mark` says; there are n solid cells. Velocities are not set.

@@ -37,15 +37,13 @@ module brz_gpu_solid_state
         integer :: slices = 0
         logical :: total = .false. !! total-Lagrangian
         logical :: rigid = .false.
-        logical :: held = .false. !! uses reference positions
         logical :: drawn = .false. !! has the hold
-        logical :: tilted = .false. !! gradients of its outermost layers are tilted
         logical :: asleep = .false. !! left out of the steps
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
         type(buffer_t) :: params, material
         type(doubles_t) :: drive
         type(integers_t) :: slice, list
-        type(kernel_t) :: update, forces !! those that suit the body
+        type(kernel_t) :: moments, update, forces !! those that suit the body
     end type gpu_solid_body_t
 
     !> Pairs of particles of different bodies.

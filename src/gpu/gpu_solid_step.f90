@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> One time step of the solids on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_solid_step
+    use brz_buffers, only: doubles_t
     use brz_device, only: clear_buffer, copy_in, copy_out
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
@@ -17,7 +18,8 @@ module brz_gpu_solid_step
     use brz_move_level, only: move_levels
     use brz_motion, only: mean_velocity, velocity_of
     use brz_solid_faults, only: report_bad
-    use brz_solid_launches, only: launch_advance_point, launch_solid_forces
+    use brz_solid_launches, only: launch_advance_point, launch_solid_forces, &
+        launch_solid_moments
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: form_bending, intact_share, solid_t
     implicit none
@@ -159,27 +161,17 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
+        type(doubles_t) :: place, other
 
-        associate (k => gpu%kernels, threads => threads_of(body))
-            if (body%tilted) then
-                call k%solid_moments_tilted(threads, gpu%n, body%params, gpu%place, &
-                    gpu%reference, gpu%motion, body%slice, gpu%count, body%list, gpu%row, &
-                    gpu%grad, gpu%state, gpu%tag, gpu%hold, gpu%held, err)
-            else if (body%drawn) then
-                call k%solid_moments_drawn(threads, gpu%n, body%params, gpu%place, &
-                    gpu%reference, gpu%motion, body%slice, gpu%count, body%list, gpu%row, &
-                    gpu%grad, gpu%state, gpu%held, err)
-            else if (body%total) then ! pairs are weighed by X_ij, and the sums lead to dx/dX
-                call k%solid_moments_held(threads, gpu%n, body%params, gpu%reference, gpu%place, &
-                    gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, err)
-            else if (body%held) then
-                call k%solid_moments_held(threads, gpu%n, body%params, gpu%place, gpu%reference, &
-                    gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, err)
-            else
-                call k%solid_moments(threads, gpu%n, body%params, gpu%place, gpu%motion, &
-                    body%slice, gpu%count, body%list, gpu%row, gpu%grad, err)
-            end if
-        end associate
+        place = gpu%place
+        other = gpu%reference
+        if (body%total) then ! pairs are weighed by X_ij, and the sums lead to dx/dX
+            place = gpu%reference
+            other = gpu%place
+        end if
+        call launch_solid_moments(body%moments, threads_of(body), gpu%n, body%params, place, &
+            other, gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, gpu%state, &
+            gpu%tag, gpu%hold, gpu%held, err)
     end subroutine sum_moments
 
     subroutine find_gradients(gpu, body, dt, err)
