@@ -46,17 +46,20 @@ MADE  := build/items
 ITEMS := $(filter %_items.f90,$(SRC))
 ITEM_NAMES := $(patsubst %_items,%,$(basename $(notdir $(ITEMS))))
 MODELS := $(wildcard src/materials/*.f90)
-LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(ITEM_NAMES:%=$(MADE)/%_launches.f90) \
+CUDA := $(sort $(wildcard cuda/*.CUF))
+FAMILIES := $(sort $(foreach f,$(CUDA),$(firstword $(subst _, ,$(basename $(notdir $f))))))
+VARIED := $(foreach f,$(FAMILIES),$(if $(shell grep -lsE '^ *!@kernel [^*]+$$' cuda/$f*.CUF),$f))
+LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
 LIB  := $(B)/brisance.o
-KERNELS := $(sort $(wildcard cuda/*.CUF)) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF) $(MADE)/model_kernels.CUF \
-           $(MADE)/model_list.f90
-PARTS_OF_KERNELS := $(wildcard cuda/*.inc cuda/*.ll)
+KERNELS := $(CUDA) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF) $(VARIED:%=$(MADE)/%_variants.CUF) \
+           $(MADE)/model_kernels.CUF $(MADE)/model_list.f90
+PARTS_OF_KERNELS := $(wildcard cuda/*.ll)
 PTX  := $(BIN).ptx
 # what the GPU code is made from; the executable refuses a PTX file of other sources
-DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(wildcard cuda/*.CUF) $(PARTS_OF_KERNELS) scripts/items.py scripts/models.py
+DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(CUDA) $(PARTS_OF_KERNELS) scripts/items.py scripts/kernels.py scripts/models.py
 STAMP := $(shell cat $(DEVICE) scripts/cuda_fortran.py | sha1sum | cut -c 1-16)
 SAVE := scripts/write_if_changed.sh
 
@@ -86,6 +89,9 @@ $(EMULATOR): $(DEVICE) $(KERNELS) scripts/gpu_emulate.py tests/gpu/emulator.c te
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(SRC) $(KERNELS) >/dev/null
 $(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels.CUF $(MADE)/%_launches.f90: $f%_items.f90 scripts/items.py ; \
     @mkdir -p $(MADE) && scripts/items.py $$< $(MADE)))
+$(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED)),$(MADE)/$f_variants.CUF) &: \
+    $(wildcard cuda/$f*.CUF) scripts/kernels.py scripts/items.py ; \
+    @mkdir -p $(MADE) && scripts/kernels.py $f $(MADE) $(wildcard cuda/$f*.CUF)))
 $(MADE)/model_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)
 $(B)/obj/%.o: %.f90 $(B)/command

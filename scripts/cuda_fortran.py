@@ -29,7 +29,6 @@ KERNEL = re.compile(
     re.I | re.M,
 )
 MODULE = re.compile(r"^\s*module\s+(?!procedure\b)(\w+)", re.I | re.M)
-INCLUDE = re.compile(r"^ *include '([^']+)' *\n", re.I | re.M)
 # intrinsics that the NVPTX back end cannot translate, and their names in libdevice
 MATH = "exp exp2 exp10 log log2 log10 pow powi sin cos tan asin acos atan atan2 sinh cosh tanh"
 LIBM = "erf erfc tgamma lgamma hypot expm1 log1p cbrt asinh acosh atanh sinh cosh tanh"
@@ -57,12 +56,6 @@ def run(*command):
     if done.returncode:
         raise Fault((done.stdout + done.stderr)[-3000:])
     return done.stdout + done.stderr
-
-
-def text_of(path):
-    """Text of a source, with the files that its include lines name."""
-    text = path.read_text(encoding="utf-8")
-    return INCLUDE.sub(lambda m: (path.parent / m[1]).read_text(encoding="utf-8"), text)
 
 
 def marked(path):
@@ -144,7 +137,7 @@ def structures_by_value(text, path, work):
 
     They land in the constant bank of the GPU, where instructions read them without a register.
     """
-    source, extra = re.sub(r"&\s*\n\s*&?", "", text_of(path)), "\n"
+    source, extra = re.sub(r"&\s*\n\s*&?", "", path.read_text(encoding="utf-8")), "\n"
     for name in kernels_of(path):
         found = re.search(
             rf"subroutine\s+{name}\s*\(([^)]*)\)(.*?)end subroutine", source, re.I | re.S
@@ -219,7 +212,7 @@ def aligned(text, symbol):
 def compile_one(path, wanted, args):
     """IR of a file, or only its module file where it holds no device code."""
     flang = [BIN / "flang", "-fc1", *TARGET, "-x", "cuda", "-cpp", "-O3", "-fstack-arrays", "-w"]
-    flang += ["-module-dir", args.work, "-I", args.work, "-I", path.parent]
+    flang += ["-module-dir", args.work, "-I", args.work]
     flang += [f"-D{name}" for name in args.define]
     if args.no_fma:
         flang += ["-ffp-contract=off"]

@@ -19,7 +19,7 @@ import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from cuda_fortran import MODULE, in_order, kernels_of, text_of
+from cuda_fortran import MODULE, in_order, kernels_of
 from depend import scan
 
 FLAGS = ["-std=f2018", "-O2", "-march=native", "-ffp-contract=off", "-fPIC", "-fopenmp", "-w"]
@@ -64,7 +64,7 @@ def compile_all(paths, args):
     def one(path):
         source = path
         if path in kernels:
-            text, found = translated(text_of(path))
+            text, found = translated(path.read_text(encoding="utf-8"))
             source = args.work / (path.stem + "_kernels.f90")
             source.write_text(text, encoding="utf-8")
             table.extend(found)

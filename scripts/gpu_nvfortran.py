@@ -17,7 +17,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from cuda_fortran import MODULE, in_order, kernels_of, marked, text_of
+from cuda_fortran import MODULE, in_order, kernels_of, marked
 from depend import scan
 
 FLAGS = ["-cuda", "-gpu=cc80,keepptx", "-cpp", "-O3"]
@@ -31,7 +31,7 @@ def whole(sources):
         owner.update({module: path for module in makes})
     wanted = [p for p in sources if p.suffix == ".CUF" or marked(p)]
     order = [path for group in in_order(wanted, needs, owner) for path in group]
-    return "".join(text_of(path) for path in order)
+    return "".join(path.read_text(encoding="utf-8") for path in order)
 
 
 def plain_names(ptx, sources):

@@ -127,7 +127,7 @@ def launch(number, stem, item):
     return procedure(item.doc, f"subroutine launch_{item.name}", names, declared, body)
 
 
-def launches(stem, items):
+def launches(stem, items, launch, prefix):
     """The type whose procedures launch the kernels of a file, and these procedures."""
     kind = [f"type :: {stem}_kernels_t", "    private"]
     kind += [f"    type(kernel_t) :: kernel({len(items)})", "contains"]
@@ -135,8 +135,8 @@ def launches(stem, items):
     kind += [f"    procedure :: {x.name} => launch_{x.name}" for x in items]
     declared = [f"class({stem}_kernels_t), intent(inout) :: self"]
     declared += ["type(device_t), intent(in) :: device", "type(error_t), intent(inout) :: err"]
-    find = "call find_kernel(device, 'each_{}', self%kernel({}), err)"
-    body = [find.format(x.name, k) for k, x in enumerate(items, 1)]
+    find = "call find_kernel(device, '{}{}', self%kernel({}), err)"
+    body = [find.format(prefix, x.name, k) for k, x in enumerate(items, 1)]
     doc, head = "!> Find the kernels; before any launch.", "subroutine find_kernels"
     find = procedure(doc, head, ["self", "device", "err"], declared, body)
     every = [launch(k, stem, x) for k, x in enumerate(items, 1)]
@@ -151,10 +151,13 @@ def write(path, source, known, kind, procedures):
     for owner in sorted({known[x] for x in words}):
         names = ", ".join(sorted(x for x in words if known[x] == owner))
         uses += fold(f"use {owner}, only: {names}")
-    public = re.findall(r"subroutine (each_\w+)\(|end type (\w+)", "\n".join(code))
-    public = ", ".join(x or y for x, y in public)
+    # the kernels and loops; of launches the type, and those that it does not have
+    text = "\n".join(code)
+    head = re.compile(r"^ *(?:attributes\(global\).*)?subroutine (\w+)\(|end type (\w+)", re.M)
+    public = ", ".join(x or y for x, y in head.findall(text) if y or f"=> {x}" not in text)
     uses += ["implicit none", "private", *fold(f"public :: {public}")]
-    lines = ["! SPDX-License-Identifier: MIT", f"!> Written by scripts/items.py from {source}."]
+    script = Path(sys.argv[0]).name
+    lines = ["! SPDX-License-Identifier: MIT", f"!> Written by scripts/{script} from {source}."]
     lines += [f"module brz_{path.stem}", *inner(uses), "", *code, f"end module brz_{path.stem}"]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
@@ -166,10 +169,11 @@ def main():
     known = dict(KNOWN)
     for owner, names in USE.findall(text):
         known |= dict.fromkeys(re.findall(r"\w+", names), owner)
-    write(folder / f"{stem}_launches.f90", source, known, *launches(stem, items))
+    write(folder / f"{stem}_launches.f90", source, known, *launches(stem, items, launch, "each_"))
     known |= {x.name: f"brz_{source.stem}" for x in items}
     write(folder / f"{stem}_loops.f90", source, known, [], [loop(x) for x in items])
     write(folder / f"{stem}_kernels.CUF", source, known, [], [kernel(x) for x in items])
 
 
-main()
+if __name__ == "__main__":
+    main()

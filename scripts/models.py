@@ -132,9 +132,8 @@ def kernels(models):
             "        real(dp), device, intent(inout) :: book(n, *)",
             "        integer, device, intent(inout) :: flags(*)",
             "",
-            f"        call advance_point({x}, {slots}, n, &",
-            "            body%first - 1 + (blockIdx%x - 1)*blockDim%x + threadIdx%x, dt, body, &",
-            "            material, grad, state, tag, book, flags)",
+            f"        call advance_point({x}, {slots}, n, dt, body, material, grad, state, &",
+            "            tag, book, flags)",
             f"    end subroutine update_by_{x}",
         ]
     return lines

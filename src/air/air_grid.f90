@@ -6,7 +6,8 @@ module brz_air_grid
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: grid_t, stage_t, grid_of, place_of, variable_in_slot, line_start, lines_along
+    public :: grid_t, stage_t, grid_of, place_of, variable_in_slot
+    public :: first_cell, line_start, lines_along
     public :: rate_none, rate_in_flux, rate_in_new
     public :: faces_of_a_thread
     public :: brick, rest_t, brick_of, brick_start, layers_around

@@ -9,7 +9,7 @@ module brz_air_state
     use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t, outside_t, ends_t
+    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t, ends_t
     public :: n_ghost, lines_per_block, brick
     public :: cell_centre, cell_gamma, set_scale
     public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic, bc_inside
@@ -35,11 +35,6 @@ module brz_air_state
         real(rk), allocatable :: f(:, :) !! (lines, n_var) normal momentum in slot 2
         real(dp), allocatable :: sums(:, :) !! (n_var, bricks) the same of the faces of bricks
     end type ends_t
-
-    !> The gas beyond an open boundary: that of the cells next to it before anything happened.
-    type :: outside_t
-        real(rk), allocatable :: q(:, :, :) !! (n_var, n, n) conserved variables, face by face
-    end type outside_t
 
     !> What became of a charge on the grid.
     type :: charge_report_t
@@ -70,7 +65,9 @@ module brz_air_state
         logical :: fallback = .true.
         real(rk) :: rho_rest = 1.225_rk, p_rest = 101325 !! undisturbed air
         real(rk) :: rest(max_var) = 0 !! its conserved variables
-        type(outside_t) :: outside(2, 3) !! (low/high, direction), where the boundary is open
+        real(rk), allocatable :: outside(:, :, :)
+        !! (lines, n_var, low/high) gas beyond open boundaries, see grid_t: that of the cells next
+        !! to them before anything happened
         logical :: activity = .false. !! leave out what nothing has reached
         real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the ledger
         real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (ghosts unused)

@@ -39,7 +39,7 @@ module brz_coupling_state
         !! (6, n_cells) face that begins the column of a cell and is near enough to load it, or 0
         ! cells that changed hands in this step, by number of the cell
         integer :: n_covered = 0, n_uncovered = 0
-        integer(int32), allocatable :: covered(:), uncovered(:)
+        integer(int32), allocatable :: uncovered(:)
         ! donors: cells whose gas goes to ledgers nearby; the uncovered first, then the buried
         integer :: n_donors = 0, n_buried = 0
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell

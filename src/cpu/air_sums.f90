@@ -3,8 +3,10 @@
 module brz_air_sums
     use brz_air_activity, only: next_run
     use brz_kinds, only: dp, int8, rk
-    use brz_air_state, only: air_t, brick, cell_gamma, wall_t
+    use brz_air_grid, only: grid_of, grid_t
+    use brz_air_state, only: air_t, bc_periodic, brick, cell_gamma, wall_t
     use brz_air_totals, only: cell_sums
+    use brz_load_loops, only: each_wall_speed
     use brz_ranks, only: least_of_all
     implicit none
     private
@@ -25,7 +27,8 @@ contains
         real(dp), intent(in) :: cfl !! Courant number [-]
         real(rk) :: fastest, inverse(3)
         real(dp) :: least(1)
-        integer :: j, k, c, at(3)
+        type(grid_t) :: grid
+        integer :: j, k, at(3)
 
         inverse = merge(real(1/air%dx, rk), 0.0_rk, air%n > 1)
         fastest = 0
@@ -40,9 +43,8 @@ contains
         end do
         !$omp end parallel do
         if (wall%present) then
-            do c = 1, wall%n_cells
-                fastest = max(fastest, sum(abs(wall%v(:, c))*inverse))
-            end do
+            grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
+            call each_wall_speed(wall%n_cells, grid, wall%v, fastest)
         end if
         least = cfl/fastest
         call least_of_all(air%part%ranks, least)

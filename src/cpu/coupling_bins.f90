@@ -2,14 +2,14 @@
 !> Particles by air cell: which cells hold solid, and which particles a cell holds.
 module brz_coupling_bins
     use brz_air_state, only: air_t
-    use brz_cell_place, only: cell_number
+    use brz_cell_loops, only: each_find_cell, each_mark_cell
     use brz_cell_shells, only: cell_at, number_of
     use brz_column_loops, only: each_find_above
-    use brz_coupling_box, only: is_solid
+    use brz_coupling_box, only: is_gas
     use brz_coupling_carriers, only: see_carriers
     use brz_coupling_state, only: coupling_t, side_of
     use brz_kinds, only: int32
-    use brz_solid_state, only: is_gone, solid_t, worth_threads
+    use brz_solid_state, only: solid_t, worth_threads
     use brz_velocity_loops, only: each_mean_velocity_of
     implicit none
     private
@@ -19,26 +19,16 @@ module brz_coupling_bins
 contains
 
     !> Find the air cell of each particle. `moved` is false when none has changed its cell.
-    subroutine find_cells(air, solid, coupling, moved)
-        type(air_t), intent(in) :: air
+    subroutine find_cells(solid, coupling, moved)
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         logical, intent(out) :: moved
-        integer(int32) :: c
-        integer :: p, changes, outside
+        integer :: changes
 
         changes = 0
-        outside = 0
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(c) &
-        !$omp reduction(+:changes, outside)
-        do p = 1, solid%n
-            c = cell_number(solid%x(:, p), air%lo, air%dx, air%n, coupling%wraps)
-            if (solid%fixed(p) == is_gone) c = 0
-            if (c /= coupling%cell_of(p)) changes = changes + 1
-            if (c == 0) outside = outside + 1
-            coupling%cell_of(p) = c
-        end do
-        coupling%outside = outside
+        coupling%outside = 0
+        call each_find_cell(solid%n, coupling%box, size(solid%x, 1), solid%x, solid%fixed, &
+                            coupling%cell_of, changes, coupling%outside)
         moved = changes > 0
     end subroutine find_cells
 
@@ -47,21 +37,15 @@ contains
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
-        integer :: p, j, k, c(3)
+        integer :: j, k
 
         !$omp parallel do if(size(coupling%mark) >= worth_threads) schedule(static) collapse(2)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
-                coupling%mark(:, j, k) = 0
+                coupling%mark(:, j, k) = is_gas
             end do
         end do
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(c)
-        do p = 1, solid%n
-            if (coupling%cell_of(p) == 0) cycle
-            c = cell_at(air%n, coupling%cell_of(p))
-            !$omp atomic write
-            coupling%mark(c(1), c(2), c(3)) = is_solid
-        end do
+        call each_mark_cell(solid%n, coupling%cell_of, coupling%mark)
     end subroutine mark_cells
 
     !> Wall faces by solid cell and side, from the lists of build_walls.
@@ -127,12 +111,11 @@ contains
 
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
     !> carries them, else as it is kept, half a step before.
-    subroutine move_walls(air, solid, coupling)
-        type(air_t), intent(in) :: air
+    subroutine move_walls(solid, coupling)
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
 
-        call see_carriers(air, solid, coupling)
+        call see_carriers(solid, coupling)
         call each_mean_velocity_of(coupling%wall%n_cells, coupling%box, size(solid%x, 1), &
                                    size(coupling%carrier), coupling%carrier, coupling%ends, &
                                    coupling%binned, solid%x, solid%v, solid%mass, solid%fixed, &

@@ -2,14 +2,13 @@
 !> Columns of solid cells behind wall faces.
 module brz_coupling_columns
     use brz_air_state, only: air_t
-    use brz_column_items, only: depth_weight
     use brz_column_loops, only: each_weigh_column
     use brz_coupling_state, only: coupling_t
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: weigh_columns, weight_of, area
+    public :: weigh_columns, area
 
 contains
 
@@ -25,16 +24,6 @@ contains
                                    solid%mass, coupling%surface, coupling%weight)
         end associate
     end subroutine weigh_columns
-
-    !> Weight of a particle in the load of a face whose column it belongs to [kg].
-    pure real(rk) function weight_of(solid, coupling, f, p)
-        type(solid_t), intent(in) :: solid
-        type(coupling_t), intent(in) :: coupling
-        integer, intent(in) :: f, p !! face, particle
-
-        weight_of = depth_weight(coupling%box, coupling%rows(f), coupling%gas(f), &
-            coupling%surface(f), solid%x((coupling%rows(f) + 1)/2, p), solid%mass(p))
-    end function weight_of
 
     !> Area of a face normal to direction d [m2].
     pure real(dp) function area(air, d)

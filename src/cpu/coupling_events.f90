@@ -6,13 +6,15 @@
 module brz_coupling_events
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
-    use brz_cell_shells, only: cell_at, number_of
+    use brz_cell_items, only: cells_of_a_chunk, change_of
+    use brz_cell_loops, only: each_count_kind, each_list_kind
     use brz_coupling_bins, only: at_least, fill_bins, find_cells, index_faces, mark_cells, &
-                                 move_walls
+                                 move_walls, running_sum
     use brz_coupling_box, only: is_left, is_solid
     use brz_coupling_debts, only: level_ledgers, limit_ledgers, release_debts, settle_covered
     use brz_coupling_donors, only: donate, fill_uncovered
     use brz_coupling_state, only: coupling_t
+    use brz_kinds, only: int8
     use brz_scheme, only: max_var
     use brz_solid_state, only: solid_t, worth_threads
     implicit none
@@ -30,7 +32,7 @@ contains
         type(coupling_t), intent(inout) :: coupling
         logical :: moved
 
-        call find_cells(air, solid, coupling, moved)
+        call find_cells(solid, coupling, moved)
         if (moved) then
             call mark_cells(air, solid, coupling)
             call list_changes(air, coupling)
@@ -41,69 +43,64 @@ contains
         call limit_ledgers(air, coupling)
         call release_debts(air, coupling)
         ! the next time step depends on these alone, so that a restart finds the same
-        call move_walls(air, solid, coupling)
+        call move_walls(solid, coupling)
     end subroutine reclassify
 
-    !> Cells newly covered and newly uncovered, in their order.
+    !> Count the cells newly covered and newly uncovered; list the latter in their order.
     subroutine list_changes(air, coupling)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
-        integer :: i, j, k, change, n_covered, n_uncovered
+        integer :: chunks, j, k, covered, uncovered
 
-        n_covered = 0
-        n_uncovered = 0
+        covered = 0
+        uncovered = 0
         !$omp parallel do if(size(coupling%mark) >= worth_threads) schedule(static) collapse(2) &
-        !$omp private(change) reduction(+:n_covered, n_uncovered)
+        !$omp reduction(+:covered, uncovered)
         do k = 1, air%n(3)
             do j = 1, air%n(2)
-                do i = 1, air%n(1)
-                    change = coupling%mark(i, j, k) - coupling%wall%solid(i, j, k)
-                    if (change > 0) n_covered = n_covered + 1
-                    if (change < 0) n_uncovered = n_uncovered + 1
-                end do
+                call compare_row(coupling%wall%solid(1:air%n(1), j, k), coupling%mark(:, j, k), &
+                                 covered, uncovered)
             end do
         end do
-        coupling%n_covered = n_covered
-        coupling%n_uncovered = n_uncovered
-        if (n_covered + n_uncovered == 0) return
-        call at_least(coupling%covered, n_covered)
-        call at_least(coupling%uncovered, n_uncovered)
-        n_covered = 0
-        n_uncovered = 0
-        do k = 1, air%n(3)
-            do j = 1, air%n(2)
-                do i = 1, air%n(1)
-                    if (coupling%mark(i, j, k) == coupling%wall%solid(i, j, k)) cycle
-                    if (coupling%mark(i, j, k) == is_solid) then
-                        n_covered = n_covered + 1
-                        coupling%covered(n_covered) = number_of(air%n, [i, j, k])
-                    else
-                        n_uncovered = n_uncovered + 1
-                        coupling%uncovered(n_uncovered) = number_of(air%n, [i, j, k])
-                    end if
-                end do
-            end do
-        end do
-        coupling%covered_total = coupling%covered_total + n_covered
-        coupling%uncovered_total = coupling%uncovered_total + n_uncovered
+        coupling%n_covered = covered
+        coupling%n_uncovered = uncovered
+        coupling%covered_total = coupling%covered_total + covered
+        coupling%uncovered_total = coupling%uncovered_total + uncovered
+        call at_least(coupling%uncovered, uncovered)
+        if (uncovered == 0) return
+        associate (cells => coupling%box%cells)
+            chunks = (cells - 1)/cells_of_a_chunk + 1
+            call at_least(coupling%start, chunks + 1)
+            call each_count_kind(chunks, cells, int(is_left), coupling%mark, coupling%start)
+            call running_sum(coupling%start, chunks, uncovered)
+            call each_list_kind(chunks, cells, int(is_left), coupling%mark, coupling%start, &
+                                coupling%uncovered)
+        end associate
     end subroutine list_changes
+
+    !> The cells of a row, see compare_cell.
+    pure subroutine compare_row(solid, mark, covered, uncovered)
+        integer(int8), intent(in) :: solid(:)
+        integer(int8), intent(inout) :: mark(:)
+        integer, intent(inout) :: covered, uncovered !! added to
+        integer :: change, i
+
+        do i = 1, size(mark)
+            change = change_of(solid(i), mark(i))
+            if (change > 0) covered = covered + 1
+            if (change < 0) uncovered = uncovered + 1
+            if (change < 0) mark(i) = is_left
+        end do
+    end subroutine compare_row
 
     !> The map has changed: fill what the solid left, put the new walls up, pass the rest on.
     subroutine change_hands(air, coupling)
         type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
-        integer :: e, c(3)
 
         call fill_uncovered(air, coupling)
-        do e = 1, coupling%n_covered
-            c = cell_at(air%n, coupling%covered(e))
-            coupling%wall%solid(c(1), c(2), c(3)) = 1
-        end do
-        do e = 1, coupling%n_uncovered
-            c = cell_at(air%n, coupling%uncovered(e))
-            coupling%wall%solid(c(1), c(2), c(3)) = 0
-            coupling%mark(c(1), c(2), c(3)) = is_left
-        end do
+        coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = &
+            merge(1_int8, 0_int8, coupling%mark == is_solid)
         call build_walls(air, coupling%wall)
         call index_faces(air, coupling)
         call size_walls(coupling)

@@ -36,7 +36,7 @@ contains
         type(stage_t) :: stage
         integer :: m
 
-        call move_walls(air, solid, coupling)
+        call move_walls(solid, coupling)
         call fill_solid_cells(air, coupling)
         call begin_step(air, none, dt, stage)
         solid%load(:, :solid%n) = 0
@@ -47,7 +47,7 @@ contains
             call add_forces(air, solid, coupling, share_of(m, air%n_stages), dt)
             call update(air, stage%dt, new_weight(m, air%n_stages), m == 1)
         end do
-        call load_carriers(air, solid, coupling)
+        call load_carriers(solid, coupling)
     end subroutine paper_step
 
     !> Fill the solid cells with gas: those that touch gas from the gas around, the others at rest.
@@ -126,7 +126,7 @@ contains
         type(coupling_t), intent(inout) :: coupling
         logical :: moved
 
-        call find_cells(air, solid, coupling, moved)
+        call find_cells(solid, coupling, moved)
         if (moved) then
             call mark_cells(air, solid, coupling)
             coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = coupling%mark
@@ -134,6 +134,6 @@ contains
             call index_faces(air, coupling)
             call fill_bins(air, solid, coupling)
         end if
-        call move_walls(air, solid, coupling)
+        call move_walls(solid, coupling)
     end subroutine move_paper_walls
 end module brz_coupling_paper

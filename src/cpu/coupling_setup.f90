@@ -119,14 +119,14 @@ contains
         logical :: moved
 
         coupling%cell_of = -1
-        call find_cells(air, solid, coupling, moved)
+        call find_cells(solid, coupling, moved)
         call mark_cells(air, solid, coupling)
         coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = coupling%mark
         call build_walls(air, coupling%wall)
         call index_faces(air, coupling)
         call size_walls(coupling)
         call fill_bins(air, solid, coupling)
-        call move_walls(air, solid, coupling)
+        call move_walls(solid, coupling)
         call enter_debts(coupling)
     end subroutine restart_coupling
 end module brz_coupling_setup

@@ -23,12 +23,12 @@ contains
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
 
-        call move_walls(air, solid, coupling)
+        call move_walls(solid, coupling)
         call weigh_columns(solid, coupling)
         associate (wall => coupling%wall, box => coupling%box)
             call each_feel_gas(wall%n_faces, box, air%scheme, coupling%gas, coupling%rows, &
                                wall%face_cell, air%u, wall%v, coupling%force, coupling%impedance)
-            call move_carriers(air, solid, coupling, dt)
+            call move_carriers(solid, coupling, dt)
             call each_push_wall(wall%n_cells, box, size(solid%x, 1), 1, size(solid%load, 1), &
                                 size(coupling%carrier), real(dt, rk), &
                                 real(coupling%dt_before, rk), coupling%carrier, coupling%gas, &

@@ -13,7 +13,7 @@ module brz_cuda_driver
     public :: cu_init, cu_driver_version, cu_device_count, cu_device, cu_device_name
     public :: cu_device_attribute, cu_context_retain, cu_context_set, cu_memory_info
     public :: cu_module_load, cu_module_function, cu_allocate, cu_free, cu_to_device, cu_to_host
-    public :: cu_fill_bytes, cu_launch, cu_synchronize, cu_event_create, cu_event_record
+    public :: cu_copy, cu_fill_bytes, cu_launch, cu_synchronize, cu_event_create, cu_event_record
     public :: cu_event_synchronize, cu_event_elapsed
 
     abstract interface
@@ -91,6 +91,11 @@ module brz_cuda_driver
             integer(c_intptr_t), value :: address
             integer(c_size_t), value :: bytes
         end function to_host_i
+        integer(c_int) function copy_i(to, from, bytes) bind(c)
+            import :: c_int, c_intptr_t, c_size_t
+            integer(c_intptr_t), value :: to, from
+            integer(c_size_t), value :: bytes
+        end function copy_i
         integer(c_int) function fill_i(address, byte, n) bind(c)
             import :: c_int, c_intptr_t, c_signed_char, c_size_t
             integer(c_intptr_t), value :: address
@@ -156,6 +161,7 @@ module brz_cuda_driver
     procedure(free_i), pointer, protected, save :: cu_free => null()
     procedure(to_device_i), pointer, protected, save :: cu_to_device => null()
     procedure(to_host_i), pointer, protected, save :: cu_to_host => null()
+    procedure(copy_i), pointer, protected, save :: cu_copy => null()
     procedure(fill_i), pointer, protected, save :: cu_fill_bytes => null()
     procedure(launch_i), pointer, protected, save :: cu_launch => null()
     procedure(no_argument_i), pointer, protected, save :: cu_synchronize => null()
@@ -190,6 +196,7 @@ contains
         call c_f_procpointer(address('cuMemFree_v2', why), cu_free)
         call c_f_procpointer(address('cuMemcpyHtoD_v2', why), cu_to_device)
         call c_f_procpointer(address('cuMemcpyDtoH_v2', why), cu_to_host)
+        call c_f_procpointer(address('cuMemcpyDtoD_v2', why), cu_copy)
         call c_f_procpointer(address('cuMemsetD8_v2', why), cu_fill_bytes)
         call c_f_procpointer(address('cuLaunchKernel', why), cu_launch)
         call c_f_procpointer(address('cuCtxSynchronize', why), cu_synchronize)

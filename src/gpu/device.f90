@@ -7,7 +7,7 @@ module brz_device
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_float, &
         c_int, c_int64_t, c_intptr_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_signed_char, c_size_t
     use brz_buffers, only: arguments_t, buffer_t, most_arguments
-    use brz_cuda_driver, only: cu_allocate, cu_context_retain, cu_context_set, cu_device, &
+    use brz_cuda_driver, only: cu_allocate, cu_context_retain, cu_context_set, cu_copy, cu_device, &
         cu_device_attribute, cu_device_count, cu_device_name, cu_driver_version, &
         cu_event_create, cu_event_elapsed, cu_event_record, cu_event_synchronize, &
         cu_fill_bytes, cu_free, cu_init, cu_launch, cu_memory_info, cu_module_function, &
@@ -21,7 +21,7 @@ module brz_device
     private
     public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
     public :: find_kernel, allocate_buffer, put_buffer, reserve_buffer, free_buffer, &
-              free_buffers, copy_in, copy_out, clear_buffer, launch, &
+              free_buffers, copy_in, copy_out, copy_within, clear_buffer, launch, &
               wait_for_device, start_timer, stop_timer
 
     integer, parameter :: threads_per_block = 128 !! all along x
@@ -209,7 +209,7 @@ contains
 
         if (buffer%address /= 0 .and. buffer%bytes >= bytes) return
         call free_buffer(buffer)
-        call allocate_buffer(buffer, bytes + bytes/4, err)
+        call allocate_buffer(buffer, bytes + bytes/8, err)
     end subroutine reserve_buffer
 
     !> Give memory back. Nothing happens to a buffer that holds none.
@@ -235,12 +235,17 @@ contains
         if (present(b8)) call free_buffer(b8)
     end subroutine free_buffers
 
-    subroutine clear_buffer(buffer, err)
+    !> Set a buffer, or its first bytes, to zero.
+    subroutine clear_buffer(buffer, err, bytes)
         class(buffer_t), intent(in) :: buffer
         type(error_t), intent(inout) :: err
+        integer(int64), intent(in), optional :: bytes
+        integer(int64) :: n
 
         if (failed(err)) return
-        call check(cu_fill_bytes(buffer%address, 0_c_signed_char, buffer%bytes), 'clearing', err)
+        n = buffer%bytes
+        if (present(bytes)) n = bytes
+        call check(cu_fill_bytes(buffer%address, 0_c_signed_char, n), 'clearing', err)
     end subroutine clear_buffer
 
     !> Copy a contiguous array to the GPU.
@@ -276,6 +281,16 @@ contains
         call check(cu_to_host(c_loc(x), buffer%address, int(bytes, c_size_t)), &
                    'copying from the GPU (or a kernel before it)', err)
     end subroutine copy_out
+
+    !> Copy from one place on the GPU to another, in turn with the kernels.
+    subroutine copy_within(from, to, bytes, err)
+        class(buffer_t), intent(in) :: from, to
+        integer(int64), intent(in) :: bytes
+        type(error_t), intent(inout) :: err
+
+        if (failed(err) .or. bytes == 0) return
+        call check(cu_copy(to%address, from%address, bytes), 'copying on the GPU', err)
+    end subroutine copy_within
 
     !> Launch a kernel with n threads, in x rounded up to whole blocks: the kernel must check its x.
     subroutine launch(kernel, n, arguments, err)

@@ -3,9 +3,8 @@
 module brz_gpu_air_activity
     use brz_air_grid, only: layers_around, rest_t
     use brz_air_state, only: air_t, bc_periodic
-    use brz_device, only: arguments_t, launch
     use brz_errors, only: error_t
-    use brz_gpu_air_state, only: add_grid, gpu_air_t
+    use brz_gpu_air_state, only: gpu_air_t
     use brz_kinds, only: rk
     use brz_scheme, only: reach_of
     implicit none
@@ -21,25 +20,16 @@ contains
         type(gpu_air_t), intent(inout) :: gpu
         type(air_t), intent(in) :: air
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         type(rest_t) :: rest
         integer :: columns(3), layers(3)
 
         rest%u = air%rest
         rest%momentum = epsilon(1.0_rk)*sqrt(air%scheme%gamma*air%p_rest*air%rho_rest)
         columns = [air%n(1:2), gpu%grid%bricks(3)]
-        call add_grid(gpu, arguments)
-        call arguments%add_structure(rest, storage_size(rest)/8)
-        call arguments%add(gpu%u)
-        call arguments%add(gpu%bricks%awake)
-        call arguments%add(gpu%bricks%reached)
-        call launch(gpu%bricks%look, columns, arguments, err)
-        arguments%n = 0
-        call add_grid(gpu, arguments)
-        call arguments%add(gpu%bricks%awake)
-        call arguments%add(gpu%bricks%reached)
-        call arguments%add(gpu%u)
-        call launch(gpu%bricks%settle, columns, arguments, err)
+        call gpu%kernels%air_look(columns, gpu%grid, rest, gpu%u, gpu%bricks%awake, &
+                                  gpu%bricks%reached, err)
+        call gpu%kernels%air_settle(columns, gpu%grid, gpu%bricks%awake, gpu%bricks%reached, &
+                                    gpu%u, err)
         if (air%activity .and. gpu%bricks%swept) then
             layers = layers_around(air%n, air%bc(1, :) == bc_periodic, &
                 air%n_stages*reach_of(air%scheme))

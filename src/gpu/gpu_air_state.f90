@@ -6,22 +6,24 @@
 module brz_gpu_air_state
     use brz_air_boundary, only: beyond_wall
     use brz_air_grid, only: grid_of, grid_t, place_of
+    use brz_air_launches, only: air_kernels_t
     use brz_air_outside, only: keep_outside
-    use brz_air_state, only: air_t, bc_periodic, set_scale
+    use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
     use brz_brick_launches, only: brick_kernels_t
-    use brz_buffers, only: arguments_t, buffer_t, bytes_t, integers_t, reals_t
+    use brz_buffers, only: buffer_t, bytes_t, doubles_t, integers_t, reals_t
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, &
-        device_t, find_kernel, free_buffer, kernel_t, launch
+        device_t, find_kernel, free_buffers, kernel_t, put_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_ghost_launches, only: ghost_kernels_t
+    use brz_gpu_common, only: gpu_common_t
     use brz_kinds, only: dp, int64, int8, rk
     use brz_scheme, only: first_order, hllc, muscl_cells, scheme_t, weno3_cells
     use brz_text, only: to_text
     implicit none
     private
     public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air, close_gpu_air
-    public :: mark_near_walls, fetch_air, fetch_cells, gather, add_grid, fold_threads, bytes_of_real
+    public :: mark_near_walls, fetch_air, fetch_cells, fetch_map, bytes_of_real
 
-    integer, parameter :: fold_threads = 1024 !! partial results that the host folds
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
 
     !> The cells that hold solid, as wall_t has them; without walls the buffers hold nothing.
@@ -32,17 +34,12 @@ module brz_gpu_air_state
         type(reals_t) :: v !! (3, n_cells) velocity of the walls
         type(integers_t) :: face_of !! (6, n_cells) wall face on each side
         type(reals_t) :: push, impulse !! (n_faces) impulse of a stage, of the step
-        type(kernel_t) :: mark_near, add_impulse, scatter
-        integer, allocatable :: shared(:, :) !! (3, n) cells that the host changes between steps
-        real(rk), allocatable :: values(:, :) !! (n, n_var) their state, on its way
-        type(buffer_t) :: place_at, values_at !! the same on the GPU
     end type gpu_walls_t
 
     !> Which bricks of the air something has reached, and which are computed, as air_t has them.
     type :: gpu_bricks_t
         logical :: swept = .false. !! every brick has been computed once
         type(bytes_t) :: reached, awake !! one byte for each brick
-        type(kernel_t) :: look, settle
         type(brick_kernels_t) :: wake
     end type gpu_bricks_t
 
@@ -51,16 +48,17 @@ module brz_gpu_air_state
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         type(reals_t) :: u !! conserved variables, as in air_t
         type(reals_t) :: spare(2) !! the same of the stages of a step
-        type(buffer_t) :: flux !! through the faces of direction x above each cell
-        type(buffer_t) :: bad !! one byte for each cell, see finish_cell
-        type(buffer_t) :: found !! 1: a kernel has found a bad cell
-        type(buffer_t) :: outside !! (lines, n_var, 2) gas beyond open boundaries
-        type(buffer_t) :: edge !! (lines, n_var, 2) fluxes through the outer faces
-        type(buffer_t) :: outflow !! (lines, n_var) what left since the start
-        type(buffer_t) :: part !! one number for each column along z
-        type(buffer_t) :: folded !! partial results of all columns
+        type(reals_t) :: flux !! through the faces of direction x above each cell
+        type(bytes_t) :: bad !! one byte for each cell, see finish_cell
+        type(integers_t) :: found !! 1: a kernel has found a bad cell
+        type(reals_t) :: outside !! (lines, n_var, 2) gas beyond open boundaries
+        type(reals_t) :: edge !! (lines, n_var, 2) fluxes through the outer faces
+        type(doubles_t) :: outflow !! (lines, n_var) what left since the start
+        type(doubles_t) :: part !! one number for each column along z
         type(kernel_t) :: faces, march, last, redo !! of the scheme
-        type(kernel_t) :: ghosts, update_line, speed, total, leave, lowered, gather, most, sum
+        type(air_kernels_t) :: kernels
+        type(ghost_kernels_t) :: ghosts
+        type(gpu_common_t) :: common
         type(gpu_walls_t) :: walls
         type(gpu_bricks_t) :: bricks
         real(dp) :: outflow_before(6) = 0 !! what had left when the GPU took over
@@ -91,11 +89,9 @@ contains
         call allocate_buffer(gpu%flux, field, err)
         call allocate_buffer(gpu%bad, cells, err)
         call allocate_buffer(gpu%found, 8_int64, err)
-        call allocate_buffer(gpu%outside, 2*ends*bytes_of_real, err)
         call allocate_buffer(gpu%edge, 2*ends*bytes_of_real, err)
         call allocate_buffer(gpu%outflow, 8*ends, err)
         call allocate_buffer(gpu%part, 8_int64*air%n(1)*air%n(2), err)
-        call allocate_buffer(gpu%folded, 8_int64*fold_threads, err)
         call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, held), err)
         call allocate_buffer(gpu%walls%near, merge(cells, 1_int64, held), err)
         call allocate_buffer(gpu%walls%cell_of, merge(4*cells, 1_int64, held), err)
@@ -103,7 +99,7 @@ contains
         gpu%outflow_before = [air%outflow, air%outflow_products]
         call keep_outside(air)
         call set_scale(air)
-        call put_outside(air, gpu, err)
+        call put_buffer(air%outside, gpu%outside, 2*ends*bytes_of_real, err)
         call copy_in(air%u, gpu%u, field, err)
         do m = 1, 2
             call allocate_buffer(gpu%spare(m), field, err)
@@ -132,14 +128,9 @@ contains
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call add_grid(gpu, arguments)
-        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-        call arguments%add(gpu%walls%solid)
-        call arguments%add(gpu%walls%near)
-        call arguments%add(gpu%bricks%reached)
-        call launch(gpu%walls%mark_near, air%n, arguments, err)
+        call gpu%kernels%air_near(air%n, gpu%grid, air%scheme, gpu%walls%solid, gpu%walls%near, &
+                                  gpu%bricks%reached, err)
     end subroutine mark_near_walls
 
     !> All bricks are awake at first.
@@ -174,25 +165,14 @@ contains
         type(gpu_air_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
 
-        call find_kernel(device, 'air_ghosts', gpu%ghosts, err)
+        call gpu%kernels%open(device, err)
+        call gpu%common%open(device, 1, err)
+        call gpu%ghosts%open(device, err)
+        call gpu%bricks%wake%open(device, err)
         call find_kernel(device, 'faces_'//name_of(scheme), gpu%faces, err)
         call find_kernel(device, 'march_'//name_of(scheme), gpu%march, err)
         call find_kernel(device, 'last_'//name_of(scheme), gpu%last, err)
         call find_kernel(device, 'redo_'//name_of(scheme), gpu%redo, err)
-        call find_kernel(device, 'air_update_line', gpu%update_line, err)
-        call find_kernel(device, 'air_speed', gpu%speed, err)
-        call find_kernel(device, 'air_total', gpu%total, err)
-        call find_kernel(device, 'air_outflow', gpu%leave, err)
-        call find_kernel(device, 'air_faces_lowered', gpu%lowered, err)
-        call find_kernel(device, 'gather_cells', gpu%gather, err)
-        call find_kernel(device, 'air_near', gpu%walls%mark_near, err)
-        call find_kernel(device, 'wall_impulse', gpu%walls%add_impulse, err)
-        call find_kernel(device, 'scatter_cells', gpu%walls%scatter, err)
-        call find_kernel(device, 'air_look', gpu%bricks%look, err)
-        call find_kernel(device, 'air_settle', gpu%bricks%settle, err)
-        call gpu%bricks%wake%open(device, err)
-        call find_kernel(device, 'max_strided', gpu%most, err)
-        call find_kernel(device, 'sum_strided', gpu%sum, err)
     end subroutine find_kernels
 
     !> Name of a scheme among the kernels.
@@ -209,64 +189,16 @@ contains
         name = name//trim(merge('_hllc ', '_split', scheme%flux == hllc))
     end function name_of
 
-    !> Copy the gas beyond the open boundaries, line by line.
-    subroutine put_outside(air, gpu, err)
-        type(air_t), intent(in) :: air
-        type(gpu_air_t), intent(in) :: gpu
-        type(error_t), intent(inout) :: err
-        real(rk), allocatable :: outside(:, :, :)
-        integer :: c, d, first, side
-
-        allocate (outside(gpu%grid%lines, air%n_var, 2), source=0.0_rk)
-        do d = 1, 3
-            do side = 1, 2
-                if (.not. allocated(air%outside(side, d)%q)) cycle
-                first = gpu%grid%before(d) + 1
-                associate (q => air%outside(side, d)%q)
-                    do c = 1, air%n_var
-                        outside(first:first + size(q)/air%n_var - 1, c, side) = &
-                            pack(q(c, :, :), .true.)
-                    end do
-                end associate
-            end do
-        end do
-        call copy_in(outside, gpu%outside, size(outside, kind=int64)*bytes_of_real, err)
-    end subroutine put_outside
-
-    !> Add the grid to the arguments of a kernel.
-    subroutine add_grid(gpu, arguments)
-        type(gpu_air_t), intent(in) :: gpu
-        type(arguments_t), intent(inout) :: arguments
-
-        call arguments%add_structure(gpu%grid, storage_size(gpu%grid)/8)
-    end subroutine add_grid
-
     !> Give the memory back.
     subroutine close_gpu_air(gpu)
         type(gpu_air_t), intent(inout) :: gpu
 
-        call free_buffer(gpu%u)
-        call free_buffer(gpu%spare(1))
-        call free_buffer(gpu%spare(2))
-        call free_buffer(gpu%flux)
-        call free_buffer(gpu%bad)
-        call free_buffer(gpu%found)
-        call free_buffer(gpu%outside)
-        call free_buffer(gpu%edge)
-        call free_buffer(gpu%outflow)
-        call free_buffer(gpu%part)
-        call free_buffer(gpu%folded)
-        call free_buffer(gpu%bricks%reached)
-        call free_buffer(gpu%bricks%awake)
-        call free_buffer(gpu%walls%solid)
-        call free_buffer(gpu%walls%near)
-        call free_buffer(gpu%walls%cell_of)
-        call free_buffer(gpu%walls%v)
-        call free_buffer(gpu%walls%face_of)
-        call free_buffer(gpu%walls%push)
-        call free_buffer(gpu%walls%impulse)
-        call free_buffer(gpu%walls%place_at)
-        call free_buffer(gpu%walls%values_at)
+        call free_buffers(gpu%u, gpu%spare(1), gpu%spare(2), gpu%flux, gpu%bad, gpu%found, &
+            gpu%outside, gpu%edge)
+        call free_buffers(gpu%outflow, gpu%part, gpu%bricks%reached, gpu%bricks%awake, &
+            gpu%walls%solid, gpu%walls%near, gpu%walls%cell_of, gpu%walls%v)
+        call free_buffers(gpu%walls%face_of, gpu%walls%push, gpu%walls%impulse)
+        call gpu%common%close()
     end subroutine close_gpu_air
 
     !> Refresh the host's conserved variables and what it knows of bricks, if the GPU has moved on.
@@ -289,7 +221,8 @@ contains
         type(error_t), intent(inout) :: err
         integer(int64), allocatable :: place(:)
         real(rk), allocatable :: values(:, :)
-        type(buffer_t) :: place_at, values_at
+        type(buffer_t) :: place_at
+        type(reals_t) :: values_at
         integer :: c, n
 
         n = size(cell, 2)
@@ -298,34 +231,35 @@ contains
         do c = 1, n
             place(c) = place_of(gpu%grid, cell(1, c), cell(2, c), cell(3, c))
         end do
-        call allocate_buffer(place_at, 8_int64*n, err)
+        call put_buffer(place, place_at, 8_int64*n, err)
         call allocate_buffer(values_at, size(values)*bytes_of_real, err)
-        call copy_in(place, place_at, 8_int64*n, err)
-        call gather(gpu, place_at, values_at, values, err)
-        call free_buffer(place_at)
-        call free_buffer(values_at)
+        call gpu%kernels%gather_cells([n, 1, 1], n, gpu%grid, place_at, gpu%u, values_at, err)
+        call copy_out(values_at, values, size(values)*bytes_of_real, err)
+        call free_buffers(place_at, values_at)
         if (failed(err)) return
         do c = 1, n
             air%u(cell(1, c), cell(2, c), cell(3, c), :) = values(c, :)
         end do
     end subroutine fetch_cells
 
-    !> Copy the state of cells whose places are on the GPU to the host.
-    subroutine gather(gpu, place_at, values_at, values, err)
+    !> Refresh the host's map of solid cells in a box.
+    subroutine fetch_map(gpu, low, high, wall, err)
         type(gpu_air_t), intent(in) :: gpu
-        type(buffer_t), intent(in) :: place_at, values_at
-        real(rk), intent(inout), contiguous :: values(:, :) !! (n, n_var)
+        integer, intent(in) :: low(3), high(3) !! corners
+        type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        integer :: n
+        type(bytes_t) :: row
+        integer(int8) :: marks(high(1) - low(1) + 1)
+        integer :: j, k
 
-        n = size(values, 1)
-        call arguments%add(n)
-        call add_grid(gpu, arguments)
-        call arguments%add(place_at)
-        call arguments%add(gpu%u)
-        call arguments%add(values_at)
-        call launch(gpu%gather, [n, 1, 1], arguments, err)
-        call copy_out(values_at, values, size(values, kind=int64)*bytes_of_real, err)
-    end subroutine gather
+        do k = low(3), high(3)
+            do j = low(2), high(2)
+                row = gpu%walls%solid
+                row%address = row%address + place_of(gpu%grid, low(1), j, k) - 1
+                marks = 0
+                call copy_out(row, marks, size(marks, kind=int64), err)
+                wall%solid(low(1):high(1), j, k) = marks
+            end do
+        end do
+    end subroutine fetch_map
 end module brz_gpu_air_state

@@ -2,12 +2,13 @@
 !> One time step of the air on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_air_step
     use brz_air_grid, only: faces_of_a_thread, lines_along, stage_t
+    use brz_air_launches, only: launch_faces, launch_march, launch_redo
     use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic
-    use brz_buffers, only: arguments_t, buffer_t, reals_t
-    use brz_device, only: clear_buffer, copy_out, launch
+    use brz_buffers, only: from, reals_t
+    use brz_device, only: clear_buffer, copy_out, kernel_t
     use brz_errors, only: error_t, failed
     use brz_gpu_air_activity, only: find_awake_bricks
-    use brz_gpu_air_state, only: add_grid, bytes_of_real, gpu_air_t
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_air_sums, only: sum_of
     use brz_kinds, only: dp, int64, rk
     use brz_positivity, only: floors_of, hold_step, lost_mark, most_holds
@@ -45,14 +46,18 @@ contains
         states = states_t(gpu%u, gpu%u, gpu%spare(1))
         do m = 1, air%n_stages
             stage = stage_of(air, dt, m)
-            call fill_ghosts(gpu, air, states%u, err)
+            call gpu%ghosts%fill_end(2*gpu%grid%lines, gpu%grid, air%scheme, gpu%outside, &
+                                     gpu%walls%solid, states%u, err)
             call sweep(gpu, air, stage, states, err)
             if (gpu%grid%walls == 1) call redo(gpu, air, states, stage, 0, 0, err)
             call repair(gpu, air, states, stage, lost, err)
             if (lost) status = air_unphysical
             if (failed(err) .or. lost) return
-            call add_outflow(gpu, air, stage, err)
-            call add_impulses(gpu, err)
+            call gpu%kernels%air_outflow([gpu%grid%lines, air%n_var, 1], gpu%grid, stage, &
+                                         gpu%edge, gpu%outflow, err)
+            if (gpu%walls%n_faces > 0) &
+                call gpu%kernels%wall_impulse([gpu%walls%n_faces, 1, 1], gpu%walls%n_faces, &
+                                              gpu%walls%push, gpu%walls%impulse, err)
             states%u = states%new
             states%new = gpu%spare(1 + mod(m, 2))
         end do
@@ -76,22 +81,6 @@ contains
         where (air%bc(1, :) == bc_periodic) stage%leaves = 0
     end function stage_of
 
-    !> What a kernel that completes a state begins with: grid, scheme, stage, the three states.
-    subroutine add_stage(gpu, air, stage, states, arguments)
-        type(gpu_air_t), intent(in) :: gpu
-        type(air_t), intent(in) :: air
-        type(stage_t), intent(in) :: stage
-        type(states_t), intent(in) :: states
-        type(arguments_t), intent(inout) :: arguments
-
-        call add_grid(gpu, arguments)
-        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-        call arguments%add_structure(stage, storage_size(stage)/8)
-        call arguments%add(states%u)
-        call arguments%add(states%start)
-        call arguments%add(states%new)
-    end subroutine add_stage
-
     !> Has a kernel found a bad cell since the last call?
     logical function found_bad(gpu, err)
         type(gpu_air_t), intent(in) :: gpu
@@ -104,23 +93,6 @@ contains
         if (found_bad) call clear_buffer(gpu%found, err)
     end function found_bad
 
-    subroutine fill_ghosts(gpu, air, u, err)
-        type(gpu_air_t), intent(in) :: gpu
-        type(air_t), intent(in) :: air
-        type(reals_t), intent(in) :: u
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        integer :: d, lines
-
-        lines = maxval([(lines_along(gpu%grid, d), d=1, 3)], mask=air%n > 1)
-        call add_grid(gpu, arguments)
-        call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-        call arguments%add(gpu%outside)
-        call arguments%add(gpu%walls%solid)
-        call arguments%add(u)
-        call launch(gpu%ghosts, [lines, 6, 1], arguments, err)
-    end subroutine fill_ghosts
-
     !> Rates of all directions; the last one completes the next state and marks its bad cells.
     subroutine sweep(gpu, air, stage, states, err)
         type(gpu_air_t), intent(in) :: gpu
@@ -128,68 +100,26 @@ contains
         type(stage_t), intent(in) :: stage
         type(states_t), intent(in) :: states
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        integer :: d
+        type(kernel_t) :: kernel
+        integer :: d, threads(3)
 
         if (air%n(1) > 1) then
-            call add_grid(gpu, arguments)
-            call arguments%add_structure(air%scheme, storage_size(air%scheme)/8)
-            call arguments%add(states%u)
-            call arguments%add(gpu%bricks%awake)
-            call arguments%add(gpu%flux)
-            call arguments%add(gpu%edge)
-            call launch(gpu%faces, [(air%n(1)/faces_of_a_thread + 1)*air%n(2), air%n(3), 1], &
-                arguments, err)
+            threads = [(air%n(1)/faces_of_a_thread + 1)*air%n(2), air%n(3), 1]
+            call launch_faces(gpu%faces, threads, gpu%grid, air%scheme, states%u, &
+                              gpu%bricks%awake, gpu%flux, gpu%edge, err)
         end if
-        if (gpu%grid%last == 1) call update_line(gpu, air, stage, states, err)
+        if (gpu%grid%last == 1) call gpu%kernels%air_update_line(air%n, gpu%grid, stage, states%u, &
+            states%start, states%new, gpu%flux, gpu%walls%near, gpu%bad, gpu%found, err)
         do d = 2, 3
-            if (air%n(d) > 1) call march(gpu, air, d, stage, states, err)
+            if (air%n(d) == 1) cycle
+            threads = [lines_along(gpu%grid, d), (air%n(d) - 1)/gpu%grid%segment(d) + 1, 1]
+            kernel = gpu%march
+            if (d == gpu%grid%last) kernel = gpu%last
+            call launch_march(kernel, threads, d, gpu%grid, air%scheme, stage, states%u, &
+                              states%start, states%new, gpu%flux, gpu%walls%near, &
+                              gpu%bricks%awake, gpu%bad, gpu%found, gpu%edge, err)
         end do
     end subroutine sweep
-
-    !> Next state of a scene in one dimension.
-    subroutine update_line(gpu, air, stage, states, err)
-        type(gpu_air_t), intent(in) :: gpu
-        type(air_t), intent(in) :: air
-        type(stage_t), intent(in) :: stage
-        type(states_t), intent(in) :: states
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-
-        call add_stage(gpu, air, stage, states, arguments)
-        call arguments%add(gpu%flux)
-        call arguments%add(gpu%walls%near)
-        call arguments%add(gpu%bad)
-        call arguments%add(gpu%found)
-        call launch(gpu%update_line, air%n, arguments, err)
-    end subroutine update_line
-
-    !> Rates of direction y or z.
-    subroutine march(gpu, air, d, stage, states, err)
-        type(gpu_air_t), intent(in) :: gpu
-        type(air_t), intent(in) :: air
-        integer, intent(in) :: d !! direction
-        type(stage_t), intent(in) :: stage
-        type(states_t), intent(in) :: states
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        integer :: threads(3)
-
-        call arguments%add(d)
-        call add_stage(gpu, air, stage, states, arguments)
-        call arguments%add(gpu%flux)
-        call arguments%add(gpu%walls%near)
-        call arguments%add(gpu%bricks%awake)
-        call arguments%add(gpu%bad)
-        call arguments%add(gpu%found)
-        call arguments%add(gpu%edge)
-        threads = [lines_along(gpu%grid, d), (air%n(d) - 1)/gpu%grid%segment(d) + 1, 1]
-        if (d == gpu%grid%last) then
-            call launch(gpu%last, threads, arguments, err)
-        else
-            call launch(gpu%march, threads, arguments, err)
-        end if
-    end subroutine march
 
     !> Give the faces of bad cells the flux of first order. `lost` if that does not help.
     subroutine repair(gpu, air, states, stage, lost, err)
@@ -249,21 +179,12 @@ contains
         integer, intent(in) :: pass !! marks up to this one count
         integer, intent(in) :: judge !! 1: find the cells that are lost, 2: those to be held
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call arguments%add(pass)
-        call arguments%add(judge)
-        call add_stage(gpu, air, stage, states, arguments)
-        call arguments%add(gpu%bad)
-        call arguments%add(gpu%found)
-        call arguments%add(gpu%edge)
-        call arguments%add(gpu%walls%near)
-        call arguments%add(gpu%walls%solid)
-        call arguments%add(gpu%walls%cell_of)
-        call arguments%add(gpu%walls%v)
-        call arguments%add(gpu%walls%face_of)
-        call arguments%add(gpu%walls%push)
-        call launch(gpu%redo, air%n, arguments, err)
+        associate (walls => gpu%walls)
+            call launch_redo(gpu%redo, air%n, pass, judge, gpu%grid, air%scheme, stage, states%u, &
+                             states%start, states%new, gpu%bad, gpu%found, gpu%edge, walls%near, &
+                             walls%solid, walls%cell_of, walls%v, walls%face_of, walls%push, err)
+        end associate
     end subroutine redo
 
     !> Count the faces that took the first-order flux, or, in a pass that holds, the cells held.
@@ -273,14 +194,9 @@ contains
         integer, intent(in) :: pass !! marks up to this one count
         integer(int64), intent(inout) :: total !! the number is added
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         real(dp) :: n
 
-        call arguments%add(pass)
-        call add_grid(gpu, arguments)
-        call arguments%add(gpu%bad)
-        call arguments%add(gpu%part)
-        call launch(gpu%lowered, [air%n(1:2), 1], arguments, err)
+        call gpu%kernels%air_faces_lowered([air%n(1:2), 1], pass, gpu%grid, gpu%bad, gpu%part, err)
         call sum_of(gpu, gpu%part, air%n(1)*air%n(2), n, err)
         total = total + nint(n, int64)
     end subroutine add_count
@@ -292,7 +208,6 @@ contains
         type(reals_t), intent(in) :: new !! holds the Euler step of lost cells
         type(error_t), intent(inout) :: err
         character, allocatable, target :: marks(:)
-        type(reals_t) :: value_at
         real(rk), target :: value(1)
         integer(int64) :: at, first
         integer :: c, i
@@ -307,38 +222,8 @@ contains
         end do
         do c = 1, 5
             value = 0
-            value_at = new
-            value_at%address = new%address + (first - 1 + (c - 1)*gpu%grid%apart)*bytes_of_real
-            call copy_out(value_at, value, bytes_of_real, err)
+            call copy_out(from(new, first + (c - 1)*gpu%grid%apart), value, bytes_of_real, err)
             air%bad_state(c) = value(1)
         end do
     end subroutine find_lost_cell
-
-    !> Book what left through the outer faces.
-    subroutine add_outflow(gpu, air, stage, err)
-        type(gpu_air_t), intent(in) :: gpu
-        type(air_t), intent(in) :: air
-        type(stage_t), intent(in) :: stage
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-
-        call add_grid(gpu, arguments)
-        call arguments%add_structure(stage, storage_size(stage)/8)
-        call arguments%add(gpu%edge)
-        call arguments%add(gpu%outflow)
-        call launch(gpu%leave, [gpu%grid%lines, air%n_var, 1], arguments, err)
-    end subroutine add_outflow
-
-    !> Add what the walls were given in a stage.
-    subroutine add_impulses(gpu, err)
-        type(gpu_air_t), intent(in) :: gpu
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-
-        if (gpu%walls%n_faces == 0) return
-        call arguments%add(gpu%walls%n_faces)
-        call arguments%add(gpu%walls%push)
-        call arguments%add(gpu%walls%impulse)
-        call launch(gpu%walls%add_impulse, [gpu%walls%n_faces, 1, 1], arguments, err)
-    end subroutine add_impulses
 end module brz_gpu_air_step

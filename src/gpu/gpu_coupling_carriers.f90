@@ -4,7 +4,8 @@ module brz_gpu_coupling_carriers
     use brz_carrier_motion, only: foresee_carriers, read_carriers
     use brz_carrier_rules, only: carrier_t, carries_all, carries_none, n_push
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: arguments_t, copy_in, copy_out, launch
+    use brz_coupling_launches, only: launch_sum_carriers
+    use brz_device, only: copy_in, kernel_t
     use brz_errors, only: error_t
     use brz_gpu_coupling_state, only: fold_rows, gpu_coupling_t, particles_t
     use brz_kinds, only: dp, int64
@@ -22,34 +23,18 @@ contains
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         real(dp) :: shift(3, gpu%bodies)
         integer :: b
 
         call read_carriers(solid, coupling%carrier)
         if (all(coupling%carrier%carries == carries_none)) return
-        call start(gpu, particles, arguments)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add_all(gpu%carrier, particles%place, particles%state, gpu%carrier_part)
-        call launch(gpu%carrier_shift, [gpu%carrier_threads, gpu%bodies, 1], arguments, err)
-        call fold(gpu, shift, err)
+        call sum_over(gpu, gpu%shift, particles, shift, err)
         do b = 1, gpu%bodies
             if (coupling%carrier(b)%carries == carries_all) coupling%carrier(b)%centre = &
                 coupling%carrier(b)%centre + shift(:, b)/solid%bodies(b)%rigid%mass
         end do
         call put_carriers(gpu, coupling%carrier, err)
     end subroutine see_gpu_carriers
-
-    !> The arguments that all kernels here begin with.
-    subroutine start(gpu, particles, arguments)
-        type(gpu_coupling_t), intent(in) :: gpu
-        type(particles_t), intent(in) :: particles
-        type(arguments_t), intent(inout) :: arguments
-
-        call arguments%add(particles%n)
-        call arguments%add(gpu%bodies)
-        call arguments%add(gpu%carrier_threads)
-    end subroutine start
 
     subroutine put_carriers(gpu, carrier, err)
         type(gpu_coupling_t), intent(in) :: gpu
@@ -67,20 +52,12 @@ contains
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! of the air [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         real(dp) :: push(n_push, gpu%bodies)
 
         if (all(coupling%carrier%carries == carries_none)) return
         push = 0
-        if (any(coupling%carrier%carries == carries_all)) then
-            call start(gpu, particles, arguments)
-            call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-            call arguments%add_all(gpu%carrier, gpu%gas, gpu%home, gpu%above, particles%place, &
-                                   particles%state, gpu%surface)
-            call arguments%add_all(gpu%weight, gpu%force, gpu%impedance, gpu%carrier_part)
-            call launch(gpu%carrier_push, [gpu%carrier_threads, gpu%bodies, 1], arguments, err)
-            call fold(gpu, push, err)
-        end if
+        if (any(coupling%carrier%carries == carries_all)) &
+            call sum_over(gpu, gpu%push, particles, push, err)
         call foresee_carriers(solid, push, dt, coupling%carrier)
         call put_carriers(gpu, coupling%carrier, err)
     end subroutine move_gpu_carriers
@@ -92,37 +69,30 @@ contains
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(in) :: coupling
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         real(dp) :: load(6, gpu%bodies)
         integer :: b
 
         if (all(coupling%carrier%carries == carries_none)) return
-        call start(gpu, particles, arguments)
-        call arguments%add(particles%load)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add_all(gpu%carrier, particles%place, particles%state, particles%tag, &
-                               gpu%carrier_part)
-        call launch(gpu%carrier_load, [gpu%carrier_threads, gpu%bodies, 1], arguments, err)
-        call fold(gpu, load, err)
+        call sum_over(gpu, gpu%load, particles, load, err)
         do b = 1, gpu%bodies
             solid%bodies(b)%rigid%load = load(:, b)
         end do
     end subroutine load_gpu_carriers
 
-    !> Sums of each body from those of its threads, in a fixed order.
-    subroutine fold(gpu, sums, err)
+    !> Sums over the particles of each body, in a fixed order.
+    subroutine sum_over(gpu, kernel, particles, sums, err)
         type(gpu_coupling_t), intent(in) :: gpu
+        type(kernel_t), intent(in) :: kernel !! one of sum_carriers
+        type(particles_t), intent(in) :: particles
         real(dp), intent(out) :: sums(:, :) !! (sums, bodies)
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        real(dp) :: part(size(sums, 2), fold_rows, size(sums, 1))
+        real(dp) :: part(size(sums, 2)*fold_rows, size(sums, 1))
 
-        call arguments%add(size(sums, 2)*gpu%carrier_threads)
-        call arguments%add(size(sums, 2)*fold_rows)
-        call arguments%add_all(gpu%carrier_part, gpu%carrier_sums)
-        call launch(gpu%fold, [size(sums, 2)*fold_rows, size(sums, 1), 1], arguments, err)
-        part = 0
-        call copy_out(gpu%carrier_sums, part, 8_int64*size(part), err)
-        sums = transpose(sum(part, 2))
-    end subroutine fold
+        call launch_sum_carriers(kernel, [gpu%carrier_threads, gpu%bodies, 1], particles%n, &
+            gpu%bodies, gpu%carrier_threads, particles%load, gpu%box, gpu%carrier, gpu%gas, &
+            gpu%home, gpu%above, particles%place, particles%state, particles%tag, gpu%surface, &
+            gpu%weight, gpu%force, gpu%impedance, gpu%carrier_part, err)
+        call gpu%common%fold(gpu%carrier_part, size(sums, 2)*gpu%carrier_threads, part, err)
+        sums = transpose(sum(reshape(part, [size(sums, 2), fold_rows, size(sums, 1)]), 2))
+    end subroutine sum_over
 end module brz_gpu_coupling_carriers

@@ -6,14 +6,14 @@ module brz_gpu_coupling_copy
     use brz_coupling_box, only: is_solid
     use brz_coupling_state, only: coupling_t
     use brz_debt_loops, only: each_enter_debt
-    use brz_device, only: arguments_t, clear_buffer, copy_in, copy_out, device_t, launch
+    use brz_device, only: clear_buffer, copy_in, copy_out, device_t
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_carriers, only: put_carriers
     use brz_gpu_coupling_debts, only: make_room
     use brz_gpu_coupling_layout, only: book_given, book_high, book_low, book_taken, &
         book_taken_work, book_threads, book_work, n_book, n_count
-    use brz_gpu_coupling_state, only: add_grid, gpu_coupling_t, open_memory, particles_t
+    use brz_gpu_coupling_state, only: gpu_coupling_t, open_memory, particles_t
     use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
         look_at_particles, move_gpu_walls
     use brz_kinds, only: dp, int64, rk
@@ -163,13 +163,10 @@ contains
         type(gpu_coupling_t), intent(in) :: gpu
         type(gpu_air_t), intent(in) :: there
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         real(dp) :: part(book_threads)
 
-        call arguments%add(gpu%n_cells)
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add_all(there%walls%v, gpu%part)
-        call launch(gpu%fastest, [book_threads, 1, 1], arguments, err)
+        call clear_buffer(gpu%part, err)
+        call gpu%loads%wall_speed(gpu%n_cells, there%grid, there%walls%v, gpu%part, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)
         fastest = maxval(part)

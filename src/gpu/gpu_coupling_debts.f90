@@ -3,13 +3,12 @@
 module brz_gpu_coupling_debts
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t
-    use brz_buffers, only: arguments_t, buffer_t, from, integers_t, reals_t
-    use brz_device, only: allocate_buffer, copy_out, free_buffer, kernel_t, launch, reserve_buffer
+    use brz_buffers, only: from, integers_t, reals_t
+    use brz_device, only: allocate_buffer, copy_out, copy_within, free_buffers, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_layout, only: book_low, book_threads, count_over, n_count
     use brz_gpu_coupling_state, only: gpu_coupling_t
-    use brz_gpu_scan, only: running_sum
     use brz_kinds, only: int64, rk
     implicit none
     private
@@ -52,7 +51,7 @@ contains
         call gpu%ledgers%first_excess(gpu%n_faces, gpu%box, gpu%gas, gpu%owner, &
                                       there%walls%solid, there%walls%cell_of, &
                                       there%walls%face_of, gpu%excess, gpu%slot, gpu%start, err)
-        call running_sum(gpu%scan, gpu%start, gpu%n_faces, err, opened)
+        call gpu%common%running_sum(gpu%start, gpu%n_faces, err, opened)
         call make_room(gpu, gpu%n_debts + opened, err)
         call gpu%ledgers%open_excess(gpu%n_faces, gpu%box%n_var, gpu%n_debts, gpu%start, gpu%gas, &
                                      gpu%slot, gpu%debt_cell(1), gpu%debt(1), err)
@@ -94,7 +93,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: left
 
-        call running_sum(gpu%scan, gpu%start, gpu%n_debts, err, left)
+        call gpu%common%running_sum(gpu%start, gpu%n_debts, err, left)
         if (left == gpu%n_debts) return
         call gpu%debts%move_debt(gpu%n_debts, gpu%box%n_var, gpu%start, gpu%debt_cell(1), &
                                  gpu%debt(1), gpu%slot, gpu%debt_cell(2), gpu%debt(2), err)
@@ -111,36 +110,18 @@ contains
         type(integers_t) :: cell
         type(reals_t) :: debt
         integer(int64) :: bytes
-        integer :: m
 
         if (n <= gpu%room_debts) return
         gpu%room_debts = 2*n + 64
         bytes = gpu%box%n_var*bytes_of_real
         call allocate_buffer(cell, 4_int64*gpu%room_debts, err)
         call allocate_buffer(debt, bytes*gpu%room_debts, err)
-        call copy_words(gpu%words, int(gpu%n_debts, int64), gpu%debt_cell(1), cell, err)
-        call copy_words(gpu%words, bytes/4*gpu%n_debts, gpu%debt(1), debt, err)
-        do m = 1, 2
-            call free_buffer(gpu%debt_cell(m))
-            call free_buffer(gpu%debt(m))
-        end do
+        call copy_within(gpu%debt_cell(1), cell, 4_int64*gpu%n_debts, err)
+        call copy_within(gpu%debt(1), debt, bytes*gpu%n_debts, err)
+        call free_buffers(gpu%debt_cell(1), gpu%debt_cell(2), gpu%debt(1), gpu%debt(2))
         gpu%debt_cell(1) = cell
         gpu%debt(1) = debt
         call allocate_buffer(gpu%debt_cell(2), 4_int64*gpu%room_debts, err)
         call allocate_buffer(gpu%debt(2), bytes*gpu%room_debts, err)
     end subroutine make_room
-
-    !> Copy n words of 4 B on the GPU.
-    subroutine copy_words(kernel, n, from, to, err)
-        type(kernel_t), intent(in) :: kernel
-        integer(int64), intent(in) :: n
-        class(buffer_t), intent(in) :: from, to
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-
-        if (n == 0) return
-        call arguments%add(n)
-        call arguments%add_all(from, to)
-        call launch(kernel, [int(n), 1, 1], arguments, err)
-    end subroutine copy_words
 end module brz_gpu_coupling_debts

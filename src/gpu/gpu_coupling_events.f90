@@ -13,7 +13,6 @@ module brz_gpu_coupling_events
     use brz_gpu_coupling_layout, only: count_covered, count_kept, count_uncovered, n_count
     use brz_gpu_coupling_state, only: gpu_coupling_t
     use brz_gpu_coupling_walls, only: build_gpu_walls, list_cells_of_kind
-    use brz_gpu_scan, only: running_sum
     use brz_kinds, only: int64
     use brz_scheme, only: max_var
     implicit none
@@ -65,7 +64,7 @@ contains
 
         call gpu%donors%flag_buried(gpu%n_cells, gpu%box, gpu%cell, there%walls%face_of, there%u, &
                                     gpu%start, err)
-        call running_sum(gpu%scan, gpu%start, gpu%n_cells, err, buried)
+        call gpu%common%running_sum(gpu%start, gpu%n_cells, err, buried)
         donors = left + buried
         if (donors == 0) return
         call gpu%donors%list_buried(gpu%n_cells, left, gpu%box, gpu%cell, gpu%start, there%u, &
@@ -74,7 +73,7 @@ contains
                                      there%walls%solid, there%walls%cell_of, there%walls%face_of, &
                                      there%u, gpu%shell, gpu%donation, gpu%start, &
                                      from(gpu%counts, int(count_kept, int64)), err)
-        call running_sum(gpu%scan, gpu%start, donors, err, opened)
+        call gpu%common%running_sum(gpu%start, donors, err, opened)
         counts = 0
         call copy_out(gpu%counts, counts, 4_int64*n_count, err)
         coupling%kept = coupling%kept + counts(count_kept)

@@ -10,7 +10,7 @@ module brz_gpu_coupling_layout
     public :: book_work, book_taken_work, book_given, book_taken, book_low, book_high
 
     ! what the kernels count
-    integer, parameter :: count_moved = 1 !! 1: some particle has changed its cell
+    integer, parameter :: count_moved = 1 !! particles that have changed their cell
     integer, parameter :: count_outside = 2 !! particles outside the box
     integer, parameter :: count_covered = 3, count_uncovered = 4 !! cells
     integer, parameter :: count_over = 5 !! ledgers beyond their band

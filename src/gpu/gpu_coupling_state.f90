@@ -7,27 +7,29 @@
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: n_push
     use brz_coupling_state, only: coupling_t
-    use brz_buffers, only: arguments_t, buffer_t, bytes_t, doubles_t, from, &
-        integers_t, reals_t
+    use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
+    use brz_cell_items, only: cells_of_a_chunk
+    use brz_cell_launches, only: cell_kernels_t
     use brz_column_launches, only: column_kernels_t
     use brz_coupling_box, only: box_t
+    use brz_coupling_launches, only: coupling_kernels_t
     use brz_debt_launches, only: debt_kernels_t
-    use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel, free_buffers, kernel_t, &
-        reserve_buffer
+    use brz_device, only: allocate_buffer, device_t, find_kernel, free_buffers, kernel_t, &
+        put_buffer, reserve_buffer
     use brz_donor_launches, only: donor_kernels_t
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_common, only: gpu_common_t
     use brz_gpu_coupling_layout, only: book_threads, n_book, n_count
-    use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
-    use brz_gpu_solid_layout, only: scan_chunk
     use brz_kinds, only: int64
     use brz_ledger_launches, only: ledger_kernels_t
+    use brz_load_launches, only: load_kernels_t
     use brz_scheme, only: max_var
     use brz_velocity_launches, only: velocity_kernels_t
     implicit none
     private
     public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
-    public :: size_cells, size_faces, add_grid, column_of, tags_of, fold_rows
+    public :: size_cells, size_faces, column_of, tags_of, fold_rows
 
     integer, parameter :: fold_rows = 16 !! partial sums of a body that are left for the host
     integer, parameter :: most_threads = 65536 !! for the sums over all bodies
@@ -43,19 +45,19 @@ module brz_gpu_coupling_state
 
     type :: gpu_coupling_t
         type(box_t) :: box
-        type(gpu_scan_t) :: scan
         integer :: n_cells = 0, n_faces = 0, n_debts = 0
         integer(int64) :: fetched_changes = -1 !! cells that had changed hands at the last fetch
         type(buffer_t) :: shells !! shells_t
         type(bytes_t) :: mark !! (cells) what the particles make of a cell
-        type(integers_t) :: top !! (cells/scan_chunk) cells of a kind before each chunk
+        type(integers_t) :: top !! (chunks) cells of a kind before each chunk
         type(integers_t) :: slot !! (cells) place among the debts, or 0
         type(integers_t) :: counts !! see brz_gpu_coupling_layout
         type(doubles_t) :: book, part !! likewise
         integer :: bodies = 0 !! that may carry particles
         integer :: carrier_threads = 0 !! that add up what the gas does to a body
+        type(integers_t) :: felt !! (bodies) particles that feel the air
         type(buffer_t) :: carrier !! (bodies) as in coupling_t
-        type(doubles_t) :: carrier_part, carrier_sums !! what the gas does to them
+        type(doubles_t) :: carrier_part !! what the gas does to them
         type(integers_t) :: cell_of, home, binned !! (particles) cell, place of it in the list, bins
         type(reals_t) :: before !! (3, particles by id) velocity a step of the air before [m/s]
         type(integers_t) :: ends !! (n_cells + 1) of the bins
@@ -72,17 +74,16 @@ module brz_gpu_coupling_state
         type(integers_t) :: debt_cell(2) !! the list, and room for the next one
         type(reals_t) :: debt(2)
         integer :: room_debts = 0
-        type(kernel_t) :: find, compare, count_kind, list_kind
-        type(kernel_t) :: index, images, count, list
-        type(kernel_t) :: bin_count, bin_fill, bin_sort
-        type(kernel_t) :: loaded, fastest
-        type(kernel_t) :: carrier_shift, carrier_push, carrier_load, fold
+        type(kernel_t) :: shift, push, load !! sums of carriers
+        type(coupling_kernels_t) :: kernels
+        type(gpu_common_t) :: common
+        type(cell_kernels_t) :: cells
+        type(load_kernels_t) :: loads
         type(column_kernels_t) :: columns
         type(velocity_kernels_t) :: velocities
         type(ledger_kernels_t) :: ledgers
         type(debt_kernels_t) :: debts
         type(donor_kernels_t) :: donors
-        type(kernel_t) :: words
     end type gpu_coupling_t
 
 contains
@@ -97,13 +98,22 @@ contains
         integer(int64) :: bytes
 
         gpu%box = coupling%box
-        call find_kernels(device, gpu, err)
-        call open_gpu_scan(device, gpu%scan, err)
-        bytes = storage_size(coupling%shells)/8
-        call allocate_buffer(gpu%shells, bytes, err)
-        call copy_in(coupling%shells, gpu%shells, bytes, err)
+        gpu%bodies = size(coupling%carrier)
+        call gpu%kernels%open(device, err)
+        call gpu%common%open(device, n_push*gpu%bodies*fold_rows, err)
+        call find_kernel(device, 'carrier_shift', gpu%shift, err)
+        call find_kernel(device, 'carrier_push', gpu%push, err)
+        call find_kernel(device, 'carrier_load', gpu%load, err)
+        call gpu%cells%open(device, err)
+        call gpu%loads%open(device, err)
+        call gpu%columns%open(device, err)
+        call gpu%velocities%open(device, err)
+        call gpu%ledgers%open(device, err)
+        call gpu%debts%open(device, err)
+        call gpu%donors%open(device, err)
+        call put_buffer(coupling%shells, gpu%shells, storage_size(coupling%shells)/8_int64, err)
         call allocate_buffer(gpu%mark, int(gpu%box%cells, int64), err)
-        call allocate_buffer(gpu%top, 4_int64*(gpu%box%cells/scan_chunk + 2), err)
+        call allocate_buffer(gpu%top, 4_int64*(gpu%box%cells/cells_of_a_chunk + 2), err)
         call allocate_buffer(gpu%slot, 4_int64*gpu%box%cells, err)
         call allocate_buffer(gpu%counts, 4_int64*n_count, err)
         call allocate_buffer(gpu%book, 8_int64*book_threads*n_book, err)
@@ -112,44 +122,11 @@ contains
         call allocate_buffer(gpu%home, 4_int64*particles, err)
         call allocate_buffer(gpu%binned, 4_int64*particles, err)
         call allocate_buffer(gpu%before, 3*bytes_of_real*particles, err)
-        gpu%bodies = size(coupling%carrier)
         gpu%carrier_threads = fold_rows*max(4, most_threads/fold_rows/max(16, gpu%bodies))
         bytes = storage_size(coupling%carrier)/8
         call allocate_buffer(gpu%carrier, gpu%bodies*bytes, err)
-        bytes = 8_int64*n_push*gpu%bodies
-        call allocate_buffer(gpu%carrier_part, bytes*gpu%carrier_threads, err)
-        call allocate_buffer(gpu%carrier_sums, bytes*fold_rows, err)
+        call allocate_buffer(gpu%carrier_part, 8_int64*n_push*gpu%bodies*gpu%carrier_threads, err)
     end subroutine open_memory
-
-    subroutine find_kernels(device, gpu, err)
-        type(device_t), intent(in) :: device
-        type(gpu_coupling_t), intent(inout) :: gpu
-        type(error_t), intent(inout) :: err
-
-        call find_kernel(device, 'coupling_find', gpu%find, err)
-        call find_kernel(device, 'coupling_compare', gpu%compare, err)
-        call find_kernel(device, 'count_kind', gpu%count_kind, err)
-        call find_kernel(device, 'list_kind', gpu%list_kind, err)
-        call find_kernel(device, 'wall_index', gpu%index, err)
-        call find_kernel(device, 'wall_images', gpu%images, err)
-        call find_kernel(device, 'wall_count', gpu%count, err)
-        call find_kernel(device, 'wall_list', gpu%list, err)
-        call find_kernel(device, 'bin_count', gpu%bin_count, err)
-        call find_kernel(device, 'bin_fill', gpu%bin_fill, err)
-        call find_kernel(device, 'sort_cells', gpu%bin_sort, err)
-        call find_kernel(device, 'carrier_shift', gpu%carrier_shift, err)
-        call find_kernel(device, 'carrier_push', gpu%carrier_push, err)
-        call find_kernel(device, 'carrier_load', gpu%carrier_load, err)
-        call find_kernel(device, 'solid_fold', gpu%fold, err)
-        call find_kernel(device, 'loaded_bodies', gpu%loaded, err)
-        call find_kernel(device, 'fastest_walls', gpu%fastest, err)
-        call gpu%columns%open(device, err)
-        call gpu%velocities%open(device, err)
-        call gpu%ledgers%open(device, err)
-        call gpu%debts%open(device, err)
-        call gpu%donors%open(device, err)
-        call find_kernel(device, 'copy_words', gpu%words, err)
-    end subroutine find_kernels
 
     !> Room for n solid cells.
     subroutine size_cells(gpu, there, n, err)
@@ -190,16 +167,6 @@ contains
         call reserve_buffer(there%walls%impulse, bytes_of_real*n, err)
     end subroutine size_faces
 
-    !> Add the box and the grid of the air to the arguments of a kernel.
-    subroutine add_grid(gpu, there, arguments)
-        type(gpu_coupling_t), intent(in) :: gpu
-        type(gpu_air_t), intent(in) :: there
-        type(arguments_t), intent(inout) :: arguments
-
-        call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-        call arguments%add_structure(there%grid, storage_size(there%grid)/8)
-    end subroutine add_grid
-
     !> A column of what the particles have.
     pure type(reals_t) function column_of(particles, number)
         type(particles_t), intent(in) :: particles
@@ -219,14 +186,15 @@ contains
     subroutine close_gpu_coupling(gpu)
         type(gpu_coupling_t), intent(inout) :: gpu
 
-        call free_buffers(gpu%scan%levels, gpu%shells, gpu%mark, gpu%top, gpu%slot, &
-            gpu%counts, gpu%book, gpu%part)
+        call free_buffers(gpu%shells, gpu%mark, gpu%top, gpu%slot, gpu%counts, gpu%book, gpu%part, &
+            gpu%felt)
         call free_buffers(gpu%cell_of, gpu%home, gpu%binned, gpu%before, gpu%ends, gpu%cell, &
             gpu%above, gpu%ledger)
         call free_buffers(gpu%excess, gpu%gas, gpu%rows, gpu%owner, gpu%surface, gpu%weight, &
             gpu%force, gpu%impedance)
         call free_buffers(gpu%start, gpu%left, gpu%donor, gpu%shell, gpu%donation, &
             gpu%debt_cell(1), gpu%debt_cell(2), gpu%debt(1))
-        call free_buffers(gpu%debt(2), gpu%carrier, gpu%carrier_part, gpu%carrier_sums)
+        call free_buffers(gpu%debt(2), gpu%carrier, gpu%carrier_part)
+        call gpu%common%close()
     end subroutine close_gpu_coupling
 end module brz_gpu_coupling_state

@@ -6,8 +6,8 @@
 module brz_gpu_coupling_step
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t
-    use brz_buffers, only: arguments_t
-    use brz_device, only: clear_buffer, copy_out, launch
+    use brz_buffers, only: from
+    use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: gpu_air_t
     use brz_gpu_coupling_carriers, only: load_gpu_carriers, move_gpu_carriers, &
@@ -89,22 +89,17 @@ contains
         integer, intent(in) :: first(:), last(:) !! particles of each body
         logical, intent(out) :: loaded(:)
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         integer :: b, marks(size(first))
 
-        call clear_buffer(gpu%part, err)
+        call reserve_buffer(gpu%felt, 4_int64*size(first), err)
+        call clear_buffer(gpu%felt, err)
         do b = 1, size(first)
-            arguments%n = 0
-            call arguments%add(first(b))
-            call arguments%add(last(b))
-            call arguments%add(b)
-            call arguments%add_structure(gpu%box, storage_size(gpu%box)/8)
-            call arguments%add(dt)
-            call arguments%add_all(gpu%home, gpu%above, there%walls%impulse, gpu%part)
-            call launch(gpu%loaded, [last(b) - first(b) + 1, 1, 1], arguments, err)
+            call gpu%loads%feel_load(last(b) - first(b) + 1, first(b), gpu%box, dt, gpu%home, &
+                                     gpu%above, there%walls%impulse, &
+                                     from(gpu%felt, int(b, int64)), err)
         end do
         marks = 0
-        call copy_out(gpu%part, marks, 4_int64*size(marks), err)
+        call copy_out(gpu%felt, marks, 4_int64*size(marks), err)
         loaded = marks /= 0
     end subroutine gpu_is_loaded
 
@@ -122,7 +117,7 @@ contains
         call look_at_particles(gpu, there, particles, counts, err)
         if (failed(err)) return
         coupling%outside = counts(count_outside)
-        if (counts(count_moved) == 1) then
+        if (counts(count_moved) > 0) then
             if (counts(count_covered) + counts(count_uncovered) > 0) &
                 call change_gpu_hands(gpu, there, air, coupling, counts, err)
             call fill_gpu_bins(gpu, there, particles, err)

@@ -109,7 +109,6 @@ contains
         gpu%total = params%formulation == form_total
         gpu%rigid = params%formulation == form_rigid
         gpu%drawn = params%tension_hold > 0
-        gpu%held = gpu%total .or. gpu%drawn .or. params%formulation == form_bending
         bytes = storage_size(params)/8
         call allocate_buffer(gpu%params, bytes, err)
         call copy_in(params, gpu%params, bytes, err)
@@ -121,8 +120,7 @@ contains
         pose(pose_spin + 1:pose_spin + 3) = solid%bodies(b)%rigid%spin
         call copy_in(pose, gpu%drive, 8_int64*n_pose, err)
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
-        gpu%tilted = any(params%normal > 0)
-        call find_kernel(device, moment_name(gpu), gpu%moments, err)
+        call find_kernel(device, 'solid_moments_'//moment_name(params), gpu%moments, err)
         call find_kernel_of(int(material%model), name, slots)
         if (slots < material%n_hist) call raise(err, exit_device, 'the kernel '//name//' holds '// &
             to_text(slots)//' history variables, the material '//to_text(int(material%n_hist)))
@@ -169,15 +167,15 @@ contains
         p%contraction = body%contraction
     end function params_of
 
-    !> Kernel of the sums of pass 1.
-    pure function moment_name(gpu) result(name)
-        type(gpu_solid_body_t), intent(in) :: gpu
+    !> Which sums of pass 1 a body needs, as the kernels are named.
+    pure function moment_name(p) result(name)
+        type(body_gpu_t), intent(in) :: p
         character(:), allocatable :: name
 
-        name = 'solid_moments'
-        if (gpu%held) name = 'solid_moments_held'
-        if (gpu%drawn) name = 'solid_moments_drawn'
-        if (gpu%tilted) name = 'solid_moments_tilted'
+        name = 'alone'
+        if (p%formulation == form_bending .or. p%formulation == form_total) name = 'beside'
+        if (p%tension_hold > 0) name = 'drawn'
+        if (any(p%normal > 0)) name = 'tilted'
     end function moment_name
 
     !> Which forces a body has, as the kernels are named.

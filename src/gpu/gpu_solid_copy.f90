@@ -1,9 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> The solids on their way to the GPU and back.
 module brz_gpu_solid_copy
-    use brz_buffers, only: doubles_t
-    use brz_device, only: allocate_buffer, arguments_t, buffer_t, copy_in, copy_out, device_t, &
-        free_buffer, launch
+    use brz_buffers, only: doubles_t, integers_t
+    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers, put_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_bodies, only: open_gpu_bodies
     use brz_gpu_solid_cohesive, only: fetch_gpu_points, open_gpu_cohesive
@@ -202,29 +201,19 @@ contains
         integer(int32), intent(in) :: id(:) !! numbers of particles
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        type(buffer_t) :: id_at, values_at
-        type(arguments_t) :: arguments
+        type(integers_t) :: id_at
+        type(doubles_t) :: values_at
         real(dp) :: values(12, size(id))
         integer :: i, k
 
         if (gpu%fetched .or. size(id) == 0) return
-        call allocate_buffer(id_at, 4_int64*size(id), err)
+        call put_buffer(id, id_at, 4_int64*size(id), err)
         call allocate_buffer(values_at, 8_int64*size(values), err)
-        call copy_in(id, id_at, 4_int64*size(id), err)
-        call arguments%add(gpu%n)
-        call arguments%add(size(id))
-        call arguments%add(id_at)
-        call arguments%add(gpu%tag)
-        call arguments%add(gpu%place)
-        call arguments%add(gpu%reference)
-        call arguments%add(gpu%motion)
-        call arguments%add(gpu%state)
-        call arguments%add(values_at)
-        call launch(gpu%find_particles, [gpu%n, 1, 1], arguments, err)
+        call gpu%kernels%find_particles([gpu%n, 1, 1], gpu%n, size(id), id_at, gpu%tag, &
+            gpu%place, gpu%reference, gpu%motion, gpu%state, values_at, err)
         values = 0
         call copy_out(values_at, values, 8_int64*size(values), err)
-        call free_buffer(id_at)
-        call free_buffer(values_at)
+        call free_buffers(id_at, values_at)
         do k = 1, size(id)
             i = findloc(solid%id, id(k), dim=1)
             solid%x(:, i) = values(1:3, k)

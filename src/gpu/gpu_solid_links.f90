@@ -2,16 +2,16 @@
 !> Contact and bonds between bodies on the GPU: memory, lists of links, launches.
 module brz_gpu_solid_links
     use brz_buffers, only: from
-    use brz_device, only: allocate_buffer, arguments_t, clear_buffer, copy_out, device_t, &
-        find_kernel, free_buffer, launch, put_buffer
+    use brz_device, only: allocate_buffer, clear_buffer, copy_out, device_t, free_buffer, &
+        put_buffer, reserve_buffer
     use brz_errors, only: error_t
-    use brz_gpu_scan, only: running_sum
     use brz_gpu_solid_cohesive, only: gather_gpu_points, open_gpu_points
     use brz_gpu_solid_layout, only: at_energy, at_mass, at_stress, book_contact, &
         book_contact_early, book_contact_heat, book_rub, n_terms, slice_width, tag_bond, &
         tag_joined, tag_touch, tag_weight
     use brz_gpu_solid_search, only: order_body
-    use brz_gpu_solid_state, only: book_of, bytes_of_real, column_of, gpu_solid_t, part_of, tags_of
+    use brz_gpu_solid_state, only: book_of, bytes_of_real, column_of, gpu_solid_t, tags_of, &
+        threads_of
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t, n_press
     use brz_list_drift, only: begin_links, links_reach, may_link
@@ -47,8 +47,6 @@ contains
             call allocate_buffer(links%slice, 4*((n - 1)/slice_width + 2), err)
             call free_buffer(gpu%extra)
             call allocate_buffer(gpu%extra, n_terms*bytes_of_real*n, err)
-            call find_kernel(device, 'solid_link_search', links%search, err)
-            call find_kernel(device, 'solid_bond_moments', links%moments, err)
             call links%contact%open(device, err)
             call links%bonds%open(device, err)
         end associate
@@ -61,8 +59,6 @@ contains
         type(solid_t), intent(inout) :: solid !! its search tables are overwritten
         logical, intent(in) :: resume !! for the drifts of the links that were there
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        integer(int64) :: entries
         integer :: b, keep, slices, longest, met(size(solid%bodies), size(solid%bodies))
 
         if (.not. gpu%linked) return
@@ -74,19 +70,10 @@ contains
             call clear_buffer(gpu%links%count, err)
             call visit_bodies(gpu, solid, keep, err)
             if (keep == 1) exit
-            arguments%n = 0
-            call arguments%add(slices)
-            call arguments%add(1)
-            call arguments%add(gpu%n)
-            call arguments%add_all(gpu%links%count, gpu%links%slice)
-            call launch(gpu%widths, [slices, 1, 1], arguments, err)
-            call running_sum(gpu%scan, gpu%links%slice, slices, err, longest)
-            entries = int(longest, int64)*slice_width
-            if (entries > gpu%links%room .or. gpu%links%room == 0) then
-                call free_buffer(gpu%links%list)
-                gpu%links%room = entries + entries/4 + slice_width
-                call allocate_buffer(gpu%links%list, 4*gpu%links%room, err)
-            end if
+            call gpu%kernels%slice_widths([slices, 1, 1], slices, 1, gpu%n, gpu%links%count, &
+                                          gpu%links%slice, err)
+            call gpu%common%running_sum(gpu%links%slice, slices, err, longest)
+            call reserve_buffer(gpu%links%list, 4_int64*slice_width*(longest + 1_int64), err)
         end do
         met = 0
         call copy_out(gpu%links%met, met, 4_int64*size(met), err)
@@ -100,32 +87,21 @@ contains
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: keep
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         real(dp) :: shift(3)
-        integer :: a, b, c, cells
+        integer :: a, b
 
         do b = 1, size(gpu%bodies)
             if (.not. any([(may_link(solid, a, b), a=1, size(gpu%bodies))])) cycle
             call order_body(gpu, solid, b, gpu%built, &
-                            2*real(maxval(solid%links%table(:, b)%h), dp) + solid%skin, cells, err)
+                            2*real(maxval(solid%links%table(:, b)%h), dp) + solid%skin, err)
             do a = 1, size(gpu%bodies)
                 if (.not. may_link(solid, a, b)) cycle
                 shift = solid%bodies(a)%drift_linked - solid%bodies(b)%drift_linked
-                arguments%n = 0
-                call arguments%add(keep)
-                call arguments%add(gpu%bodies(a)%first)
-                call arguments%add(gpu%bodies(a)%last)
-                call arguments%add(links_reach(solid, a, b))
-                do c = 1, 3
-                    call arguments%add(shift(c))
-                end do
-                call arguments%add_all(gpu%grid, gpu%box, gpu%code, gpu%start, gpu%order, &
-                    gpu%built, gpu%links%slice)
-                call arguments%add_all(gpu%links%count, gpu%links%list)
-                call arguments%add(part_of(gpu%links%met, &
-                                           4_int64*(a - 1 + size(gpu%bodies)*(b - 1))))
-                call launch(gpu%links%search, &
-                            [gpu%bodies(a)%last - gpu%bodies(a)%first + 1, 1, 1], arguments, err)
+                call gpu%kernels%solid_link_search(threads_of(gpu%bodies(a)), keep, &
+                    gpu%bodies(a)%first, gpu%bodies(a)%last, links_reach(solid, a, b), &
+                    shift(1), shift(2), shift(3), gpu%grid, gpu%box, gpu%code, gpu%start, &
+                    gpu%order, gpu%built, gpu%links%slice, gpu%links%count, gpu%links%list, &
+                    from(gpu%links%met, a + size(gpu%bodies)*(b - 1_int64)), err)
             end do
         end do
     end subroutine visit_bodies
@@ -134,25 +110,17 @@ contains
     subroutine add_bond_moments(gpu, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         integer :: k, range(2, size(gpu%bodies))
 
         if (.not. gpu%bonded) return
         call find_awake(gpu, range)
         associate (links => gpu%links)
             do k = 1, count(range(1, :) > 0)
-                arguments%n = 0
-                call arguments%add(gpu%n)
-                call arguments%add(range(1, k))
-                call arguments%add(range(2, k))
-                call arguments%add_structure(links%lay, storage_size(links%lay)/8)
-                call arguments%add_all(links%ends, links%table, gpu%place, gpu%reference, &
-                                       gpu%motion, from(gpu%motion, 4_int64), &
-                                       column_of(gpu, at_mass))
-                call arguments%add_all(tags_of(gpu, tag_bond), links%slice, links%count, &
-                                       links%list, gpu%row, gpu%grad)
-                call arguments%add_all(gpu%hold, gpu%held)
-                call launch(links%moments, [range(2, k) - range(1, k) + 1, 1, 1], arguments, err)
+                call gpu%kernels%solid_bond_moments([range(2, k) - range(1, k) + 1, 1, 1], &
+                    gpu%n, range(1, k), range(2, k), links%lay, links%ends, links%table, &
+                    gpu%place, gpu%reference, gpu%motion, from(gpu%motion, 4_int64), &
+                    column_of(gpu, at_mass), tags_of(gpu, tag_bond), links%slice, links%count, &
+                    links%list, gpu%row, gpu%grad, gpu%hold, gpu%held, err)
             end do
         end associate
     end subroutine add_bond_moments

@@ -1,13 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Rigid bodies on the GPU: the host moves the body, the GPU its particles.
 module brz_gpu_solid_rigid
-    use brz_device, only: arguments_t, copy_in, launch
+    use brz_device, only: copy_in
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: n_pose, pose_centre, pose_half, pose_spin, pose_turn, &
         pose_velocity, pose_x
     use brz_gpu_solid_state, only: gpu_solid_t, moved_flags, sum_threads, threads_of
-    use brz_gpu_solid_sums, only: fold_sums
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: level_unit
     use brz_motion, only: mean_velocity
@@ -27,9 +26,7 @@ contains
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         real(dp) :: v(3), omega(3), q_mid(4)
-        integer :: a
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             if (body%motion%n > 0) then
@@ -39,15 +36,9 @@ contains
             end if
             call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
             call copy_in(pose_of(body, v, omega, q_mid), there%drive, 8_int64*n_pose, err)
-            call arguments%add(gpu%n)
-            call arguments%add(there%params)
-            call arguments%add(level_unit(solid))
-            do a = 1, 3
-                call arguments%add(body%drift(a))
-            end do
-            call arguments%add_all(there%drive, gpu%reference, gpu%built, gpu%place, gpu%motion, &
-                moved_flags(gpu, b))
-            call launch(gpu%rigid_place, threads_of(there), arguments, err)
+            call gpu%kernels%solid_rigid_place(threads_of(there), gpu%n, there%params, &
+                level_unit(solid), body%drift(1), body%drift(2), body%drift(3), there%drive, &
+                gpu%reference, gpu%built, gpu%place, gpu%motion, moved_flags(gpu, b), err)
         end associate
     end subroutine move_rigid
 
@@ -70,12 +61,10 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
         associate (there => gpu%bodies(b))
-            call arguments%add(gpu%n)
-            call arguments%add_all(there%params, there%drive, gpu%motion, gpu%row, gpu%rate)
-            call launch(gpu%rigid_row, threads_of(there), arguments, err)
+            call gpu%kernels%solid_rigid_row(threads_of(there), gpu%n, there%params, there%drive, &
+                                             gpu%motion, gpu%row, gpu%rate, err)
         end associate
     end subroutine fill_rigid
 
@@ -86,18 +75,16 @@ contains
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        real(dp) :: push(6), v(3)
+        real(dp) :: push(6), v(3), folded(sum_threads/256, 6)
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             push = 0
             if (gpu%linked) then
-                call arguments%add(gpu%n)
-                call arguments%add(sum_threads)
-                call arguments%add_all(there%params, there%drive, gpu%place, gpu%extra, &
-                    gpu%part)
-                call launch(gpu%rigid_push, [sum_threads, 1, 1], arguments, err)
-                call fold_sums(gpu, sum_threads, push, err)
+                call gpu%kernels%solid_rigid_push([sum_threads, 1, 1], gpu%n, sum_threads, &
+                                                  there%params, there%drive, gpu%place, &
+                                                  gpu%extra, gpu%part, err)
+                call gpu%common%fold(gpu%part, sum_threads, folded, err)
+                push = sum(folded, 1)
             end if
             if (failed(err)) return
             body%rigid%force = push(1:3)
@@ -106,14 +93,9 @@ contains
             body%dt_limit = rigid_step(body, solid%skin)
             call copy_in(pose_of(body, v, body%rigid%omega, body%rigid%q), there%drive, &
                          8_int64*n_pose, err)
-            arguments%n = 0
-            call arguments%add(gpu%n)
-            call arguments%add(merge(1, 0, gpu%linked))
-            call arguments%add(there%params)
-            call arguments%add(dt)
-            call arguments%add_all(there%drive, gpu%place, gpu%motion, gpu%row, gpu%extra, &
-                gpu%state, gpu%book)
-            call launch(gpu%rigid_accelerate, threads_of(there), arguments, err)
+            call gpu%kernels%solid_rigid_accelerate(threads_of(there), gpu%n, &
+                merge(1, 0, gpu%linked), there%params, dt, there%drive, gpu%place, gpu%motion, &
+                gpu%row, gpu%extra, gpu%state, gpu%book, err)
         end associate
     end subroutine balance_rigid
 end module brz_gpu_solid_rigid

@@ -8,26 +8,27 @@ module brz_gpu_solid_state
     use brz_bond_launches, only: bond_kernels_t
     use brz_cohesive_launches, only: cohesive_kernels_t
     use brz_contact_launches, only: contact_kernels_t
-    use brz_device, only: allocate_buffer, buffer_t, clear_buffer, copy_in, device_t, find_kernel, &
+    use brz_device, only: allocate_buffer, buffer_t, clear_buffer, copy_in, device_t, &
         free_buffers, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
-    use brz_gpu_scan, only: gpu_scan_t, open_gpu_scan
+    use brz_gpu_common, only: gpu_common_t
     use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t
     use brz_move_level, only: move_levels
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
+    use brz_solid_launches, only: solid_kernels_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
     use brz_text, only: to_text
     implicit none
     private
     public :: gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, close_gpu_solid, &
-              part_of, moved_flags, column_of, tags_of, book_of, threads_of, bytes_of_real, &
-              sum_threads, total_threads, fold_threads
+              moved_flags, column_of, tags_of, book_of, threads_of, bytes_of_real, &
+              sum_threads, total_threads, most_folded
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
     integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
-    integer, parameter :: fold_threads = 256 !! partial results that the host folds
+    integer, parameter :: most_folded = 256 !! rows of partial results that the host adds up
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
     integer, parameter :: neighbours_guess = 100 !! entries per particle, to judge the memory
 
@@ -36,16 +37,13 @@ module brz_gpu_solid_state
         integer :: slices = 0
         logical :: total = .false. !! total-Lagrangian
         logical :: rigid = .false.
-        logical :: held = .false. !! uses reference positions
         logical :: drawn = .false. !! has the hold
-        logical :: tilted = .false. !! gradients of its outermost layers are tilted
         logical :: asleep = .false. !! left out of the steps
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
         type(buffer_t) :: params, material
         type(doubles_t) :: drive
         type(integers_t) :: slice, list
-        integer(int64) :: room = 0 !! entries that `list` has room for
-        type(kernel_t) :: moments, update, forces
+        type(kernel_t) :: moments, update, forces !! those that suit the body
     end type gpu_solid_body_t
 
     !> Pairs of particles of different bodies.
@@ -54,8 +52,6 @@ module brz_gpu_solid_state
         type(buffer_t) :: table
         type(integers_t) :: ends, slice, count, list, met
         type(reals_t) :: cell, press
-        integer(int64) :: room = 0 !! entries that `list` has room for
-        type(kernel_t) :: search, moments
         type(contact_kernels_t) :: contact
         type(bond_kernels_t) :: bonds
     end type gpu_links_t
@@ -87,17 +83,12 @@ module brz_gpu_solid_state
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
-        type(doubles_t) :: place, reference, built, book, rate, region, box, part, folded
+        type(doubles_t) :: place, reference, built, book, rate, region, box, part
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(integers_t) :: tag, flags, count, cell, order, start, code
         type(buffer_t) :: hold, grid
-        type(gpu_scan_t) :: scan
-        integer :: code_room = 0 !! cells that `code` has room for
-        type(kernel_t) :: fold, gradients, rows, drift, hold_drive, end_support, totals
-        type(kernel_t) :: extent, count_cells, fill_cells, sort_cells, search, widths
-        type(kernel_t) :: most
-        type(kernel_t) :: find_particles, rigid_place, rigid_row, rigid_push, rigid_accelerate
-        type(kernel_t) :: gather_places, gather_motion, gather_columns, gather_tags, copy
+        type(solid_kernels_t) :: kernels
+        type(gpu_common_t) :: common
     end type gpu_solid_t
 
 contains
@@ -117,7 +108,8 @@ contains
         call number_columns(solid, in_air, gpu)
         n = solid%n
         call require(device, solid, gpu%n_state, err)
-        call find_kernels(device, gpu, err)
+        call gpu%kernels%open(device, err)
+        call gpu%common%open(device, most_folded*(n_total + n_book), err)
         call allocate_buffer(gpu%place, 32*n, err)
         call allocate_buffer(gpu%reference, 32*n, err)
         call allocate_buffer(gpu%built, 32*n, err)
@@ -144,7 +136,6 @@ contains
         call allocate_buffer(gpu%grid, int(storage_size(grid_gpu_t(1, 1, 1, 1, 1, 1.0_dp, 1.0_dp, &
                                                                    1.0_dp))/8, int64), err)
         call allocate_buffer(gpu%part, 8_int64*total_threads*(n_total + n_book), err)
-        call allocate_buffer(gpu%folded, 8_int64*fold_threads*(n_total + n_book), err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
         allocate (gpu%bodies(size(solid%bodies)), gpu%ledger(size(solid%bodies)), &
                   gpu%reaction(3, size(solid%bodies)), gpu%sums(n_total, size(solid%bodies)))
@@ -185,55 +176,13 @@ contains
             'build with PRECISION=mixed, or --backend cpu')
     end subroutine require
 
-    subroutine find_kernels(device, gpu, err)
-        type(device_t), intent(in) :: device
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(error_t), intent(inout) :: err
-
-        call find_kernel(device, 'solid_gradients', gpu%gradients, err)
-        call find_kernel(device, 'solid_rows', gpu%rows, err)
-        call find_kernel(device, 'solid_drift', gpu%drift, err)
-        call find_kernel(device, 'solid_hold_drive', gpu%hold_drive, err)
-        call find_kernel(device, 'solid_end_support', gpu%end_support, err)
-        call find_kernel(device, 'solid_rigid_place', gpu%rigid_place, err)
-        call find_kernel(device, 'solid_rigid_row', gpu%rigid_row, err)
-        call find_kernel(device, 'solid_rigid_push', gpu%rigid_push, err)
-        call find_kernel(device, 'solid_rigid_accelerate', gpu%rigid_accelerate, err)
-        call find_kernel(device, 'solid_fold', gpu%fold, err)
-        call find_kernel(device, 'solid_totals_of', gpu%totals, err)
-        call find_kernel(device, 'solid_extent', gpu%extent, err)
-        call find_kernel(device, 'count_cells', gpu%count_cells, err)
-        call find_kernel(device, 'fill_cells_of', gpu%fill_cells, err)
-        call find_kernel(device, 'sort_cells', gpu%sort_cells, err)
-        call find_kernel(device, 'solid_search', gpu%search, err)
-        call find_kernel(device, 'slice_widths', gpu%widths, err)
-        call open_gpu_scan(device, gpu%scan, err)
-        call find_kernel(device, 'max_strided', gpu%most, err)
-        call find_kernel(device, 'find_particles', gpu%find_particles, err)
-        call find_kernel(device, 'gather_places', gpu%gather_places, err)
-        call find_kernel(device, 'gather_motion', gpu%gather_motion, err)
-        call find_kernel(device, 'gather_columns', gpu%gather_columns, err)
-        call find_kernel(device, 'gather_tags', gpu%gather_tags, err)
-        call find_kernel(device, 'copy_words', gpu%copy, err)
-    end subroutine find_kernels
-
-    !> The rest of a buffer from a byte on; only to be read and written, never freed.
-    pure function part_of(buffer, byte) result(rest)
-        class(buffer_t), intent(in) :: buffer
-        integer(int64), intent(in) :: byte
-        type(buffer_t) :: rest
-
-        rest%address = buffer%address + byte
-        rest%bytes = buffer%bytes - byte
-    end function part_of
-
     !> Flags of body b for the levels of motion.
     pure function moved_flags(gpu, b) result(flags)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b
-        type(buffer_t) :: flags
+        type(integers_t) :: flags
 
-        flags = part_of(gpu%flags, 4_int64*(n_flag + move_levels*(b - 1)))
+        flags = from(gpu%flags, n_flag + move_levels*(b - 1_int64) + 1)
     end function moved_flags
 
     !> A column of the state, from its first particle on.
@@ -277,8 +226,8 @@ contains
         call free_buffers(gpu%grad, gpu%hold, gpu%held, gpu%rate, gpu%flags, gpu%axes, &
             gpu%region, gpu%extra)
         call free_buffers(gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
-            gpu%scan%levels, gpu%part)
-        call free_buffers(gpu%folded, gpu%box)
+            gpu%part, gpu%box)
+        call gpu%common%close()
         associate (links => gpu%links, glue => gpu%glue)
             call free_buffers(links%ends, links%table, links%cell, links%press, links%slice, &
                 links%count, links%list, links%met)

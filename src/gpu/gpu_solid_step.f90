@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> One time step of the solids on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_solid_step
-    use brz_device, only: arguments_t, clear_buffer, copy_in, copy_out, launch
+    use brz_buffers, only: doubles_t
+    use brz_device, only: clear_buffer, copy_in, copy_out
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_cohesive, only: place_gpu_nodes
@@ -17,6 +18,8 @@ module brz_gpu_solid_step
     use brz_move_level, only: move_levels
     use brz_motion, only: mean_velocity, velocity_of
     use brz_solid_faults, only: report_bad
+    use brz_solid_launches, only: launch_advance_point, launch_solid_forces, &
+        launch_solid_moments
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: form_bending, intact_share, solid_t
     implicit none
@@ -102,9 +105,8 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        real(dp) :: before, v(3)
-        integer :: a, b
+        real(dp) :: before, unit, v(3)
+        integer :: b
 
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%asleep) cycle
@@ -121,33 +123,15 @@ contains
                     gpu%ledger(b)%load = gpu%ledger(b)%load + (body%ledger%load - before)
                     call copy_in(v, there%drive, 24_int64, err)
                 end if
-                call begin(gpu, there, arguments)
-                call arguments%add(real((solid%dt_last + dt)/2, rk))
-                call arguments%add(dt)
-                call arguments%add(merge(sqrt(huge(dt))/(2*move_levels), level_unit(solid), &
-                                         there%total .and. .not. gpu%linked))
-                do a = 1, 3
-                    call arguments%add(body%drift(a))
-                end do
-                call arguments%add(gpu%load)
-                call arguments%add_all(there%drive, gpu%place, gpu%motion, gpu%state, gpu%tag, &
-                    gpu%built, gpu%book)
-                call arguments%add_all(moved_flags(gpu, b))
-                call launch(gpu%drift, threads_of(there), arguments, err)
+                unit = merge(sqrt(huge(dt))/(2*move_levels), level_unit(solid), &
+                             there%total .and. .not. gpu%linked)
+                call gpu%kernels%solid_drift(threads_of(there), gpu%n, there%params, &
+                    real((solid%dt_last + dt)/2, rk), dt, unit, body%drift(1), body%drift(2), &
+                    body%drift(3), gpu%load, there%drive, gpu%place, gpu%motion, gpu%state, &
+                    gpu%tag, gpu%built, gpu%book, moved_flags(gpu, b), err)
             end associate
         end do
     end subroutine drift
-
-    !> The arguments that kernels over one body begin with.
-    subroutine begin(gpu, body, arguments)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
-        type(arguments_t), intent(inout) :: arguments
-
-        arguments%n = 0
-        call arguments%add(gpu%n)
-        call arguments%add(body%params)
-    end subroutine begin
 
     !> Pass 1, and the material over the step just made; with dt = 0 no material.
     subroutine gradient_pass(gpu, dt, err)
@@ -177,19 +161,17 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
+        type(doubles_t) :: place, other
 
-        call begin(gpu, body, arguments)
-        if (body%total) call arguments%add(gpu%reference)
-        call arguments%add(gpu%place)
-        if (body%held .and. .not. body%total) call arguments%add(gpu%reference)
-        call arguments%add_all(gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad)
-        if (body%tilted) then
-            call arguments%add_all(gpu%state, gpu%tag, gpu%hold, gpu%held)
-        else if (body%drawn) then
-            call arguments%add_all(gpu%state, gpu%held)
+        place = gpu%place
+        other = gpu%reference
+        if (body%total) then ! pairs are weighed by X_ij, and the sums lead to dx/dX
+            place = gpu%reference
+            other = gpu%place
         end if
-        call launch(body%moments, threads_of(body), arguments, err)
+        call launch_solid_moments(body%moments, threads_of(body), gpu%n, body%params, place, &
+            other, gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, gpu%state, &
+            gpu%tag, gpu%hold, gpu%held, err)
     end subroutine sum_moments
 
     subroutine find_gradients(gpu, body, dt, err)
@@ -197,12 +179,9 @@ contains
         type(gpu_solid_body_t), intent(in) :: body
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call begin(gpu, body, arguments)
-        call arguments%add_all(gpu%row, gpu%grad, gpu%tag, gpu%hold, gpu%held, gpu%state)
-        call arguments%add(dt)
-        call launch(gpu%gradients, threads_of(body), arguments, err)
+        call gpu%kernels%solid_gradients(threads_of(body), gpu%n, body%params, gpu%row, gpu%grad, &
+            gpu%tag, gpu%hold, gpu%held, gpu%state, dt, err)
     end subroutine find_gradients
 
     subroutine update_material(gpu, body, dt, err)
@@ -210,26 +189,19 @@ contains
         type(gpu_solid_body_t), intent(in) :: body
         real(rk), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call arguments%add(gpu%n)
-        call arguments%add(dt)
-        call arguments%add_all(body%params, body%material, gpu%grad, gpu%state, gpu%tag, &
-            gpu%book, gpu%flags)
-        call launch(body%update, threads_of(body), arguments, err)
+        call launch_advance_point(body%update, threads_of(body), gpu%n, dt, body%params, &
+            body%material, gpu%grad, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
     end subroutine update_material
 
     subroutine fill_rows(gpu, body, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
 
-        call begin(gpu, body, arguments)
-        call arguments%add_all(body%material, gpu%place, gpu%grad, gpu%state, gpu%tag, &
-            gpu%motion, gpu%row)
-        call arguments%add_all(gpu%rate, gpu%axes, gpu%hold, gpu%held, gpu%flags)
-        call launch(gpu%rows, threads_of(body), arguments, err)
+        call gpu%kernels%solid_rows(threads_of(body), gpu%n, body%params, body%material, &
+            gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, gpu%rate, gpu%axes, &
+            gpu%hold, gpu%held, gpu%flags, err)
     end subroutine fill_rows
 
     !> Pass 2: accelerations; heat and ledgers over dt, the step just made.
@@ -237,23 +209,15 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         integer :: b
 
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%asleep) cycle
             associate (body => gpu%bodies(b))
-                arguments%n = 0
-                call arguments%add(gpu%n)
-                call arguments%add(real(dt, rk))
-                call arguments%add(merge(1, 0, gpu%linked))
-                call arguments%add(gpu%load)
-                call arguments%add_all(body%params, gpu%place, gpu%motion, gpu%row, &
-                    gpu%reference, gpu%hold, gpu%held)
-                call arguments%add_all(body%slice, gpu%count, body%list, gpu%extra, gpu%state, &
-                    gpu%tag, gpu%book)
-                call arguments%add_all(gpu%flags)
-                call launch(body%forces, threads_of(body), arguments, err)
+                call launch_solid_forces(body%forces, threads_of(body), gpu%n, real(dt, rk), &
+                    merge(1, 0, gpu%linked), gpu%load, body%params, gpu%place, gpu%motion, &
+                    gpu%row, gpu%reference, gpu%hold, gpu%held, body%slice, gpu%count, &
+                    body%list, gpu%extra, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
             end associate
         end do
     end subroutine force_pass
@@ -265,18 +229,15 @@ contains
         type(solid_t), intent(in) :: solid
         logical, intent(in) :: anew(:) !! (bodies) whose lists were built anew
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         integer :: b
 
         do b = 1, size(gpu%bodies)
             if (.not. anew(b)) cycle
             if (solid%bodies(b)%formulation /= form_bending .and. .not. gpu%bodies(b)%drawn) cycle
             associate (body => gpu%bodies(b))
-                call begin(gpu, body, arguments)
-                call arguments%add(intact_share)
-                call arguments%add_all(body%slice, gpu%count, body%list, gpu%reference, &
-                    gpu%state, gpu%tag)
-                call launch(gpu%end_support, threads_of(body), arguments, err)
+                call gpu%kernels%solid_end_support(threads_of(body), gpu%n, body%params, &
+                    intact_share, body%slice, gpu%count, body%list, gpu%reference, gpu%state, &
+                    gpu%tag, err)
             end associate
         end do
     end subroutine end_support
@@ -317,7 +278,6 @@ contains
         integer, intent(in) :: b
         real(dp), intent(in) :: dt
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
         real(dp) :: impulse(3)
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
@@ -330,10 +290,8 @@ contains
                 body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
             if (there%rigid) return
             call copy_in(velocity_of(body%motion, solid%time), there%drive, 24_int64, err)
-            call begin(gpu, there, arguments)
-            call arguments%add(dt)
-            call arguments%add_all(there%drive, gpu%motion, gpu%tag, gpu%state)
-            call launch(gpu%hold_drive, threads_of(there), arguments, err)
+            call gpu%kernels%solid_hold_drive(threads_of(there), gpu%n, there%params, dt, &
+                there%drive, gpu%motion, gpu%tag, gpu%state, err)
         end associate
     end subroutine balance_drive
 end module brz_gpu_solid_step

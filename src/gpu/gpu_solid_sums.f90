@@ -2,20 +2,17 @@
 !> Numbers about all particles on the GPU: totals, ledgers, time step. Folded in a fixed order.
 module brz_gpu_solid_sums
     use brz_artificial_stress, only: artificial_none
-    use brz_device, only: arguments_t, copy_out, launch
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
         book_friction, book_hold, book_load, book_plastic, book_rub, book_viscous, n_book, n_total
-    use brz_gpu_solid_state, only: fold_threads, gpu_solid_t, sum_threads, total_threads
-    use brz_kinds, only: dp, int64, rk
+    use brz_gpu_solid_state, only: gpu_solid_t, most_folded, total_threads
+    use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: solid_totals_t, totals_of_sums
     implicit none
     private
-    public :: gpu_solid_totals, fetch_ledgers, fetch_limit, fold_sums, sums_of_body
-
-    integer, parameter :: rows_of_a_fold = 256 !! that a thread adds up
+    public :: gpu_solid_totals, fetch_ledgers, fetch_limit, sums_of_body
 
 contains
 
@@ -43,37 +40,14 @@ contains
         real(dp), intent(in) :: dt_last !! [s]
         real(dp), intent(out) :: sums(n_total + n_book)
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
+        real(dp) :: folded(most_folded, size(sums))
 
-        call arguments%add(gpu%n)
-        call arguments%add(total_threads)
-        call arguments%add(gpu%bodies(b)%params)
-        call arguments%add(real(dt_last/2, rk))
-        call arguments%add_all(gpu%region, gpu%place, gpu%motion, gpu%state, gpu%book, gpu%part)
-        call launch(gpu%totals, [total_threads, 1, 1], arguments, err)
-        call fold_sums(gpu, total_threads, sums, err)
+        call gpu%kernels%solid_totals_of([total_threads, 1, 1], gpu%n, total_threads, &
+                                         gpu%bodies(b)%params, real(dt_last/2, rk), gpu%region, &
+                                         gpu%place, gpu%motion, gpu%state, gpu%book, gpu%part, err)
+        call gpu%common%fold(gpu%part, total_threads, folded, err)
+        sums = sum(folded, 1)
     end subroutine sums_of_body
-
-    !> Sums over the m rows of `part`, in a fixed order: a few are left for the host.
-    subroutine fold_sums(gpu, m, sums, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: m
-        real(dp), intent(out) :: sums(:) !! one for each column
-        type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        real(dp) :: folded(max(m/rows_of_a_fold, 1), size(sums))
-        integer :: k
-
-        call arguments%add(m)
-        call arguments%add(size(folded, 1))
-        call arguments%add_all(gpu%part, gpu%folded)
-        call launch(gpu%fold, [size(folded, 1), size(sums), 1], arguments, err)
-        folded = 0
-        call copy_out(gpu%folded, folded, 8_int64*size(folded), err)
-        do k = 1, size(sums)
-            sums(k) = sum(folded(:, k))
-        end do
-    end subroutine fold_sums
 
     !> Bring the sums, the ledgers and the reactions of all bodies up to date.
     subroutine fetch_ledgers(gpu, solid, err)
@@ -134,23 +108,10 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         real(dp), intent(out) :: limit
         type(error_t), intent(inout) :: err
-        type(arguments_t) :: arguments
-        real(dp) :: folded(fold_threads)
-        integer, parameter :: first_fold = 8*sum_threads
+        real(dp) :: rate
 
-        call arguments%add(int(gpu%n, int64))
-        call arguments%add(first_fold)
-        call arguments%add_all(gpu%rate, gpu%part)
-        call launch(gpu%most, [first_fold, 1, 1], arguments, err)
-        arguments%n = 0
-        call arguments%add(int(first_fold, int64))
-        call arguments%add(fold_threads)
-        call arguments%add_all(gpu%part, gpu%folded)
-        call launch(gpu%most, [fold_threads, 1, 1], arguments, err)
-        folded = 0
-        call copy_out(gpu%folded, folded, 8_int64*fold_threads, err)
+        rate = gpu%common%largest(gpu%rate, gpu%n, err)
         limit = 0 ! no step is possible with a rate that is no number
-        if (all(folded <= huge(limit)) .and. .not. failed(err)) &
-            limit = 1/max(maxval(folded), tiny(limit))
+        if (rate < huge(rate)) limit = 1/max(rate, tiny(limit))
     end subroutine fetch_limit
 end module brz_gpu_solid_sums

@@ -40,9 +40,8 @@ contains
     end subroutine set_walls
 
     !> After it: hand the impulse of the step to the particles, and wake the bodies that feel it.
-    subroutine load_bodies(backend, air, solid, coupling, dt, err)
+    subroutine load_bodies(backend, solid, coupling, dt, err)
         type(backend_t), intent(inout) :: backend
-        type(air_t), intent(inout) :: air
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! [s]
@@ -55,7 +54,7 @@ contains
             backend%solid%fetched = .false.
             if (any(solid%bodies%asleep)) call wake_on_gpu(backend, solid, dt, err)
         else
-            call spread_load(air, solid, coupling, dt)
+            call spread_load(solid, coupling, dt)
             if (any(solid%bodies%asleep)) call wake_loaded(solid, coupling, dt)
         end if
     end subroutine load_bodies

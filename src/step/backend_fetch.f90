@@ -9,9 +9,8 @@ module brz_backend_fetch
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_products, coupling_totals
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: fetch_air, fetch_cells
+    use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_map
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
-    use brz_gpu_air_walls, only: fetch_map
     use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, gpu_ledger_totals
     use brz_gpu_solid_cohesive, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid

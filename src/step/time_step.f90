@@ -160,7 +160,7 @@ contains
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
 
-        call load_bodies(sim%backend, sim%air, sim%solid, sim%coupling, dt, err)
+        call load_bodies(sim%backend, sim%solid, sim%coupling, dt, err)
         if (particles_awake(sim%solid) > 0) sim%substeps = substeps(sim, dt)
     end subroutine load_solid
 

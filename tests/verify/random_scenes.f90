@@ -187,7 +187,7 @@ contains
         call air_step(s%air, s%coupling%wall, s%dt, status)
         if (status /= air_ok) s%fault = 'the air is lost'
         if (s%fault /= '') return
-        call spread_load(s%air, s%solid, s%coupling, s%dt)
+        call spread_load(s%solid, s%coupling, s%dt)
         call move_bodies(s%air, s%t, s%dt, s%bodies, s%solid)
         call reclassify(s%air, s%solid, s%coupling)
         s%t = s%t + s%dt

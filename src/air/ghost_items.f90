@@ -1,49 +1,59 @@
 ! SPDX-License-Identifier: MIT
-!> Ghost cells of the air on the GPU: both ends of all lines of all directions in one launch.
-module brz_air_ghost_kernels
-    use brz_air_grid, only: grid_t, line_start, lines_along, variable_in_slot
-    use brz_air_state, only: bc_outflow, bc_periodic, bc_symmetry, bc_wall
-    use brz_kinds, only: int8, rk
+!> Ghost cells at the ends of the lines of the air: open boundaries let waves out, walls and
+!> symmetry planes mirror, a periodic box goes on from the other end.
+!>
+!> Ghosts of gas at rest must be at rest to the bit: see brz_air_activity. Only ghosts straight
+!> across a face are filled; no stencil reaches into edges or corners.
+module brz_ghost_items
+    use brz_air_boundary, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall, image_at
+    use brz_air_grid, only: grid_t, line_start, variable_in_slot
+    use brz_kinds, only: int64, int8, rk
     use brz_outflow, only: open_ghosts
     use brz_scheme, only: max_var, scheme_t
     implicit none
     private
-    public :: air_ghosts
+    public :: fill_end
 
 contains
 
-    !> Fill the ghosts at one end of a line: threads along x take the lines of a direction, those
-    !> along y the directions and their two sides.
-    attributes(global) subroutine air_ghosts(grid, scheme, outside, solid, u)
-        type(grid_t), value :: grid
-        type(scheme_t), value :: scheme
-        real(rk), device, intent(in) :: outside(*) !! (lines, n_var, 2) gas beyond open boundaries
-        integer(int8), device, intent(in) :: solid(*) !! read where there are walls
-        real(rk), device, intent(inout) :: u(*)
-        integer(8) :: first
+    !> Fill the ghosts at one end of a line: the low ends of the lines of all directions come first,
+    !> then the high ones. Those where the box of another process begins are left alone.
+    !@item if(n > 2000) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine fill_end(t, grid, scheme, outside, solid, u)
+        integer, intent(in) :: t !! ends, twice the lines
+        type(grid_t), intent(in) :: grid
+        type(scheme_t), intent(in) :: scheme
+        real(rk), intent(in) :: outside(*) !! (lines, n_var, 2) gas beyond open boundaries
+        integer(int8), intent(in) :: solid(*) !! read where there are walls
+        real(rk), intent(inout) :: u(*)
+        integer(int64) :: first
         integer :: d, line, side
 
-        line = (blockIdx%x - 1)*blockDim%x + threadIdx%x
-        d = (blockIdx%y + 1)/2
-        side = blockIdx%y - 2*(d - 1)
-        if (grid%n(d) == 1 .or. line > lines_along(grid, d)) return
-        first = line_start(grid, d, line)
+        side = 1
+        if (t > grid%lines) side = 2
+        line = t - (side - 1)*grid%lines
+        d = 1
+        if (line > grid%before(2)) d = 2
+        if (line > grid%before(3)) d = 3
+        if (grid%bc(side, d) == bc_inside) return
+        first = line_start(grid, d, line - grid%before(d))
         if (grid%bc(side, d) == bc_outflow) then
-            call open_end(d, side, grid, scheme, grid%before(d) + line, first, outside, &
-                solid, u)
+            call open_end(d, side, grid, scheme, line, first, outside, solid, u)
         else
             call image_end(d, side, grid, first, u)
         end if
-    end subroutine air_ghosts
+    end subroutine fill_end
 
     !> Ghosts behind a wall, a symmetry plane or a periodic boundary.
-    attributes(device) subroutine image_end(d, side, grid, first, u)
+    !@cuf attributes(host,device) &
+    pure subroutine image_end(d, side, grid, first, u)
         integer, intent(in) :: d !! direction
         integer, intent(in) :: side !! 1: low, 2: high
         type(grid_t), intent(in) :: grid
-        integer(8), intent(in) :: first !! place of the first cell of the line
+        integer(int64), intent(in) :: first !! place of the first cell of the line
         real(rk), intent(inout) :: u(*)
-        integer(8) :: to, from
+        integer(int64) :: to, from
         integer :: bc, c, m, n, p
         real(rk) :: sign
 
@@ -52,7 +62,7 @@ contains
         do m = 1, grid%g(d)
             p = merge(1 - m, n + m, side == 1)
             to = first + (p - 1)*grid%step(d)
-            from = first + merge(min(m, n) - 1, n - min(m, n), side == 1)*grid%step(d)
+            from = first + (image_at(n, bc, bc, p) - 1)*grid%step(d)
             if (bc == bc_periodic) from = first + modulo(p - 1, n)*grid%step(d)
             do c = 1, grid%n_var
                 sign = 1
@@ -63,18 +73,19 @@ contains
     end subroutine image_end
 
     !> Ghosts behind an open boundary. The gas outside also stands for solid cells.
-    attributes(device) subroutine open_end(d, side, grid, scheme, line, first, outside, solid, u)
+    !@cuf attributes(host,device) &
+    pure subroutine open_end(d, side, grid, scheme, line, first, outside, solid, u)
         integer, intent(in) :: d !! direction
         integer, intent(in) :: side !! 1: low, 2: high
         type(grid_t), intent(in) :: grid
         type(scheme_t), intent(in) :: scheme
         integer, intent(in) :: line !! of those of all directions
-        integer(8), intent(in) :: first !! place of its first cell
+        integer(int64), intent(in) :: first !! place of its first cell
         real(rk), intent(in) :: outside(*)
         integer(int8), intent(in) :: solid(*)
         real(rk), intent(inout) :: u(*)
         real(rk) :: far(max_var), inside(max_var, 3), ghost(max_var, 3)
-        integer(8) :: at
+        integer(int64) :: at
         integer :: c, cells, m
         logical :: full
 
@@ -88,7 +99,7 @@ contains
                 inside(c, m) = 0
                 if (c > grid%n_var) cycle
                 far(c) = outside(line + (variable_in_slot(c, d) - 1 + (side - 1)*grid%n_var) &
-                    *int(grid%lines, 8))
+                    *int(grid%lines, int64))
                 inside(c, m) = u(at + (variable_in_slot(c, d) - 1)*grid%apart)
                 if (full) inside(c, m) = far(c)
             end do
@@ -103,4 +114,4 @@ contains
             end do
         end do
     end subroutine open_end
-end module brz_air_ghost_kernels
+end module brz_ghost_items

@@ -1,0 +1,119 @@
+! SPDX-License-Identifier: MIT
+!> Which cells of the air hold particles, and which have changed hands. Cells go by their number in
+!> memory order, ghosts left out.
+module brz_cell_items
+    use brz_cell_place, only: cell_number
+    use brz_coupling_box, only: box_t, is_gas, is_left, is_solid, place_at
+    use brz_kinds, only: dp, int32, int8
+    use brz_solid_state, only: is_gone
+    implicit none
+    private
+    public :: find_cell, mark_cell, compare_cell, count_kind, list_kind
+    public :: change_of, cells_of_a_chunk
+
+    integer, parameter :: cells_of_a_chunk = 256 !! that one thread looks through
+
+contains
+
+    !> Find the cell of each particle.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine find_cell(p, box, wide, x, fixed, cell, moved, outside)
+        integer, intent(in) :: p !! particles
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: wide !! rows of x
+        real(dp), intent(in) :: x(wide, *) !! [m]
+        integer(int32), intent(in) :: fixed(*)
+        integer(int32), intent(inout) :: cell(*) !! 0: outside
+        integer, intent(inout) :: moved !@count particles that have changed their cell
+        integer, intent(inout) :: outside !@count particles outside the box
+        real(dp) :: y(3)
+        integer(int32) :: c
+        integer :: d
+
+        do d = 1, 3
+            y(d) = x(d, p)
+        end do
+        c = cell_number(y, box%lo, box%dx, box%n, box%wraps)
+        if (fixed(p) == is_gone) c = 0
+        if (c /= cell(p)) moved = moved + 1
+        if (c == 0) outside = outside + 1
+        cell(p) = c
+    end subroutine find_cell
+
+    !> Mark the cells of the particles; all that lie in a cell write the same.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine mark_cell(p, cell, mark)
+        integer, intent(in) :: p !! particles
+        integer(int32), intent(in) :: cell(*) !! 0: outside
+        integer(int8), intent(inout) :: mark(*) !! all cells are marked as gas before
+
+        if (cell(p) > 0) mark(cell(p)) = is_solid
+    end subroutine mark_cell
+
+    !> Count the cells that have changed between gas and solid, and mark those that the solid left.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine compare_cell(c, box, solid, mark, covered, uncovered)
+        integer, intent(in) :: c !! cells
+        type(box_t), intent(in) :: box
+        integer(int8), intent(in) :: solid(*) !! the present walls, ghosts included
+        integer(int8), intent(inout) :: mark(*)
+        integer, intent(inout) :: covered !@count cells that hold solid now
+        integer, intent(inout) :: uncovered !@count cells that held solid
+        integer :: change
+
+        change = change_of(solid(place_at(box, int(c, int32))), mark(c))
+        if (change > 0) covered = covered + 1
+        if (change < 0) uncovered = uncovered + 1
+        if (change < 0) mark(c) = is_left
+    end subroutine compare_cell
+
+    !> 1 for a cell that the solid has covered, -1 for one that it has left, else 0.
+    !@cuf attributes(host,device) &
+    pure function change_of(solid, mark) result(change)
+        integer(int8), intent(in) :: solid !! it held solid
+        integer(int8), intent(in) :: mark !! what it holds now
+        integer :: change
+
+        change = merge(1, 0, mark /= is_gas) - solid
+    end function change_of
+
+    !> Count the cells of a kind in each chunk of the map.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine count_kind(t, cells, kind, mark, top)
+        integer, intent(in) :: t !! chunks
+        integer, intent(in) :: cells, kind
+        integer(int8), intent(in) :: mark(*)
+        integer(int32), intent(inout) :: top(*)
+        integer :: i, total
+
+        total = 0
+        do i = (t - 1)*cells_of_a_chunk + 1, min(t*cells_of_a_chunk, cells)
+            if (mark(i) == kind) total = total + 1
+        end do
+        top(t) = total
+    end subroutine count_kind
+
+    !> List the cells of a kind in order; `top` holds how many are before each chunk.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine list_kind(t, cells, kind, mark, top, list)
+        integer, intent(in) :: t !! chunks
+        integer, intent(in) :: cells, kind
+        integer(int8), intent(in) :: mark(*)
+        integer(int32), intent(in) :: top(*)
+        integer(int32), intent(inout) :: list(*)
+        integer :: at, i
+
+        at = top(t)
+        if (top(t + 1) == at) return
+        do i = (t - 1)*cells_of_a_chunk + 1, min(t*cells_of_a_chunk, cells)
+            if (mark(i) /= kind) cycle
+            at = at + 1
+            list(at) = i
+        end do
+    end subroutine list_kind
+end module brz_cell_items

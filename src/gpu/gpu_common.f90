@@ -1,0 +1,123 @@
+! SPDX-License-Identifier: MIT
+!> What air, solids and coupling do alike on the GPU: running sums, and sums and largest numbers in
+!> a fixed order.
+module brz_gpu_common
+    use brz_buffers, only: doubles_t, from, integers_t
+    use brz_common_launches, only: common_kernels_t
+    use brz_device, only: allocate_buffer, clear_buffer, copy_out, device_t, free_buffers, &
+        reserve_buffer
+    use brz_errors, only: error_t, failed
+    use brz_gpu_solid_layout, only: scan_chunk
+    use brz_kinds, only: dp, int64
+    implicit none
+    private
+    public :: gpu_common_t
+
+    integer, parameter :: first_fold = 32768, last_fold = 1024 !! of the largest number
+
+    type :: gpu_common_t
+        type(common_kernels_t) :: kernels
+        type(integers_t) :: levels !! of running sums
+        type(doubles_t) :: part, folded !! partial results
+    contains
+        procedure :: open, close, running_sum, fold, largest
+    end type gpu_common_t
+
+contains
+
+    subroutine open (self, device, numbers, err)
+        class(gpu_common_t), intent(inout) :: self
+        type(device_t), intent(in) :: device
+        integer, intent(in) :: numbers !! most that a fold leaves for the host
+        type(error_t), intent(inout) :: err
+
+        call self%kernels%open(device, err)
+        call allocate_buffer(self%part, 8_int64*first_fold, err)
+        call allocate_buffer(self%folded, 8_int64*max(numbers, last_fold), err)
+    end subroutine open
+
+    subroutine close (self)
+        class(gpu_common_t), intent(inout) :: self
+
+        call free_buffers(self%levels, self%part, self%folded)
+    end subroutine close
+
+    !> Every one of n integers becomes the sum of those before it; one more, behind them, becomes
+    !> the sum of all and is brought to the host if asked for.
+    subroutine running_sum(self, x, n, err, total)
+        class(gpu_common_t), intent(inout) :: self
+        type(integers_t), intent(in) :: x !! (n + 1)
+        integer, intent(in) :: n
+        type(error_t), intent(inout) :: err
+        integer, intent(out), optional :: total
+        type(integers_t) :: level(0:4)
+        integer :: length(0:4), l, last, word(1)
+
+        call clear_buffer(from(x, n + 1_int64), err, 4_int64)
+        length(0) = n + 1
+        level(0) = x
+        last = 0
+        call reserve_buffer(self%levels, 4_int64*(n/scan_chunk + 1)*2 + 1024, err)
+        level(1) = self%levels
+        do while (length(last) > 1)
+            length(last + 1) = chunks(length(last))
+            call self%kernels%scan_up([length(last + 1), 1, 1], length(last), level(last), &
+                                      level(last + 1), err)
+            last = last + 1
+            if (length(last) == 1) exit
+            level(last + 1) = from(level(last), (length(last)/64 + 1)*64_int64 + 1)
+        end do
+        call clear_buffer(level(last), err, 4_int64)
+        do l = last - 1, 0, -1
+            call self%kernels%scan_down([chunks(length(l)), 1, 1], length(l), level(l + 1), &
+                                        level(l), err)
+        end do
+        if (.not. present(total)) return
+        word = 0
+        call copy_out(from(x, n + 1_int64), word, 4_int64, err)
+        total = word(1)
+    end subroutine running_sum
+
+    pure integer function chunks(n)
+        integer, intent(in) :: n
+
+        chunks = (n - 1)/scan_chunk + 1
+    end function chunks
+
+    !> Sums over the m rows of `part`, column by column, in a fixed order: a few are left, which the
+    !> caller adds up.
+    subroutine fold(self, part, m, folded, err)
+        class(gpu_common_t), intent(in) :: self
+        type(doubles_t), intent(in) :: part !! (m, columns)
+        integer, intent(in) :: m
+        real(dp), intent(out), contiguous :: folded(:, :) !! (rows that are left, columns)
+        type(error_t), intent(inout) :: err
+        integer :: left(2)
+
+        left = shape(folded)
+        call self%kernels%fold_columns([left(1), left(2), 1], m, left(1), part, self%folded, err)
+        folded = 0
+        call copy_out(self%folded, folded, 8_int64*size(folded), err)
+    end subroutine fold
+
+    !> The largest of n numbers and 0; huge if one of them is no number, or if the GPU fails.
+    real(dp) function largest(self, x, n, err)
+        class(gpu_common_t), intent(in) :: self
+        type(doubles_t), intent(in) :: x !! (n)
+        integer, intent(in) :: n
+        type(error_t), intent(inout) :: err
+        real(dp) :: folded(last_fold)
+
+        if (n > first_fold) then
+            call self%kernels%largest([first_fold, 1, 1], n, first_fold, x, self%part, err)
+            call self%kernels%largest([last_fold, 1, 1], first_fold, last_fold, self%part, &
+                                      self%folded, err)
+        else
+            call self%kernels%largest([last_fold, 1, 1], n, last_fold, x, self%folded, err)
+        end if
+        folded = 0
+        call copy_out(self%folded, folded, 8_int64*last_fold, err)
+        largest = huge(largest)
+        if (all(folded <= huge(largest)) .and. .not. failed(err)) largest = maxval(folded)
+    end function largest
+end module brz_gpu_common
