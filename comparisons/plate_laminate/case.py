@@ -43,10 +43,10 @@ CASE = Case(
     setting="Clamped [0/90/90/0] plate, 200 x 200 x 8 mm (E1 140, E2 = E3 10 GPa, 1600 kg/m3), 12 "
     "MPa for 50 us, "
     "without strengths.",
-    reference="CalculiX as recorded",
+    reference="CalculiX 16 x 16 x 4; error 0.3 %: 10 x 10 x 3 gives the same, half the step 0.2 %",
     quantities=(
-        Quantity("peak", "peak", "mm", 1e3, 4, 7.21e-3, 0.02),
-        Quantity("peak_time", "at", "us", 1e6, 4, 147.4e-6, 0.02),
+        Quantity("peak", "peak", "mm", 1e3, 4, 7.031e-3, 0.02),
+        Quantity("peak_time", "at", "us", 1e6, 4, 147.6e-6, 0.02),
         Quantity("back", "first back", "us", 1e6, 4),
     ),
     runs=(
@@ -56,7 +56,7 @@ CASE = Case(
     ),
     remarks={
         "CalculiX 10 x 10 x 3, as recorded": "with some 2 % too much impulse: see above",
-        "Brisance, 4 layers": "as quick as quadratic bricks; the period is 1.5 % longer",
+        "CalculiX 16 x 16 x 4": "the reference: 0.03 % from 10 x 10 x 3",
     },
     axes=("time [us]", "deflection [mm]"),
     scales=(1e6, 1e3),

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Forces of the pressures on faces, in scenes without air.
+!> Forces of the pressures on faces and of pushes on bodies, in scenes without air.
 module brz_solid_load
     use brz_carrier_rules, only: add_force
     use brz_face_load, only: facets_t, find_places, impulse_on
@@ -26,7 +26,11 @@ contains
         end if
         solid%load = 0
         do k = 1, size(solid%loads%of)
-            call load_facets(solid, solid%loads%of(k), dt)
+            if (solid%loads%of(k)%body > 0) then
+                call push_body(solid, solid%loads%of(k), dt)
+            else
+                call load_facets(solid, solid%loads%of(k), dt)
+            end if
         end do
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
@@ -39,6 +43,21 @@ contains
             end associate
         end do
     end subroutine load_faces
+
+    !> Add the forces of a push on all particles of a body.
+    subroutine push_body(solid, facets, dt)
+        type(solid_t), intent(inout) :: solid
+        type(facets_t), intent(in) :: facets
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: mean
+        integer :: i
+
+        mean = (impulse_on(facets, 1, solid%time + dt) - impulse_on(facets, 1, solid%time))/dt
+        do i = solid%bodies(facets%body)%first, solid%bodies(facets%body)%last
+            if (solid%fixed(i) == is_gone) cycle
+            solid%load(:, i) = solid%load(:, i) + real(solid%mass(i)*mean*facets%push, rk)
+        end do
+    end subroutine push_body
 
     !> Add the forces on the facets of one load.
     subroutine load_facets(solid, facets, dt)

@@ -162,7 +162,7 @@ module brz_case
         real(dp) :: open_box(6, 8) = 0 !! regions that are not glued: x0, x1, ... [m]
     end type interaction_case_t
 
-    !> &load: a pressure on faces of a body
+    !> &load: a pressure on faces of a body, or a force on all of it
     type :: load_case_t
         character(name_len) :: id = ''
         character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
@@ -173,6 +173,9 @@ module brz_case
         logical :: on_ground = .false. !! a hemisphere on the ground, no sphere in free air
         real(dp) :: at(3) = 0 !! of its centre [m]
         real(dp) :: start = 0 !! when it detonates [s]
+        logical :: on_all = .false. !! of a body; then `pressure` has factors of one of these:
+        real(dp) :: acceleration(3) = 0 !! [m/s2]
+        real(dp) :: force(3) = 0 !! on the part of the body that is modelled [N]
     end type load_case_t
 
     !> &gauge

@@ -24,15 +24,16 @@ contains
         real(dp), parameter :: zero = 0
 
         keys = [keys, &
-                key_t(group=g, meaning='A pressure on faces of a body in a scene without air: '// &
-                      'a history, or a blast by Kingery-Bulmash. It follows the faces as they '// &
-                      'deform.'), &
+                key_t(group=g, meaning='A load on a body in a scene without air: a pressure on '// &
+                      'faces, which it follows as they deform (a history, or a blast by '// &
+                      'Kingery-Bulmash), or gravity or a force on all of it.'), &
                 key_t(group=g, key='id', kind=kind_text, meaning='Name of the load.'), &
                 key_t(group=g, key='body', kind=kind_text, default=required, &
                       meaning='Id of the body that is loaded.'), &
-                key_t(group=g, key='faces', kind=kind_text, n_max=6, default=required, &
+                key_t(group=g, key='faces', kind=kind_text, n_max=6, &
                       choices='x-|x+|y-|y+|z-|z+', &
-                      meaning='Faces of it, seen along an axis: the outermost particles there.'), &
+                      meaning='pressure, mass: faces of it, seen along an axis: the outermost '// &
+                      'particles there.'), &
                 key_t(group=g, key='time', n_max=most_points, unit='s', &
                       meaning='Times of the history, growing; straight lines between them, 0 '// &
                       'before and after. Not needed for one constant pressure.'), &
@@ -46,7 +47,14 @@ contains
                 key_t(group=g, key='at', n_min=3, n_max=3, unit='m', &
                       meaning='mass: centre of the charge.'), &
                 key_t(group=g, key='detonation_time', unit='s', default='0.0', &
-                      meaning='mass: when it detonates; may be negative.')]
+                      meaning='mass: when it detonates; may be negative.'), &
+                key_t(group=g, key='acceleration', n_min=3, n_max=3, unit='m/s2', &
+                      meaning='Of all particles of the body, as by gravity.'), &
+                key_t(group=g, key='force', n_min=3, n_max=3, unit='N', &
+                      meaning='On the part of the body that is modelled, spread by mass.'), &
+                key_t(group=g, key='scale', n_max=most_points, &
+                      meaning='acceleration, force: factors at these times; if absent 1 for '// &
+                      'ever.')]
     end subroutine load_keys
 
     !> Fill and check the loads of a case; its bodies must be there.
@@ -62,6 +70,7 @@ contains
             k = k + 1
             call fill(deck, g, case, case%loads(k))
             call check_keys(deck, g, case%loads(k))
+            call check_planes(deck, g, case, case%loads(k))
             if (case%air%present) call complain(deck, g, 'body', group_label(deck%groups(g))// &
                 'is for scenes without air, and this one has &air; take one of them out')
         end do
@@ -88,6 +97,14 @@ contains
         load%faces = [(any(faces == names(i)), i=1, 6)]
         call fill_list(deck, g, 'time', load%time)
         call fill_list(deck, g, 'pressure', load%pressure)
+        load%on_all = is_given(deck%groups(g), 'acceleration') .or. &
+                      is_given(deck%groups(g), 'force')
+        if (load%on_all) then
+            call fill_list(deck, g, 'scale', load%pressure)
+            if (.not. is_given(deck%groups(g), 'scale')) load%pressure = [1.0_dp]
+        end if
+        call get(deck%groups(g), 'acceleration', load%acceleration)
+        call get(deck%groups(g), 'force', load%force)
         call get(deck%groups(g), 'mass', load%mass)
         burst = 'air'
         call get(deck%groups(g), 'burst', burst)
@@ -111,38 +128,80 @@ contains
         if (n > 0) call get(deck%groups(g), key, list)
     end subroutine fill_list
 
-    !> A history or a charge, and all that it needs.
+    !> One kind of load, and all that it needs.
     subroutine check_keys(deck, g, load)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(load_case_t), intent(in) :: load
-        character(15), parameter :: of_charge(3) = [character(15) :: 'at', 'burst', &
-                                                    'detonation_time']
+        character(12), parameter :: kinds(4) = [character(12) :: 'pressure', 'mass', &
+                                                'acceleration', 'force']
         integer :: i
 
-        associate (group => deck%groups(g), n => size(load%pressure), m => size(load%time))
-            if (is_given(group, 'mass') .eqv. is_given(group, 'pressure')) call complain(deck, g, &
-                'body', 'a load is a history (time, pressure) or the blast of a charge (mass, '// &
-                'at); give one of them')
+        associate (group => deck%groups(g))
+            if (count([(is_given(group, trim(kinds(i))), i=1, 4)]) /= 1) then
+                call complain(deck, g, 'body', 'a load is a history (time, pressure), the '// &
+                    'blast of a charge (mass, at), an acceleration or a force; give one of them')
+                return
+            end if
+            if (load%on_all .and. is_given(group, 'faces')) call complain(deck, g, 'faces', &
+                'faces belong to a pressure or a charge; take them out')
+            if (.not. (load%on_all .or. is_given(group, 'faces'))) call complain(deck, g, &
+                'body', "a pressure needs faces, such as faces='z+'")
             if (is_given(group, 'mass')) then
                 if (.not. is_given(group, 'at')) call complain(deck, g, 'mass', &
                     'a charge needs its place; add at = x, y, z')
                 if (is_given(group, 'time')) call complain(deck, g, 'time', &
                     "time belongs to a history of pressure; take it out")
-                return
+            else
+                call check_history(deck, g, load)
             end if
+        end associate
+    end subroutine check_keys
+
+    !> Times and values of a load that is no charge.
+    subroutine check_history(deck, g, load)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(load_case_t), intent(in) :: load
+        character(15), parameter :: of_charge(3) = [character(15) :: 'at', 'burst', &
+                                                    'detonation_time']
+        character(:), allocatable :: values
+        integer :: i
+
+        values = 'pressure'
+        if (load%on_all) values = 'scale'
+        associate (group => deck%groups(g), n => size(load%pressure), m => size(load%time))
             do i = 1, size(of_charge)
                 if (is_given(group, trim(of_charge(i)))) call complain(deck, g, &
                     trim(of_charge(i)), trim(of_charge(i))//' belongs to a charge (mass); take '// &
                     'it out')
             end do
-            if (m /= n .and. .not. (n == 1 .and. m == 0)) call complain(deck, g, 'pressure', &
-                to_text(n)//' pressures for '//to_text(m)//' times; give as many of both, or '// &
-                'one constant pressure')
+            if (is_given(group, 'scale') .and. .not. load%on_all) call complain(deck, g, 'scale', &
+                'scale belongs to an acceleration or a force; take it out')
+            if (m /= n .and. .not. (n == 1 .and. m == 0)) call complain(deck, g, &
+                values, to_text(n)//' values of '//values//' for '// &
+                to_text(m)//' times; give as many of both, or one that is constant')
             if (m == n .and. n == 1) call complain(deck, g, 'time', 'a history needs two '// &
-                'times; take time out for a constant pressure')
+                'times; take time out for a constant one')
             if (any(load%time(2:) <= load%time(:max(m - 1, 0)))) call complain(deck, g, 'time', &
                 'the times must grow')
         end associate
-    end subroutine check_keys
+    end subroutine check_history
+
+    !> A plane of symmetry, or a direction that is not modelled, takes no acceleration and no force.
+    subroutine check_planes(deck, g, case, load)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(load_case_t), intent(in) :: load
+        character, parameter :: axes(3) = ['x', 'y', 'z']
+        integer :: a
+
+        do a = 1, 3
+            if (max(abs(load%acceleration(a)), abs(load%force(a))) > 0 .and. &
+                (case%run%symmetry(a) .or. a > case%run%dimension)) call complain(deck, g, &
+                'body', 'a load along '//axes(a)//' leaves a plane of symmetry or the plane of '// &
+                'a scene in two dimensions; make that component 0')
+        end do
+    end subroutine check_planes
 end module brz_check_loads

@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Pressures on faces of bodies, in scenes without air.
+!> Pressures on faces of bodies and forces on whole bodies, in scenes without air.
 !>
 !> A face is the outermost layer of a lattice, seen along an axis. Each of its particles carries a
 !> facet: the vectors to its neighbours in the layer span its area and show its normal, so that the
@@ -25,6 +25,8 @@ module brz_face_load
         real(dp), allocatable :: most(:, :) !! (2, n) largest width: beyond it the face is torn [m]
         integer, allocatable :: side(:) !! (n) -1, 1: low, high face
         real(dp), allocatable :: time(:), pressure(:) !! history of the overpressure [s, Pa], or
+        integer :: body = 0 !! not 0: no facets, but a push on all of a body, times this history
+        real(dp) :: push(3) = 0 !! [m/s2]
         logical :: blast = .false. !! a blast, which differs from facet to facet:
         real(dp), allocatable :: wave(:, :) !! (6, n) arrival, duration [s]; peaks of the reflected
                                             !! and of the incident part [Pa], their decays

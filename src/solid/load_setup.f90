@@ -34,9 +34,15 @@ contains
         call find_places(solid%loads, solid%id)
         do k = 1, size(case%loads)
             associate (load => case%loads(k), facets => solid%loads%of(k))
-                call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), facets)
-                if (facets%n == 0) call raise(err, exit_deck, label('load', load%id, load%place)// &
-                    'no particle of the body lies on these faces; name others')
+                if (load%on_all) then
+                    call find_push(load, solid, facets)
+                else
+                    call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), &
+                                     facets)
+                end if
+                if (facets%n == 0 .and. .not. load%on_all) call raise(err, exit_deck, &
+                    label('load', load%id, load%place)//'no particle of the body lies on these '// &
+                    'faces; name others')
                 facets%blast = load%mass > 0
                 facets%time = load%time
                 facets%pressure = load%pressure
@@ -48,6 +54,19 @@ contains
             end associate
         end do
     end subroutine set_up_loads
+
+    !> The acceleration of a whole body.
+    subroutine find_push(load, solid, facets)
+        type(load_case_t), intent(in) :: load
+        type(solid_t), intent(in) :: solid
+        type(facets_t), intent(out) :: facets
+
+        facets%body = load%body
+        associate (body => solid%bodies(load%body))
+            facets%push = load%acceleration &
+                          + load%force/sum(real(solid%mass(body%first:body%last), dp))
+        end associate
+    end subroutine find_push
 
     !> Particles with no neighbour on the lattice across a face, and their neighbours in the layer.
     subroutine find_facets(load, shape, solid, body, facets)

@@ -119,6 +119,59 @@ def test_blast_is_that_of_kingery_bulmash(tmp_path, burst, curves):
         assert got == pytest.approx(wanted * area, rel=1e-3)
 
 
+@pytest.mark.parametrize("form", ["auto", "total_lagrangian", "rigid"])
+def test_a_body_falls_freely(tmp_path, form):
+    """Constant acceleration: velocity a t, no stress, and the work of the load is the energy."""
+    end = 2e-5
+    deck = f"&run t_end={end} /\n" + BLOCK.format(dx=1e-3, form=form)
+    tables = run(tmp_path, deck + "&load body='b', acceleration=0,1e3,-9.81e5 /\n")
+    mass = tables["bodies"]["b:mass[kg]"][-1]
+    assert momentum(tables) == pytest.approx(mass * end * np.array([0, 1e3, -9.81e5]), rel=1e-9)
+    work = tables["energy"]["load_work[J]"][-1]
+    assert work == pytest.approx(momentum(tables) @ momentum(tables) / 2 / mass, rel=1e-9)
+    assert abs(tables["energy"]["solid_internal[J]"][-1]) < 1e-9 * work
+
+
+@pytest.mark.parametrize(("symmetry", "form"), [("", "auto"), ("symmetry='y','z'", "auto"),
+                                                 ("", "rigid")])  # fmt: skip
+def test_impulse_of_a_force(tmp_path, symmetry, form):
+    """A triangle of 1 kN and 20 us on all that is modelled of a body."""
+    deck = f"&run t_end=2e-5, {symmetry} /\n" + BLOCK.format(dx=1e-3, form=form)
+    deck += "&load body='b', force=1e3,0,0, time=0,1e-5,2e-5, scale=0,1,0 /\n"
+    got = momentum(run(tmp_path, deck))
+    assert got[0] == pytest.approx(1e3 * 1e-5, rel=1e-9)
+    assert abs(got[1:]).max() < 1e-12
+
+
+def test_a_column_hangs_from_its_top(tmp_path):
+    """Uniaxial strain, gravity from the start: the tip swings between 0 and a L^2/c^2 with a period
+    of 4 L/c; the first swing in parabolas (d'Alembert)."""
+    long, pull, spacing = 0.1, 1e5, 1e-3
+    # a column of three particles is held; it acts at the first of them (docs/solid.md)
+    deck = f"""\
+&run t_end=7e-5, dimension=1 /
+{STEEL}
+&body id='b', box=0,{long + 2.5 * spacing}, 0,1, 0,1, spacing={spacing}, material='s', fix='x+'
+    alpha=0.1 /
+&load body='b', acceleration={-pull},0,0 /
+&gauge id='tip', at=0,0,0, body='b', quantity='displacement_x' /
+&output history_every=2e-7, dump_every=1 /
+"""
+    tables = run(tmp_path, deck)
+    t, u = (list(tables["gauges"].values())[k] for k in (0, 1))
+    speed = math.sqrt(200e9 * 0.7 / (1.3 * 0.4) / 7800)
+    arrive = long / speed  # of the wave from the held end
+    exact = np.where(t < arrive, t**2 / 2, t**2 / 2 - (t - arrive) ** 2)
+    exact = np.where(t < 3 * arrive, exact, np.nan) * -pull
+    top = pull * arrive**2
+    error = np.nanmax(abs(u - exact)) / top
+    note("load_hanging", -u.min() / top)
+    note("load_hanging_time", t[np.argmin(u)] / (2 * arrive))
+    assert -u.min() == pytest.approx(top, rel=0.01)
+    assert t[np.argmin(u)] == pytest.approx(2 * arrive, rel=0.02)
+    assert error < 0.02
+
+
 def clamped_beam(elements=200):
     """First frequencies and shapes of the strip below, by Timoshenko elements: (omega, w(t))."""
     young, ratio, density, high, length = 200e9 / (1 - 0.09), 0.3, 7800.0, 0.01, 0.2
@@ -197,7 +250,13 @@ BAD = {
     "body='b', faces='z-'": "give one of them",
     "body='b', faces='z-', pressure=1, mass=1, at=0,0,0": "give one of them",
     "body='b', faces='z-', mass=1": "add at = x, y, z",
-    "body='b', faces='z-', pressure=1,2": "2 pressures for 0 times",
+    "body='b', faces='z-', pressure=1,2": "2 values of pressure for 0 times",
+    "body='b', pressure=1": "a pressure needs faces",
+    "body='b', faces='z-', force=1,0,0": "take them out",
+    "body='b', force=1,0,0, acceleration=1,0,0": "give one of them",
+    "body='b', force=1,0,0, scale=1,2": "2 values of scale for 0 times",
+    "body='b', faces='z-', pressure=1, scale=1": "scale belongs to an acceleration or a force",
+    "body='b', force=1,0,0, at=0,0,0": "at belongs to a charge",
     "body='b', faces='z-', pressure=1,2, time=1,1": "the times must grow",
     "body='b', faces='z-', pressure=1, time=1": "take time out",
     "body='b', faces='z-', mass=1, at=0,0,-50": "leave the range of the Kingery-Bulmash curves",
@@ -216,6 +275,15 @@ def test_bad_loads(tmp_path, line):
                           text=True)  # fmt: skip
     assert done.returncode == 2
     assert "bad.nml:5: &load" in done.stderr and BAD[line] in done.stderr
+
+
+def test_a_push_stays_in_what_is_modelled(tmp_path):
+    for run_keys, push in (("symmetry='x'", "1,0,0"), ("dimension=2", "0,0,1")):
+        deck = f"&run t_end=1e-6, {run_keys} /\n" + BLOCK.format(dx=1e-3, form="auto")
+        (tmp_path / "bad.nml").write_text(deck + f"&load body='b', force={push} /\n")
+        done = subprocess.run([BRISANCE, "run", "bad.nml"], cwd=tmp_path, capture_output=True,
+                              text=True)  # fmt: skip
+        assert done.returncode == 2 and "make that component 0" in done.stderr
 
 
 def test_a_load_wants_no_air(tmp_path):
