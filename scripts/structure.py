@@ -7,8 +7,9 @@ usage: structure.py ROOT      (ROOT holds src/, tests/, ...)
 Layers: base < parallel < deck < materials < {air, solid} < coupling < {cpu, gpu} < output < step
 < main; a file uses only its own folder and what is to the left. Point physics (files with `!@cuf`)
 uses only base, plain data and other point physics; a material model may describe itself to the deck
-as well. Sizes: files 400 lines, procedures 80, arguments 8, which items and what they call in their
-file (`*_items.f90`, below a `!@cuf` line) may exceed; of kernels (cuda/*.CUF) only files count.
+as well. Sizes: files 400 lines, procedures 80, lines of kernels (cuda/*.CUF) 100 columns (fortitude
+sees to those of the rest), arguments 8, which kernels, items and what these call in their file
+(`*_items.f90`, below a `!@cuf` line) may exceed: they take arrays.
 Also: the licence line, the module name, `use` with `only`. Lines of *.md files have at most 120
 columns, rows of tables excepted.
 """
@@ -21,7 +22,7 @@ LAYERS = [{"base"}, {"parallel"}, {"deck"}, {"materials"}, {"air", "solid"}, {"c
 LAYERS += [{"cpu", "gpu"}, {"output"}, {"step"}, {"main"}]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 400, 80, 8
-MAX_PROSE = 120
+MAX_CODE, MAX_PROSE = 100, 120
 LICENCE = "SPDX-License-Identifier: MIT"
 
 USE = re.compile(r"^\s*use\b\s*(?:,\s*\w+\s*::\s*|::\s*|\s)(\w+)\s*(.*)$", re.I)
@@ -56,6 +57,8 @@ class Source:
         text = path.read_text(encoding="utf-8")
         self.lines = text.splitlines()
         self.items = set()
+        if path.suffix == ".CUF":
+            self.items |= set(re.findall(r"\b(?:subroutine|function) (\w+)", text))
         if path.stem.endswith("_items"):
             self.items |= set(re.findall(r"!@cuf.*\n +pure (?:subroutine|function) (\w+)", text))
         self.marked = any(line.lstrip().startswith("!@cuf") for line in self.lines)
@@ -81,8 +84,11 @@ class Source:
             self.fault(1, f"the first line must be '! {LICENCE}'")
         if len(self.lines) > MAX_FILE:
             self.fault(1, f"{len(self.lines)} lines; at most {MAX_FILE}")
-        if self.path.suffix != ".CUF":
-            self.check_procedures()
+        if self.path.suffix == ".CUF":
+            for number, line in enumerate(self.lines, 1):
+                if len(line) > MAX_CODE:
+                    self.fault(number, f"{len(line)} columns; at most {MAX_CODE}")
+        self.check_procedures()
 
     def check_procedures(self):
         opened, in_interface = [], False

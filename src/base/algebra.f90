@@ -7,7 +7,7 @@ module brz_algebra
     use brz_kinds, only: rk
     implicit none
     private
-    public :: inverse3, multiply3, determinant3, double_dot
+    public :: inverse3, multiply3, determinant3, double_dot, copy_matrix
     public :: to_matrix, to_voigt, rotation_exp, rotate_voigt, turn_ratios
 
 contains
@@ -45,6 +45,20 @@ contains
         b(3, 2) = (a(1, 2)*a(3, 1) - a(1, 1)*a(3, 2))*r
         b(3, 3) = (a(1, 1)*a(2, 2) - a(1, 2)*a(2, 1))*r
     end subroutine inverse3
+
+    !> Copy a 3x3 matrix, or nine numbers side by side in memory.
+    !@cuf attributes(host,device) &
+    pure subroutine copy_matrix(a, b)
+        real(rk), intent(in) :: a(3, 3)
+        real(rk), intent(out) :: b(3, 3)
+        integer :: i, j
+
+        do j = 1, 3
+            do i = 1, 3
+                b(i, j) = a(i, j)
+            end do
+        end do
+    end subroutine copy_matrix
 
     !> Product c = a b of 3x3 matrices.
     !@cuf attributes(host,device) &

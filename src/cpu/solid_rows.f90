@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Between the passes: what pass 2 needs of a particle.
 module brz_solid_rows
-    use brz_algebra, only: inverse3, multiply3, to_matrix
+    use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
     use brz_artificial_stress, only: artificial_none, artificial_stress
     use brz_gradient, only: shear_limiter
     use brz_kinds, only: int8, real32, rk
@@ -105,13 +105,6 @@ contains
             end if
         end associate
     end subroutine stiffen
-
-    pure subroutine copy_matrix(a, b)
-        real(rk), intent(in) :: a(3, 3)
-        real(rk), intent(out) :: b(3, 3)
-
-        b = a
-    end subroutine copy_matrix
 
     !> Deformation dx/dX from dX/dx. Where that is singular the hourglass support ends.
     subroutine invert_or_cut(a, f, cut)

@@ -14,6 +14,7 @@
 module brz_gpu_solid_layout
     use brz_kinds, only: dp, rk
     use brz_link_layout, only: mask_unit
+    use brz_particle_sums, only: n_sum
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, at_wave, n_tag, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_joined, &
         tag_ply, tag_support, tag_touch, tag_weight
@@ -48,7 +49,7 @@ module brz_gpu_solid_layout
     integer, parameter :: book_early = 15 !! heat of the half step to come, see ledger_t
     integer, parameter :: book_contact_early = 16 !! the same of contact
     integer, parameter :: n_book = 16
-    integer, parameter :: n_total = 16 !! sums of the state of a body, see brz_solid_totals
+    integer, parameter :: n_total = n_sum !! sums of the state of a body, see brz_particle_sums
 
     ! where a rigid body is: centre unloaded and now [m], velocity, spin, attitude at the step and
     ! in its middle; + 1..3 or + 1..9

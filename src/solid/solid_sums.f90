@@ -2,6 +2,7 @@
 !> Totals of bodies from sums over their particles.
 module brz_solid_sums
     use brz_kinds, only: dp
+    use brz_particle_sums, only: n_sum
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -22,15 +23,13 @@ module brz_solid_sums
         real(dp) :: damage = 0 !! mean over the mass
     end type solid_totals_t
 
-    integer, parameter :: n_sum = 16
-
 contains
 
     !> Totals of body b, or of all bodies with b = 0.
     subroutine totals_of_sums(solid, b, sums, totals)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
-        real(dp), intent(in) :: sums(n_sum) !! as sum_block of brz_solid_totals has them
+        real(dp), intent(in) :: sums(n_sum) !! see add_particle
         type(solid_totals_t), intent(out) :: totals
         integer :: k
 

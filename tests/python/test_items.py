@@ -163,3 +163,94 @@ def test_a_wrong_launch_does_not_compile(twig, launch, why):
     assert done.returncode != 0
     assert "Error" in done.stderr
     assert why in done.stderr
+
+
+KERNELS = """module brz_leaf_kernels
+    use brz_kinds, only: dp, int32, rk
+    implicit none
+    private
+    public :: press, flat, folded
+
+    integer, parameter :: flat = 0, folded = 1
+
+contains
+
+    !> Leave a mark.
+    attributes(global) subroutine leaf_mark(n, size, x, words)
+        integer, value :: n !! numbers
+        real(dp), value :: size !! [m]
+        real(rk), device, intent(in) :: x(n)
+        integer(int32), device, intent(inout) :: words(*) !@any
+    end subroutine leaf_mark
+
+    !> Press a leaf.
+    !@kernel press_flat(128,2): flat, .true.
+    !@kernel press_folded: folded, .false.
+    attributes(device) subroutine press(kind, dry, n, step, x)
+        integer, intent(in) :: kind !! known to the compiler
+        logical, intent(in) :: dry
+        integer, intent(in) :: n
+        real(rk), intent(in) :: step
+        real(rk), intent(inout) :: x(n, *)
+    end subroutine press
+end module brz_leaf_kernels
+"""
+
+
+@pytest.fixture(scope="module")
+def leaf(tmp_path_factory):
+    """A folder with kernels, and what was written around them."""
+    folder = tmp_path_factory.mktemp("leaf")
+    (folder / "leaf_kernels.CUF").write_text(KERNELS)
+    writer = [sys.executable, ROOT / "scripts/kernels.py", "leaf", folder]
+    subprocess.run([*writer, folder / "leaf_kernels.CUF"], check=True)
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("launch", "fault"),
+    [
+        ("call k%leaf_mark([9, 2, 1], 9, 1.0_dp, x, words, err)", ""),
+        ("call k%leaf_mark([9, 2, 1], 9, 1.0_dp, words, words, err)", "Type mismatch"),
+        ("call k%leaf_mark([9, 2, 1], 9, x, words, err)", "Type mismatch"),
+        ("call launch_press(one, [9, 2, 1], 9, 1.0_rk, x, err)", ""),
+        ("call launch_press(one, [9, 2, 1], 9, 1.0_rk, err)", "Type mismatch"),
+    ],
+)
+def test_launches_of_kernels_are_checked(leaf, launch, fault):
+    (leaf / "stubs.f90").write_text(STUBS)
+    (leaf / "user.f90").write_text(
+        f"""program user
+    use brz_buffers
+    use brz_device
+    use brz_kinds
+    use brz_leaf_launches
+    type(leaf_kernels_t) :: k
+    type(kernel_t) :: one
+    type(error_t) :: err
+    type(reals_t) :: x
+    type(doubles_t) :: words
+    {launch}
+end program
+"""
+    )
+    base = [ROOT / "src" / x for x in ("base/kinds.F90", "gpu/buffers.f90")]
+    made = [leaf / f"{x}.f90" for x in ("stubs", "leaf_launches", "user")]
+    command = ["gfortran", "-cpp", "-J", leaf, *base, *made, "-o", leaf / "user"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if fault:
+        assert fault in done.stderr
+        return
+    assert done.returncode == 0, done.stderr
+    said = subprocess.run([leaf / "user"], capture_output=True, text=True, check=True).stdout
+    assert said.split() == ["9", "2", "1", "4" if "mark" in launch else "3"]
+
+
+def test_variants_are_kernels_that_know_their_constants(leaf):
+    text = (leaf / "leaf_variants.CUF").read_text()
+    assert "use brz_leaf_kernels, only: flat, folded, press" in text
+    assert "attributes(global) launch_bounds(128,2) subroutine press_flat(n, step, x)" in text
+    assert "attributes(global) subroutine press_folded(n, step, x)" in text
+    assert "real(rk), value :: step" in text
+    assert "real(rk), device, intent(inout) :: x(n, *)" in text
+    assert "call press(folded, .false., n, step, x)" in text
