@@ -13,11 +13,13 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
 .PHONY: charts charts-air charts-solid charts-coupling charts-scenes taylor stability stability-air validate compare
-.PHONY: point-blast point-blast-gpu paper paper-coarse
+.PHONY: point-blast point-blast-gpu paper paper-coarse paper-questions
 paper: all ## every scene of the paper at its resolution: exact quarters, on a GPU; goes on where it stopped
 	@$(PY) scripts/paper.py full hvi_0600 hvi_0300 hvi_0150 hvi_0075; $(PY) scripts/paper.py quarter
 paper-coarse: all ## the same, coarse, on this machine (an hour of two cores)
 	@$(PY) scripts/paper.py coarse
+paper-questions: all ## what the paper leaves open: edges, glue, mesh, charge, spacing, coarse (an hour of two cores)
+	@$(PY) scripts/paper.py questions; $(PY) -m post questions out/paper/questions --markdown docs/paper_questions.md
 charts: charts-air charts-solid ## error against seconds of every scheme, recorded and drawn (the solids: nine minutes)
 charts-coupling: all ## the studies of docs/coupling.md (an hour of one core)
 	$(PY) scripts/coupling_charts.py paper steps panel plate
