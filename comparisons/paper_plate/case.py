@@ -51,7 +51,7 @@ def _ours(name: str, material: str) -> Run:
         history = plate.deflection(folder)
         return measures(history), history
 
-    return Run(name, "brisance", plate.size(HALF, THICK, 3), write, read)
+    return Run(name, "brisance", plate.size(HALF, THICK, 3), write, read, slow=True)
 
 
 def _write_fem(folder):

@@ -64,7 +64,7 @@ CASE = Case(
         Quantity("peak_time", "at", "us", 1e6, 3, 606e-6, 0.05),
     ),
     runs=(
-        _ours(3, LOAD, "Brisance, &load, 3 layers", ""),
+        _ours(3, LOAD, "Brisance, &load, 3 layers", "", slow=True),
         _ours(5, LOAD, "Brisance, &load, 5 layers", "", slow=True),
         _ours(3, AIR, "Brisance, air, 3 layers", ", 207,360 cells", slow=True),
         _ours(3, RADIAL, "Brisance, air, JWL, 1-D, 3 layers", ", 292,608 cells", slow=True),
