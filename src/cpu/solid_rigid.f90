@@ -7,8 +7,9 @@ module brz_solid_rigid
     use brz_drive, only: book_drive
     use brz_kinds, only: dp, rk
     use brz_motion, only: mean_velocity, velocity_of
-    use brz_rigid, only: attitude, cross
+    use brz_rigid, only: cross
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
+    use brz_rigid_pose, only: n_pose, place_point, pose_of, velocity_at
     use brz_solid_bonds, only: push_rigid_bonds
     use brz_solid_cohesive, only: cohesive_push
     use brz_solid_state, only: body_t, form_rigid, is_held, solid_t, worth_threads
@@ -58,29 +59,17 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt
-        real(dp) :: omega(3), q_mid(4), v(3)
-
-        call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
-        call place_particles(solid, body, v, omega, q_mid)
-    end subroutine move_body
-
-    !> Positions at the step and velocities in its middle.
-    subroutine place_particles(solid, body, v, omega, q_mid)
-        type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: v(3), omega(3), q_mid(4)
-        real(dp) :: r(3, 3), half(3, 3), d(3)
+        real(dp) :: omega(3), q_mid(4), v(3), pose(n_pose)
         integer :: i
 
-        half = attitude(q_mid)
-        r = attitude(body%rigid%q)
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(d)
+        call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
+        pose = pose_of(body%rigid, v, omega, q_mid)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(v)
         do i = body%first, body%last
-            d = solid%x_ref(:, i) - body%rigid%centre_ref
-            solid%x(:, i) = body%rigid%x + matmul(r, d)
-            solid%v(:, i) = real(v + cross(omega, matmul(half, d)), rk)
+            call place_point(pose, solid%x_ref(:, i), solid%x(:, i), v)
+            solid%v(:, i) = real(v, rk)
         end do
-    end subroutine place_particles
+    end subroutine move_body
 
     !> Forces of contact on rigid and driven bodies at the step, and `a` of their particles.
     subroutine balance_rigid(solid, dt)
@@ -104,7 +93,7 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt
-        real(dp) :: push(3), v(3)
+        real(dp) :: push(3), v(3), pose(n_pose)
         integer :: i
 
         associate (b => body%rigid)
@@ -124,9 +113,9 @@ contains
             body%dt_limit = rigid_step(body, solid%skin)
             solid%dt_limit = min(solid%dt_limit, body%dt_limit)
             if (.not. dt > 0) return
+            pose = pose_of(b, v, b%omega, b%q)
             do i = body%first, body%last
-                solid%a(:, i) = real(2/dt*(v + cross(b%omega, solid%x(:, i) - b%x) &
-                                           - solid%v(:, i)), rk)
+                solid%a(:, i) = real(2/dt*(velocity_at(pose, solid%x(:, i)) - solid%v(:, i)), rk)
             end do
         end associate
         if (solid%links%present) call settle_drag(solid, body, dt)

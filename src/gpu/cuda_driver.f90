@@ -4,9 +4,9 @@
 !> The procedure pointers have the names and arguments of the API; `load_driver` sets them all, or
 !> says what is missing. Every function returns 0 for success.
 module brz_cuda_driver
-    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_pointer, c_f_procpointer, &
-        c_float, c_funptr, c_int, c_intptr_t, c_null_char, c_null_ptr, c_ptr, c_signed_char, &
-        c_size_t
+    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_f_procpointer, c_float, c_int, &
+        c_intptr_t, c_ptr, c_signed_char, c_size_t
+    use brz_shared_library, only: library_t
     implicit none
     private
     public :: load_driver, driver_message
@@ -126,24 +126,13 @@ module brz_cuda_driver
     end interface
 
     interface
-        type(c_ptr) function c_dlopen(file, mode) bind(c, name='dlopen')
-            import :: c_char, c_int, c_ptr
-            character(kind=c_char), intent(in) :: file(*)
-            integer(c_int), value :: mode
-        end function c_dlopen
-        type(c_funptr) function c_dlsym(library, name) bind(c, name='dlsym')
-            import :: c_char, c_funptr, c_ptr
-            type(c_ptr), value :: library
-            character(kind=c_char), intent(in) :: name(*)
-        end function c_dlsym
         integer(c_size_t) function c_strlen(text) bind(c, name='strlen')
             import :: c_ptr, c_size_t
             type(c_ptr), value :: text
         end function c_strlen
     end interface
 
-    integer(c_int), parameter :: bind_now = 2
-    type(c_ptr), save :: library = c_null_ptr
+    type(library_t), save :: library
     procedure(flags_i), pointer, protected, save :: cu_init => null()
     procedure(number_i), pointer, protected, save :: cu_driver_version => null(), &
         cu_device_count => null()
@@ -175,48 +164,40 @@ contains
     subroutine load_driver(why)
         character(:), allocatable, intent(out) :: why
 
-        if (c_associated(library)) return
-        library = c_dlopen('libcuda.so.1'//c_null_char, bind_now)
-        if (.not. c_associated(library)) then
+        if (library%is_open()) return
+        library = library_t()
+        call library%open('libcuda.so.1', shared=.false.)
+        if (.not. library%is_open()) then
             why = 'there is no CUDA driver on this machine (libcuda.so.1 was not found)'
             return
         end if
-        call c_f_procpointer(address('cuInit', why), cu_init)
-        call c_f_procpointer(address('cuDriverGetVersion', why), cu_driver_version)
-        call c_f_procpointer(address('cuDeviceGetCount', why), cu_device_count)
-        call c_f_procpointer(address('cuDeviceGet', why), cu_device)
-        call c_f_procpointer(address('cuDeviceGetName', why), cu_device_name)
-        call c_f_procpointer(address('cuDeviceGetAttribute', why), cu_device_attribute)
-        call c_f_procpointer(address('cuDevicePrimaryCtxRetain', why), cu_context_retain)
-        call c_f_procpointer(address('cuCtxSetCurrent', why), cu_context_set)
-        call c_f_procpointer(address('cuMemGetInfo_v2', why), cu_memory_info)
-        call c_f_procpointer(address('cuModuleLoadDataEx', why), cu_module_load)
-        call c_f_procpointer(address('cuModuleGetFunction', why), cu_module_function)
-        call c_f_procpointer(address('cuMemAlloc_v2', why), cu_allocate)
-        call c_f_procpointer(address('cuMemFree_v2', why), cu_free)
-        call c_f_procpointer(address('cuMemcpyHtoD_v2', why), cu_to_device)
-        call c_f_procpointer(address('cuMemcpyDtoH_v2', why), cu_to_host)
-        call c_f_procpointer(address('cuMemcpyDtoD_v2', why), cu_copy)
-        call c_f_procpointer(address('cuMemsetD8_v2', why), cu_fill_bytes)
-        call c_f_procpointer(address('cuLaunchKernel', why), cu_launch)
-        call c_f_procpointer(address('cuCtxSynchronize', why), cu_synchronize)
-        call c_f_procpointer(address('cuEventCreate', why), cu_event_create)
-        call c_f_procpointer(address('cuEventRecord', why), cu_event_record)
-        call c_f_procpointer(address('cuEventSynchronize', why), cu_event_synchronize)
-        call c_f_procpointer(address('cuEventElapsedTime', why), cu_event_elapsed)
-        call c_f_procpointer(address('cuGetErrorString', why), cu_message)
-        if (allocated(why)) library = c_null_ptr
+        call c_f_procpointer(library%function('cuInit'), cu_init)
+        call c_f_procpointer(library%function('cuDriverGetVersion'), cu_driver_version)
+        call c_f_procpointer(library%function('cuDeviceGetCount'), cu_device_count)
+        call c_f_procpointer(library%function('cuDeviceGet'), cu_device)
+        call c_f_procpointer(library%function('cuDeviceGetName'), cu_device_name)
+        call c_f_procpointer(library%function('cuDeviceGetAttribute'), cu_device_attribute)
+        call c_f_procpointer(library%function('cuDevicePrimaryCtxRetain'), cu_context_retain)
+        call c_f_procpointer(library%function('cuCtxSetCurrent'), cu_context_set)
+        call c_f_procpointer(library%function('cuMemGetInfo_v2'), cu_memory_info)
+        call c_f_procpointer(library%function('cuModuleLoadDataEx'), cu_module_load)
+        call c_f_procpointer(library%function('cuModuleGetFunction'), cu_module_function)
+        call c_f_procpointer(library%function('cuMemAlloc_v2'), cu_allocate)
+        call c_f_procpointer(library%function('cuMemFree_v2'), cu_free)
+        call c_f_procpointer(library%function('cuMemcpyHtoD_v2'), cu_to_device)
+        call c_f_procpointer(library%function('cuMemcpyDtoH_v2'), cu_to_host)
+        call c_f_procpointer(library%function('cuMemcpyDtoD_v2'), cu_copy)
+        call c_f_procpointer(library%function('cuMemsetD8_v2'), cu_fill_bytes)
+        call c_f_procpointer(library%function('cuLaunchKernel'), cu_launch)
+        call c_f_procpointer(library%function('cuCtxSynchronize'), cu_synchronize)
+        call c_f_procpointer(library%function('cuEventCreate'), cu_event_create)
+        call c_f_procpointer(library%function('cuEventRecord'), cu_event_record)
+        call c_f_procpointer(library%function('cuEventSynchronize'), cu_event_synchronize)
+        call c_f_procpointer(library%function('cuEventElapsedTime'), cu_event_elapsed)
+        call c_f_procpointer(library%function('cuGetErrorString'), cu_message)
+        if (allocated(library%missing)) why = 'the CUDA driver of this machine has no '// &
+            library%missing//': it is too old'
     end subroutine load_driver
-
-    !> Address of a function of the driver; the first that is missing is named.
-    type(c_funptr) function address(name, why)
-        character(*), intent(in) :: name
-        character(:), allocatable, intent(inout) :: why
-
-        address = c_dlsym(library, name//c_null_char)
-        if (.not. c_associated(address) .and. .not. allocated(why)) &
-            why = 'the CUDA driver of this machine has no '//name//': it is too old'
-    end function address
 
     !> What the driver says of an error.
     function driver_message(error) result(text)

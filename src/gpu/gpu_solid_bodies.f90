@@ -4,12 +4,13 @@ module brz_gpu_solid_bodies
     use brz_artificial_stress, only: artificial_none
     use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel
     use brz_errors, only: error_t, exit_device, raise
-    use brz_gpu_solid_layout, only: body_gpu_t, n_pose, pose_spin, slice_width
+    use brz_gpu_solid_layout, only: body_gpu_t, slice_width
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_body_t, gpu_solid_t
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, int64, rk
     use brz_material, only: class_elastic, material_t
     use brz_model_list, only: find_kernel_of
+    use brz_rigid_pose, only: n_pose, pose_of
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
         form_total, solid_t
     use brz_text, only: to_text
@@ -116,8 +117,9 @@ contains
         call allocate_buffer(gpu%material, bytes, err)
         call copy_in(material, gpu%material, bytes, err)
         call allocate_buffer(gpu%drive, 8_int64*n_pose, err)
-        pose = 0
-        pose(pose_spin + 1:pose_spin + 3) = solid%bodies(b)%rigid%spin
+        associate (rigid => solid%bodies(b)%rigid)
+            pose = pose_of(rigid, spread(0.0_dp, 1, 3), rigid%spin, rigid%q)
+        end associate
         call copy_in(pose, gpu%drive, 8_int64*n_pose, err)
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
         call find_kernel(device, 'solid_moments_'//moment_name(params), gpu%moments, err)

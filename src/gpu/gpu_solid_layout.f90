@@ -29,7 +29,6 @@ module brz_gpu_solid_layout
               book_clamped, &
               book_force, book_early, book_contact_early, book_contact, book_contact_heat, &
               book_rub, book_load, n_book, n_total
-    public :: pose_centre, pose_x, pose_velocity, pose_spin, pose_turn, pose_half, n_pose
     public :: at_heat, at_friction, at_drag, at_hold, at_work, n_terms
     public :: pass_drawn, pass_deviation, pass_trace
     public :: flag_bad, flag_drawn, n_flag, slice_width, mask_unit, scan_chunk
@@ -50,11 +49,6 @@ module brz_gpu_solid_layout
     integer, parameter :: book_contact_early = 16 !! the same of contact
     integer, parameter :: n_book = 16
     integer, parameter :: n_total = n_sum !! sums of the state of a body, see brz_particle_sums
-
-    ! where a rigid body is: centre unloaded and now [m], velocity, spin, attitude at the step and
-    ! in its middle; + 1..3 or + 1..9
-    integer, parameter :: pose_centre = 0, pose_x = 3, pose_velocity = 6, pose_spin = 9, &
-                          pose_turn = 12, pose_half = 21, n_pose = 30
 
     integer, parameter :: flag_bad = 1 !! a particle has an impossible state
     integer, parameter :: flag_drawn = 2 !! the hold acts on a particle

@@ -4,15 +4,13 @@ module brz_gpu_solid_rigid
     use brz_device, only: copy_in
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: n_pose, pose_centre, pose_half, pose_spin, pose_turn, &
-        pose_velocity, pose_x
     use brz_gpu_solid_state, only: gpu_solid_t, moved_flags, sum_threads, threads_of
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: level_unit
     use brz_motion, only: mean_velocity
-    use brz_rigid, only: attitude
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
-    use brz_solid_state, only: body_t, solid_t
+    use brz_rigid_pose, only: n_pose, pose_of
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: move_rigid, fill_rigid, balance_rigid
@@ -35,26 +33,12 @@ contains
                 body%rigid%p = body%rigid%mass*v
             end if
             call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
-            call copy_in(pose_of(body, v, omega, q_mid), there%drive, 8_int64*n_pose, err)
+            call copy_in(pose_of(body%rigid, v, omega, q_mid), there%drive, 8_int64*n_pose, err)
             call gpu%kernels%solid_rigid_place(threads_of(there), gpu%n, there%params, &
                 level_unit(solid), body%drift(1), body%drift(2), body%drift(3), there%drive, &
                 gpu%reference, gpu%built, gpu%place, gpu%motion, moved_flags(gpu, b), err)
         end associate
     end subroutine move_rigid
-
-    !> Where a body is and how it moves, for the kernels.
-    pure function pose_of(body, v, omega, q_mid) result(pose)
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: v(3), omega(3), q_mid(4)
-        real(dp) :: pose(n_pose)
-
-        pose(pose_centre + 1:pose_centre + 3) = body%rigid%centre_ref
-        pose(pose_x + 1:pose_x + 3) = body%rigid%x
-        pose(pose_velocity + 1:pose_velocity + 3) = v
-        pose(pose_spin + 1:pose_spin + 3) = omega
-        pose(pose_turn + 1:pose_turn + 9) = reshape(attitude(body%rigid%q), [9])
-        pose(pose_half + 1:pose_half + 9) = reshape(attitude(q_mid), [9])
-    end function pose_of
 
     !> What contact gathers of the particles of body b.
     subroutine fill_rigid(gpu, b, err)
@@ -91,7 +75,7 @@ contains
             body%rigid%torque = push(4:6)
             call settle_rigid(body, solid%time, dt, v)
             body%dt_limit = rigid_step(body, solid%skin)
-            call copy_in(pose_of(body, v, body%rigid%omega, body%rigid%q), there%drive, &
+            call copy_in(pose_of(body%rigid, v, body%rigid%omega, body%rigid%q), there%drive, &
                          8_int64*n_pose, err)
             call gpu%kernels%solid_rigid_accelerate(threads_of(there), gpu%n, &
                 merge(1, 0, gpu%linked), there%params, dt, there%drive, gpu%place, gpu%motion, &

@@ -6,8 +6,8 @@
 !> addresses of its global objects, alike in versions 4 and 5 (both are libmpi.so.40). Every
 !> function returns 0 for success, and by default an error of MPI ends all processes.
 module brz_mpi_library
-    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_f_procpointer, c_funptr, c_int, &
-        c_intptr_t, c_null_char, c_null_ptr, c_ptr
+    use, intrinsic :: iso_c_binding, only: c_f_procpointer, c_int, c_intptr_t, c_null_ptr, c_ptr
+    use brz_shared_library, only: library_t
     implicit none
     private
     public :: open_mpi, mpi_in_place
@@ -59,30 +59,10 @@ module brz_mpi_library
         end function waitall_i
     end interface
 
-    interface
-        type(c_ptr) function c_dlopen(file, mode) bind(c, name='dlopen')
-            import :: c_char, c_int, c_ptr
-            character(kind=c_char), intent(in) :: file(*)
-            integer(c_int), value :: mode
-        end function c_dlopen
-        type(c_ptr) function c_dlsym_object(library, name) bind(c, name='dlsym')
-            import :: c_char, c_ptr
-            type(c_ptr), value :: library
-            character(kind=c_char), intent(in) :: name(*)
-        end function c_dlsym_object
-        type(c_funptr) function c_dlsym_function(library, name) bind(c, name='dlsym')
-            import :: c_char, c_funptr, c_ptr
-            type(c_ptr), value :: library
-            character(kind=c_char), intent(in) :: name(*)
-        end function c_dlsym_function
-    end interface
-
-    integer(c_int), parameter :: bind_now = 2, for_all = 256 !! flags of dlopen in Linux: the parts
-                                                             !! that Open MPI loads look for it
     integer(c_int), parameter :: one_thread_calls = 1 !! MPI_THREAD_FUNNELED
     character(*), parameter :: usual_name = 'libmpi.so.40'
 
-    type(c_ptr), save :: library = c_null_ptr
+    type(library_t), save :: library
     type(c_ptr), protected, save :: mpi_comm_world = c_null_ptr
     type(c_ptr), protected, save :: mpi_double = c_null_ptr, mpi_float = c_null_ptr, &
         mpi_int64 = c_null_ptr, mpi_char = c_null_ptr
@@ -105,33 +85,35 @@ contains
         character(:), allocatable, intent(out) :: why
         character(:), allocatable :: name
 
-        if (c_associated(library)) return
+        if (library%is_open()) return
         name = library_name()
-        library = c_dlopen(name//c_null_char, bind_now + for_all)
-        if (.not. c_associated(library)) then
+        library = library_t()
+        call library%open(name, shared=.true.) ! the parts that Open MPI loads look for it
+        if (.not. library%is_open()) then
             why = 'but the library '//name//' of Open MPI was not found'
             return
         end if
-        mpi_comm_world = object('ompi_mpi_comm_world', name, why)
-        mpi_double = object('ompi_mpi_double', name, why)
-        mpi_float = object('ompi_mpi_float', name, why)
-        mpi_int64 = object('ompi_mpi_int64_t', name, why)
-        mpi_char = object('ompi_mpi_char', name, why)
-        mpi_min = object('ompi_mpi_op_min', name, why)
-        mpi_max = object('ompi_mpi_op_max', name, why)
-        mpi_sum = object('ompi_mpi_op_sum', name, why)
-        mpi_bor = object('ompi_mpi_op_bor', name, why)
-        call c_f_procpointer(procedure_at('MPI_Init_thread', name, why), init_thread)
-        call c_f_procpointer(procedure_at('MPI_Finalize', name, why), mpi_finalize)
-        call c_f_procpointer(procedure_at('MPI_Comm_rank', name, why), mpi_comm_rank)
-        call c_f_procpointer(procedure_at('MPI_Comm_size', name, why), mpi_comm_size)
-        call c_f_procpointer(procedure_at('MPI_Comm_f2c', name, why), mpi_comm_f2c)
-        call c_f_procpointer(procedure_at('MPI_Allreduce', name, why), mpi_allreduce)
-        call c_f_procpointer(procedure_at('MPI_Bcast', name, why), mpi_bcast)
-        call c_f_procpointer(procedure_at('MPI_Isend', name, why), mpi_isend)
-        call c_f_procpointer(procedure_at('MPI_Irecv', name, why), mpi_irecv)
-        call c_f_procpointer(procedure_at('MPI_Waitall', name, why), mpi_waitall)
-        if (allocated(why)) library = c_null_ptr
+        mpi_comm_world = library%object('ompi_mpi_comm_world')
+        mpi_double = library%object('ompi_mpi_double')
+        mpi_float = library%object('ompi_mpi_float')
+        mpi_int64 = library%object('ompi_mpi_int64_t')
+        mpi_char = library%object('ompi_mpi_char')
+        mpi_min = library%object('ompi_mpi_op_min')
+        mpi_max = library%object('ompi_mpi_op_max')
+        mpi_sum = library%object('ompi_mpi_op_sum')
+        mpi_bor = library%object('ompi_mpi_op_bor')
+        call c_f_procpointer(library%function('MPI_Init_thread'), init_thread)
+        call c_f_procpointer(library%function('MPI_Finalize'), mpi_finalize)
+        call c_f_procpointer(library%function('MPI_Comm_rank'), mpi_comm_rank)
+        call c_f_procpointer(library%function('MPI_Comm_size'), mpi_comm_size)
+        call c_f_procpointer(library%function('MPI_Comm_f2c'), mpi_comm_f2c)
+        call c_f_procpointer(library%function('MPI_Allreduce'), mpi_allreduce)
+        call c_f_procpointer(library%function('MPI_Bcast'), mpi_bcast)
+        call c_f_procpointer(library%function('MPI_Isend'), mpi_isend)
+        call c_f_procpointer(library%function('MPI_Irecv'), mpi_irecv)
+        call c_f_procpointer(library%function('MPI_Waitall'), mpi_waitall)
+        if (allocated(library%missing)) why = 'but the library '//name// &
+            ' is not that of Open MPI: it has no '//library%missing
     end subroutine open_mpi
 
     !> File of the library: that of the variable BRISANCE_MPI, or what the loader finds.
@@ -143,32 +125,6 @@ contains
         name = trim(given)
         if (name == '') name = usual_name
     end function library_name
-
-    !> Address of a global object; the first that is missing is named.
-    type(c_ptr) function object(symbol, file, why)
-        character(*), intent(in) :: symbol, file
-        character(:), allocatable, intent(inout) :: why
-
-        object = c_dlsym_object(library, symbol//c_null_char)
-        if (.not. c_associated(object)) call note_missing(symbol, file, why)
-    end function object
-
-    !> Address of a function; the first that is missing is named.
-    type(c_funptr) function procedure_at(symbol, file, why)
-        character(*), intent(in) :: symbol, file
-        character(:), allocatable, intent(inout) :: why
-
-        procedure_at = c_dlsym_function(library, symbol//c_null_char)
-        if (.not. c_associated(procedure_at)) call note_missing(symbol, file, why)
-    end function procedure_at
-
-    subroutine note_missing(symbol, file, why)
-        character(*), intent(in) :: symbol, file
-        character(:), allocatable, intent(inout) :: why
-
-        if (.not. allocated(why)) &
-            why = 'but the library '//file//' is not that of Open MPI: it has no '//symbol
-    end subroutine note_missing
 
     !> Begin MPI; only the first thread will call it.
     integer(c_int) function mpi_init() result(status)
