@@ -14,7 +14,7 @@ module brz_solid_pair_sums
                                n_terms, pair_affine, pair_hold, pair_keep, pair_linear, &
                                pair_quadratic, &
                                pair_stress, pair_tilt, pair_volume
-    use brz_tilted_arm, only: tilted_arm, tilted_force
+    use brz_tilted_arm, only: ply_arm, tilted_arm, tilted_force
     implicit none
     private
     public :: sum_plain, sum_viscous, sum_held, sum_plate, sum_stiff, sum_axial, viscosity
@@ -323,8 +323,8 @@ contains
                 vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
                 w = own(pair_volume)*pair(pair_volume, j) &
                     *kernel_slope(q%scale(l), q%half_over_h(l), sqrt(r2))
-                call tilted_arm(own(pair_tilt), p%normal, dx, r, arm)
-                call tilted_arm(-pair(pair_tilt, j), p%normal, dx, r, arm_j)
+                call ply_arm(own(pair_tilt), p%normal, dx, r, arm)
+                call ply_arm(-pair(pair_tilt, j), p%normal, dx, r, arm_j)
                 call tilted_force(w, own(pair_stress + 1), pair(pair_stress + 1, j), arm, arm_j, &
                                   g)
                 u = viscosity(q%h(l), own, pair(1, j), w, r2, vr)

@@ -8,7 +8,7 @@
 !>
 !> Source: docs/solid.md section 4
 module brz_plate
-    use brz_body_shape, only: shape_t, whole_sides
+    use brz_body_shape, only: axis_of, shape_t, whole_sides
     use brz_case, only: body_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
     use brz_formulation, only: fast
@@ -88,7 +88,8 @@ contains
         end do
     end function bar_axis
 
-    !> Direction in which a box or a disc is thin; 0 where it is no plate.
+    !> Direction in which a box or a disc is thin; 0 where it is no plate. With a hole the side of a
+    !> disc is its width from hole to edge: a narrow ring, or a tube, is none.
     pure integer function thin_axis(input, shape) result(thin)
         type(body_case_t), intent(in) :: input
         type(shape_t), intent(in) :: shape
@@ -96,9 +97,14 @@ contains
         integer :: a
 
         thin = 0
-        if (shape%dimension == 1 .or. input%inner_radius > 0) return
+        if (shape%dimension == 1) return
         if (input%shape /= 'box' .and. input%shape /= 'cylinder') return
         side = whole_sides(shape)
+        if (input%inner_radius > 0) then
+            do a = 1, shape%dimension
+                if (a /= axis_of(input)) side(a) = input%radius - input%inner_radius
+            end do
+        end if
         thin = minloc(side(:shape%dimension), dim=1)
         do a = 1, shape%dimension
             if (a /= thin .and. side(thin) > (1 + 1e-9_dp)*flat*side(a)) thin = 0

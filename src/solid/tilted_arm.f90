@@ -22,50 +22,64 @@ module brz_tilted_arm
     use brz_pair_force, only: most_bent, overstretched
     implicit none
     private
-    public :: mirrored_tilt, pack_tilt, tilted_arm, tilted_correction, tilted_force
+    public :: mirrored_tilt, pack_tilt, ply_arm, tilted_arm, tilted_correction, tilted_force
 
-    integer, parameter :: bits = 12 !! that the second part of a packed tilt takes
-    integer, parameter :: shift = 2**bits !! of its first part
+    real(rk), parameter :: shift = 4096 !! of the first part of a packed tilt
+    !> Added and taken away again it leaves the nearest whole number, in vector code too.
+    real(rk), parameter :: to_whole = 1.5_rk/epsilon(1.0_rk)
     integer, parameter :: largest = 2000 !! of a part
 
 contains
 
     !> Arm of a pair: x_ij without tilt; with it none where the pair left the stretches 1/1.6..1.6.
+    !> Normals lie along an axis, so along the others each part of X_ij grows by the same factor.
     !@cuf attributes(host,device) &
     pure subroutine tilted_arm(c, n, x_ref, r, y)
         real(rk), intent(in) :: c !! tilt [1/m], of bars packed; of j as seen from i: the other sign
         real(rk), intent(in) :: n(3) !! normal of the plies in the unloaded body; bars: see above
         real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]
         real(rk), intent(out) :: y(3) !! [m]
-        real(rk) :: bar, first, second, z, z1, slope, along, across
-        integer :: parts, t
+        real(rk) :: bar, first, z, z1, slope, along, across
+        integer :: t
 
         bar = two_of(n)
-        first = 0
-        second = c
-        if (bar > 0) then ! whole numbers: not one operation on a real in the loop over neighbours
-            parts = int(c)
-            t = shifta(parts + shift/2, bits)
-            first = real(t, rk)
-            second = real(parts - shift*t, rk)
-        end if
+        first = (c*(bar/shift) + to_whole) - to_whole
+        z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
         z1 = n(1)*x_ref(1)
         if (n(1) == 0) z1 = n(2)*x_ref(2)
-        z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
-        slope = second*(z - bar*z1) + first*z1
+        slope = (c - shift*first)*(z - bar*z1) + first*z1
         along = 1 + slope
         if (overstretched(most_bent, x_ref, r)) then
             along = 0
             slope = 0
         end if
         do t = 1, 3
-            across = z*n(t)
-            if (bar > 0) across = x_ref(t)
+            across = x_ref(t)
             if (n(t) == 0) across = 0
             y(t) = along*x_ref(t) - slope*across
             if (c == 0) y(t) = r(t)
         end do
     end subroutine tilted_arm
+
+    !> The same in laminates, which are no bars.
+    pure subroutine ply_arm(c, n, x_ref, r, y)
+        real(rk), intent(in) :: c, n(3), x_ref(3), r(3)
+        real(rk), intent(out) :: y(3)
+        real(rk) :: z, along, across
+        integer :: t
+
+        z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
+        along = 1 + c*z
+        across = c*z*z
+        if (overstretched(most_bent, x_ref, r)) then
+            along = 0
+            across = 0
+        end if
+        do t = 1, 3
+            y(t) = along*x_ref(t) - across*n(t)
+            if (c == 0) y(t) = r(t)
+        end do
+    end subroutine ply_arm
 
     !> 1 where two components of a vector are not zero, as of a bar; else 0.
     !@cuf attributes(host,device) &
@@ -84,7 +98,7 @@ contains
         integer :: whole(2)
 
         whole = max(-largest, min(largest, nint(parts)))
-        c = real(whole(1)*shift + whole(2), rk)
+        c = whole(1)*shift + whole(2)
     end function pack_tilt
 
     !> Tilt of an image: it changes sign where a plane turns its direction round.
