@@ -22,6 +22,7 @@ from post.tables import Table
 
 QUESTIONS = Path(__file__).parents[1] / "inputs" / "paper" / "questions.toml"
 CURVE = "mid:displacement_z"
+DONE = 0.999  # of the time that a run should last
 INTRODUCTION = (
     "The paper does not say how its slabs were held, reinforced and glued, nor how its charge was "
     "started. Each table is of runs that differ in that one thing: quarters of the scene; energies "
@@ -41,10 +42,12 @@ def make_questions_page(folder: Path, markdown: Path) -> int:
     runs = {}
     for name in table["run"]:
         if (folder / name / "energy.csv").is_file():
-            runs[name] = Run(folder / name)
-            runs[name].leave_out_damaged()
+            run = Run(folder / name)
+            run.leave_out_damaged()
+            if run.end >= DONE * float(run.deck.get("run", "t_end")):
+                runs[name] = run
     if not runs:
-        raise PostError(f"{folder}: holds no run of {QUESTIONS.name}", USAGE)
+        raise PostError(f"{folder}: holds no run of {QUESTIONS.name} that is done", USAGE)
     missing = [name for name in table["run"] if name not in runs]
     pictures = folder / "pictures"
     pictures.mkdir(exist_ok=True)
@@ -53,7 +56,9 @@ def make_questions_page(folder: Path, markdown: Path) -> int:
         document.problems.append(f"not run: {', '.join(missing)}")
     for key, question in table["question"].items():
         names = [name for name in question["runs"] if name in runs]
-        if names:
+        if len(names) < 2:
+            document.problems.append(f"no answer yet: {question['text'].split('?')[0]}?")
+        else:
             _answer(document, key, question, {name: runs[name] for name in names}, pictures)
     document.add(_made_with(runs))
     images = markdown.parent / "figures" / markdown.stem
