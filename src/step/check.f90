@@ -19,7 +19,7 @@ module brz_check
     use brz_screen, only: say
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_solid_state, only: form_names, solid_t
+    use brz_solid_state, only: form_names, form_total, solid_t
     use brz_solid_step, only: solid_time_step
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
@@ -261,6 +261,8 @@ contains
                 text = text//', a plate across '//axis_names(maxloc(body%normal, dim=1))
             if (body%tension_hold > 0 .and. count(body%normal > 0) == 2) &
                 text = text//', a bar along '//axis_names(minloc(body%normal, dim=1))
+            if (body%formulation == form_total) &
+                text = text//', its step falls as far as it is pressed thinner'
         end associate
     end function reason
 

@@ -189,6 +189,7 @@ def test_a_key_of_a_preset_is_taken_back(tmp_path):
     assert code == 2
     code, text = run(tmp_path, "run", "b.nml", "--check", *total, "--set", "material(m).d1=none")
     assert code == 0, text
+    assert "its step falls as far as it is pressed thinner" in text
 
 
 def test_only_what_the_preset_has_is_taken_back(tmp_path):
