@@ -40,8 +40,8 @@ def test_a_file_is_a_model_on_both_backends(tmp_path):
     assert "case (twig); call update_twig(material, dt, l, point, status)" in listed
     kernels = (tmp_path / "model_kernels.CUF").read_text()
     # 6 slots of the file that it uses and 2 of its own
-    assert "call advance_point(twig, 8, n, &" in kernels
-    assert "call advance_point(leaf, 1, n, &" in kernels
+    assert "call advance_point(twig, 8, n, dt, body, material, grad, state, &" in kernels
+    assert "call advance_point(leaf, 1, n, dt, body, material, grad, state, &" in kernels
 
 
 def test_a_code_stands_for_one_model(tmp_path):
