@@ -4,7 +4,7 @@ program sample_dumps
     use brz_air_state, only: air_t, wall_t
     use brz_case, only: case_t
     use brz_clock, only: clock_t, start_clock
-    use brz_dumps, only: count_dump, dumps_t, name_dump, start_dumps, write_dump_files
+    use brz_dumps, only: dumps_t, name_dump, start_dumps, write_dump_files
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t
@@ -50,8 +50,8 @@ contains
             clock%cycle = 10*step
             call write_dump_files(dumps, case, clock, air, wall, solid, err)
             if (failed(err)) exit
-            call count_dump(dumps, clock)
-            call name_dump(dumps, air%present, solid%present, err)
+            call name_dump(dumps, clock%dump_number, clock%time, air%present, solid%present, err)
+            clock%dump_number = clock%dump_number + 1
         end do
         if (failed(err)) then
             write (*, '(a)') err%text
