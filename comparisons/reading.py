@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import csv
+from itertools import pairwise
 from pathlib import Path
 
 from comparisons.case import History
@@ -18,3 +19,17 @@ def column(folder: Path, gauge: str, table: str = "gauges.csv") -> History:
         if at is None:
             raise KeyError(f"{folder}: no column {gauge} in {table}: {', '.join(names)}")
         return [(float(row[0]), float(row[at])) for row in rows if row]
+
+
+def impulses(history: History) -> History:
+    """(time, integral over time until then), by trapezoids: of a pressure [Pa s]."""
+    total, found = 0.0, []
+    for (a, p), (b, q) in pairwise(history):
+        total += (b - a) * (p + q) / 2
+        found.append((b, total))
+    return found
+
+
+def impulse(history: History, end: float) -> float:
+    """The integral over time until `end`, by trapezoids: of a pressure [Pa s]."""
+    return next((v for t, v in reversed(impulses(history)) if t <= end * (1 + 1e-9)), 0.0)

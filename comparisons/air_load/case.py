@@ -2,10 +2,9 @@
 """B3: what the load of our air on a plate is made of: charge, cells, box, edges, boundary."""
 
 import math
-from itertools import accumulate, pairwise
 
 from comparisons.case import Case, History, Quantity, Run
-from comparisons.reading import column
+from comparisons.reading import column, impulses
 from post.blast import free_air
 
 MASS, AT, HALF, THICK, END = 0.168, 0.4, 0.125, 0.0042, 0.7e-3
@@ -36,8 +35,7 @@ PLATE = """&material id = 'm', model = 'linear_elastic', density = {density}
 
 def impulse(history: History) -> float:
     """Of the positive phase: the most that the integral over time comes to [Pa s]."""
-    parts = ((b - a) * (p + q) / 2 for (a, p), (b, q) in pairwise(history))
-    return max(accumulate(parts))
+    return max(total for _, total in impulses(history))
 
 
 def curves() -> tuple[float, float]:

@@ -6,12 +6,18 @@ from __future__ import annotations
 import numpy as np
 
 from comparisons import bricks, strip
-from comparisons.case import HERE, Case, Quantity, Run, load_case
+from comparisons.case import HERE, Case, History, Measures, Quantity, Run, load_case
 from comparisons.reading import column
 from comparisons.records import read_histories
 
 SCENE = HERE.parent / "tests" / "scenes" / "panel.nml"
 ARRIVAL = 0.01 / 417.0  # the shock of Mach 1.21 starts 10 mm before the panel
+
+
+def measures(history: History) -> Measures:
+    """The farthest that the tip goes, and when, after the front has arrived."""
+    time, peak = max(history, key=lambda point: point[1])
+    return {"peak": peak, "after": time - ARRIVAL}
 
 
 def _ours(layers: int, cells: str, spacing: float) -> Run:
@@ -24,8 +30,7 @@ def _ours(layers: int, cells: str, spacing: float) -> Run:
 
     def read(folder):
         history = column(folder, "tip")
-        time, peak = max(history, key=lambda point: point[1])
-        return {"peak": peak, "after": time - ARRIVAL}, history
+        return measures(history), history
 
     name = f"Brisance, {layers} layers"
     size = f"air cells of {1e3 * spacing:.3g} mm"
@@ -44,8 +49,7 @@ def _peer() -> Run:
 
     def read(folder):
         history = [(0.0, 0.0), *bricks.printed(folder, 1)]
-        time, peak = max(history, key=lambda point: point[1])
-        return {"peak": peak, "after": time - ARRIVAL}, history
+        return measures(history), history
 
     name = "CalculiX, load of OpenFOAM on a rigid panel"
     return Run(name, "calculix", "25 x 2 C3D20R", write, read)

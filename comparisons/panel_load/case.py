@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: MIT
 """The load of a shock on a panel that does not move (C1 has one that does)."""
 
-from itertools import pairwise
-
 from comparisons import tube
 from comparisons.case import HERE, Case, History, Measures, Quantity, Run
-from comparisons.reading import column
+from comparisons.reading import column, impulse
 
 SCENE = HERE.parent / "tests" / "scenes" / "panel.nml"
 SHOCK = tube.Shock(-0.01, 1.63078, 155686.4, 109.7285)
@@ -24,13 +22,10 @@ def measures(rows: list[tuple[float, list[float]]], history: History) -> Measure
     k = 2 * (len(rows[0][1]) // 4)
     front = [p[k] for t, p in rows if 20e-6 < t - FRONT < 50e-6]
 
-    def impulse(end: float) -> float:
-        return sum((b - a) * (p + q) / 2 for (a, p), (b, q) in pairwise(history) if b <= end)
-
     return {
         "front": sum(front) / len(front),
-        "short": impulse(FRONT + 0.2e-3),
-        "impulse": impulse(FRONT + 1e-3),
+        "short": impulse(history, FRONT + 0.2e-3),
+        "impulse": impulse(history, FRONT + 1e-3),
     }
 
 

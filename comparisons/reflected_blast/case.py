@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: MIT
 """B1: an ideal balloon over a rigid floor: the load that reaches the middle."""
 
-from itertools import pairwise
-
 from comparisons import foam
 from comparisons.case import Case, History, Measures, Quantity, Run
-from comparisons.reading import column
+from comparisons.reading import column, impulse
 
 MASS, DENSITY, ENERGY, AT, END = 0.168, 1630.0, 4.29e6, 0.4, 0.45e-3
 CHARGE = f"mass = {MASS}, density = {DENSITY}, energy = {ENERGY}"
@@ -27,12 +25,8 @@ def measures(history: History) -> Measures:
     """Peak, arrival at half of it, impulse to 0.3 ms and to the end."""
     peak = max(p for _, p in history)
     arrival = next(t for t, p in history if p > peak / 2)
-
-    def impulse(end: float) -> float:
-        pairs = pairwise(history)
-        return sum((b - a) * (p + q) / 2 for (a, p), (b, q) in pairs if b <= end * (1 + 1e-9))
-
-    return {"peak": peak, "arrival": arrival, "short": impulse(0.3e-3), "impulse": impulse(END)}
+    short, whole = impulse(history, 0.3e-3), impulse(history, END)
+    return {"peak": peak, "arrival": arrival, "short": short, "impulse": whole}
 
 
 def _ours(cell: float, wide: float, scheme: str = "muscl") -> Run:
