@@ -29,7 +29,8 @@ module brz_checkpoint
     use brz_version, only: precision
     implicit none
     private
-    public :: write_checkpoint, read_checkpoint, find_checkpoint, drop_later_checkpoints
+    public :: write_checkpoint, name_checkpoint, read_checkpoint, find_checkpoint
+    public :: drop_later_checkpoints
 
     integer, parameter :: kept = 2 !! checkpoints in a folder
     character(*), parameter :: about = 'brisance'
@@ -38,8 +39,9 @@ module brz_checkpoint
 
 contains
 
-    !> Write a checkpoint and remove all but the last two. Histories must be flushed before.
-    subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err)
+    !> Write a checkpoint and remove all but the last two. Histories must be flushed before. With
+    !> `unnamed` it has no name yet, and none is removed: `name_checkpoint` does both.
+    subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err, unnamed)
         character(*), intent(in) :: folder
         type(case_t), intent(in) :: case
         type(clock_t), intent(inout) :: clock
@@ -48,6 +50,7 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(inout) :: sums(:) !! what the step remembers besides
         type(error_t), intent(inout) :: err
+        logical, intent(in), optional :: unnamed !! not of several processes
         type(h5_t) :: file
         type(meta_t) :: meta
 
@@ -57,12 +60,29 @@ contains
         end if
         call describe_run(case, clock, meta)
         call h5_create(file, folder//'/'//checkpoint_name(clock%cycle), h5_plain, err, title)
+        file%unnamed = .true.
         call write_meta(file, meta, err)
         call carry_all(file, clock, air, coupling, solid, sums, err)
         call h5_close(file, err)
-        call sync_file(folder, err) ! its name is on the disk too
-        if (.not. failed(err)) call remove_old(folder, clock%cycle)
+        if (present(unnamed)) then
+            if (unnamed) return
+        end if
+        call name_checkpoint(folder, clock%cycle, err)
     end subroutine write_checkpoint
+
+    !> Give a checkpoint that is on the disk its name, and remove all but the last two.
+    subroutine name_checkpoint(folder, step, err)
+        character(*), intent(in) :: folder
+        integer, intent(in) :: step
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: path
+
+        if (failed(err)) return
+        path = folder//'/'//checkpoint_name(step)
+        call rename_file(path//'.tmp', path, err)
+        call sync_file(folder, err) ! the name is on the disk too
+        if (.not. failed(err)) call remove_old(folder, step)
+    end subroutine name_checkpoint
 
     !> The same of several processes, which share the air: each its box, and the first what all have
     !> in common, once the boxes are on the disk.

@@ -3,8 +3,8 @@
 module brz_outputs
     use, intrinsic :: iso_fortran_env, only: error_unit
     use brz_backend_fetch, only: fetch_around, fetch_followed, fetch_state
-    use brz_checkpoint, only: drop_later_checkpoints, find_checkpoint, read_checkpoint, &
-                              write_checkpoint
+    use brz_checkpoint, only: drop_later_checkpoints, find_checkpoint, name_checkpoint, &
+                              read_checkpoint, write_checkpoint
     use brz_clock, only: resume_clock, tick
     use brz_command_line, only: options_t
     use brz_coupling_setup, only: restart_coupling
@@ -222,19 +222,33 @@ contains
         end do
     end subroutine hear_writers
 
-    !> A dump is on the disk: name it. A checkpoint is: keep what it took in mind.
+    !> Wait until one more copy of the process may write.
+    subroutine make_room(sim, outputs, err)
+        type(simulation_t), intent(in) :: sim
+        type(outputs_t), intent(inout) :: outputs
+        type(error_t), intent(inout) :: err
+
+        do while (.not. (has_room(outputs%writers) .or. failed(err)))
+            call hear_writers(sim, outputs, outputs%writers%n - 1, err)
+        end do
+    end subroutine make_room
+
+    !> A dump or a checkpoint is on the disk: name it. Keep in mind what a checkpoint took.
     subroutine written(sim, outputs, writer, err)
         type(simulation_t), intent(in) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(writer_t), intent(in) :: writer
         type(error_t), intent(inout) :: err
+        type(error_t) :: naming ! a file that is good gets its name after an error too
 
         if (writer%dump == no_dump) then
+            if (writer%copy > 0) call name_checkpoint(outputs%folder, writer%step, naming)
             outputs%reserve = max(outputs%reserve, 2*writer%seconds)
         else
             call name_dump(outputs%dumps, writer%dump, writer%time, sim%air%present, &
-                           sim%solid%present, err)
+                           sim%solid%present, naming)
         end if
+        if (failed(naming) .and. .not. failed(err)) err = naming
     end subroutine written
 
     !> True if a GPU computes, so that the host has time to write.
@@ -252,9 +266,7 @@ contains
         type(writer_t) :: writer
         logical :: beside, here
 
-        do while (.not. (has_room(outputs%writers) .or. failed(err)))
-            call hear_writers(sim, outputs, outputs%writers%n - 1, err)
-        end do
+        call make_room(sim, outputs, err)
         call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         if (failed(err)) return
         beside = on_gpu(sim)
@@ -335,10 +347,14 @@ contains
         type(writer_t) :: writer
         logical :: apart, here
 
-        call hear_writers(sim, outputs, 0, err)
-        if (outputs%saved_cycle == sim%clock%cycle .or. failed(err)) return
         apart = .false.
         if (present(beside)) apart = beside
+        if (apart) then
+            call make_room(sim, outputs, err)
+        else
+            call hear_writers(sim, outputs, 0, err)
+        end if
+        if (outputs%saved_cycle == sim%clock%cycle .or. failed(err)) return
         call flush_all(outputs, err, sync=.true.)
         call agree(sim%ranks, err)
         sim%clock%marks = [outputs%energy%mark, outputs%bodies%mark, outputs%gauge_history%mark]
@@ -347,10 +363,12 @@ contains
         sums = [sim%start%total, sim%start%mass, sim%start%momentum, sim%start%energy, &
                 sim%start%work, sim%start%supply]
         writer%what = 'the checkpoint of t = '//to_text(sim%clock%time)//' s'
+        writer%step = sim%clock%cycle
         call begin_writing(outputs%writers, writer, apart, here)
         if (here) then
+            if (writer%copy < 0) call hear_writers(sim, outputs, 0, err) ! those before it first
             call write_checkpoint(outputs%folder, sim%case, sim%clock, sim%air, sim%coupling, &
-                                  sim%solid, sums, err)
+                                  sim%solid, sums, err, unnamed=apart .and. writer%copy == 0)
             call end_writing(writer, apart, err)
             call written(sim, outputs, writer, err)
         end if
