@@ -39,9 +39,8 @@ module brz_checkpoint
 
 contains
 
-    !> Write a checkpoint and remove all but the last two. Histories must be flushed before. With
-    !> `unnamed` it has no name yet, and none is removed: `name_checkpoint` does both.
-    subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err, unnamed)
+    !> Write a checkpoint, which `name_checkpoint` then names. Histories must be flushed before.
+    subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err)
         character(*), intent(in) :: folder
         type(case_t), intent(in) :: case
         type(clock_t), intent(inout) :: clock
@@ -50,7 +49,6 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(inout) :: sums(:) !! what the step remembers besides
         type(error_t), intent(inout) :: err
-        logical, intent(in), optional :: unnamed !! not of several processes
         type(h5_t) :: file
         type(meta_t) :: meta
 
@@ -64,13 +62,10 @@ contains
         call write_meta(file, meta, err)
         call carry_all(file, clock, air, coupling, solid, sums, err)
         call h5_close(file, err)
-        if (present(unnamed)) then
-            if (unnamed) return
-        end if
-        call name_checkpoint(folder, clock%cycle, err)
     end subroutine write_checkpoint
 
-    !> Give a checkpoint that is on the disk its name, and remove all but the last two.
+    !> Give a checkpoint that is on the disk its name, and remove all but the last two. Of several
+    !> processes one does it.
     subroutine name_checkpoint(folder, step, err)
         character(*), intent(in) :: folder
         integer, intent(in) :: step
@@ -81,6 +76,7 @@ contains
         path = folder//'/'//checkpoint_name(step)
         call rename_file(path//'.tmp', path, err)
         call sync_file(folder, err) ! the name is on the disk too
+        if (failed(err)) call remove_parts(folder, checkpoint_name(step))
         if (.not. failed(err)) call remove_old(folder, step)
     end subroutine name_checkpoint
 
@@ -104,17 +100,16 @@ contains
         if (failed(err)) return
         call describe_run(case, clock, meta)
         if (leads) call h5_create(file, path, h5_plain, err, title)
+        file%unnamed = .true.
         if (leads) call write_meta(file, meta, err)
         call write_boxes(file, air, err)
         if (leads) then
             call carry(file, 'sums', sums, err)
             if (.not. failed(err)) call carry_clock(file, clock, err)
             call h5_close(file, err)
-            call sync_file(folder, err)
             if (failed(err)) call remove_parts(folder, checkpoint_name(clock%cycle))
         end if
         call agree(air%part%ranks, err)
-        if (leads .and. .not. failed(err)) call remove_old(folder, clock%cycle)
     end subroutine write_in_parts
 
     !> Read a checkpoint into a scene that has been set up from the same deck. Afterwards the solid

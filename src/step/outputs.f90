@@ -242,7 +242,7 @@ contains
         type(error_t) :: naming ! a file that is good gets its name after an error too
 
         if (writer%dump == no_dump) then
-            if (writer%copy > 0) call name_checkpoint(outputs%folder, writer%step, naming)
+            if (outputs%dumps%leads) call name_checkpoint(outputs%folder, writer%step, naming)
             outputs%reserve = max(outputs%reserve, 2*writer%seconds)
         else
             call name_dump(outputs%dumps, writer%dump, writer%time, sim%air%present, &
@@ -368,9 +368,10 @@ contains
         if (here) then
             if (writer%copy < 0) call hear_writers(sim, outputs, 0, err) ! those before it first
             call write_checkpoint(outputs%folder, sim%case, sim%clock, sim%air, sim%coupling, &
-                                  sim%solid, sums, err, unnamed=apart .and. writer%copy == 0)
+                                  sim%solid, sums, err)
             call end_writing(writer, apart, err)
-            call written(sim, outputs, writer, err)
+            if (.not. failed(err)) call written(sim, outputs, writer, err)
+            call agree(sim%ranks, err)
         end if
         if (.not. failed(err)) outputs%saved_cycle = sim%clock%cycle
     end subroutine save_checkpoint
