@@ -35,7 +35,6 @@ contains
             end associate
         end do
         if (solid%remove) why = "leave='remove'"
-        if (allocated(solid%loads%of)) why = '&load'
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
 

@@ -11,6 +11,7 @@ module brz_gpu_solid_state
     use brz_device, only: allocate_buffer, buffer_t, clear_buffer, copy_in, device_t, &
         free_buffers, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_facet_launches, only: facet_kernels_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
@@ -68,6 +69,15 @@ module brz_gpu_solid_state
         type(cohesive_kernels_t) :: kernels
     end type gpu_cohesive_t
 
+    !> Loads in scenes without air, arrays of facets_t.
+    type :: gpu_loads_t
+        logical :: present = .false.
+        integer :: carriers = 0, rebuilds = -1
+        type(integers_t) :: first, id, of, beside, mirror, side, place
+        type(doubles_t) :: width, most, wave, mean, sums
+        type(facet_kernels_t) :: kernels
+    end type gpu_loads_t
+
     type :: gpu_solid_t
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         logical :: stepped = .false. !! the GPU has made a step
@@ -75,10 +85,11 @@ module brz_gpu_solid_state
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
         type(gpu_links_t) :: links
         type(gpu_cohesive_t) :: glue
+        type(gpu_loads_t) :: loads
         integer :: n = 0, n_state = 0 !! particles, columns of `state`
         ! columns of `state` that not every scene has, 0: none
         integer :: owed = 0 !! energy that the hold owes [J]
-        integer :: load = 0 !! + 1..3: force of the air [N]
+        integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
@@ -94,10 +105,10 @@ module brz_gpu_solid_state
 contains
 
     !> Reserve all memory and find all kernels.
-    subroutine open_gpu_solid_memory(device, solid, in_air, gpu, err)
+    subroutine open_gpu_solid_memory(device, solid, loaded, gpu, err)
         type(device_t), intent(in) :: device
         type(solid_t), intent(inout) :: solid
-        logical, intent(in) :: in_air !! the air loads the bodies
+        logical, intent(in) :: loaded !! the air, or what the deck says, loads the bodies
         type(gpu_solid_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: n
@@ -105,7 +116,7 @@ contains
         gpu%n = solid%n
         gpu%linked = solid%links%present
         gpu%bonded = gpu%linked .and. solid%links%bonds
-        call number_columns(solid, in_air, gpu)
+        call number_columns(solid, loaded, gpu)
         n = solid%n
         call require(device, solid, gpu%n_state, err)
         call gpu%kernels%open(device, err)
@@ -142,16 +153,16 @@ contains
     end subroutine open_gpu_solid_memory
 
     !> Number the columns of `state`.
-    subroutine number_columns(solid, in_air, gpu)
+    subroutine number_columns(solid, loaded, gpu)
         type(solid_t), intent(inout) :: solid
-        logical, intent(in) :: in_air
+        logical, intent(in) :: loaded
         type(gpu_solid_t), intent(inout) :: gpu
         type(fields_t) :: fields
 
         call fields_of(solid, fields)
         gpu%n_state = fields%columns
         gpu%owed = column_of_field(fields, 'owed')
-        if (in_air) gpu%load = column_of_field(fields, 'load') - 1
+        if (loaded) gpu%load = column_of_field(fields, 'load') - 1
     end subroutine number_columns
 
     !> Refuse a scene that does not fit, before anything is reserved.
@@ -228,13 +239,16 @@ contains
         call free_buffers(gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
             gpu%part, gpu%box)
         call gpu%common%close()
-        associate (links => gpu%links, glue => gpu%glue)
+        associate (links => gpu%links, glue => gpu%glue, loads => gpu%loads)
             call free_buffers(links%ends, links%table, links%cell, links%press, links%slice, &
                 links%count, links%list, links%met)
             call free_buffers(glue%law, glue%bit, glue%of, glue%first, glue%area, glue%gap, &
                 glue%rest, glue%weight)
             call free_buffers(glue%back_first, glue%back, glue%row, glue%pull, glue%push, &
                 glue%entry, glue%place_of, glue%state)
+            call free_buffers(loads%first, loads%id, loads%of, loads%beside, loads%mirror, &
+                loads%side, loads%place)
+            call free_buffers(loads%width, loads%most, loads%wave, loads%mean, loads%sums)
         end associate
         do b = 1, size(gpu%bodies)
             associate (body => gpu%bodies(b))

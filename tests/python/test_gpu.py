@@ -71,6 +71,33 @@ def test_a_checkpoint_of_one_backend_serves_the_other(deck):
     assert parts[-1] == pytest.approx(whole[-1], rel=1e-9)
 
 
+LOADED = """&run t_end=4e-6 /
+&material id='m', model='linear_elastic', density=7800, youngs_modulus=2e11, poisson_ratio=0.3 /
+&body id='b', box=0,0.005, 0,0.004, 0,0.003, spacing=0.001, material='m', fix='x-' /
+&body id='r', box=0,0.002, 0,0.002, 0.004,0.006, spacing=0.001, material='m', formulation='rigid' /
+&load body='b', faces='x+','z-', mass=1, at=0.4,0.1,-0.2, detonation_time=-1.4e-4 /
+&load body='b', acceleration=0,1e5,0 /
+&load body='r', faces='y-', time=0,2e-6,4e-6, pressure=0,1e8,0 /
+&output dump_every=1, checkpoint_every=5e-7, history_every=1e-7 /
+"""
+
+
+def test_loads_are_those_of_the_cpu_after_a_restart_too(deck):
+    (deck / "load.nml").write_text(LOADED, encoding="utf-8")
+    for backend in ("gpu", "cpu"):
+        done = run(deck, "load.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+        assert ("Emulated GPU" in done.stderr) == (backend == "gpu")
+    first = ("--set", "run.max_steps=12", "--out", "parts")
+    assert run(deck, "load.nml", "--backend", "cpu", *first).returncode == 0
+    done = run(deck, "load.nml", "--backend", "gpu", "--restart", "latest", "--out", "parts")
+    assert done.returncode == 0, done.stderr
+    whole, here, parts = (rows(deck / x / "bodies.csv") for x in ("gpu", "cpu", "parts"))
+    for a, b in zip(whole, here, strict=True):
+        assert a == pytest.approx(b, rel=1e-9, abs=1e-9)
+    assert parts[-1] == pytest.approx(whole[-1], rel=1e-9, abs=1e-9)
+
+
 def test_the_time_of_each_kernel_is_printed(deck):
     done = run(deck, "a.nml", "--backend", "gpu", "--out", "a", "--profile")
     assert done.returncode == 0, done.stderr
