@@ -12,6 +12,7 @@ module brz_gpu_solid_state
         free_buffers, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_facet_launches, only: facet_kernels_t
+    use brz_force_launches, only: force_kernels_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
@@ -20,6 +21,7 @@ module brz_gpu_solid_state
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_launches, only: solid_kernels_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
+    use brz_tallies, only: tally_threads
     use brz_text, only: to_text
     implicit none
     private
@@ -88,6 +90,7 @@ module brz_gpu_solid_state
         type(gpu_loads_t) :: loads
         integer :: n = 0, n_state = 0 !! particles, columns of `state`
         ! columns of `state` that not every scene has, 0: none
+        integer :: grip = 0 !! + 1..3: force on what holds a particle [N]
         integer :: owed = 0 !! energy that the hold owes [J]
         integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
         type(gpu_solid_body_t), allocatable :: bodies(:)
@@ -99,6 +102,8 @@ module brz_gpu_solid_state
         type(integers_t) :: tag, flags, count, cell, order, start, code
         type(buffer_t) :: hold, grid
         type(solid_kernels_t) :: kernels
+        type(force_kernels_t) :: forces
+        type(doubles_t) :: sums_of_forces
         type(gpu_common_t) :: common
     end type gpu_solid_t
 
@@ -120,6 +125,7 @@ contains
         n = solid%n
         call require(device, solid, gpu%n_state, err)
         call gpu%kernels%open(device, err)
+        call gpu%forces%open(device, err)
         call gpu%common%open(device, most_folded*(n_total + n_book), err)
         call allocate_buffer(gpu%place, 32*n, err)
         call allocate_buffer(gpu%reference, 32*n, err)
@@ -141,6 +147,7 @@ contains
         call allocate_buffer(gpu%box, 48_int64, err)
         call allocate_buffer(gpu%extra, 8_int64, err)
         call allocate_buffer(gpu%count, 4*n, err)
+        call allocate_buffer(gpu%sums_of_forces, 96_int64*tally_threads, err)
         call allocate_buffer(gpu%cell, 4*n, err)
         call allocate_buffer(gpu%order, 4*n, err)
         call allocate_buffer(gpu%start, 4*(max(512_int64, 2*n) + 2), err)
@@ -163,6 +170,7 @@ contains
         gpu%n_state = fields%columns
         gpu%owed = column_of_field(fields, 'owed')
         if (loaded) gpu%load = column_of_field(fields, 'load') - 1
+        if (allocated(solid%grip)) gpu%grip = column_of_field(fields, 'grip') - 1
     end subroutine number_columns
 
     !> Refuse a scene that does not fit, before anything is reserved.
@@ -238,6 +246,7 @@ contains
             gpu%region, gpu%extra)
         call free_buffers(gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
             gpu%part, gpu%box)
+        call free_buffers(gpu%sums_of_forces)
         call gpu%common%close()
         associate (links => gpu%links, glue => gpu%glue, loads => gpu%loads)
             call free_buffers(links%ends, links%table, links%cell, links%press, links%slice, &

@@ -2,7 +2,7 @@
 !> What a run writes and when: histories, dumps, checkpoints, progress lines.
 module brz_outputs
     use, intrinsic :: iso_fortran_env, only: error_unit
-    use brz_backend_fetch, only: fetch_around, fetch_followed, fetch_state
+    use brz_backend_fetch, only: fetch_around, fetch_followed, fetch_state, stock_of_forces
     use brz_checkpoint, only: drop_later_checkpoints, find_checkpoint, read_checkpoint, &
                               write_checkpoint
     use brz_clock, only: resume_clock, tick
@@ -10,6 +10,7 @@ module brz_outputs
     use brz_coupling_setup, only: restart_coupling
     use brz_dumps, only: cut_dumps, dumps_t, name_dump, start_dumps, write_dump_files
     use brz_errors, only: error_t, exit_io, exit_numerical, failed, raise
+    use brz_gauge_quantities, only: from_impulse
     use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, &
                           gauges_need_state, gauges_t, radial_gauge_row, set_up_gauges
     use brz_history, only: append_row, close_history, cut_history, flush_history, history_t, &
@@ -275,6 +276,21 @@ contains
         call agree(sim%ranks, err)
     end subroutine save_dump
 
+    !> Forces on whole bodies, for gauges.
+    subroutine weigh_bodies(sim, gauges, err)
+        type(simulation_t), intent(inout) :: sim
+        type(gauges_t), intent(inout) :: gauges
+        type(error_t), intent(inout) :: err
+        integer :: g
+
+        do g = 1, gauges%n
+            associate (gauge => gauges%list(g))
+                if (gauge%whole == 0 .or. gauge%whole >= from_impulse) cycle
+                call stock_of_forces(sim%backend, sim%solid, gauge%body, gauge%at, gauge%force, err)
+            end associate
+        end do
+    end subroutine weigh_bodies
+
     !> One row in every history; the books must close, and the energy stay in its band.
     subroutine write_histories(sim, outputs, err)
         type(simulation_t), intent(inout) :: sim
@@ -296,6 +312,7 @@ contains
                               sim%coupling%wall, err)
             call fetch_followed(sim%backend, gauge_particles(outputs%gauges), &
                                 gauges_need_state(outputs%gauges), sim%solid, err)
+            call weigh_bodies(sim, outputs%gauges, err)
             call gauge_row(outputs%gauges, sim%clock%time, sim%air, sim%coupling%wall, sim%solid, &
                            outputs%gauge_values)
             call append_row(outputs%gauge_history, outputs%gauge_values, err)
