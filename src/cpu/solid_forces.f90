@@ -312,6 +312,7 @@ contains
             kept
 
         load = air_force(solid, i)
+        if (solid%steps == 0) load = 0 ! all of it acts after the half step up to here
         force = f(1:3) + f(at_drag + 1:at_drag + 3) + f(at_hold + 1:at_hold + 3)
         held = solid%fixed(i)
         solid%a(:, i) = (1 - held)*force/solid%mass(i)
@@ -335,6 +336,7 @@ contains
             sums(1) = sums(1) + dt*heat
             sums(7) = sums(7) + friction
             sums(3:5) = sums(3:5) + dt*held*(force + load)
+            if (allocated(solid%grip)) solid%grip(:, i) = held*(force + load)
         end associate
         solid%energy(i) = solid%energy(i) + (dt*heat + friction)/solid%mass(i)
         if (.not. (dot_product(f, f) <= huge(dt)) .or. solid%mu(i) <= -1) then

@@ -184,6 +184,7 @@ module brz_case
         real(dp) :: at(3) = 0 !! [m]
         character(name_len) :: quantity = 'pressure' !! see the deck reference
         character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
+        real(dp) :: to(3) = 0 !! other end of a strain gauge [m]
         character(name_len) :: body = '' !! for quantities of a solid
         integer :: body_index = 0
     end type gauge_case_t

@@ -281,6 +281,7 @@ contains
         gauge%place = place(deck, group%line)
         gauge%id = group%id
         call get(group, 'at', gauge%at)
+        call get(group, 'to', gauge%to)
         call get(group, 'quantity', gauge%quantity)
         call get(group, 'body', gauge%body)
     end subroutine fill_gauge

@@ -7,6 +7,7 @@ module brz_gpu_solid_copy
     use brz_gpu_solid_bodies, only: open_gpu_bodies
     use brz_gpu_solid_cohesive, only: fetch_gpu_points, open_gpu_cohesive
     use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault
+    use brz_gpu_solid_load, only: open_gpu_loads
     use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, &
@@ -32,7 +33,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: b
 
-        call open_gpu_solid_memory(device, solid, in_air, gpu, err)
+        call open_gpu_solid_memory(device, solid, in_air .or. allocated(solid%loads%of), gpu, err)
         if (failed(err)) return
         call open_gpu_bodies(device, solid, gpu, err)
         do b = 1, size(solid%bodies)
@@ -42,6 +43,7 @@ contains
         call put_fields(solid, gpu, err)
         call open_gpu_links(device, solid, gpu, err)
         call open_gpu_cohesive(device, solid%cohesive, gpu, err)
+        call open_gpu_loads(device, solid%loads, gpu, err)
         call build_gpu_lists(gpu, solid, .false., spread(.true., 1, size(solid%bodies)), err)
         call build_gpu_links(gpu, solid, .true., err)
     end subroutine open_gpu_solid

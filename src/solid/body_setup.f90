@@ -11,6 +11,7 @@ module brz_body_setup
     use brz_crack_band, only: judge_crack
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation, only: settle_formulation
+    use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
     use brz_interaction_setup, only: set_up_interactions
     use brz_load_setup, only: set_up_loads
     use brz_kinds, only: dp, int16, rk
@@ -50,10 +51,27 @@ contains
         end do
         call set_up_cohesive(case, points%shape, solid, err)
         call set_up_loads(case, points%shape, solid, err)
+        call set_up_watch(case, solid)
         do b = 1, size(solid%bodies)
             call set_up_rigid(case%bodies(b), points(b)%shape%on_plane, solid, solid%bodies(b), err)
         end do
     end subroutine set_up_solid
+
+    !> What gauges of whole bodies ask the steps for.
+    subroutine set_up_watch(case, solid)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(inout) :: solid
+        integer :: g
+
+        if (.not. allocated(case%gauges)) return
+        do g = 1, size(case%gauges)
+            associate (whole => quantities(find_quantity(trim(case%gauges(g)%quantity)))%whole)
+                if (whole >= from_impulse) solid%impulses = .true.
+                if (whole > 0 .and. whole < from_impulse .and. .not. allocated(solid%grip)) &
+                    allocate (solid%grip(3, solid%n), source=0.0_rk)
+            end associate
+        end do
+    end subroutine set_up_watch
 
     !> Materials, settings and shapes of the bodies of a case: all but their particles.
     subroutine outline_solid(case, solid, points, err)

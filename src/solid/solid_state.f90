@@ -133,6 +133,7 @@ module brz_solid_state
         real(dp) :: drift_linked(3) = 0 !! `drift` when the links were built [m]
         real(dp) :: dt_limit = 0 !! largest stable time step times the CFL number [s]
         real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
+        real(dp) :: impulse(3) = 0 !! of the load so far, where a gauge asks for it [N s]
         type(ledger_t) :: ledger
         type(rigid_t) :: rigid !! of a rigid body
         type(motion_t) :: motion !! that is prescribed
@@ -206,6 +207,9 @@ module brz_solid_state
         real(rk), allocatable :: a(:, :) !! (3, n) acceleration by internal forces [m/s2]
         real(rk), allocatable :: load(:, :) !! (3, n) force of the air, set by the coupling; only
                                             !! where there is air [N]
+        real(rk), allocatable :: grip(:, :) !! (3, n) force on what holds a particle at the step;
+                                            !! only where a gauge asks for it [N]
+        logical :: impulses = .false. !! a gauge asks for those of the load
         real(rk), allocatable :: mass(:) !! (n) [kg]
         real(rk), allocatable :: mu(:) !! (n) compression rho/rho0 - 1 [-]
         real(rk), allocatable :: energy(:) !! (n) specific internal energy [J/kg]
