@@ -2,10 +2,11 @@
 !> Forces of the pressures on faces and of pushes on bodies, in scenes without air.
 module brz_solid_load
     use brz_carrier_rules, only: add_force
+    use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
     use brz_face_load, only: facets_t, find_places, impulse_on
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp, int64, rk
     use brz_rigid, only: cross
-    use brz_solid_state, only: form_rigid, is_gone, solid_t
+    use brz_solid_state, only: body_t, form_rigid, is_gone, solid_t
     implicit none
     private
     public :: load_faces
@@ -17,7 +18,7 @@ contains
     subroutine load_faces(solid, dt)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
-        integer :: b, i, k
+        integer :: b, k
 
         if (.not. allocated(solid%loads%of)) return
         if (solid%loads%rebuilds /= solid%rebuilds) then ! lists were sorted
@@ -33,16 +34,42 @@ contains
             end if
         end do
         do b = 1, size(solid%bodies)
-            associate (body => solid%bodies(b))
-                if (body%formulation /= form_rigid) cycle
-                body%rigid%load = 0
-                do i = body%first, body%last
-                    call add_force(solid%x(:, i) - body%rigid%x, solid%load(:, i), &
-                                   body%rigid%load)
-                end do
-            end associate
+            if (solid%bodies(b)%formulation == form_rigid) &
+                call load_rigid(solid, solid%bodies(b), solid%bodies(b)%rigid%load)
         end do
     end subroutine load_faces
+
+    !> Force and torque on a rigid body: exact sums, as they act back.
+    subroutine load_rigid(solid, body, load)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(out) :: load(6) !! [N, N m]
+        type(scale_t) :: scales(6)
+        real(dp) :: largest(6)
+        integer(int64) :: limb(limbs, 6)
+        integer :: i
+
+        largest = 0
+        do i = body%first, body%last
+            call widen(load_on(i), largest)
+        end do
+        call open_sums(solid%ranks, largest, scales)
+        limb = 0
+        do i = body%first, body%last
+            call add_terms(scales, load_on(i), limb)
+        end do
+        call close_sums(solid%ranks, scales, limb, load)
+
+    contains
+
+        pure function load_on(i) result(f)
+            integer, intent(in) :: i
+            real(dp) :: f(6)
+
+            f = 0
+            call add_force(solid%x(:, i) - body%rigid%x, solid%load(:, i), f)
+        end function load_on
+    end subroutine load_rigid
 
     !> Add the forces of a push on all particles of a body.
     subroutine push_body(solid, facets, dt)

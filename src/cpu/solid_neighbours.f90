@@ -4,9 +4,13 @@
 !> A list depends on `x_built` and the order of the particles alone: rebuilt from them it is the
 !> same, entry by entry. Each body has its list, and keeps it while those of others change. The
 !> members of a group are in its list: a pair of i with itself is exactly nothing, as is one beyond
-!> the support of the kernel. i may be a neighbour of its own image.
+!> the support of the kernel. i may be a neighbour of its own image. Entries stand in the order of
+!> the numbers of the particles (images: of the planes, then of the numbers), so the sums of a
+!> particle depend neither on who shares its group nor on where particles are in memory.
 module brz_solid_neighbours
     use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
+    use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
+    use brz_id_order, only: order_by_id, order_room_t
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_list_drift, only: begin_list, level_unit
     use brz_move_level, only: level_of
@@ -61,23 +65,39 @@ contains
         end associate
     end subroutine sort_body
 
-    !> Velocity of the mass of a body at the step [m/s].
-    pure function mean_velocity(solid, body) result(v)
+    !> Velocity of the mass of a body at the step [m/s]: an exact sum, as lists last by it.
+    function mean_velocity(solid, body) result(v)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        real(dp) :: v(3), mass
-        real(rk) :: half
+        real(dp) :: v(3), largest(4), sums(4)
+        type(scale_t) :: scales(4)
+        integer(int64) :: limb(limbs, 4)
         integer :: i
 
-        v = 0
-        mass = 0
-        half = real(solid%dt_last/2, rk)
+        largest = 0
         do i = body%first, body%last
-            if (solid%fixed(i) == is_gone) cycle
-            v = v + solid%mass(i)*(solid%v(:, i) + half*solid%a(:, i))
-            mass = mass + solid%mass(i)
+            call widen(momentum(i), largest)
         end do
-        v = v/max(mass, tiny(mass))
+        call open_sums(solid%ranks, largest, scales)
+        limb = 0
+        do i = body%first, body%last
+            call add_terms(scales, momentum(i), limb)
+        end do
+        call close_sums(solid%ranks, scales, limb, sums)
+        v = sums(2:)/max(sums(1), tiny(sums))
+
+    contains
+
+        !> Mass and momentum of a particle, of nothing that is gone.
+        pure function momentum(i) result(p)
+            integer, intent(in) :: i
+            real(dp) :: p(4)
+
+            p = 0
+            if (solid%fixed(i) == is_gone) return
+            p(1) = solid%mass(i)
+            p(2:) = p(1)*(solid%v(:, i) + real(solid%dt_last/2, rk)*solid%a(:, i))
+        end function momentum
     end function mean_velocity
 
     !> List of a body for given places: those of total-Lagrangian bodies are the unloaded ones.
@@ -164,10 +184,11 @@ contains
         real(dp), intent(in) :: reach !! [m]
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         integer(int64), allocatable :: found(:)
+        type(order_room_t) :: room
         integer(int64) :: n
         integer :: g, i, m
 
-        !$omp parallel if(solid%n >= worth_threads) private(found, n, g, m)
+        !$omp parallel if(solid%n >= worth_threads) private(found, room, n, g, m)
         allocate (found(1024))
         n = 0
         !$omp do schedule(static)
@@ -177,12 +198,14 @@ contains
             if (any(solid%mirror)) solid%image_first(g + 1) = 0
             if (solid%fixed(i) == is_gone) cycle ! and so are all that follow
             solid%first(g + 1) = n
-            call search_group(solid, place, members(body, place, i), 0, reach, found, n)
+            call search_group(solid, place, members(body, place, i), 0, reach, room, &
+                              found, n)
             solid%first(g + 1) = n - solid%first(g + 1)
             if (.not. any(solid%mirror)) cycle
             solid%image_first(g + 1) = n
             do m = 1, 7
-                call search_group(solid, place, members(body, place, i), m, reach, found, n)
+                call search_group(solid, place, members(body, place, i), m, reach, room, &
+                                  found, n)
             end do
             solid%image_first(g + 1) = n - solid%image_first(g + 1)
         end do
@@ -298,12 +321,13 @@ contains
 
     !> Append the particles whose image in the planes of the mask m is within reach of a group: all
     !> in one box, or where its members are far apart one after the other.
-    pure subroutine search_group(solid, place, group, m, reach, found, n)
+    pure subroutine search_group(solid, place, group, m, reach, room, found, n)
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         real(dp), intent(in) :: group(lanes, 3) !! places of its members [m]
         integer, intent(in) :: m !! planes, bits 0..2; 0: the particles themselves
         real(dp), intent(in) :: reach !! [m]
+        type(order_room_t), intent(inout) :: room
         integer(int64), allocatable, intent(inout) :: found(:) !! 8*particle + mask
         integer(int64), intent(inout) :: n !! entries
         real(dp) :: x(lanes, 3)
@@ -325,7 +349,8 @@ contains
                                 found, n)
             end do
         end if
-        found(before + 1:n) = found(before + 1:n) + m
+        call order_by_id(solid%id, 8_int64, found(before + 1:n), room)
+        if (m > 0) found(before + 1:n) = found(before + 1:n) + m
     end subroutine search_group
 
     !> Append what is within reach of the places x, but of none of those that were searched before.
