@@ -15,8 +15,8 @@ module brz_solid_forces
     use brz_solid_artificial, only: add_artificial
     use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
                                body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, held_energy, held_stiffness, is_free, is_gone, lanes, n_held, &
-                               n_pair, pair_tilt, solid_t, worth_threads
+                               form_total, held_energy, held_stiffness, is_free, is_gone, &
+                               lanes, n_held, n_pair, pair_tilt, solid_t, worth_threads
     use brz_support, only: held_share
     use brz_tension_hold, only: kept_work
     use brz_tilted_arm, only: mirrored_tilt

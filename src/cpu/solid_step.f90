@@ -24,8 +24,8 @@ module brz_solid_step
     use brz_solid_rigid, only: balance_rigid, move_rigid
     use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: wake_met
-    use brz_solid_state, only: form_bending, form_rigid, intact_share, is_free, is_gone, is_held, solid_t, &
-                               worth_threads
+    use brz_solid_state, only: form_bending, form_rigid, intact_share, is_free, is_gone, is_held, &
+                               solid_t, worth_threads
     use brz_support, only: held_share
     use brz_solid_tilts, only: find_tilts
     use brz_tension_hold, only: may_be_drawn

@@ -116,6 +116,10 @@ contains
                       meaning='Initial angular velocity, about spin_centre.'), &
                 key_t(group=g, key='spin_centre', n_min=3, n_max=3, unit='m', &
                       meaning='Point that the spin turns about; if absent the centre of mass.'), &
+                key_t(group=g, key='start_file', kind=kind_text, longest=256, &
+                      meaning='Initial velocity (added), stress (linear_elastic) of the '// &
+                      'nearest point of a file: .csv with x, y, z, velocity_x, ..., '// &
+                      'stress_xx, ..., or a dump (velocity).'), &
                 key_t(group=g, key='motion_time', n_max=64, unit='s', &
                       meaning='Times of a prescribed velocity, of a rigid body or of the '// &
                       'particles that are held.'), &

@@ -129,6 +129,7 @@ module brz_case
         real(dp) :: motion_time(max_motion) = 0 !! [s]
         real(dp) :: motion_velocity(3, max_motion) = 0 !! [m/s]
         real(dp) :: spin(3) = 0 !! angular velocity about spin_centre [rad/s]
+        character(512) :: start_file = '' !! of initial velocities and stresses
         logical :: about_point = .false. !! else that is the centre of mass
         real(dp) :: spin_centre(3) = 0 !! [m]
         character(name_len) :: formulation = 'auto' !! see the deck reference
@@ -178,6 +179,7 @@ module brz_case
         logical :: on_ground = .false. !! a hemisphere on the ground, no sphere in free air
         real(dp) :: at(3) = 0 !! of its centre [m]
         real(dp) :: start = 0 !! when it detonates [s]
+        logical :: in_table = .false. !! time and pressure are those of a file
         logical :: on_all = .false. !! of a body; then `pressure` has factors of one of these:
         real(dp) :: acceleration(3) = 0 !! [m/s2]
         real(dp) :: force(3) = 0 !! on the part of the body that is modelled [N]

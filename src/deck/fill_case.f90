@@ -202,6 +202,7 @@ contains
             call get(group, 'velocity', body%velocity)
             call get(group, 'spin', body%spin)
             call get(group, 'spin_centre', body%spin_centre)
+            call get(group, 'start_file', body%start_file)
             body%about_point = is_usable(group, 'spin_centre')
             call get(group, 'formulation', body%formulation)
             call get(group, 'alpha', body%alpha)
@@ -222,6 +223,8 @@ contains
         end associate
         if (body%file /= '' .and. body%file(1:1) /= '/') &
             body%file = deck%file(:index(deck%file, '/', back=.true.))//body%file
+        if (body%start_file /= '' .and. body%start_file(1:1) /= '/') body%start_file = &
+            deck%file(:index(deck%file, '/', back=.true.))//body%start_file
         call fill_plies(deck, g, body)
         call get_boxes(deck, g, 'fix_box', body%fix_box, body%n_fix_boxes)
         call fill_motion(deck, g, body)

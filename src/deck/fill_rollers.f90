@@ -21,7 +21,8 @@ contains
 
         n = 0
         axes = ''
-        if (is_usable(deck%groups(g), 'roller_axis')) call get(deck%groups(g), 'roller_axis', axes, n)
+        if (is_usable(deck%groups(g), 'roller_axis')) &
+            call get(deck%groups(g), 'roller_axis', axes, n)
         call get_boxes(deck, g, 'roller_box', body%roller_box, body%n_rollers)
         body%roller_axis = axes
         if (n /= body%n_rollers) call complain(deck, g, merge('roller_axis', 'roller_box ', n > &

@@ -21,6 +21,7 @@ module brz_body_setup
     use brz_materials, only: make_material, start_point
     use brz_plate, only: settle_plate
     use brz_rigid_setup, only: set_up_rigid
+    use brz_start_fields, only: start_from_file
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: body_t, solid_t
     implicit none
@@ -48,6 +49,8 @@ contains
         do b = 1, size(solid%bodies)
             call fill_body(case%bodies(b), points(b), solid, solid%bodies(b))
             call move_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
+            call start_from_file(case%bodies(b), case%materials(case%bodies(b)% &
+                material_index)%model == 'linear_elastic', solid, solid%bodies(b), err)
             call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b), err)
         end do
         call set_up_cohesive(case, points%shape, solid, err)

@@ -46,7 +46,7 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
-        logical :: held(2, 3), rolls(8)
+        logical :: held(2, 3), here, rolls(8)
         integer :: a, i, f
         real(dp) :: deep(3)
 
@@ -58,14 +58,15 @@ contains
         deep = input%fix_layers*shape%spacing
         if (input%fix_width > 0) deep = input%fix_width + 1e-6_dp*shape%spacing
         do i = body%first, body%last
+            here = any(input%fix == 'all')
             do f = 1, input%n_fix_boxes
-                if (in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)) solid%fixed(i) = is_held
+                here = here .or. in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)
             end do
             do a = 1, solid%dimension
-                if (held(1, a) .and. solid%x(a, i) < lowest(shape, a) + deep(a)) solid%fixed(i) = is_held
-                if (held(2, a) .and. solid%x(a, i) > shape%full_hi(a) - deep(a)) solid%fixed(i) = is_held
+                if (held(1, a)) here = here .or. solid%x(a, i) < lowest(shape, a) + deep(a)
+                if (held(2, a)) here = here .or. solid%x(a, i) > shape%full_hi(a) - deep(a)
             end do
-            if (any(input%fix == 'all')) solid%fixed(i) = is_held
+            if (here) solid%fixed(i) = is_held
             do f = 1, input%n_rollers
                 a = index('xyz', input%roller_axis(f))
                 if (.not. in_box(solid%x(:, i), input%roller_box(:, f), solid%dimension)) cycle

@@ -86,8 +86,9 @@ contains
         integer, intent(in) :: a
 
         image = p%shape == q%shape .and. p%shape /= 'stl' .and. p%shape /= 'particles' .and. &
-                p%file == '' .and. p%material == q%material .and. p%axis == q%axis .and. &
-                p%formulation == q%formulation .and. (p%variable_h .eqv. q%variable_h)
+                p%file == '' .and. p%start_file == '' .and. p%material == q%material .and. &
+                p%axis == q%axis .and. p%formulation == q%formulation .and. &
+                (p%variable_h .eqv. q%variable_h)
         if (.not. image) return
         image = all(same([p%spacing, p%radius, p%length, p%inner_radius, p%diameter], &
                          [q%spacing, q%radius, q%length, q%inner_radius, q%diameter])) &

@@ -169,3 +169,87 @@ def test_bad_supports(tmp_path, line):
                           text=True)  # fmt: skip
     assert done.returncode == 2, done.stdout
     assert "bad.nml:3: &body" in done.stderr and BAD[line] in done.stderr
+
+
+def lattice(box, spacing):
+    """Places of the particles of a box."""
+    axes = [np.arange(low + spacing / 2, high, spacing) for low, high in box]
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+
+
+def test_velocities_of_a_file_are_those_of_a_spin(tmp_path):
+    box = [(0, 0.01), (0, 0.006), (0, 0.004)]
+    x = lattice(box, 1e-3)
+    v = np.cross([1e3, 2e3, 3e3], x - [0.005, 0.003, 0.002]) + [1, 2, 3]
+    order = np.random.default_rng(3).permutation(len(x))
+    table = np.hstack([x, v])[order]
+    head = "x[m],y[m],z[m],velocity_x[m/s],velocity_y,velocity_z"
+    np.savetxt(tmp_path / "v.csv", table, fmt="%.17g", delimiter=",", header=head, comments="")
+    body = "&body id='b', box=0,0.01, 0,0.006, 0,0.004, spacing=1e-3, material='s', {} /\n"
+    tail = "&output history_every=1e-7, dump_every=1 /\n"
+    wanted, got = (
+        run(tmp_path, f"&run t_end=1e-6 /\n{STEEL}{body.format(keys)}{tail}")["bodies"]
+        for keys in ("velocity=1,2,3, spin=1e3,2e3,3e3", "start_file='v.csv'")
+    )
+    for name, column in wanted.items():
+        scale = abs(column).max() + 1e-30
+        assert (
+            abs(got[name] - column).max() < 1e-6 * scale or "internal" in name or "velocity" in name
+        )
+    assert got["b:kinetic[J]"] == pytest.approx(wanted["b:kinetic[J]"], rel=1e-9)
+    dump = next((tmp_path / "out" / "load").glob("solid_00000.vtkhdf")).rename(
+        tmp_path / "s.vtkhdf"
+    )
+    again = run(tmp_path, f"&run t_end=1e-6 /\n{STEEL}"
+                + body.format(f"start_file='{dump.name}'") + tail)["bodies"]  # fmt: skip
+    assert again["b:kinetic[J]"] == pytest.approx(wanted["b:kinetic[J]"], rel=1e-5)
+
+
+def test_a_bar_that_starts_with_half_of_it_pressed(tmp_path):
+    """d'Alembert: waves of half the stress run both ways from the middle, the material between
+    them moves with p/(2 rho c); the energy of the start is in the books."""
+    p, spacing = 1e6, 5e-4
+    ratio = NU / (1 - NU)
+    x = (np.arange(200) + 0.5) * spacing
+    low = -p * (x < 0.05)
+    rows = np.stack([x, 0 * x, 0 * x, low, ratio * low, ratio * low], axis=1)
+    head = "x,y,z,stress_xx,stress_yy,stress_zz"
+    np.savetxt(tmp_path / "s.csv", rows, fmt="%.17g", delimiter=",", header=head, comments="")
+    deck = f"""\
+&run t_end=6e-6, dimension=1 /
+{STEEL}
+&body id='b', box=0,0.1, 0,1, 0,1, spacing={spacing}, material='s', start_file='s.csv' /
+&gauge id='v', body='b', at=0.05,0,0, quantity='velocity_x' /
+&gauge id='s', body='b', at=0.04,0,0, quantity='stress_xx' /
+&gauge id='t', body='b', at=0.06,0,0, quantity='stress_yy' /
+&output history_every=1e-6, dump_every=1 /
+"""
+    tables = run(tmp_path, deck)
+    g = gauges(tables)
+    modulus = YOUNG * (1 - NU) / (1 + NU) / (1 - 2 * NU)
+    speed = p / 2 / math.sqrt(RHO * modulus)
+    for name, exact in (("v", speed), ("s", -p / 2), ("t", -ratio * p / 2)):
+        note(f"start_{name}", g[name][-1] / exact)
+        assert g[name][-1] == pytest.approx(exact, rel=0.01)
+    energy = tables["energy"]
+    assert abs(energy["error[-]"]).max() < 2e-3  # of the jump, in the first steps
+    assert energy["solid_internal[J]"][0] == pytest.approx(0.05 * p**2 / 2 / modulus, rel=1e-4)
+
+
+@pytest.mark.parametrize(("keys", "why"), [
+    ("start_file='none.csv'", "none.csv"),
+    ("start_file='bad.nml'", "bad.nml"),
+    ("start_file='x.csv'", "must have the columns"),
+    ("start_file='v.csv', formulation='rigid'", "give a rigid one velocity and spin"),
+    ("start_file='s.csv'", "only a body of model='linear_elastic'"),
+])  # fmt: skip
+def test_bad_start_files(tmp_path, keys, why):
+    (tmp_path / "x.csv").write_text("x,y,z\n0,0,0\n")
+    (tmp_path / "v.csv").write_text("x,y,z,velocity_x\n0,0,0,1\n")
+    (tmp_path / "s.csv").write_text("x,y,z,stress_xx\n0,0,0,1\n")
+    material = STEEL if "s.csv" not in keys else "&material id='s', preset='ofhc_copper' /\n"
+    deck = f"&run t_end=1e-6 /\n{material}&body id='b', box=0,0.01, 0,0.006, 0,0.004, "
+    (tmp_path / "bad.nml").write_text(deck + f"spacing=1e-3, material='s', {keys} /\n")
+    done = subprocess.run([BRISANCE, "run", "bad.nml"], cwd=tmp_path, capture_output=True,
+                          text=True)  # fmt: skip
+    assert done.returncode in (2, 4) and why in done.stderr
