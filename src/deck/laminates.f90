@@ -323,7 +323,7 @@ contains
                 call set_text(group, 'id', group%id)
                 call set_text(group, 'plies', layup_text(parting, p))
                 call set_numbers(group, 'box', box_of(parting, p))
-                if (is_given(group, 'spin')) &
+                if (is_given(group, 'spin') .and. .not. is_given(group, 'spin_centre')) &
                     call set_numbers(group, 'velocity', velocity_of(group, parting, p))
                 call take_entry(group, keys, defaults, 'delamination')
                 call take_entry(group, keys, defaults, 'interfaces')

@@ -231,7 +231,8 @@ module brz_solid_state
                                          !! in the half step to come; the rest became heat [J]
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
-        integer(int32), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone
+        integer(int32), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone, or marks of
+                                                !! brz_support
         integer(int8), allocatable :: cut(:) !! (n) 1: hourglass support lost for good
         integer(int16), allocatable :: support(:) !! (n) neighbours in the unloaded body
         integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block
