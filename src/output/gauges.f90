@@ -13,7 +13,7 @@ module brz_gauges
     use brz_errors, only: error_t, raise, exit_deck
     use brz_gauge_quantities, only: find_quantity, quantities
     use brz_kinds, only: dp
-    use brz_ranks, only: several
+    use brz_ranks, only: bits_of_all, least_of_all, several
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: velocity_at_step
     implicit none
@@ -126,7 +126,7 @@ contains
     subroutine choose_particle(solid, gauge)
         type(solid_t), intent(in) :: solid
         type(gauge_t), intent(inout) :: gauge
-        real(dp) :: distance, least
+        real(dp) :: distance, least, nearest(1), number(1)
         integer :: i
 
         least = huge(least)
@@ -137,6 +137,13 @@ contains
             gauge%particle = solid%id(i)
             gauge%place = i
         end do
+        if (.not. several(solid%ranks)) return
+        nearest = least
+        call least_of_all(solid%ranks, nearest)
+        number = gauge%particle
+        if (least > nearest(1)) number = huge(1)
+        call least_of_all(solid%ranks, number)
+        gauge%particle = nint(number(1))
     end subroutine choose_particle
 
     !> Columns of the history: time[s] and, for each gauge, id:quantity[unit].
@@ -186,7 +193,9 @@ contains
             associate (gauge => gauges%list(g))
                 if (gauge%body > 0) then
                     call find_particle(solid, gauge)
-                    row(g + 1) = value_of_particle(solid, gauge%place, gauge%quantity)
+                    row(g + 1) = 0
+                    if (gauge%place > 0) &
+                        row(g + 1) = value_of_particle(solid, gauge%place, gauge%quantity)
                 else
                     m = m + 1
                     if (several(air%part%ranks)) then
@@ -198,6 +207,7 @@ contains
                 end if
             end associate
         end do
+        if (several(solid%ranks)) call bits_of_all(solid%ranks, row(2:))
     end subroutine gauge_row
 
     !> One row of the history, but its time, while the air is a blast in one dimension; bodies wait.
@@ -224,15 +234,17 @@ contains
         end do
     end subroutine radial_gauge_row
 
-    !> Look a particle up again if it has been moved by sorting.
+    !> Look a particle up again if it has been moved by sorting; place 0: another process has it.
     subroutine find_particle(solid, gauge)
         type(solid_t), intent(in) :: solid
         type(gauge_t), intent(inout) :: gauge
 
-        if (solid%id(gauge%place) == gauge%particle) return
         associate (body => solid%bodies(gauge%body))
-            gauge%place = body%first - 1 &
-                          + findloc(solid%id(body%first:body%last), gauge%particle, dim=1)
+            if (gauge%place >= body%first .and. gauge%place <= body%last) then
+                if (solid%id(gauge%place) == gauge%particle) return
+            end if
+            gauge%place = findloc(solid%id(body%first:body%last), gauge%particle, dim=1)
+            if (gauge%place > 0) gauge%place = body%first - 1 + gauge%place
         end associate
     end subroutine find_particle
 
