@@ -7,6 +7,7 @@ module brz_solid_gather
     use brz_solid_books, only: books_t, close_all_books, open_all_books
     use brz_solid_fields, only: fields_of, fields_t, make_fields
     use brz_solid_ghosts, only: of_a_checkpoint, send_particles
+    use brz_solid_part, only: parcels_t
     use brz_solid_sort, only: sort_body
     use brz_solid_state, only: n_pair, solid_t
     implicit none
@@ -22,8 +23,8 @@ contains
         type(solid_t), intent(out), target :: whole
         integer(int64) :: out(size(solid%bodies), solid%ranks%n), in(size(solid%bodies), &
                                                                      solid%ranks%n)
-        integer :: out_first(0:solid%ranks%n), in_first(0:solid%ranks%n), next(size(solid%bodies))
-        integer, allocatable :: places(:), coming(:)
+        integer :: next(size(solid%bodies))
+        type(parcels_t) :: leaving, coming
         type(fields_t) :: from, to
         type(mail_t) :: mail
         integer :: b, i, r
@@ -33,26 +34,29 @@ contains
         out = 0
         out(:, 1) = solid%bodies%last - solid%bodies%first + 1
         call tell_counts(solid%ranks, out, in)
-        places = [((i, i=solid%bodies(b)%first, solid%bodies(b)%last), b=1, size(solid%bodies))]
-        out_first = 1 + size(places)
-        out_first(0) = 1
-        allocate (coming(sum(in)))
+        leaving%place = [((i, i=solid%bodies(b)%first, solid%bodies(b)%last), &
+                          b=1, size(solid%bodies))]
+        allocate (leaving%first(0:solid%ranks%n), coming%first(0:solid%ranks%n))
+        leaving%first = 1 + size(leaving%place)
+        leaving%first(0) = 1
+        allocate (coming%place(sum(in)))
         next = whole%bodies%first
-        in_first(0) = 1
+        coming%first(0) = 1
         do r = 1, solid%ranks%n
-            in_first(r) = in_first(r - 1)
-            do b = 1, size(solid%bodies)
-                do i = 1, int(in(b, r))
-                    coming(in_first(r)) = next(b)
-                    in_first(r) = in_first(r) + 1
-                    next(b) = next(b) + 1
+            associate (at => coming%first(r))
+                at = coming%first(r - 1)
+                do b = 1, size(solid%bodies)
+                    do i = 1, int(in(b, r))
+                        coming%place(at) = next(b)
+                        at = at + 1
+                        next(b) = next(b) + 1
+                    end do
                 end do
-            end do
+            end associate
         end do
         call fields_of(solid, from)
         call fields_of(whole, to)
-        call send_particles(solid%ranks, of_a_checkpoint, from, places, out_first, to, coming, &
-                            in_first, mail)
+        call send_particles(solid%ranks, of_a_checkpoint, from, leaving, to, coming, mail)
         if (solid%ranks%rank > 0) return
         allocate (whole%pair(n_pair, whole%n), whole%search%order(whole%n)) ! to sort by
         do b = 1, size(whole%bodies)

@@ -56,8 +56,8 @@ contains
         sums(:, at_x + 1:) = 0
     end subroutine sum_plain
 
-    !> Add the direct neighbours to the sums: moments, velocity and reference position. A total-Lagrangian
-    !> body has x and x_ref change places.
+    !> Add the direct neighbours to the sums: moments, velocity and reference position. A
+    !> total-Lagrangian body has x and x_ref change places.
     subroutine sum_bending(p, x, v, x_ref, volume, h, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)

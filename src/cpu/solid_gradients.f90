@@ -164,8 +164,8 @@ contains
         end do
     end subroutine sum_group
 
-    !> Add particles of a list to the sums. A total-Lagrangian body weighs its pairs by X_ij, and x takes
-    !> the place of the reference position: the sums then lead to dx/dX.
+    !> Add particles of a list to the sums. A total-Lagrangian body weighs its pairs by X_ij, and x
+    !> takes the place of the reference position: the sums then lead to dx/dX.
     subroutine sum_direct(p, x, v, x_ref, volume, h, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)

@@ -133,8 +133,8 @@ contains
         if (.not. allocated(s%start)) allocate (s%start(0:2**p))
     end subroutine number_cells
 
-    !> Sort the particles of a body and its ghosts into the cells; equal cells keep the order of the particles.
-    !> Those that are gone come last, in no cell.
+    !> Sort the particles of a body and its ghosts into the cells; equal cells keep the order of the
+    !> particles. Those that are gone come last, in no cell.
     subroutine fill_cells(s, x, fixed, body)
         type(search_t), intent(inout) :: s
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]

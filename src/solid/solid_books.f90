@@ -14,7 +14,7 @@ module brz_solid_books
 
     !> What this process has booked itself.
     type :: books_t
-        real(dp), allocatable :: own(:, :) !! (6 + ledger, bodies) reaction, force of the drive, ledger
+        real(dp), allocatable :: own(:, :) !! (6 + ledger, bodies) reaction, drive, ledger
     end type books_t
 
 contains

@@ -9,6 +9,7 @@ module brz_solid_ghosts
     use brz_mail, only: mail_t, make_room, post
     use brz_ranks, only: ranks_t, several
     use brz_solid_fields, only: field_t, fields_of, fields_t, memory_of
+    use brz_solid_part, only: parcels_t
     use brz_solid_state, only: held_stiffness, solid_t
     implicit none
     private
@@ -54,48 +55,44 @@ contains
 
         call fields_of(solid, fields)
         associate (part => solid%part)
-            call send_particles(solid%ranks, what, fields, part%out, part%out_first, fields, &
-                                part%in, part%in_first, part%mail)
+            call send_particles(solid%ranks, what, fields, part%out, fields, part%in, part%mail)
         end associate
     end subroutine refresh
 
     !> Send fields of particles to other processes. `from` and `to` have the same fields of those
-    !> that are sent. Parcel r is entries first(r) to first(r + 1) - 1 of a list of places.
-    subroutine send_particles(ranks, what, from, out, out_first, to, in, in_first, mail)
+    !> that are sent.
+    subroutine send_particles(ranks, what, from, out, to, in, mail)
         type(ranks_t), intent(in) :: ranks
         integer, intent(in) :: what !! all_of_it, ...
         type(fields_t), intent(in) :: from, to
-        integer, intent(in) :: out(:), in(:) !! places
-        integer, intent(in) :: out_first(0:), in_first(0:) !! (0:processes)
+        type(parcels_t), intent(in) :: out, in
         type(mail_t), intent(inout) :: mail
-        integer(int64) :: out_bytes(0:ranks%n - 1), in_bytes(0:ranks%n - 1), at
+        integer(int64) :: at(0:ranks%n - 1, 2)
         integer :: k, r
 
         do r = 0, ranks%n - 1
-            out_bytes(r) = sum(length(from%of(:from%n), what, out_first(r + 1) - out_first(r)))
-            in_bytes(r) = sum(length(to%of(:to%n), what, in_first(r + 1) - in_first(r)))
+            at(r, 1) = sum(length(from%of(:from%n), what, out%first(r + 1) - out%first(r)))
+            at(r, 2) = sum(length(to%of(:to%n), what, in%first(r + 1) - in%first(r)))
         end do
-        call make_room(ranks, out_bytes, in_bytes, mail)
+        call make_room(ranks, at(:, 1), at(:, 2), mail)
+        at(:, 1) = mail%out_first(:ranks%n - 1)
+        at(:, 2) = mail%in_first(:ranks%n - 1)
         do r = 0, ranks%n - 1
-            at = mail%out_first(r)
             do k = 1, from%n
-                associate (field => from%of(k), n => out_first(r + 1) - out_first(r))
-                    if (n == 0 .or. .not. is_sent(field, what)) cycle
-                    call pack_field(field, from%particles, &
-                                    out(out_first(r):out_first(r + 1) - 1), mail%out(at:))
-                    at = at + length(field, what, n)
+                associate (field => from%of(k), i => out%first(r), j => out%first(r + 1) - 1)
+                    if (j < i .or. .not. is_sent(field, what)) cycle
+                    call pack_field(field, from%particles, out%place(i:j), mail%out(at(r, 1):))
+                    at(r, 1) = at(r, 1) + length(field, what, j - i + 1)
                 end associate
             end do
         end do
         call post(ranks, mail)
         do r = 0, ranks%n - 1
-            at = mail%in_first(r)
             do k = 1, to%n
-                associate (field => to%of(k), n => in_first(r + 1) - in_first(r))
-                    if (n == 0 .or. .not. is_sent(field, what)) cycle
-                    call unpack_field(field, to%particles, &
-                                      in(in_first(r):in_first(r + 1) - 1), mail%in(at:))
-                    at = at + length(field, what, n)
+                associate (field => to%of(k), i => in%first(r), j => in%first(r + 1) - 1)
+                    if (j < i .or. .not. is_sent(field, what)) cycle
+                    call unpack_field(field, to%particles, in%place(i:j), mail%in(at(r, 2):))
+                    at(r, 2) = at(r, 2) + length(field, what, j - i + 1)
                 end associate
             end do
         end do

@@ -15,6 +15,7 @@ module brz_solid_home
     use brz_solid_fields, only: fields_of, fields_t, resize_fields
     use brz_solid_ghosts, only: all_of_it, for_a_ghost, send_particles
     use brz_solid_mirror, only: signs
+    use brz_solid_part, only: parcels_t
     use brz_solid_regions, only: cut_regions, distance2, region_of
     use brz_solid_state, only: is_gone, solid_t
     implicit none
@@ -170,24 +171,25 @@ contains
         integer, intent(in) :: home(:)
         integer(int64) :: out(size(solid%bodies), solid%ranks%n), in(size(solid%bodies), &
                                                                      solid%ranks%n)
-        integer, allocatable :: leaving(:), coming(:)
-        integer :: out_first(0:solid%ranks%n), in_first(0:solid%ranks%n), own(size(solid%bodies))
+        type(parcels_t) :: leaving, coming
+        integer :: own(size(solid%bodies))
         type(fields_t) :: fields
         integer :: b, i, k, n, r
 
-        call list_by_home(solid, home, leaving, out_first, out)
+        call list_by_home(solid, home, leaving, out)
         call tell_counts(solid%ranks, out, in)
-        in_first(0) = 1
+        allocate (coming%first(0:solid%ranks%n))
+        coming%first(0) = 1
         do r = 1, solid%ranks%n
-            in_first(r) = in_first(r - 1) + int(sum(in(:, r)))
+            coming%first(r) = coming%first(r - 1) + int(sum(in(:, r)))
         end do
         n = solid%n
-        coming = [(n + k, k=1, in_first(solid%ranks%n) - 1)]
-        call make_room(solid, n + size(coming) + 1)
-        solid%n = n + size(coming)
+        coming%place = [(n + k, k=1, coming%first(solid%ranks%n) - 1)]
+        call make_room(solid, n + size(coming%place) + 1)
+        solid%n = n + size(coming%place)
         call fields_of(solid, fields)
-        call send_particles(solid%ranks, all_of_it, fields, leaving, out_first, fields, coming, &
-                            in_first, solid%part%mail)
+        call send_particles(solid%ranks, all_of_it, fields, leaving, fields, coming, &
+                            solid%part%mail)
         k = 0
         do b = 1, size(solid%bodies)
             own(b) = k
@@ -199,7 +201,8 @@ contains
             do r = 1, solid%ranks%n
                 do i = 1, int(in(b, r))
                     k = k + 1
-                    solid%search%order(k) = n + in_first(r - 1) - 1 + int(sum(in(:b - 1, r))) + i
+                    solid%search%order(k) = n + coming%first(r - 1) - 1 + int(sum(in(:b - 1, r))) &
+                                            + i
                 end do
             end do
             own(b) = k - own(b)
@@ -209,11 +212,10 @@ contains
     end subroutine move_home
 
     !> Particles that leave, process by process and body by body; how many there are of each.
-    subroutine list_by_home(solid, home, list, first, number)
+    subroutine list_by_home(solid, home, leaving, number)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: home(:)
-        integer, allocatable, intent(out) :: list(:)
-        integer, intent(out) :: first(0:)
+        type(parcels_t), intent(out) :: leaving
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
         integer :: at(size(number, 1), size(number, 2)), b, i, k, r
 
@@ -224,20 +226,21 @@ contains
                     number(b, home(i) + 1) = number(b, home(i) + 1) + 1
             end do
         end do
+        allocate (leaving%first(0:size(number, 2)))
         k = 1
         do r = 1, size(number, 2)
-            first(r - 1) = k
+            leaving%first(r - 1) = k
             do b = 1, size(number, 1)
                 at(b, r) = k
                 k = k + int(number(b, r))
             end do
         end do
-        first(size(number, 2)) = k
-        allocate (list(k - 1))
+        leaving%first(size(number, 2)) = k
+        allocate (leaving%place(k - 1))
         do b = 1, size(number, 1)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
                 if (home(i) == solid%ranks%rank) cycle
-                list(at(b, home(i) + 1)) = i
+                leaving%place(at(b, home(i) + 1)) = i
                 at(b, home(i) + 1) = at(b, home(i) + 1) + 1
             end do
         end do
@@ -257,23 +260,22 @@ contains
             own = solid%bodies%last - solid%bodies%first + 1
             call open_gaps(solid, own, int(sum(in, dim=2)))
             n = int(sum(in))
-            if (allocated(part%in)) deallocate (part%in)
-            if (.not. allocated(part%in_first)) allocate (part%in_first(0:ranks%n))
-            allocate (part%in(n))
+            if (allocated(part%in%place)) deallocate (part%in%place)
+            if (.not. allocated(part%in%first)) allocate (part%in%first(0:ranks%n))
+            allocate (part%in%place(n))
             next = solid%bodies%last
-            part%in_first(0) = 1
+            part%in%first(0) = 1
             n = 0
             do r = 1, ranks%n
                 do b = 1, size(solid%bodies)
-                    part%in(n + 1:n + int(in(b, r))) = [(next(b) + k, k=1, int(in(b, r)))]
+                    part%in%place(n + 1:n + int(in(b, r))) = [(next(b) + k, k=1, int(in(b, r)))]
                     next(b) = next(b) + int(in(b, r))
                     n = n + int(in(b, r))
                 end do
-                part%in_first(r) = n + 1
+                part%in%first(r) = n + 1
             end do
             call fields_of(solid, fields)
-            call send_particles(ranks, for_a_ghost, fields, part%out, part%out_first, fields, &
-                                part%in, part%in_first, part%mail)
+            call send_particles(ranks, for_a_ghost, fields, part%out, fields, part%in, part%mail)
         end associate
         call number_groups(solid)
         call cut_blocks(solid)
@@ -286,13 +288,13 @@ contains
         real(dp) :: reach
         integer :: b, i, n, r, round
 
-        if (.not. allocated(solid%part%out_first)) &
-            allocate (solid%part%out_first(0:solid%ranks%n))
+        if (.not. allocated(solid%part%out%first)) &
+            allocate (solid%part%out%first(0:solid%ranks%n))
         do round = 1, 2 ! count, then list
             n = 0
             number = 0
             do r = 0, solid%ranks%n - 1
-                solid%part%out_first(r) = n + 1
+                solid%part%out%first(r) = n + 1
                 if (r == solid%ranks%rank) cycle
                 do b = 1, size(solid%bodies)
                     reach = reach_of_lists(solid, b)
@@ -301,14 +303,14 @@ contains
                             cycle
                         n = n + 1
                         number(b, r + 1) = number(b, r + 1) + 1
-                        if (round == 2) solid%part%out(n) = i
+                        if (round == 2) solid%part%out%place(n) = i
                     end do
                 end do
             end do
-            solid%part%out_first(solid%ranks%n) = n + 1
+            solid%part%out%first(solid%ranks%n) = n + 1
             if (round == 2) exit
-            if (allocated(solid%part%out)) deallocate (solid%part%out)
-            allocate (solid%part%out(n))
+            if (allocated(solid%part%out%place)) deallocate (solid%part%out%place)
+            allocate (solid%part%out%place(n))
         end do
     end subroutine list_near
 
@@ -347,8 +349,10 @@ contains
             end associate
         end do
         call reorder_particles(solid, 1, solid%n)
-        do k = 1, size(solid%part%out)
-            solid%part%out(k) = solid%part%out(k) + shift(solid%part%out(k))
-        end do
+        associate (place => solid%part%out%place)
+            do k = 1, size(place)
+                place(k) = place(k) + shift(place(k))
+            end do
+        end associate
     end subroutine open_gaps
 end module brz_solid_home

@@ -6,15 +6,20 @@ module brz_solid_part
     use brz_mail, only: mail_t
     implicit none
     private
-    public :: part_t
+    public :: part_t, parcels_t
 
-    !> Regions fill all of space. Parcel r is entries first(r) to first(r + 1) - 1.
+    !> Particles that are in a message: parcel r is entries first(r) to first(r + 1) - 1.
+    type :: parcels_t
+        integer, allocatable :: place(:) !! of the particles
+        integer, allocatable :: first(:) !! (0:processes)
+    end type parcels_t
+
+    !> Regions fill all of space.
     type :: part_t
         real(dp), allocatable :: region(:, :, :) !! (3, 2, 0:processes-1) corners [m]
         integer :: most = 0 !! most particles of a process when the regions were cut
-        integer, allocatable :: out(:) !! particles of this process that others have ghosts of
-        integer, allocatable :: in(:) !! ghosts of this process
-        integer, allocatable :: out_first(:), in_first(:) !! (0:processes) parcels of both
+        type(parcels_t) :: out !! particles of this process that others have ghosts of
+        type(parcels_t) :: in !! ghosts of this process
         type(mail_t) :: mail
     end type part_t
 end module brz_solid_part
