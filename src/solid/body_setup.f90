@@ -169,6 +169,8 @@ contains
             solid%bodies(b)%first = solid%n + 1
             solid%n = solid%n + size(points(b)%x, 2)
             solid%bodies(b)%last = solid%n
+            solid%bodies(b)%rim = solid%n
+            solid%bodies(b)%number = [solid%bodies(b)%first, solid%n]
             solid%bodies(b)%volume_scale = points(b)%scale
             solid%notes = solid%notes//points(b)%notes
         end do

@@ -13,6 +13,7 @@ module brz_solid_state
     use brz_material, only: material_t
     use brz_motion, only: motion_t
     use brz_ranks, only: ranks_t
+    use brz_solid_part, only: part_t
     use brz_rigid, only: rigid_t
     implicit none
     private
@@ -97,10 +98,12 @@ module brz_solid_state
         integer :: axis = 0 !! of a cylinder, 0: a sphere
     end type round_t
 
-    !> One body: particles first..last, one material, one formulation.
+    !> One body: particles first..last (of this process), one material, one formulation.
     type :: body_t
         character(32) :: id = ''
         integer :: first = 1, last = 0
+        integer :: rim = 0 !! last of its ghosts, which follow its particles; `last` without
+        integer :: number(2) = 0 !! first and last number of the particles of all processes
         integer :: material = 0 !! place in solid%materials
         integer :: formulation = form_bending
         real(dp) :: spacing = 0 !! [m]
@@ -185,7 +188,8 @@ module brz_solid_state
     type :: solid_t
         logical :: present = .false.
         type(ranks_t) :: ranks !! the processes that share the particles
-        integer :: n = 0 !! particles of this process
+        type(part_t) :: part !! what this one has to do with others
+        integer :: n = 0 !! particles, with the ghosts of those of other processes
         integer :: n_hist = 0 !! history variables kept per particle
         integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis
