@@ -12,6 +12,7 @@ module brz_solid_state
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
     use brz_material, only: material_t
     use brz_motion, only: motion_t
+    use brz_ranks, only: ranks_t
     use brz_rigid, only: rigid_t
     implicit none
     private
@@ -183,7 +184,8 @@ module brz_solid_state
 
     type :: solid_t
         logical :: present = .false.
-        integer :: n = 0 !! particles
+        type(ranks_t) :: ranks !! the processes that share the particles
+        integer :: n = 0 !! particles of this process
         integer :: n_hist = 0 !! history variables kept per particle
         integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis

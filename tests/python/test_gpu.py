@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The GPU path of the program where there is no GPU: an emulated driver runs the kernels."""
 
+import json
 import os
 import re
 import subprocess
@@ -282,6 +283,22 @@ def test_a_failure_leaves_the_last_checkpoint(deck):
     assert done.returncode == 5, done.stderr
     done = run(deck, "a.nml", "--backend", "gpu", "--out", "o", "--restart", "latest")
     assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("launch", range(200, 240, 15))
+def test_what_copies_write_gets_its_name_after_a_failure(deck, launch):
+    """Dumps and checkpoints of every step: some are under way when the GPU fails."""
+    every = "output.checkpoint_every=1e-9", "output.dump_every=1e-9", "air.cells=8,8,8"
+    sets = [part for text in every for part in ("--set", text)]
+    fail = {"BRISANCE_EMULATOR_FAIL": f"cuLaunchKernel:{launch}"}
+    done = run(deck, "a.nml", "--backend", "gpu", "--out", "o", *sets, **fail)
+    assert done.returncode == 5, done.stderr
+    files = sorted(path.name for path in (deck / "o").glob("air_*.vtkhdf"))
+    series = json.loads((deck / "o/air.vtkhdf.series").read_text(encoding="utf-8"))
+    assert [entry["name"] for entry in series["files"]] == files
+    steps = [int(path.stem[4:]) for path in sorted((deck / "o").glob("chk_*.h5"))]
+    assert steps in ([len(files) - 2, len(files) - 1], [len(files) - 3, len(files) - 2])
+    assert not list((deck / "o").glob("*.tmp"))
 
 
 def test_a_full_disk_ends_the_run_and_leaves_the_checkpoint(deck):
