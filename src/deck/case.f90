@@ -11,7 +11,8 @@ module brz_case
     public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
                  body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t, &
                  point_case_t, segment_case_t
-    public :: name_len, max_plies, max_motion, interaction_case_t, load_case_t, label, means
+    public :: name_len, max_plies, max_motion, interaction_case_t, load_case_t, is_from_file, &
+              label, means
 
     integer, parameter :: name_len = 32 !! longest id or option word
     integer, parameter :: max_plies = 256 !! most plies of one body
@@ -277,6 +278,13 @@ contains
         if (n < 2 .or. means) return
         if (name(n:n) == '*') means = index(id, name(:n - 1)) == 1
     end function means
+
+    !> True for a body whose shape is in a file.
+    pure logical function is_from_file(body)
+        type(body_case_t), intent(in) :: body
+
+        is_from_file = body%shape == 'stl' .or. body%shape == 'particles'
+    end function is_from_file
 
     !> How messages about a group begin: 'deck.nml:14: &body id='plate': '.
     pure function label(group, id, place) result(text)

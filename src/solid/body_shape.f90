@@ -4,7 +4,7 @@
 !> Symmetry planes cut a body to the positive side; the first layer is half a spacing off a plane.
 module brz_body_shape
     use brz_bar_layers, only: bar_at, bar_count, bar_offset, bar_span, bars_modelled, span_t
-    use brz_case, only: body_case_t
+    use brz_case, only: body_case_t, is_from_file
     use brz_kinds, only: dp
     implicit none
     private
@@ -155,7 +155,7 @@ contains
         integer :: a, n
         logical :: within(3)
 
-        if (body%shape == 'stl' .or. body%shape == 'particles') then
+        if (is_from_file(body)) then
             inside = near_mark(s, x, margin)
             return
         end if

@@ -6,12 +6,15 @@
 !> Work is estimated with the rates of one core in docs/performance.md.
 module brz_advice
     use, intrinsic :: iso_fortran_env, only: output_unit
-    use brz_case, only: body_case_t, case_t
+    use brz_advice_bodies, only: advise_cracks, advise_rigid
+    use brz_advice_text, only: length_text, point_text, say_advice, say_more, time_text
+    use brz_case, only: body_case_t, case_t, is_from_file
     use brz_check_bodies, only: body_box
     use brz_kinds, only: dp, real32
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast
     use brz_mirror_planes, only: mirror_planes
     use brz_scene_size, only: count_text
+    use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     use omp_lib, only: omp_get_max_threads
     implicit none
@@ -52,13 +55,15 @@ contains
     end subroutine print_work
 
     !> All advice for a scene, a line each.
-    subroutine print_advice(case, work)
+    subroutine print_advice(case, solid, work)
         type(case_t), intent(in) :: case
+        type(solid_t), intent(in) :: solid !! its bodies and materials
         type(work_t), intent(in) :: work
 
         call advise_planes(case, work)
         call advise_load(case, work)
         call advise_rigid(case)
+        call advise_cracks(case, solid)
         call advise_box(case, work)
     end subroutine print_advice
 
@@ -162,33 +167,9 @@ contains
     pure logical function is_open(body)
         type(body_case_t), intent(in) :: body
 
-        is_open = body%shape == 'stl' .or. body%shape == 'particles' .or. body%n_motion > 0 .or. &
+        is_open = is_from_file(body) .or. body%n_motion > 0 .or. body%start_file /= '' .or. &
                   any(abs(body%velocity) > 0) .or. any(abs(body%spin) > 0)
     end function is_open
-
-    !> A body every particle of which is held needs no stress.
-    subroutine advise_rigid(case)
-        type(case_t), intent(in) :: case
-        real(dp) :: lo(3), hi(3)
-        integer :: b, d, k
-
-        d = case%run%dimension
-        do b = 1, size(case%bodies)
-            associate (body => case%bodies(b))
-                if (body%formulation == 'rigid' .or. body%shape == 'stl' .or. &
-                    body%shape == 'particles') cycle
-                call body_box(body, lo, hi)
-                do k = 1, body%n_fix_boxes
-                    if (all(body%fix_box(1:2*d:2, k) <= lo(:d)) .and. &
-                        all(body%fix_box(2:2*d:2, k) >= hi(:d))) then
-                        call say_advice("'"//trim(body%id)//"' is held everywhere: with "// &
-                            "formulation='rigid' it stands as still and costs next to nothing")
-                        exit
-                    end if
-                end do
-            end associate
-        end do
-    end subroutine advise_rigid
 
     !> Open sides that disturb the positive phase at the nearest body, or that nothing reaches.
     subroutine advise_box(case, work)
@@ -217,7 +198,7 @@ contains
         there = at
         nearest = huge(nearest)
         do b = 1, size(case%bodies)
-            if (case%bodies(b)%shape == 'stl' .or. case%bodies(b)%shape == 'particles') cycle
+            if (is_from_file(case%bodies(b))) cycle
             call body_box(case%bodies(b), lo, hi)
             if (norm2(min(max(at, lo), hi) - at) >= nearest) cycle
             there = min(max(at, lo), hi)
@@ -301,54 +282,4 @@ contains
                         length_text(far - high)//' less there saves the memory of '// &
                         count_text(share*work%cells)//' cells')
     end subroutine judge_reach
-
-    subroutine say_advice(text)
-        character(*), intent(in) :: text
-
-        write (output_unit, '(2a)') 'advice       ', text
-    end subroutine say_advice
-
-    subroutine say_more(text)
-        character(*), intent(in) :: text
-
-        write (output_unit, '(2a)') '             ', text
-    end subroutine say_more
-
-    function point_text(x) result(text)
-        real(dp), intent(in) :: x(3)
-        character(:), allocatable :: text
-
-        text = to_text(real(x(1), real32))//', '//to_text(real(x(2), real32))//', '// &
-               to_text(real(x(3), real32))
-    end function point_text
-
-    !> A length in mm: '327 mm'.
-    function length_text(length) result(text)
-        real(dp), intent(in) :: length !! [m]
-        character(:), allocatable :: text
-
-        text = to_text(nint(1e3_dp*length))//' mm'
-    end function length_text
-
-    !> A time with two digits: '0.16 ms', '25 s', '12 min', '3.1 h'.
-    function time_text(seconds) result(text)
-        real(dp), intent(in) :: seconds
-        character(:), allocatable :: text
-        character(12) :: digits
-
-        if (seconds < 0.1_dp) then
-            write (digits, '(f0.2)') 1e3_dp*seconds
-            text = trim(digits)//' ms'
-        else if (seconds < 100) then
-            write (digits, '(i0)') nint(seconds)
-            text = trim(digits)//' s'
-        else if (seconds < 6000) then
-            write (digits, '(i0)') nint(seconds/60)
-            text = trim(digits)//' min'
-        else
-            write (digits, '(f0.1)') seconds/3600
-            text = trim(digits)//' h'
-        end if
-        if (text(1:1) == '.') text = '0'//text
-    end function time_text
 end module brz_advice

@@ -115,7 +115,7 @@ contains
                                              solid_dump_bytes*size_of%particles), ' MB'
         work = work_t(steps, substeps, size_of%cells, size_of%particles)
         call print_work(work)
-        call print_advice(case, work)
+        call print_advice(case, size_of%solid, work)
     end subroutine print_cost
 
     !> What all of it comes to; warnings have been written on the error unit.

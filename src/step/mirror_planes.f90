@@ -6,7 +6,7 @@
 !> of another, with velocity, spin, plies, what is held and what presses on it. Where a shape is in
 !> a file, or a boundary is periodic, nothing is said.
 module brz_mirror_planes
-    use brz_case, only: body_case_t, case_t
+    use brz_case, only: body_case_t, case_t, is_from_file
     use brz_kinds, only: dp
     implicit none
     private
@@ -85,7 +85,7 @@ contains
         type(body_case_t), intent(in) :: p, q
         integer, intent(in) :: a
 
-        image = p%shape == q%shape .and. p%shape /= 'stl' .and. p%shape /= 'particles' .and. &
+        image = p%shape == q%shape .and. .not. is_from_file(p) .and. &
                 p%file == '' .and. p%start_file == '' .and. p%material == q%material .and. &
                 p%axis == q%axis .and. p%formulation == q%formulation .and. &
                 (p%variable_h .eqv. q%variable_h)

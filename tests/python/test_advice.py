@@ -153,3 +153,22 @@ def test_a_load_by_curves_needs_a_face_with_nothing_before_it(tmp_path):
     before = [f"body({name}).centre={x},0,0.02" for name, x in (("left", -0.03), ("right", 0.03))]
     assert LOAD not in kinds(advice(deck, *before))
     assert LOAD not in kinds(advice(deck, "body(left).velocity=0,0,10"))
+
+
+STRIP = """\
+&run t_end=1e-6, dimension=2 /
+&material id='m', preset='concrete_48' /
+&body id='strip', box=0,0.016, 0,0.02, 0,1, spacing=0.001, material='m' /
+"""
+
+
+def test_a_body_finer_than_its_cracks_need(tmp_path):
+    """The strip of test_cracks.py spends the same energy at 1, 2 and 4 mm; at 2 mm it has 8 rows
+    left, at 4 mm too few for a word."""
+    deck = tmp_path / "strip.nml"
+    deck.write_text(STRIP)
+    texts = advice(deck)
+    assert any("the cracks of 'strip' cost the same" in t and "2.0 mm would do, for 1/8" in t
+               for t in texts)  # fmt: skip
+    for sets in ("body.spacing=0.002", "material.gf=1", "body.formulation=rigid"):
+        assert not any("the cracks of" in t for t in advice(deck, sets)), sets

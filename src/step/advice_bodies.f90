@@ -1,0 +1,84 @@
+! SPDX-License-Identifier: MIT
+!> Advice on single bodies: one that need not be deformable, one that is finer than its cracks need.
+module brz_advice_bodies
+    use brz_advice_text, only: say_advice, say_more
+    use brz_case, only: case_t, is_from_file
+    use brz_check_bodies, only: body_box
+    use brz_kinds, only: dp, real32
+    use brz_solid_state, only: form_rigid, solid_t
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: advise_rigid, advise_cracks
+
+    real(dp), parameter :: margin = 4 !! of the spacing at full strength over one that is advised
+    real(dp), parameter :: rows = 6 !! that are left across the thinnest side
+
+contains
+
+    !> A body every particle of which is held needs no stress.
+    subroutine advise_rigid(case)
+        type(case_t), intent(in) :: case
+        real(dp) :: lo(3), hi(3)
+        integer :: b, d, k
+
+        d = case%run%dimension
+        do b = 1, size(case%bodies)
+            associate (body => case%bodies(b))
+                if (body%formulation == 'rigid' .or. is_from_file(body)) cycle
+                call body_box(body, lo, hi)
+                do k = 1, body%n_fix_boxes
+                    if (all(body%fix_box(1:2*d:2, k) <= lo(:d)) .and. &
+                        all(body%fix_box(2:2*d:2, k) >= hi(:d))) then
+                        call say_advice("'"//trim(body%id)//"' is held everywhere: with "// &
+                            "formulation='rigid' it stands as still and costs next to nothing")
+                        exit
+                    end if
+                end do
+            end associate
+        end do
+    end subroutine advise_rigid
+
+    !> A body with a fracture energy, of a spacing far below the largest at full strength, and of
+    !> many rows: notched strips spend the same energy under the same load at twice the spacing
+    !> (tests/python/test_cracks.py).
+    subroutine advise_cracks(case, solid)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(in) :: solid
+        real(dp) :: lo(3), hi(3), most, most_of_cracks, thin
+        integer :: b, d, times
+
+        if (.not. allocated(solid%bodies)) return
+        d = case%run%dimension
+        do b = 1, size(case%bodies)
+            associate (input => case%bodies(b), body => solid%bodies(b), &
+                       material => solid%materials(solid%bodies(b)%material))
+                if (.not. (material%crack > 0 .and. body%crack > 0)) cycle
+                if (body%formulation == form_rigid .or. is_from_file(input)) cycle
+                call body_box(input, lo, hi)
+                thin = minval(hi(:d) - lo(:d))
+                if (input%shape == 'cylinder' .and. input%inner_radius > 0) &
+                    thin = min(thin, input%radius - input%inner_radius)
+                most_of_cracks = body%spacing*material%crack/body%crack/margin
+                most = min(most_of_cracks, thin/max(rows, real(input%n_plies, dp)))
+                times = int(most/body%spacing + 1e-6_dp)
+                if (times < 2) cycle
+                call say_advice("the cracks of '"//trim(input%id)//"' cost the same up to a "// &
+                                'spacing of '//millimetres(margin*most_of_cracks)//', it has '// &
+                                millimetres(body%spacing)//': where cracks')
+                call say_more('decide, '//millimetres(times*body%spacing)//' would do, for 1/'// &
+                              to_text(times**(d + 1))//' of the work of the body')
+            end associate
+        end do
+    end subroutine advise_cracks
+
+    !> A length as text, to three digits.
+    pure function millimetres(length) result(text)
+        real(dp), intent(in) :: length !! [m]
+        character(:), allocatable :: text
+        real(dp) :: unit
+
+        unit = 10.0_dp**(floor(log10(1e3_dp*length)) - 2)
+        text = to_text(real(unit*anint(1e3_dp*length/unit), real32))//' mm'
+    end function millimetres
+end module brz_advice_bodies
