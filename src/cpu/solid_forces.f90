@@ -15,8 +15,9 @@ module brz_solid_forces
     use brz_solid_artificial, only: add_artificial
     use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
                                body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, held_energy, held_stiffness, is_gone, lanes, n_held, &
-                               n_pair, pair_tilt, solid_t, worth_threads
+                               form_total, held_energy, held_stiffness, is_free, is_gone, &
+                               lanes, n_held, n_pair, pair_tilt, solid_t, worth_threads
+    use brz_support, only: held_share
     use brz_tension_hold, only: kept_work
     use brz_tilted_arm, only: mirrored_tilt
     implicit none
@@ -104,18 +105,18 @@ contains
         call update_volumes(solid, body, k)
     end subroutine force_block
 
-    !> Sums over the neighbours of a group and over their images.
+    !> Sums over the neighbours of a group and over their images, one after the other.
     subroutine sum_group(solid, body, p)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(group_t), intent(inout) :: p
-        real(rk) :: direct(lanes, n_terms)
         type(images_t) :: images
         type(rows_t) :: rows
         integer(int64) :: k, last
         integer :: g
 
         call take_rows(solid, body, p)
+        p%sums = 0
         if (p%held) then
             call sum_hold(p, solid%x, solid%v, solid%x_ref, solid%held, solid%pair, &
                           solid%h, solid%list(p%list))
@@ -130,7 +131,6 @@ contains
             call place_images(solid, k, last, images)
             call mirror_rows(solid, p, k, last, rows)
             p%count = int(last - k) + 1
-            direct = p%sums
             if (p%held) then
                 call sum_hold(p, images%x, images%v, images%x_ref, rows%held, rows%pair, &
                               images%h, in_turn)
@@ -138,7 +138,6 @@ contains
                 call sum_direct(p, images%x, images%v, images%x_ref, rows%pair, images%h, &
                                 in_turn, rows%hold)
             end if
-            p%sums = direct + p%sums
         end do
     end subroutine sum_group
 
@@ -308,12 +307,13 @@ contains
         real(rk), intent(in) :: dt
         integer, intent(in) :: i, k
         real(rk), intent(in) :: f(n_terms)
-        real(rk) :: force(3), load(3), kick(3), heat, friction, held, before, after, &
-            kept
+        real(rk) :: force(3), held(3), load(3), kick(3), heat, friction, before, after, kept
 
         load = air_force(solid, i)
+        if (solid%steps == 0) load = 0 ! all of it acts after the half step up to here
         force = f(1:3) + f(at_drag + 1:at_drag + 3) + f(at_hold + 1:at_hold + 3)
-        held = solid%fixed(i)
+        held = 0
+        if (solid%fixed(i) /= is_free) held = held_share(solid%fixed(i))
         solid%a(:, i) = (1 - held)*force/solid%mass(i)
         kick = (1 - held)*dt*(solid%a(:, i) + load/solid%mass(i))
         heat = f(at_heat) - dot_product(f(at_drag + 1:at_drag + 3), kick)/2
@@ -335,6 +335,7 @@ contains
             sums(1) = sums(1) + dt*heat
             sums(7) = sums(7) + friction
             sums(3:5) = sums(3:5) + dt*held*(force + load)
+            if (allocated(solid%grip)) solid%grip(:, i) = held*(force + load)
         end associate
         solid%energy(i) = solid%energy(i) + (dt*heat + friction)/solid%mass(i)
         if (.not. (dot_product(f, f) <= huge(dt)) .or. solid%mu(i) <= -1) then

@@ -2,12 +2,13 @@
 !> Lists of the particles of other bodies within reach of a particle, images included.
 !>
 !> Like the neighbour lists they depend on `x_built`, on how the bodies have drifted since, and on
-!> the order of the particles alone.
+!> the order of the particles alone. Links of a particle stand in the order of the bodies, of the
+!> planes of images, and of the numbers of the particles.
 module brz_solid_links
     use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid
     use brz_contact_items, only: owner_of
     use brz_contact, only: law_bonded, law_none
-    use brz_kinds, only: dp, int64
+    use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit, n_press
     use brz_list_drift, only: begin_links, links_reach, may_link
     use brz_solid_mirror, only: signs
@@ -107,9 +108,10 @@ contains
         integer, intent(inout) :: more !! links with this body
         integer(int64) :: last
         real(dp) :: x(3), d(3)
-        integer :: c, c1, c2, c3, j, k, lo(3), hi(3)
+        integer :: c, c1, c2, c3, j, k, before, lo(3), hi(3)
 
         x = signs(m)*solid%x_built(:, i) + shift
+        before = more
         if (keep) last = last_link(solid%links, i)
         call cell_span(solid%search, x, reach, lo, hi)
         do c3 = lo(3), hi(3)
@@ -127,7 +129,27 @@ contains
                 end do
             end do
         end do
+        if (keep) call order_links(solid%id, m*mask_unit, solid%links%list(last + before + 1: &
+                                                                           last + more))
     end subroutine search
+
+    !> Bring links with particles of one body into the order of their numbers.
+    pure subroutine order_links(id, mask, list)
+        integer(int32), intent(in) :: id(:)
+        integer, intent(in) :: mask !! what entries have besides the place of a particle
+        integer(int32), intent(inout) :: list(:)
+        integer(int32) :: entry
+        integer :: k, l
+
+        do k = 2, size(list)
+            entry = list(k)
+            do l = k - 1, 1, -1
+                if (id(list(l) - mask) < id(entry - mask)) exit
+                list(l + 1) = list(l)
+            end do
+            list(l + 1) = entry
+        end do
+    end subroutine order_links
 
     !> Turn numbers of links into numbers of rows, of particles that have some. Row 0 is for all
     !> others: it has no links and stays nil.

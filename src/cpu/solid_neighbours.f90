@@ -4,16 +4,21 @@
 !> A list depends on `x_built` and the order of the particles alone: rebuilt from them it is the
 !> same, entry by entry. Each body has its list, and keeps it while those of others change. The
 !> members of a group are in its list: a pair of i with itself is exactly nothing, as is one beyond
-!> the support of the kernel. i may be a neighbour of its own image.
+!> the support of the kernel. i may be a neighbour of its own image. Entries stand in the order of
+!> the numbers of the particles (images: of the planes, then of the numbers), so the sums of a
+!> particle depend neither on who shares its group nor on where particles are in memory.
 module brz_solid_neighbours
     use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
+    use brz_id_order, only: order_by_id, order_room_t
     use brz_kinds, only: dp, int32, int64, int8, rk
-    use brz_list_drift, only: begin_list, level_unit
+    use brz_list_drift, only: level_unit
     use brz_move_level, only: level_of
-    use brz_particle_order, only: reorder_particles
     use brz_solid_cohesive, only: place_nodes
     use brz_solid_lanes, only: group_of
     use brz_solid_links, only: build_links
+    use brz_solid_home, only: place_ghosts, send_home
+    use brz_solid_sort, only: note_places, sort_body
+    use brz_ranks, only: most_of_all, several
     use brz_solid_state, only: body_t, form_rigid, form_total, is_gone, lanes, solid_t, &
                                worth_threads
     implicit none
@@ -29,13 +34,26 @@ contains
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: sort
         logical, intent(in), optional :: stale(:) !! (bodies)
+        logical :: anew(size(solid%bodies))
         integer :: b
 
+        anew = .true.
+        if (present(stale)) anew = stale
+        if (sort) then
+            do b = 1, size(solid%bodies)
+                if (anew(b)) call note_places(solid, b)
+            end do
+        end if
+        if (several(solid%ranks)) then ! particles move: all lists are built, most as they were
+            anew = .true.
+            call send_home(solid)
+        end if
         do b = 1, size(solid%bodies)
-            if (present(stale)) then
-                if (.not. stale(b)) cycle
-            end if
-            if (sort) call sort_body(solid, b)
+            if (anew(b) .and. (sort .or. several(solid%ranks))) call sort_body(solid, b)
+        end do
+        if (several(solid%ranks)) call place_ghosts(solid)
+        do b = 1, size(solid%bodies)
+            if (.not. anew(b)) cycle
             if (solid%bodies(b)%formulation == form_total) then
                 call build_list(solid, b, solid%x_ref)
             else
@@ -46,40 +64,6 @@ contains
         call place_nodes(solid)
     end subroutine build_neighbours
 
-    !> Bring the particles of a body into the order of the cells at their present positions.
-    subroutine sort_body(solid, b)
-        type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: b
-
-        associate (body => solid%bodies(b))
-            call note_positions(solid, body)
-            call lay_grid(solid%search, solid%x_built, solid%fixed, body, cell_of_groups(solid, b))
-            call fill_cells(solid%search, solid%x_built, solid%fixed, body)
-            call reorder_particles(solid, body%first, body%last)
-            call note_positions(solid, body)
-            call begin_list(solid, b, mean_velocity(solid, body))
-        end associate
-    end subroutine sort_body
-
-    !> Velocity of the mass of a body at the step [m/s].
-    pure function mean_velocity(solid, body) result(v)
-        type(solid_t), intent(in) :: solid
-        type(body_t), intent(in) :: body
-        real(dp) :: v(3), mass
-        real(rk) :: half
-        integer :: i
-
-        v = 0
-        mass = 0
-        half = real(solid%dt_last/2, rk)
-        do i = body%first, body%last
-            if (solid%fixed(i) == is_gone) cycle
-            v = v + solid%mass(i)*(solid%v(:, i) + half*solid%a(:, i))
-            mass = mass + solid%mass(i)
-        end do
-        v = v/max(mass, tiny(mass))
-    end function mean_velocity
-
     !> List of a body for given places: those of total-Lagrangian bodies are the unloaded ones.
     subroutine build_list(solid, b, place)
         type(solid_t), intent(inout) :: solid
@@ -89,6 +73,7 @@ contains
 
         reach = reach_of_lists(solid, b)
         associate (body => solid%bodies(b))
+            if (body%last < body%first) return
             if (body%formulation == form_rigid) then
                 call leave_out(solid, body)
             else
@@ -99,26 +84,12 @@ contains
         end associate
     end subroutine build_list
 
-    !> Positions that decide on the neighbours of a body: a total-Lagrangian body that meets no
-    !> other keeps the unloaded ones, and with them its order and its list.
-    subroutine note_positions(solid, body)
-        type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-
-        associate (first => body%first, last => body%last)
-            if (body%formulation == form_total .and. .not. solid%links%present) then
-                solid%x_built(:, first:last) = solid%x_ref(:, first:last)
-            else
-                solid%x_built(:, first:last) = solid%x(:, first:last)
-            end if
-        end associate
-    end subroutine note_positions
-
     !> How far the particles of each body have moved relative to it since its list was built: the
     !> highest level of brz_list_drift.
     function moved_levels(solid) result(level)
         type(solid_t), intent(inout) :: solid !! its block sums are overwritten
         integer :: level(size(solid%bodies))
+        integer(int64) :: most(size(solid%bodies))
         real(dp) :: far, d(3)
         integer :: i, k
 
@@ -143,6 +114,9 @@ contains
                 level(b) = max(level(b), level_of(solid%search%limit(k), level_unit(solid)))
             end associate
         end do
+        most = level
+        call most_of_all(solid%ranks, most)
+        level = int(most)
     end function moved_levels
 
     !> The particles of a rigid body have no neighbours.
@@ -164,10 +138,11 @@ contains
         real(dp), intent(in) :: reach !! [m]
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         integer(int64), allocatable :: found(:)
+        type(order_room_t) :: room
         integer(int64) :: n
         integer :: g, i, m
 
-        !$omp parallel if(solid%n >= worth_threads) private(found, n, g, m)
+        !$omp parallel if(solid%n >= worth_threads) private(found, room, n, g, m)
         allocate (found(1024))
         n = 0
         !$omp do schedule(static)
@@ -177,12 +152,14 @@ contains
             if (any(solid%mirror)) solid%image_first(g + 1) = 0
             if (solid%fixed(i) == is_gone) cycle ! and so are all that follow
             solid%first(g + 1) = n
-            call search_group(solid, place, members(body, place, i), 0, reach, found, n)
+            call search_group(solid, place, members(body, place, i), 0, reach, room, &
+                              found, n)
             solid%first(g + 1) = n - solid%first(g + 1)
             if (.not. any(solid%mirror)) cycle
             solid%image_first(g + 1) = n
             do m = 1, 7
-                call search_group(solid, place, members(body, place, i), m, reach, found, n)
+                call search_group(solid, place, members(body, place, i), m, reach, room, &
+                                  found, n)
             end do
             solid%image_first(g + 1) = n - solid%image_first(g + 1)
         end do
@@ -298,12 +275,13 @@ contains
 
     !> Append the particles whose image in the planes of the mask m is within reach of a group: all
     !> in one box, or where its members are far apart one after the other.
-    pure subroutine search_group(solid, place, group, m, reach, found, n)
+    pure subroutine search_group(solid, place, group, m, reach, room, found, n)
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
         real(dp), intent(in) :: group(lanes, 3) !! places of its members [m]
         integer, intent(in) :: m !! planes, bits 0..2; 0: the particles themselves
         real(dp), intent(in) :: reach !! [m]
+        type(order_room_t), intent(inout) :: room
         integer(int64), allocatable, intent(inout) :: found(:) !! 8*particle + mask
         integer(int64), intent(inout) :: n !! entries
         real(dp) :: x(lanes, 3)
@@ -325,7 +303,8 @@ contains
                                 found, n)
             end do
         end if
-        found(before + 1:n) = found(before + 1:n) + m
+        call order_by_id(solid%id, 8_int64, found(before + 1:n), room)
+        if (m > 0) found(before + 1:n) = found(before + 1:n) + m
     end subroutine search_group
 
     !> Append what is within reach of the places x, but of none of those that were searched before.

@@ -5,7 +5,8 @@
 !> at half steps like that of all others, and `a` is what brings it to the step.
 module brz_solid_rigid
     use brz_drive, only: book_drive
-    use brz_kinds, only: dp, rk
+    use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
+    use brz_kinds, only: dp, int64, rk
     use brz_motion, only: mean_velocity, velocity_of
     use brz_rigid, only: cross
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
@@ -93,22 +94,13 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt
-        real(dp) :: push(3), v(3), pose(n_pose)
+        real(dp) :: v(3), pose(n_pose)
         integer :: i
 
         associate (b => body%rigid)
             b%force = 0
             b%torque = 0
-            if (solid%links%present) then
-                do i = body%first, body%last
-                    push = solid%links%push(1:3, solid%links%row(i)) &
-                           + solid%links%push(4:6, solid%links%row(i))
-                    if (solid%cohesive%present) push = push + cohesive_push(solid, i)
-                    b%force = b%force + push
-                    b%torque = b%torque + cross(solid%x(:, i) - b%x, push) &
-                               + solid%links%push(7:9, solid%links%row(i))
-                end do
-            end if
+            if (solid%links%present) call sum_pushes(solid, body, b%force, b%torque)
             call settle_rigid(body, solid%time, dt, v)
             body%dt_limit = rigid_step(body, solid%skin)
             solid%dt_limit = min(solid%dt_limit, body%dt_limit)
@@ -120,6 +112,49 @@ contains
         end associate
         if (solid%links%present) call settle_drag(solid, body, dt)
     end subroutine balance_body
+
+    !> Force and torque of contact and of interfaces on a rigid body: exact sums, as they act back.
+    subroutine sum_pushes(solid, body, force, torque)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(out) :: force(3), torque(3)
+        type(scale_t) :: scales(6)
+        real(dp) :: largest(6), sums(6)
+        integer(int64) :: limb(limbs, 6)
+        integer :: i
+
+        largest = 0
+        do i = body%first, body%last
+            if (is_pushed(i)) call widen(push_on(i), largest)
+        end do
+        call open_sums(solid%ranks, largest, scales)
+        limb = 0
+        do i = body%first, body%last
+            if (is_pushed(i)) call add_terms(scales, push_on(i), limb)
+        end do
+        call close_sums(solid%ranks, scales, limb, sums)
+        force = sums(1:3)
+        torque = sums(4:6)
+
+    contains
+
+        pure logical function is_pushed(i)
+            integer, intent(in) :: i
+
+            is_pushed = solid%cohesive%present .or. solid%links%row(i) > 0
+        end function is_pushed
+
+        pure function push_on(i) result(f)
+            integer, intent(in) :: i
+            real(dp) :: f(6)
+
+            associate (push => solid%links%push(:, solid%links%row(i)))
+                f(1:3) = push(1:3) + push(4:6)
+                if (solid%cohesive%present) f(1:3) = f(1:3) + cohesive_push(solid, i)
+                f(4:6) = cross(solid%x(:, i) - body%rigid%x, f(1:3)) + push(7:9)
+            end associate
+        end function push_on
+    end subroutine sum_pushes
 
     !> The heat of drag is that of the velocity before the kick; it works with the mean of those
     !> before and after it (see `accelerate` of brz_solid_forces).

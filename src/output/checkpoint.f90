@@ -25,21 +25,25 @@ module brz_checkpoint
     use brz_output_folder, only: checkpoint_begin, checkpoint_end, checkpoint_name
     use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_seal, only: check_seal
+    use brz_solid_books, only: keep_books_of_first
+    use brz_solid_gather, only: gather_solid
+    use brz_solid_home, only: hold_all, share_out
     use brz_solid_state, only: solid_t
     use brz_version, only: precision
     implicit none
     private
-    public :: write_checkpoint, read_checkpoint, find_checkpoint, drop_later_checkpoints
+    public :: write_checkpoint, name_checkpoint, read_checkpoint, find_checkpoint
+    public :: drop_later_checkpoints
 
     integer, parameter :: kept = 2 !! checkpoints in a folder
     character(*), parameter :: about = 'brisance'
-    character(*), parameter :: title = 'Brisance checkpoint, layout 4' !! another number with
+    character(*), parameter :: title = 'Brisance checkpoint, layout 5' !! another number with
                                                                        !! whatever it holds
 
 contains
 
-    !> Write a checkpoint and remove all but the last two. Histories must be flushed before.
-    subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err)
+    !> Write a checkpoint, which `name_checkpoint` then names. Histories must be flushed before.
+    recursive subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err)
         character(*), intent(in) :: folder
         type(case_t), intent(in) :: case
         type(clock_t), intent(inout) :: clock
@@ -54,15 +58,53 @@ contains
         if (several(air%part%ranks)) then
             call write_in_parts(folder, case, clock, air, sums, err)
             return
+        else if (several(solid%ranks)) then
+            call write_by_first(folder, case, clock, air, coupling, solid, sums, err)
+            return
         end if
         call describe_run(case, clock, meta)
         call h5_create(file, folder//'/'//checkpoint_name(clock%cycle), h5_plain, err, title)
+        file%unnamed = .true.
         call write_meta(file, meta, err)
         call carry_all(file, clock, air, coupling, solid, sums, err)
         call h5_close(file, err)
-        call sync_file(folder, err) ! its name is on the disk too
-        if (.not. failed(err)) call remove_old(folder, clock%cycle)
     end subroutine write_checkpoint
+
+    !> Give a checkpoint that is on the disk its name, and remove all but the last two. Of several
+    !> processes one does it.
+    subroutine name_checkpoint(folder, step, err)
+        character(*), intent(in) :: folder
+        integer, intent(in) :: step
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: path
+
+        if (failed(err)) return
+        path = folder//'/'//checkpoint_name(step)
+        call rename_file(path//'.tmp', path, err)
+        call sync_file(folder, err) ! the name is on the disk too
+        if (failed(err)) call remove_parts(folder, checkpoint_name(step))
+        if (.not. failed(err)) call remove_old(folder, step)
+    end subroutine name_checkpoint
+
+    !> The same of several processes, which share the bodies: the first has them all for a while,
+    !> and writes them as one process would.
+    subroutine write_by_first(folder, case, clock, air, coupling, solid, sums, err)
+        character(*), intent(in) :: folder
+        type(case_t), intent(in) :: case
+        type(clock_t), intent(inout) :: clock
+        type(air_t), intent(inout) :: air
+        type(coupling_t), intent(inout) :: coupling
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(inout) :: sums(:)
+        type(error_t), intent(inout) :: err
+        type(solid_t), allocatable :: whole
+
+        allocate (whole)
+        call gather_solid(solid, whole)
+        if (solid%ranks%rank == 0) &
+            call write_checkpoint(folder, case, clock, air, coupling, whole, sums, err)
+        call agree(solid%ranks, err)
+    end subroutine write_by_first
 
     !> The same of several processes, which share the air: each its box, and the first what all have
     !> in common, once the boxes are on the disk.
@@ -84,17 +126,16 @@ contains
         if (failed(err)) return
         call describe_run(case, clock, meta)
         if (leads) call h5_create(file, path, h5_plain, err, title)
+        file%unnamed = .true.
         if (leads) call write_meta(file, meta, err)
         call write_boxes(file, air, err)
         if (leads) then
             call carry(file, 'sums', sums, err)
             if (.not. failed(err)) call carry_clock(file, clock, err)
             call h5_close(file, err)
-            call sync_file(folder, err)
             if (failed(err)) call remove_parts(folder, checkpoint_name(clock%cycle))
         end if
         call agree(air%part%ranks, err)
-        if (leads .and. .not. failed(err)) call remove_old(folder, clock%cycle)
     end subroutine write_in_parts
 
     !> Read a checkpoint into a scene that has been set up from the same deck. Afterwards the solid
@@ -114,6 +155,7 @@ contains
         call h5_open(file, path, err)
         call check_origin(file, case, err)
         in_parts = is_in_parts(file)
+        if (solid%present) call hold_all(solid)
         if (in_parts .or. several(air%part%ranks)) then
             call read_air_boxes(file, air, err)
             call carry(file, 'sums', sums, err)
@@ -123,6 +165,11 @@ contains
         end if
         call check_state(path, clock, air, coupling, solid, err)
         call h5_close(file, err)
+        if (.not. several(solid%ranks)) return
+        call agree(solid%ranks, err)
+        if (failed(err)) return
+        call keep_books_of_first(solid)
+        call share_out(solid)
     end subroutine read_checkpoint
 
     subroutine carry_all(file, clock, air, coupling, solid, sums, err)

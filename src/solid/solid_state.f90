@@ -12,6 +12,8 @@ module brz_solid_state
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, rk
     use brz_material, only: material_t
     use brz_motion, only: motion_t
+    use brz_ranks, only: ranks_t
+    use brz_solid_part, only: part_t
     use brz_rigid, only: rigid_t
     implicit none
     private
@@ -98,10 +100,12 @@ module brz_solid_state
         integer :: axis = 0 !! of a cylinder, 0: a sphere
     end type round_t
 
-    !> One body: particles first..last, one material, one formulation.
+    !> One body: particles first..last (of this process), one material, one formulation.
     type :: body_t
         character(32) :: id = ''
         integer :: first = 1, last = 0
+        integer :: rim = 0 !! last of its ghosts, which follow its particles; `last` without
+        integer :: number(2) = 0 !! first and last number of the particles of all processes
         integer :: material = 0 !! place in solid%materials
         integer :: formulation = form_bending
         real(dp) :: spacing = 0 !! [m]
@@ -135,6 +139,7 @@ module brz_solid_state
         real(dp) :: drift_linked(3) = 0 !! `drift` when the links were built [m]
         real(dp) :: dt_limit = 0 !! largest stable time step times the CFL number [s]
         real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
+        real(dp) :: impulse(3) = 0 !! of the load so far, where a gauge asks for it [N s]
         type(ledger_t) :: ledger
         type(rigid_t) :: rigid !! of a rigid body
         type(motion_t) :: motion !! that is prescribed
@@ -185,7 +190,9 @@ module brz_solid_state
 
     type :: solid_t
         logical :: present = .false.
-        integer :: n = 0 !! particles
+        type(ranks_t) :: ranks !! the processes that share the particles
+        type(part_t) :: part !! what this one has to do with others
+        integer :: n = 0 !! particles, with the ghosts of those of other processes
         integer :: n_hist = 0 !! history variables kept per particle
         integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis
@@ -209,6 +216,9 @@ module brz_solid_state
         real(rk), allocatable :: a(:, :) !! (3, n) acceleration by internal forces [m/s2]
         real(rk), allocatable :: load(:, :) !! (3, n) force of the air, set by the coupling; only
                                             !! where there is air [N]
+        real(rk), allocatable :: grip(:, :) !! (3, n) force on what holds a particle at the step;
+                                            !! only where a gauge asks for it [N]
+        logical :: impulses = .false. !! a gauge asks for those of the load
         real(rk), allocatable :: mass(:) !! (n) [kg]
         real(rk), allocatable :: mu(:) !! (n) compression rho/rho0 - 1 [-]
         real(rk), allocatable :: energy(:) !! (n) specific internal energy [J/kg]
@@ -228,7 +238,8 @@ module brz_solid_state
                                          !! in the half step to come; the rest became heat [J]
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
-        integer(int32), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone
+        integer(int32), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone, or marks of
+                                                !! brz_support
         integer(int8), allocatable :: cut(:) !! (n) 1: hourglass support lost for good
         integer(int16), allocatable :: support(:) !! (n) neighbours in the unloaded body
         integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block
