@@ -180,6 +180,7 @@ module brz_case
         logical :: on_ground = .false. !! a hemisphere on the ground, no sphere in free air
         real(dp) :: at(3) = 0 !! of its centre [m]
         real(dp) :: start = 0 !! when it detonates [s]
+        character(512) :: patch = '' !! surface that the faces lie under, '': all of them
         logical :: in_table = .false. !! time and pressure are those of a file
         logical :: on_all = .false. !! of a body; then `pressure` has factors of one of these:
         real(dp) :: acceleration(3) = 0 !! [m/s2]

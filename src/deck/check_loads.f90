@@ -36,6 +36,9 @@ contains
                       choices='x-|x+|y-|y+|z-|z+', &
                       meaning='pressure, mass: faces of it, seen along an axis: the outermost '// &
                       'particles there.'), &
+                key_t(group=g, key='patch', kind=kind_text, longest=256, &
+                      meaning='faces: only what lies under this surface is loaded, an STL file '// &
+                      'that may be open, seen along the axis of the face, within two spacings.'), &
                 key_t(group=g, key='time', n_max=most_points, unit='s', &
                       meaning='Times of the history, growing; straight lines between them, 0 '// &
                       'before and after. Not needed for one constant pressure.'), &
@@ -102,6 +105,9 @@ contains
         load%faces = [(any(faces == names(i)), i=1, 6)]
         call fill_list(deck, g, 'time', load%time)
         call fill_list(deck, g, 'pressure', load%pressure)
+        call get(deck%groups(g), 'patch', load%patch)
+        if (load%patch /= '' .and. load%patch(1:1) /= '/') &
+            load%patch = deck%file(:index(deck%file, '/', back=.true.))//load%patch
         load%in_table = is_given(deck%groups(g), 'table')
         load%on_all = is_given(deck%groups(g), 'acceleration') .or. &
                       is_given(deck%groups(g), 'force')
@@ -187,6 +193,8 @@ contains
             end if
             if (load%on_all .and. is_given(group, 'faces')) call complain(deck, g, 'faces', &
                 'faces belong to a pressure or a charge; take them out')
+            if (is_given(group, 'patch') .and. .not. is_given(group, 'faces')) call complain(deck, &
+                g, 'patch', "a patch lies on faces of the body; add them, such as faces='z+'")
             if (.not. (load%on_all .or. is_given(group, 'faces'))) call complain(deck, g, &
                 'body', "a pressure needs faces, such as faces='z+'")
             if (is_given(group, 'mass')) then

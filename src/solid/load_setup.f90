@@ -3,12 +3,14 @@
 module brz_load_setup
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t, load_case_t, label
-    use brz_errors, only: error_t, exit_deck, raise
+    use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_face_load, only: facets_t, find_places
     use brz_kinds, only: dp, rk
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest, &
                                    nearest_ground, surface_blast
+    use brz_patch, only: is_under
     use brz_solid_state, only: body_t, solid_t
+    use brz_stl, only: mesh_t, read_stl
     use brz_text, only: to_text
     implicit none
     private
@@ -48,10 +50,13 @@ contains
                     cycle
                 end if
                 call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), &
-                                 facets(k))
+                                 facets(k), err)
+                if (failed(err)) return
                 facets(k)%load = k
                 if (facets(k)%n == 0) call raise(err, exit_deck, label('load', load%id, &
-                    load%place)//'no particle of the body lies on these faces; name others')
+                    load%place)//'no particle of the body lies on these faces'// &
+                    trim(merge(' under the patch', '                ', load%patch /= ''))// &
+                    '; name others')
                 if (.not. history%blast) cycle
                 call find_waves(load, solid, facets(k), err)
                 solid%loads%step = min(solid%loads%step, minval(facets(k)%wave(2, :))*fine)
@@ -136,15 +141,19 @@ contains
     end subroutine copy_facet
 
     !> Particles with no neighbour on the lattice across a face, and their neighbours in the layer.
-    subroutine find_facets(load, shape, solid, body, facets)
+    subroutine find_facets(load, shape, solid, body, facets, err)
         type(load_case_t), intent(in) :: load
         type(shape_t), intent(in) :: shape
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(facets_t), intent(out) :: facets
+        type(error_t), intent(inout) :: err
+        type(mesh_t) :: mesh
         integer, allocatable :: cell(:, :, :)
         integer :: at(3), axis, i, low(3), high(3), n, pass, side, steps(3)
 
+        if (load%patch /= '') call read_stl(trim(load%patch), mesh, err, is_patch=.true.)
+        if (failed(err)) return
         call fill_lattice(solid, body, shape%spacing, cell, low, high)
         do pass = 1, 2
             n = 0
@@ -156,6 +165,10 @@ contains
                     do i = body%first, body%last
                         at = place_of(solid, i, body%first, shape%spacing)
                         if (number_at(cell, low, high, at + steps) /= 0) cycle
+                        if (load%patch /= '') then
+                            if (.not. is_under(mesh, solid%x_ref(:, i), axis, &
+                                               2*shape%spacing(axis))) cycle
+                        end if
                         if (side < 0 .and. solid%mirror(axis) .and. &
                             solid%x_ref(axis, i) < shape%spacing(axis)) cycle
                         n = n + 1

@@ -22,11 +22,13 @@ module brz_stl
 
 contains
 
-    !> Read a surface and check it. Raises exit_deck where it is no closed surface.
-    subroutine read_stl(path, mesh, err)
+    !> Read a surface and check it. Raises exit_deck where it is no closed surface; with `is_patch`
+    !> it may be open, and its volume is not measured.
+    subroutine read_stl(path, mesh, err, is_patch)
         character(*), intent(in) :: path
         type(mesh_t), intent(out) :: mesh
         type(error_t), intent(inout) :: err
+        logical, intent(in), optional :: is_patch
         character(:), allocatable :: bytes
         integer :: n
 
@@ -38,6 +40,9 @@ contains
             call from_binary(bytes, n, mesh)
         else
             call from_text(path, bytes, mesh, err)
+        end if
+        if (present(is_patch)) then
+            if (is_patch) return
         end if
         if (.not. failed(err)) call check_edges(path, mesh, err)
         if (failed(err)) return

@@ -217,7 +217,8 @@ contains
         even = .true.
         do m = 1, size(case%loads)
             associate (load => case%loads(m))
-                even = even .and. (load%faces(2*a - 1) .eqv. load%faces(2*a)) .and. &
+                even = even .and. load%patch == '' .and. &
+                       (load%faces(2*a - 1) .eqv. load%faces(2*a)) .and. &
                        is_image(case%bodies(load%body), case%bodies(load%body), a) .and. &
                        .not. (load%mass > 0 .and. abs(load%at(a)) > 0)
             end associate

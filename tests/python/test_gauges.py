@@ -63,6 +63,61 @@ def test_momentum_balances(tmp_path, form):
     assert g["b_reaction_x"].min() < -1000
 
 
+def stl(*quads):
+    """Text of an STL file: two triangles for each quadrangle."""
+    text = "solid patch\n"
+    for a, b, c, d in quads:
+        for corners in ((a, b, c), (a, c, d)):
+            text += "facet normal 0 0 0\nouter loop\n"
+            text += "".join(f"vertex {x} {y} {z}\n" for x, y, z in corners)
+            text += "endloop\nendfacet\n"
+    return text + "endsolid patch\n"
+
+
+@pytest.mark.parametrize("shape", ["flat", "bent"])
+def test_moment_of_a_pressure_on_a_patch(tmp_path, shape):
+    """p on 3 mm x 2 mm of a face, off its middle: force p A, moment by the arm to the middle of the
+    patch, also where the surface of the file lies beside the face."""
+    low, high = (-5e-4, 8e-4) if shape == "bent" else (0, 0)
+    quad = ((low, 0.002, 0.001), (high, 0.005, 0.001), (high, 0.005, 0.003), (low, 0.002, 0.003))
+    (tmp_path / "p.stl").write_text(stl(quad))
+    deck = (
+        f"&run t_end=1e-6 /\n{STEEL}"
+        + f"""\
+&body id='b', box=0,0.01, 0,0.006, 0,0.004, spacing=1e-3, material='s', formulation='rigid',
+    fix='all' /
+&load body='b', faces='x-','x+', pressure=1e8, patch='p.stl' /
+{whole("b", "reaction")}
+&gauge id='my', body='b', quantity='moment_y', at=0.01,0.001,-0.002 /
+&gauge id='mz', body='b', quantity='moment_z', at=0.01,0.001,-0.002 /
+{END}"""
+    )
+    g = {name: column[-1] for name, column in gauges(run(tmp_path, deck)).items()}
+    force = 1e8 * 6e-6
+    assert g["b_reaction_x"] == pytest.approx(force, rel=1e-12)
+    assert abs(g["b_reaction_y"]) + abs(g["b_reaction_z"]) < 1e-12 * force
+    assert g["my"] == pytest.approx(force * (0.002 + 0.002), rel=1e-9)
+    assert g["mz"] == pytest.approx(-force * (0.0035 - 0.001), rel=1e-9)
+
+
+@pytest.mark.parametrize(("keys", "why"), [
+    ("faces='x-', pressure=1, patch='none.stl'", "none.stl"),
+    ("pressure=1, patch='p.stl'", "a patch lies on faces of the body"),
+    ("faces='y+', pressure=1, patch='p.stl'", "on these faces under the patch"),
+])  # fmt: skip
+def test_bad_patches(tmp_path, keys, why):
+    (tmp_path / "p.stl").write_text(
+        stl(((0, 0, 0), (0, 0.006, 0), (0, 0.006, 0.004), (0, 0, 0.004)))
+    )
+    deck = (
+        "&run t_end=1e-6 /\n" + BLOCK.format(dx=1e-3, form="auto") + f"&load body='b', {keys} /\n"
+    )
+    (tmp_path / "bad.nml").write_text(deck)
+    done = subprocess.run([BRISANCE, "run", "bad.nml"], cwd=tmp_path, capture_output=True,
+                          text=True)  # fmt: skip
+    assert done.returncode in (2, 4) and why in done.stderr
+
+
 def test_load_on_the_support_itself_is_booked_once(tmp_path):
     """A body that is held everywhere takes up its weight, from the first step on."""
     deck = (
