@@ -105,18 +105,18 @@ contains
         call update_volumes(solid, body, k)
     end subroutine force_block
 
-    !> Sums over the neighbours of a group and over their images.
+    !> Sums over the neighbours of a group and over their images, one after the other.
     subroutine sum_group(solid, body, p)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(group_t), intent(inout) :: p
-        real(rk) :: direct(lanes, n_terms)
         type(images_t) :: images
         type(rows_t) :: rows
         integer(int64) :: k, last
         integer :: g
 
         call take_rows(solid, body, p)
+        p%sums = 0
         if (p%held) then
             call sum_hold(p, solid%x, solid%v, solid%x_ref, solid%held, solid%pair, &
                           solid%h, solid%list(p%list))
@@ -131,7 +131,6 @@ contains
             call place_images(solid, k, last, images)
             call mirror_rows(solid, p, k, last, rows)
             p%count = int(last - k) + 1
-            direct = p%sums
             if (p%held) then
                 call sum_hold(p, images%x, images%v, images%x_ref, rows%held, rows%pair, &
                               images%h, in_turn)
@@ -139,7 +138,6 @@ contains
                 call sum_direct(p, images%x, images%v, images%x_ref, rows%pair, images%h, &
                                 in_turn, rows%hold)
             end if
-            p%sums = direct + p%sums
         end do
     end subroutine sum_group
 

@@ -18,18 +18,18 @@ module brz_solid_gradient_sums
 
 contains
 
-    !> Sums over the direct neighbours: moments and velocity.
+    !> Add the direct neighbours to the sums: moments and velocity.
     subroutine sum_plain(p, x, v, volume, h, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *)
         real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: sums(lanes, n_terms)
+        real(rk), intent(inout) :: sums(lanes, n_terms)
         real(rk) :: acc(lanes, at_x), r(3), dv(3), m(n_moment), g(n_outer), w
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = 0
+        acc = sums(:, :at_x)
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
@@ -56,19 +56,19 @@ contains
         sums(:, at_x + 1:) = 0
     end subroutine sum_plain
 
-    !> Sums over the direct neighbours: moments, velocity and reference position. A total-Lagrangian
-    !> body has x and x_ref change places.
+    !> Add the direct neighbours to the sums: moments, velocity and reference position. A
+    !> total-Lagrangian body has x and x_ref change places.
     subroutine sum_bending(p, x, v, x_ref, volume, h, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: sums(lanes, n_terms)
+        real(rk), intent(inout) :: sums(lanes, n_terms)
         real(rk) :: acc(lanes, at_s), r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer), w
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = 0
+        acc = sums(:, :at_s)
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
@@ -104,13 +104,13 @@ contains
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: sums(lanes, n_terms)
+        real(rk), intent(inout) :: sums(lanes, n_terms)
         real(rk) :: acc(lanes, at_y), r(3), dv(3), dx(3), m(n_moment), g(n_outer), a(n_outer)
         real(rk) :: s(n_moment), w
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = 0
+        acc = sums(:, :at_y)
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
@@ -148,13 +148,13 @@ contains
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: sums(lanes, n_terms)
+        real(rk), intent(inout) :: sums(lanes, n_terms)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), y(3), m(n_moment), g(n_outer)
         real(rk) :: a(n_outer), b(n_outer), s(n_moment), w
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = 0
+        acc = sums
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)

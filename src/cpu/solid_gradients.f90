@@ -140,17 +140,17 @@ contains
         end do
     end subroutine find_drawn
 
-    !> Sums over the neighbours of a group and over their images.
+    !> Sums over the neighbours of a group and over their images, one after the other.
     subroutine sum_group(solid, body, p, sums)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         type(group_t), intent(inout) :: p
         real(rk), intent(out) :: sums(lanes, n_terms)
-        real(rk) :: part(lanes, n_terms)
         type(images_t) :: images
         integer(int64) :: k, last
         integer :: g
 
+        sums = 0
         call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%volume, solid%h, &
                         solid%list(p%list), sums)
         if (.not. any(solid%mirror)) return
@@ -160,19 +160,18 @@ contains
             call place_images(solid, k, last, images)
             p%count = int(last - k) + 1
             call sum_direct(p, images%x, images%v, images%x_ref, images%volume, images%h, &
-                            in_turn, part)
-            sums = sums + part
+                            in_turn, sums)
         end do
     end subroutine sum_group
 
-    !> Sums over particles of a list. A total-Lagrangian body weighs its pairs by X_ij, and x takes
-    !> the place of the reference position: the sums then lead to dx/dX.
+    !> Add particles of a list to the sums. A total-Lagrangian body weighs its pairs by X_ij, and x
+    !> takes the place of the reference position: the sums then lead to dx/dX.
     subroutine sum_direct(p, x, v, x_ref, volume, h, list, sums)
         type(group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
-        real(rk), intent(out) :: sums(lanes, n_terms)
+        real(rk), intent(inout) :: sums(lanes, n_terms)
         type(group_t) :: q
 
         if (any(abs(p%tilt) > 0)) then

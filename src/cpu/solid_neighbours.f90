@@ -16,7 +16,9 @@ module brz_solid_neighbours
     use brz_solid_cohesive, only: place_nodes
     use brz_solid_lanes, only: group_of
     use brz_solid_links, only: build_links
-    use brz_solid_sort, only: sort_body
+    use brz_solid_home, only: place_ghosts, send_home
+    use brz_solid_sort, only: note_places, sort_body
+    use brz_ranks, only: most_of_all, several
     use brz_solid_state, only: body_t, form_rigid, form_total, is_gone, lanes, solid_t, &
                                worth_threads
     implicit none
@@ -32,13 +34,26 @@ contains
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: sort
         logical, intent(in), optional :: stale(:) !! (bodies)
+        logical :: anew(size(solid%bodies))
         integer :: b
 
+        anew = .true.
+        if (present(stale)) anew = stale
+        if (sort) then
+            do b = 1, size(solid%bodies)
+                if (anew(b)) call note_places(solid, b)
+            end do
+        end if
+        if (several(solid%ranks)) then ! particles move: all lists are built, most as they were
+            anew = .true.
+            call send_home(solid)
+        end if
         do b = 1, size(solid%bodies)
-            if (present(stale)) then
-                if (.not. stale(b)) cycle
-            end if
-            if (sort) call sort_body(solid, b)
+            if (anew(b) .and. (sort .or. several(solid%ranks))) call sort_body(solid, b)
+        end do
+        if (several(solid%ranks)) call place_ghosts(solid)
+        do b = 1, size(solid%bodies)
+            if (.not. anew(b)) cycle
             if (solid%bodies(b)%formulation == form_total) then
                 call build_list(solid, b, solid%x_ref)
             else
@@ -58,6 +73,7 @@ contains
 
         reach = reach_of_lists(solid, b)
         associate (body => solid%bodies(b))
+            if (body%last < body%first) return
             if (body%formulation == form_rigid) then
                 call leave_out(solid, body)
             else
@@ -73,6 +89,7 @@ contains
     function moved_levels(solid) result(level)
         type(solid_t), intent(inout) :: solid !! its block sums are overwritten
         integer :: level(size(solid%bodies))
+        integer(int64) :: most(size(solid%bodies))
         real(dp) :: far, d(3)
         integer :: i, k
 
@@ -97,6 +114,9 @@ contains
                 level(b) = max(level(b), level_of(solid%search%limit(k), level_unit(solid)))
             end associate
         end do
+        most = level
+        call most_of_all(solid%ranks, most)
+        level = int(most)
     end function moved_levels
 
     !> The particles of a rigid body have no neighbours.

@@ -21,7 +21,7 @@ module brz_solid_pair_sums
 
 contains
 
-    !> Stress and viscosity over the direct neighbours, into p%sums, as in all that follow.
+    !> Stress and viscosity over the direct neighbours, to p%sums, as in all that follow.
     subroutine sum_plain(p, x, v, pair, h, list)
         type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *)
@@ -31,7 +31,7 @@ contains
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = 0
+        acc = p%sums(:, :at_hold)
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
@@ -75,7 +75,7 @@ contains
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = 0
+        acc = p%sums(:, :at_hold)
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
@@ -124,7 +124,7 @@ contains
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = 0
+        acc = p%sums
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
@@ -182,7 +182,7 @@ contains
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = 0
+        acc = p%sums
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
@@ -245,7 +245,7 @@ contains
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = 0
+        acc = p%sums
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
@@ -299,7 +299,7 @@ contains
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = 0
+        acc = p%sums
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)

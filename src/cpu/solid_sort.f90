@@ -10,22 +10,29 @@ module brz_solid_sort
     use brz_solid_state, only: body_t, form_total, is_gone, solid_t
     implicit none
     private
-    public :: sort_body
+    public :: note_places, sort_body
 
 contains
 
-    !> Bring the particles of a body into the order of the cells at their present positions.
+    !> The lists of a body are about to be built for the places of now.
+    subroutine note_places(solid, b)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+
+        call note_positions(solid, solid%bodies(b))
+        call begin_list(solid, b, mean_velocity(solid, solid%bodies(b)))
+    end subroutine note_places
+
+    !> Bring the particles of a body into the order of the cells at the places `x_built`. It has no
+    !> ghosts.
     subroutine sort_body(solid, b)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
 
         associate (body => solid%bodies(b))
-            call note_positions(solid, body)
             call lay_grid(solid%search, solid%x_built, solid%fixed, body, cell_of_groups(solid, b))
             call fill_cells(solid%search, solid%x_built, solid%fixed, body)
             call reorder_particles(solid, body%first, body%last)
-            call note_positions(solid, body)
-            call begin_list(solid, b, mean_velocity(solid, body))
         end associate
     end subroutine sort_body
 

@@ -9,12 +9,14 @@ module brz_solid_step
     use brz_kinds, only: dp, int16, int64, int8, rk
     use brz_list_drift, only: drift_bodies, find_stale
     use brz_material, only: strength_left
+    use brz_ranks, only: agree, several
     use brz_solid_bonds, only: break_bonds
     use brz_solid_cohesive, only: cohesive_pass
     use brz_solid_contact, only: contact_pass, find_touch
     use brz_solid_doubles, only: refuse_doubles
     use brz_solid_faults, only: report_bad
     use brz_solid_forces, only: force_pass, update_sizes
+    use brz_solid_ghosts, only: refresh_motion, refresh_rows
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_lanes, only: group_of
     use brz_solid_leaving, only: remove_left
@@ -54,15 +56,18 @@ contains
                 solid%support(i) = int(min(count_intact(solid, b, i, 0), most_support), int16)
             end do
         end do
+        call refresh_motion(solid)
         call refuse_doubles(solid, err)
         call meet(solid)
         call find_tilts(solid)
         call gradient_pass(solid, 0.0_dp)
+        call refresh_rows(solid)
         call cohesive_pass(solid)
         call contact_pass(solid, 0.0_dp)
         call force_pass(solid, 0.0_dp)
         call balance_rigid(solid, 0.0_dp)
         call report_bad(solid, err)
+        call agree_on_step(solid, err)
     end subroutine start_solid
 
     !> How the bodies meet at the start.
@@ -85,7 +90,22 @@ contains
         do k = 1, size(solid%block, 2)
             call update_sizes(solid, solid%bodies(solid%block(1, k)), k)
         end do
+        call refresh_motion(solid)
     end subroutine resume_solid
+
+    !> All processes have the same limits of the time step, and an error that one of them has.
+    subroutine agree_on_step(solid, err)
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        real(dp) :: limit(0:size(solid%bodies))
+
+        if (.not. several(solid%ranks)) return
+        limit(0) = solid%dt_limit
+        limit(1:) = solid%bodies%dt_limit
+        call agree(solid%ranks, err, limit)
+        solid%dt_limit = limit(0)
+        solid%bodies%dt_limit = limit(1:)
+    end subroutine agree_on_step
 
     !> Largest allowed time step: the CFL limit, and at most 5 % more than the last step [s].
     pure real(dp) function solid_time_step(solid) result(dt)
@@ -118,14 +138,18 @@ contains
             if (any(stale)) solid%rebuilds = solid%rebuilds + 1
             call wake_met(solid)
             call end_support(solid, stale)
+        else
+            call refresh_motion(solid)
         end if
         call gradient_pass(solid, dt)
+        call refresh_rows(solid)
         call break_bonds(solid)
         call cohesive_pass(solid)
         call contact_pass(solid, dt)
         call force_pass(solid, dt)
         call balance_rigid(solid, dt)
         call report_bad(solid, err)
+        call agree_on_step(solid, err)
     end subroutine solid_step
 
     !> Velocity by the mean of the last and this time step, then position.

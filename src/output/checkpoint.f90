@@ -25,6 +25,9 @@ module brz_checkpoint
     use brz_output_folder, only: checkpoint_begin, checkpoint_end, checkpoint_name
     use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_seal, only: check_seal
+    use brz_solid_books, only: keep_books_of_first
+    use brz_solid_gather, only: gather_solid
+    use brz_solid_home, only: hold_all, share_out
     use brz_solid_state, only: solid_t
     use brz_version, only: precision
     implicit none
@@ -40,7 +43,7 @@ module brz_checkpoint
 contains
 
     !> Write a checkpoint, which `name_checkpoint` then names. Histories must be flushed before.
-    subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err)
+    recursive subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err)
         character(*), intent(in) :: folder
         type(case_t), intent(in) :: case
         type(clock_t), intent(inout) :: clock
@@ -54,6 +57,9 @@ contains
 
         if (several(air%part%ranks)) then
             call write_in_parts(folder, case, clock, air, sums, err)
+            return
+        else if (several(solid%ranks)) then
+            call write_by_first(folder, case, clock, air, coupling, solid, sums, err)
             return
         end if
         call describe_run(case, clock, meta)
@@ -79,6 +85,26 @@ contains
         if (failed(err)) call remove_parts(folder, checkpoint_name(step))
         if (.not. failed(err)) call remove_old(folder, step)
     end subroutine name_checkpoint
+
+    !> The same of several processes, which share the bodies: the first has them all for a while,
+    !> and writes them as one process would.
+    subroutine write_by_first(folder, case, clock, air, coupling, solid, sums, err)
+        character(*), intent(in) :: folder
+        type(case_t), intent(in) :: case
+        type(clock_t), intent(inout) :: clock
+        type(air_t), intent(inout) :: air
+        type(coupling_t), intent(inout) :: coupling
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(inout) :: sums(:)
+        type(error_t), intent(inout) :: err
+        type(solid_t), allocatable :: whole
+
+        allocate (whole)
+        call gather_solid(solid, whole)
+        if (solid%ranks%rank == 0) &
+            call write_checkpoint(folder, case, clock, air, coupling, whole, sums, err)
+        call agree(solid%ranks, err)
+    end subroutine write_by_first
 
     !> The same of several processes, which share the air: each its box, and the first what all have
     !> in common, once the boxes are on the disk.
@@ -129,6 +155,7 @@ contains
         call h5_open(file, path, err)
         call check_origin(file, case, err)
         in_parts = is_in_parts(file)
+        if (solid%present) call hold_all(solid)
         if (in_parts .or. several(air%part%ranks)) then
             call read_air_boxes(file, air, err)
             call carry(file, 'sums', sums, err)
@@ -138,6 +165,11 @@ contains
         end if
         call check_state(path, clock, air, coupling, solid, err)
         call h5_close(file, err)
+        if (.not. several(solid%ranks)) return
+        call agree(solid%ranks, err)
+        if (failed(err)) return
+        call keep_books_of_first(solid)
+        call share_out(solid)
     end subroutine read_checkpoint
 
     subroutine carry_all(file, clock, air, coupling, solid, sums, err)

@@ -9,7 +9,9 @@ module brz_dumps
     use brz_kinds, only: dp
     use brz_meta, only: describe_run, meta_t
     use brz_output_folder, only: dump_name
+    use brz_ranks, only: several
     use brz_series, only: add_to_series, cut_series, open_series, series_t
+    use brz_solid_gather, only: gather_solid
     use brz_solid_dump, only: write_solid_dump
     use brz_solid_state, only: solid_t
     implicit none
@@ -71,16 +73,25 @@ contains
         type(clock_t), intent(in) :: clock
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
+        type(solid_t), allocatable :: whole
         type(meta_t) :: meta
 
         call describe_run(case, clock, meta)
         if (air%present) call write_air_dump( &
             dumps%folder//'/'//dump_name('air', clock%dump_number), air, wall, meta, err)
-        if (solid%present) call write_solid_dump( &
-            dumps%folder//'/'//dump_name('solid', clock%dump_number), solid, &
-            case%materials%id, meta, err)
+        if (.not. solid%present) return
+        associate (path => dumps%folder//'/'//dump_name('solid', clock%dump_number))
+            if (several(solid%ranks)) then
+                allocate (whole)
+                call gather_solid(solid, whole)
+                if (dumps%leads) &
+                    call write_solid_dump(path, whole, case%materials%id, meta, err)
+            else
+                call write_solid_dump(path, solid, case%materials%id, meta, err)
+            end if
+        end associate
     end subroutine write_dump_files
 
     !> Name a dump in the series, once it is on the disk.

@@ -12,11 +12,12 @@ module brz_gauges
     use brz_case, only: case_t, gauge_case_t, label, name_len
     use brz_check_start, only: is_radial
     use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_gauge_places, only: choose_particle, find_place
     use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
     use brz_kinds, only: dp
     use brz_material, only: n_hist
     use brz_materials, only: history_names
-    use brz_ranks, only: several
+    use brz_ranks, only: bits_of_all, several
     use brz_solid_body_forces, only: n_forces
     use brz_solid_state, only: form_rigid, is_free, solid_t
     use brz_solid_step, only: velocity_at_step
@@ -118,6 +119,9 @@ contains
                                        "' to measure here; there is "// &
                                        known_quantities(gauge%body > 0, with_air))
         if (failed(err) .or. gauge%body == 0) return
+        if (several(solid%ranks) .and. (gauge%whole > 0 .or. gauge%quantity == 'strain')) &
+            call raise(err, exit_deck, label('gauge', input%id, input%place)//'several '// &
+                       'processes do not measure '//trim(gauge%quantity)//' yet; run as one')
         if (gauge%whole > 0) then
             if (any(index(gauge%quantity, ['reaction', 'moment  ']) == 1)) &
                 call find_support(input, solid, err)
@@ -191,27 +195,6 @@ contains
         if (text == '') text = 'nothing without air'
     end function known_quantities
 
-    !> The particle of the body that is nearest to the gauge; the lowest number among equals.
-    pure subroutine choose_particle(solid, body, at, particle, place)
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: body
-        real(dp), intent(in) :: at(3) !! [m]
-        integer, intent(out) :: particle, place !! its number, where it lies
-        real(dp) :: distance, least
-        integer :: i
-
-        least = huge(least)
-        particle = 0
-        place = 0
-        do i = solid%bodies(body)%first, solid%bodies(body)%last
-            distance = sum((solid%x_ref(:, i) - at)**2)
-            if (distance > least .or. (distance >= least .and. solid%id(i) > particle)) cycle
-            least = distance
-            particle = solid%id(i)
-            place = i
-        end do
-    end subroutine choose_particle
-
     !> Columns of the history: time[s] and, for each gauge, id:quantity[unit].
     subroutine gauge_names(gauges, names)
         type(gauges_t), intent(in) :: gauges
@@ -271,6 +254,7 @@ contains
                 end if
             end associate
         end do
+        if (several(solid%ranks)) call bits_of_all(solid%ranks, row(2:))
     end subroutine gauge_row
 
     !> One row of the history, but its time, while the air is a blast in one dimension; bodies wait.
@@ -301,31 +285,20 @@ contains
     real(dp) function value_of_body(solid, gauge) result(value)
         type(solid_t), intent(in) :: solid
         type(gauge_t), intent(inout) :: gauge
+        integer :: k
 
         if (gauge%whole >= from_impulse) then
             value = solid%bodies(gauge%body)%impulse(gauge%whole - from_impulse + 1)
         else if (gauge%whole > 0) then
             value = gauge%force(gauge%whole)
         else
-            call find_particles(solid, gauge)
-            value = value_of_particle(solid, gauge)
+            do k = 1, count(gauge%particle > 0)
+                call find_place(solid, gauge%body, gauge%particle(k), gauge%place(k))
+            end do
+            value = 0 ! another process has the particle
+            if (gauge%place(1) > 0) value = value_of_particle(solid, gauge)
         end if
     end function value_of_body
-
-    !> Look particles up again if they have been moved by sorting.
-    subroutine find_particles(solid, gauge)
-        type(solid_t), intent(in) :: solid
-        type(gauge_t), intent(inout) :: gauge
-        integer :: k
-
-        associate (body => solid%bodies(gauge%body))
-            do k = 1, count(gauge%particle > 0)
-                if (solid%id(gauge%place(k)) == gauge%particle(k)) cycle
-                gauge%place(k) = body%first - 1 &
-                    + findloc(solid%id(body%first:body%last), gauge%particle(k), dim=1)
-            end do
-        end associate
-    end subroutine find_particles
 
     pure real(dp) function value_of_gas(state, rest, quantity) result(value)
         real(dp), intent(in) :: state(5) !! density, velocity, pressure

@@ -12,7 +12,7 @@ module brz_mpi_library
     private
     public :: open_mpi, mpi_in_place
     public :: mpi_init, mpi_finalize, mpi_comm_rank, mpi_comm_size, mpi_comm_f2c
-    public :: mpi_allreduce, mpi_bcast, mpi_isend, mpi_irecv, mpi_waitall
+    public :: mpi_allreduce, mpi_alltoall, mpi_bcast, mpi_isend, mpi_irecv, mpi_waitall
     public :: mpi_comm_world, mpi_double, mpi_float, mpi_int64, mpi_char, mpi_min, mpi_max, &
               mpi_sum, mpi_bor
 
@@ -40,6 +40,11 @@ module brz_mpi_library
             type(c_ptr), value :: from, to, type, op, comm
             integer(c_int), value :: n
         end function allreduce_i
+        integer(c_int) function alltoall_i(from, n, type, to, n_to, type_to, comm) bind(c)
+            import :: c_int, c_ptr
+            type(c_ptr), value :: from, type, to, type_to, comm
+            integer(c_int), value :: n, n_to
+        end function alltoall_i
         integer(c_int) function bcast_i(data, n, type, root, comm) bind(c)
             import :: c_int, c_ptr
             type(c_ptr), value :: data, type, comm
@@ -74,6 +79,7 @@ module brz_mpi_library
         mpi_comm_size => null()
     procedure(from_number_i), pointer, protected, save :: mpi_comm_f2c => null()
     procedure(allreduce_i), pointer, protected, save :: mpi_allreduce => null()
+    procedure(alltoall_i), pointer, protected, save :: mpi_alltoall => null()
     procedure(bcast_i), pointer, protected, save :: mpi_bcast => null()
     procedure(message_i), pointer, protected, save :: mpi_isend => null(), mpi_irecv => null()
     procedure(waitall_i), pointer, protected, save :: mpi_waitall => null()
@@ -108,6 +114,7 @@ contains
         call c_f_procpointer(library%function('MPI_Comm_size'), mpi_comm_size)
         call c_f_procpointer(library%function('MPI_Comm_f2c'), mpi_comm_f2c)
         call c_f_procpointer(library%function('MPI_Allreduce'), mpi_allreduce)
+        call c_f_procpointer(library%function('MPI_Alltoall'), mpi_alltoall)
         call c_f_procpointer(library%function('MPI_Bcast'), mpi_bcast)
         call c_f_procpointer(library%function('MPI_Isend'), mpi_isend)
         call c_f_procpointer(library%function('MPI_Irecv'), mpi_irecv)

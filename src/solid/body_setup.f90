@@ -169,27 +169,52 @@ contains
             solid%bodies(b)%first = solid%n + 1
             solid%n = solid%n + size(points(b)%x, 2)
             solid%bodies(b)%last = solid%n
+            solid%bodies(b)%rim = solid%n
+            solid%bodies(b)%number = [solid%bodies(b)%first, solid%n]
             solid%bodies(b)%volume_scale = points(b)%scale
             solid%notes = solid%notes//points(b)%notes
         end do
     end subroutine number_particles
 
-    !> Largest speed of a body at the start, or of two bodies against each other, or of a body
-    !> against its mirror image [m/s].
+    !> Largest speed at which two bodies, a body and its mirror image, or a body and the part of it
+    !> that is held or driven from the start move against each other [m/s]. What all share is none.
     pure real(dp) function meeting_speed(case) result(speed)
         type(case_t), intent(in) :: case
-        integer :: a, b
+        real(dp), allocatable :: v(:, :), w(:, :)
+        integer :: a, b, k
 
         speed = 0
         do a = 1, size(case%bodies)
-            associate (v => case%bodies(a)%velocity)
-                speed = max(speed, norm2(v), 2*maxval(merge(abs(v), 0.0_dp, case%run%symmetry)))
-                do b = 1, size(case%bodies)
-                    speed = max(speed, norm2(v - case%bodies(b)%velocity))
+            v = speeds_of(case%bodies(a))
+            speed = max(speed, norm2(v(:, 2) - v(:, 1)))
+            do k = 1, size(v, 2)
+                speed = max(speed, 2*maxval(merge(abs(v(:, k)), 0.0_dp, case%run%symmetry)))
+            end do
+            do b = 1, a - 1
+                w = speeds_of(case%bodies(b))
+                do k = 1, size(v, 2)
+                    speed = max(speed, maxval(norm2(w - spread(v(:, k), 2, size(w, 2)), dim=1)))
                 end do
-            end associate
+            end do
         end do
     end function meeting_speed
+
+    !> Velocities of a body (3, at least 2): at the start, of its held or driven particles, if any,
+    !> at the start, and of these at later times [m/s].
+    pure function speeds_of(body) result(v)
+        type(body_case_t), intent(in) :: body
+        real(dp), allocatable :: v(:, :)
+
+        allocate (v(3, 1 + max(body%n_motion, 1)))
+        v(:, 1) = body%velocity
+        v(:, 2) = 0
+        if (body%n_motion > 0) then
+            v(:, 2:) = body%motion_velocity(:, :body%n_motion)
+            if (body%formulation == 'rigid') v(:, 1) = v(:, 2)
+        else if (.not. (any(body%fix /= '') .or. body%n_fix_boxes > 0)) then
+            v(:, 2) = body%velocity
+        end if
+    end function speeds_of
 
     !> Copy the settings of a body from the deck.
     subroutine settle(input, material, dimension, speed, body, err)

@@ -47,10 +47,10 @@ contains
         real(dp) :: lo(3), hi(3)
 
         call extent(x, fixed, body, lo, hi)
-        call choose_cells(s, lo, hi, body%last - body%first + 1, size)
+        call choose_cells(s, lo, hi, body%rim - body%first + 1, size)
     end subroutine lay_grid
 
-    !> Corners of the particles of a body that are not gone.
+    !> Corners of the particles of a body, and of its ghosts, that are not gone.
     pure subroutine extent(x, fixed, body, lo, hi)
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
         integer(int32), intent(in) :: fixed(:) !! (n)
@@ -60,7 +60,7 @@ contains
 
         lo = huge(lo)
         hi = -huge(hi)
-        do i = body%first, body%last
+        do i = body%first, body%rim
             if (fixed(i) == is_gone) cycle
             lo = min(lo, x(:, i))
             hi = max(hi, x(:, i))
@@ -133,8 +133,8 @@ contains
         if (.not. allocated(s%start)) allocate (s%start(0:2**p))
     end subroutine number_cells
 
-    !> Sort the particles of a body into the cells; equal cells keep the order of the particles.
-    !> Those that are gone come last, in no cell.
+    !> Sort the particles of a body and its ghosts into the cells; equal cells keep the order of the
+    !> particles. Those that are gone come last, in no cell.
     subroutine fill_cells(s, x, fixed, body)
         type(search_t), intent(inout) :: s
         real(dp), intent(in) :: x(:, :) !! (3, n) [m]
@@ -143,7 +143,7 @@ contains
         integer :: i, c, n
 
         s%start = 0
-        do i = body%first, body%last
+        do i = body%first, body%rim
             c = cell_of(s, x(:, i), fixed(i))
             s%start(c) = s%start(c) + 1
         end do
@@ -153,7 +153,7 @@ contains
             s%start(c) = n
             n = n + i
         end do
-        do i = body%first, body%last
+        do i = body%first, body%rim
             c = cell_of(s, x(:, i), fixed(i))
             s%order(s%start(c)) = i
             s%start(c) = s%start(c) + 1

@@ -7,7 +7,7 @@ module brz_solid_arrays
     use brz_solid_state, only: lanes, solid_t
     implicit none
     private
-    public :: allocate_solid, bytes_per_particle
+    public :: allocate_solid, bytes_per_particle, number_groups, cut_blocks
 
     integer, parameter :: block_size = 16*lanes !! most particles of a block: whole groups
     integer, parameter :: n_sum = 8 !! sums that a pass may keep per block
@@ -38,8 +38,21 @@ contains
                 n = n + (body%last - body%first + lanes)/lanes + 1
             end associate
         end do
-        allocate (solid%first(n), source=1_int64)
-        if (any(solid%mirror)) allocate (solid%image_first(n), source=1_int64)
+        call renew(solid%first)
+        if (any(solid%mirror)) call renew(solid%image_first)
+
+    contains
+
+        !> No list has an entry.
+        subroutine renew(first)
+            integer(int64), allocatable, intent(inout) :: first(:)
+
+            if (allocated(first)) then
+                if (size(first) /= n) deallocate (first)
+            end if
+            if (.not. allocated(first)) allocate (first(n))
+            first = 1
+        end subroutine renew
     end subroutine number_groups
 
     !> What particles need to meet those of other bodies.
@@ -70,7 +83,12 @@ contains
         integer :: b, i, n
 
         n = sum((solid%bodies%last - solid%bodies%first + block_size)/block_size)
-        allocate (solid%block(3, n), solid%search%sums(n_sum, n), solid%search%limit(n), &
+        if (allocated(solid%block)) then
+            if (size(solid%block, 2) /= n) deallocate (solid%block, solid%search%sums, &
+                solid%search%limit, solid%search%drawn, solid%search%bad)
+        end if
+        if (.not. allocated(solid%block)) &
+            allocate (solid%block(3, n), solid%search%sums(n_sum, n), solid%search%limit(n), &
                   solid%search%drawn(n), solid%search%bad(n))
         solid%search%drawn = .false.
         n = 0

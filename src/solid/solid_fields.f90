@@ -4,13 +4,14 @@
 module brz_solid_fields
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
     use brz_kinds, only: int16, int32, int8, real32, real64, rk
+    use brz_resize, only: resize
     use brz_solid_columns, only: at_accel, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, tag_bond, tag_cut, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
         tag_touch, tag_weight
-    use brz_solid_state, only: bond_none, n_held, n_pair, solid_t
+    use brz_solid_state, only: bond_none, form_total, n_held, n_pair, solid_t
     implicit none
     private
-    public :: field_t, fields_t, fields_of, make_fields, memory_of, column_of_field
+    public :: field_t, fields_t, fields_of, make_fields, resize_fields, memory_of, column_of_field
     public :: numbers_of, set_numbers, set_columns
     public :: is_double, is_single, is_integer, is_short
     public :: nowhere, in_place, in_reference, in_built, in_motion, in_state, in_tag
@@ -41,6 +42,8 @@ module brz_solid_fields
         integer :: particles = 0
         integer :: columns = at_hist !! of `state`
         logical :: make = .false. !! allocate what is wanted
+        logical :: kept_alone = .false. !! but only what a checkpoint holds
+        integer :: room = 0 !! particles that arrays get room for, 0: they keep theirs
         type(field_t) :: of(most_fields)
     end type fields_t
 
@@ -62,11 +65,13 @@ contains
 
     !> Allocate what solid%n particles with solid%n_hist history variables need; bodies must be
     !> known. Numbers are 0, weights of contact 1.
-    subroutine make_fields(solid)
+    subroutine make_fields(solid, kept_alone)
         type(solid_t), intent(inout), target :: solid
+        logical, intent(in), optional :: kept_alone !! only what a checkpoint holds
         type(fields_t) :: fields
 
         fields%make = .true.
+        if (present(kept_alone)) fields%kept_alone = kept_alone
         call walk(solid, fields)
         allocate (solid%h(merge(solid%n, 0, any(solid%bodies%variable))))
         solid%h = 0
@@ -75,6 +80,16 @@ contains
         solid%links%weight = 1
         solid%links%bond = bond_none
     end subroutine make_fields
+
+    !> Give the arrays room for so many particles, with what they hold of the first ones.
+    subroutine resize_fields(solid, room)
+        type(solid_t), intent(inout), target :: solid
+        integer, intent(in) :: room
+        type(fields_t) :: fields
+
+        fields%room = room
+        call walk(solid, fields)
+    end subroutine resize_fields
 
     !> The table. Arguments of a line: name, array, rows, if it is to be allocated, where it lies.
     subroutine walk(s, t)
@@ -91,7 +106,6 @@ contains
         call see(t, 'x', s%x, 3, .true., in_place, 1)
         call see(t, 'x_ref', s%x_ref, 3, .true., in_reference, 1)
         call see(t, 'x_built', s%x_built, 3, .true., in_built, 1)
-        t%of(t%n)%sorted = .false. ! found anew with every sort
         call see(t, 'v', s%v, 3, .true., in_motion, 1)
         call see(t, 'a', s%a, 3, .true., in_state, at_accel + 1)
         call see(t, 'mass', s%mass, .true., in_state, at_mass)
@@ -100,7 +114,11 @@ contains
         call see(t, 'stress', s%stress, 6, .true., in_state, at_stress + 1)
         call see(t, 'hist', s%hist, s%n_hist, .true., in_state, at_hist + 1)
         call see(t, 'damage', s%damage, .true., in_state, at_damage)
-        call see(t, 'volume', s%volume, .true., in_motion, 4, derived=.true.)
+        if (any(s%bodies%formulation == form_total)) then ! it is that of the set-up
+            call see(t, 'volume', s%volume, .true., in_motion, 4)
+        else
+            call see(t, 'volume', s%volume, .true., in_motion, 4, derived=.true.)
+        end if
         call see(t, 'h', s%h, .false., in_place, 4, derived=.true.)
         call see(t, 'tilt', s%tilt, tilted, in_reference, 4)
         call see(t, 'id', s%id, .true., in_tag, tag_id)
@@ -119,6 +137,15 @@ contains
         call see(t, 'hold', s%hold, 6, any(s%bodies%directional), nowhere, 0, derived=.true.)
         call see(t, 'held', s%held, n_held, held, nowhere, 0, derived=.true.)
     end subroutine walk
+
+    !> True where a field is to be allocated.
+    pure logical function makes(t, wanted, derived)
+        type(fields_t), intent(in) :: t
+        logical, intent(in) :: wanted
+        logical, intent(in), optional :: derived !! not part of a checkpoint
+
+        makes = t%make .and. wanted .and. .not. (t%kept_alone .and. present(derived))
+    end function makes
 
     !> Add a line to the table.
     subroutine note(t, field, values, derived)
@@ -145,8 +172,9 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (t%make .and. wanted) allocate (a(rows, t%particles), source=0.0_real64)
+        if (makes(t, wanted, derived)) allocate (a(rows, t%particles), source=0.0_real64)
         if (.not. allocated(a)) return
+        if (t%room > 0) call resize(a, t%room)
         call note(t, field_t(name, is_double, rows, .false., lies, at), c_loc(a), derived)
     end subroutine see_doubles
 
@@ -158,8 +186,9 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (t%make .and. wanted) allocate (a(rows, t%particles), source=0.0_real32)
+        if (makes(t, wanted, derived)) allocate (a(rows, t%particles), source=0.0_real32)
         if (.not. allocated(a)) return
+        if (t%room > 0) call resize(a, t%room)
         call note(t, field_t(name, is_single, rows, .false., lies, at), c_loc(a), derived)
     end subroutine see_singles
 
@@ -171,8 +200,9 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (t%make .and. wanted) allocate (a(t%particles), source=0.0_real64)
+        if (makes(t, wanted, derived)) allocate (a(t%particles), source=0.0_real64)
         if (.not. allocated(a)) return
+        if (t%room > 0) call resize(a, t%room)
         if (size(a) > 0) call note(t, field_t(name, is_double, 1, .true., lies, at), c_loc(a), &
                                    derived)
     end subroutine see_double
@@ -185,8 +215,9 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (t%make .and. wanted) allocate (a(t%particles), source=0.0_real32)
+        if (makes(t, wanted, derived)) allocate (a(t%particles), source=0.0_real32)
         if (.not. allocated(a)) return
+        if (t%room > 0) call resize(a, t%room)
         if (size(a) > 0) call note(t, field_t(name, is_single, 1, .true., lies, at), c_loc(a), &
                                    derived)
     end subroutine see_single
@@ -199,8 +230,9 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (t%make .and. wanted) allocate (a(t%particles), source=0_int32)
+        if (makes(t, wanted, derived)) allocate (a(t%particles), source=0_int32)
         if (.not. allocated(a)) return
+        if (t%room > 0) call resize(a, t%room)
         call note(t, field_t(name, is_integer, 1, .true., lies, at), c_loc(a), derived)
     end subroutine see_integer
 
@@ -212,8 +244,9 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (t%make .and. wanted) allocate (a(t%particles), source=0_int16)
+        if (makes(t, wanted, derived)) allocate (a(t%particles), source=0_int16)
         if (.not. allocated(a)) return
+        if (t%room > 0) call resize(a, t%room)
         call note(t, field_t(name, is_short, 1, .true., lies, at), c_loc(a), derived)
     end subroutine see_short
 
@@ -225,8 +258,9 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (t%make .and. wanted) allocate (a(t%particles), source=0_int8)
+        if (makes(t, wanted, derived)) allocate (a(t%particles), source=0_int8)
         if (.not. allocated(a)) return
+        if (t%room > 0) call resize(a, t%room)
         call note(t, field_t(name, is_byte, 1, .true., lies, at), c_loc(a), derived)
     end subroutine see_byte
 

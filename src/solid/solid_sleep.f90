@@ -44,7 +44,7 @@ contains
         end do
     end subroutine wake_met
 
-    !> Particles that take steps.
+    !> Particles that take steps, of all processes.
     pure integer(int64) function particles_awake(solid) result(n)
         type(solid_t), intent(in) :: solid
         integer :: b
@@ -53,7 +53,7 @@ contains
         if (.not. solid%present) return
         do b = 1, size(solid%bodies)
             if (.not. solid%bodies(b)%asleep) &
-                n = n + solid%bodies(b)%last - solid%bodies(b)%first + 1
+                n = n + solid%bodies(b)%number(2) - solid%bodies(b)%number(1) + 1
         end do
     end function particles_awake
 end module brz_solid_sleep

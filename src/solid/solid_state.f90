@@ -13,13 +13,14 @@ module brz_solid_state
     use brz_material, only: material_t
     use brz_motion, only: motion_t
     use brz_ranks, only: ranks_t
+    use brz_solid_part, only: part_t
     use brz_rigid, only: rigid_t
     implicit none
     private
     public :: solid_t, body_t, ledger_t, search_t
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_names, form_total, lanes, worth_threads, links_t
-    public :: bond_none, bond_whole, bond_broken, intact_share
+    public :: bond_none, bond_whole, bond_broken, bond_breaks, loose_by, intact_share
     public :: is_free, is_held, is_gone
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold, pair_spin, pair_tilt
@@ -37,6 +38,8 @@ module brz_solid_state
     integer(int32), parameter :: is_free = 0, is_held = 1
     integer(int32), parameter :: is_gone = 2 !! has left the region and is out of the computation
     integer(int32), parameter :: bond_none = 0, bond_whole = 1, bond_broken = 2
+    integer(int32), parameter :: bond_breaks = 3 !! broke in this step
+    integer, parameter :: loose_by = 15 !! what lets go in this step stands so many bits higher
     real(rk), parameter :: intact_share = 0.5_rk !! fewer intact neighbours end the stiff
                                                  !! hourglass force
     integer, parameter :: worth_threads = 2048 !! fewer particles are faster on one thread
@@ -97,10 +100,12 @@ module brz_solid_state
         integer :: axis = 0 !! of a cylinder, 0: a sphere
     end type round_t
 
-    !> One body: particles first..last, one material, one formulation.
+    !> One body: particles first..last (of this process), one material, one formulation.
     type :: body_t
         character(32) :: id = ''
         integer :: first = 1, last = 0
+        integer :: rim = 0 !! last of its ghosts, which follow its particles; `last` without
+        integer :: number(2) = 0 !! first and last number of the particles of all processes
         integer :: material = 0 !! place in solid%materials
         integer :: formulation = form_bending
         real(dp) :: spacing = 0 !! [m]
@@ -173,9 +178,10 @@ module brz_solid_state
         real(real32), allocatable :: touch(:) !! (n) kernel sum at which contact begins
         real(real32), allocatable :: weight(:) !! (n) of its cell in sums of contact, 1 but at the
                                                !! surface of round bodies
-        integer(int32), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
+        integer(int32), allocatable :: bond(:) !! (n) bond_none, ..., bond_breaks
         integer(int32), allocatable :: joined(:) !! (n) cohesive interfaces that still hold a
-                                                 !! particle, a bit each; only where there are some
+                                                 !! particle, a bit each, and, see loose_by, those
+                                                 !! that let go of it; only where there are some
         real(rk), allocatable :: press(:, :) !! (n_press, 0:rows) pressure of contact [Pa]; its
                                              !! gradient of the kernel sum [1/m]; stiffness [Pa]
         real(rk), allocatable :: push(:, :) !! (9, 0:rows) forces of contact: springs, drag [N];
@@ -185,7 +191,8 @@ module brz_solid_state
     type :: solid_t
         logical :: present = .false.
         type(ranks_t) :: ranks !! the processes that share the particles
-        integer :: n = 0 !! particles of this process
+        type(part_t) :: part !! what this one has to do with others
+        integer :: n = 0 !! particles, with the ghosts of those of other processes
         integer :: n_hist = 0 !! history variables kept per particle
         integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis

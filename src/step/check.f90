@@ -14,7 +14,7 @@ module brz_check
     use brz_errors, only: error_t
     use brz_kinds, only: dp, real32
     use brz_material_report, only: material_report
-    use brz_run_ranks, only: print_ranks
+    use brz_run_ranks, only: print_ranks, print_regions
     use brz_scene_size, only: count_text, memory_text, scene_size_t
     use brz_screen, only: say
     use brz_simulation, only: simulation_t
@@ -56,6 +56,7 @@ contains
         if (sim%solid%present) exact%dt_solid = solid_time_step(sim%solid)
         call print_cost(sim%case, exact)
         call print_ranks(sim%case, size_of, n)
+        call print_regions(sim%solid, n)
         call print_verdict(sim%case, sim%solid, 'the deck is sound')
     end subroutine print_check
 

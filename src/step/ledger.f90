@@ -12,6 +12,7 @@ module brz_ledger
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, rk
+    use brz_solid_books, only: books_t, close_all_books, open_all_books
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals_t
     implicit none
@@ -108,6 +109,7 @@ contains
         type(ledger_t), intent(out) :: ledger
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
         type(solid_totals_t) :: sums
+        type(books_t) :: books
         real(dp) :: all(5), area(2)
         integer(int64) :: faces, cells
 
@@ -121,6 +123,7 @@ contains
             ledger%held_cells = real(cells, dp)
         end if
         if (solid%present) then
+            call open_all_books(solid, books)
             call stock_of_solid(backend, solid, 0, sums, err)
             ledger%solid_kinetic = sums%kinetic
             ledger%solid_internal = sums%internal
@@ -139,6 +142,7 @@ contains
                                  area(1), area(2))
             ledger%drive = sum(solid%bodies%ledger%drive)
             ledger%load_work = sum(solid%bodies%ledger%load)
+            call close_all_books(solid, books)
         end if
         ledger%air_work = coupling%work
         ledger%reference_work = coupling%work_reference
@@ -292,16 +296,19 @@ contains
         real(dp), intent(out) :: row(:) !! (1 + n_body bodies + n_interface interfaces)
         type(error_t), intent(inout) :: err
         type(solid_totals_t) :: t
+        type(books_t) :: books
         real(dp) :: sums(4)
         integer :: b, first
 
         row(1) = time
+        call open_all_books(solid, books)
         do b = 1, size(solid%bodies)
             call stock_of_solid(backend, solid, b, t, err)
             row(2 + n_body*(b - 1):1 + n_body*b) = &
                 [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, t%damage, &
                  solid%bodies(b)%ledger%load, solid%bodies(b)%reaction]
         end do
+        call close_all_books(solid, books)
         call stock_of_interfaces(backend, solid, err)
         do b = 1, interfaces_of(solid)
             call cohesive_totals(solid%cohesive, b, sums(1), sums(2), sums(3), sums(4))

@@ -5,15 +5,21 @@ module brz_run_ranks
     use brz_air_grid, only: brick
     use brz_air_state, only: n_ghost
     use brz_boxes, only: box_t, cells_of, common, cut_grid, most_boxes, widened
-    use brz_case, only: case_t
+    use brz_case, only: case_t, interaction_case_t
     use brz_check_start, only: is_radial
     use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp
     use brz_scene_size, only: scene_size_t
+    use brz_cell_grid, only: reach_of_lists
+    use brz_solid_arrays, only: bytes_per_particle
+    use brz_solid_home, only: is_near
+    use brz_solid_regions, only: cut_regions, region_of
+    use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
     private
-    public :: refuse_on_ranks, print_ranks
+    public :: refuse_on_ranks, print_ranks, print_regions
 
 contains
 
@@ -29,15 +35,17 @@ contains
         if (is_radial(case)) then
             what = "air along one line (geometry = '"//trim(case%air%geometry)//"')"
         else if (size(case%bodies) > 0) then
-            what = 'scenes with bodies'
-        else if (case%run%backend == 'gpu') then
-            what = 'GPUs'
+            what = missing_of_bodies(case)
+            if (what == '') deallocate (what)
         end if
+        if (case%run%backend == 'gpu' .and. .not. allocated(what)) what = 'GPUs'
         if (allocated(what)) then
             call raise(err, exit_deck, 'this version does not have '//what//' on several '// &
                        'processes ('//to_text(n)//' are wanted): run one, with OMP_NUM_THREADS '// &
                        'threads'//trim(merge(', or --backend cpu', '                  ', &
                                              case%run%backend == 'gpu')))
+        else if (.not. case%air%present) then
+            return
         else if (n > most_boxes(case%air%cells, brick)) then
             call raise(err, exit_deck, to_text(n)//' processes are too many for '// &
                        to_text(case%air%cells(1))//' x '//to_text(case%air%cells(2))//' x '// &
@@ -46,6 +54,29 @@ contains
                        to_text(most_boxes(case%air%cells, brick))//' at most')
         end if
     end subroutine refuse_on_ranks
+
+    !> What of a scene with bodies is not distributed, '' for nothing.
+    function missing_of_bodies(case) result(what)
+        type(case_t), intent(in) :: case
+        character(:), allocatable :: what
+        type(interaction_case_t) :: rule
+        integer :: a, b
+
+        what = ''
+        do b = 1, size(case%bodies)
+            do a = 1, b - 1
+                call find_rule(case, a, b, rule)
+                if (rule%law /= 'none') what = 'bodies that meet (''' &
+                    //trim(case%bodies(a)%id)//''' and '''//trim(case%bodies(b)%id)//''')'
+            end do
+            if (case%bodies(b)%formulation == 'rigid') what = 'rigid bodies (''' &
+                //trim(case%bodies(b)%id)//''')'
+        end do
+        if (allocated(case%loads)) then
+            if (size(case%loads) > 0) what = 'a load on bodies'
+        end if
+        if (case%air%present) what = 'bodies in air'
+    end function missing_of_bodies
 
     !> Print the box of each process, its memory and what it sends, without MPI.
     subroutine print_ranks(case, size_of, n)
@@ -56,7 +87,7 @@ contains
         real(dp) :: share, around
         integer :: r, layers(3)
 
-        if (n < 2) return
+        if (n < 2 .or. .not. case%air%present) return
         call cut_grid(case%air%cells, brick, boxes)
         layers = merge(n_ghost, 0, case%air%cells > 1)
         write (output_unit, '(a, i0, a, f0.3, a)') 'processes    ', n, &
@@ -72,4 +103,45 @@ contains
                 1e-6_dp*size_of%air_bytes*(share + around)/size_of%cells, ' MB'
         end do
     end subroutine print_ranks
+
+    !> Print the particles of each process and their memory, without MPI.
+    subroutine print_regions(solid, n)
+        type(solid_t), intent(inout) :: solid !! built
+        integer, intent(in) :: n !! processes
+        real(dp) :: region(3, 2, 0:n - 1)
+        integer :: ghosts(0:n - 1), own(0:n - 1), r
+
+        if (n < 2 .or. .not. solid%present) return
+        call cut_regions(solid%ranks, solid%x_built(:, :solid%n), region)
+        call count_in_regions(solid, region, own, ghosts)
+        write (output_unit, '(a, i0, a, f0.3, a)') 'processes    ', n, &
+            ', the most particles over the mean ', real(maxval(own), dp)*n/solid%n
+        do r = 0, n - 1
+            write (output_unit, '(a, i5, 2(a, i0), a, f0.1, a)') '     process', r + 1, ': ', &
+                own(r), ' particles of its own, ', ghosts(r), ' of neighbours, ', &
+                1e-6_dp*bytes_per_particle(solid)*(own(r) + ghosts(r)), ' MB'
+        end do
+    end subroutine print_regions
+
+    !> Particles in each region, and those of others that its lists may reach.
+    subroutine count_in_regions(solid, region, own, ghosts)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: region(:, :, 0:) !! (3, 2, regions) [m]
+        integer, intent(out) :: own(0:), ghosts(0:) !! (regions)
+        integer :: b, home, i, r
+
+        own = 0
+        ghosts = 0
+        do b = 1, size(solid%bodies)
+            do i = solid%bodies(b)%first, solid%bodies(b)%last
+                home = region_of(region, solid%x_built(:, i))
+                own(home) = own(home) + 1
+                do r = 0, ubound(region, 3)
+                    if (r == home) cycle
+                    if (is_near(solid, region(:, :, r), reach_of_lists(solid, b), i)) &
+                        ghosts(r) = ghosts(r) + 1
+                end do
+            end do
+        end do
+    end subroutine count_in_regions
 end module brz_run_ranks

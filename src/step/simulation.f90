@@ -14,6 +14,7 @@ module brz_simulation
     use brz_progress, only: progress_t
     use brz_ranks, only: ranks_t
     use brz_setup_progress, only: setup_blast, setup_stage
+    use brz_solid_home, only: share_out
     use brz_solid_sleep, only: put_to_sleep
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: start_solid
@@ -58,6 +59,10 @@ contains
         if (size(sim%case%bodies) > 0) call setup_stage('bodies')
         call set_up_solid(sim%case, sim%solid, err)
         if (failed(err)) return
+        if (sim%solid%present) then
+            sim%solid%ranks = sim%ranks
+            call share_out(sim%solid)
+        end if
         if (sim%solid%present) call setup_stage('neighbours')
         call start_solid(sim%solid, err)
         if (failed(err)) return

@@ -11,8 +11,9 @@ module brz_summary
     use brz_ledger, only: ledger_start_t, ledger_t, take_stock
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
-    use brz_ranks, only: least_of_all, several, traffic
+    use brz_ranks, only: least_of_all, most_of_all, several, traffic
     use brz_simulation, only: simulation_t
+    use brz_solid_home, only: all_particles
     use brz_screen, only: say
     use brz_timer, only: wall_seconds
     implicit none
@@ -96,6 +97,10 @@ contains
 
         seconds = max(wall_seconds() - sim%progress%wall_start, 1e-9_dp)
         waited = 100*traffic%seconds/seconds*[1, -1]
+        if (.not. sim%air%present) then
+            call print_share_of_bodies(sim, waited)
+            return
+        end if
         mean = 0
         do r = 0, sim%ranks%n - 1
             mean = mean + real(cells_of(sim%air%part%boxes(r)), dp)/sim%ranks%n
@@ -106,6 +111,21 @@ contains
             maxval(real(cells_of(sim%air%part%boxes), dp))/mean, ', ', waited(1), ' to ', &
             -waited(2), ' % of the time with messages'
     end subroutine print_share
+
+    !> The same of the bodies.
+    subroutine print_share_of_bodies(sim, waited)
+        type(simulation_t), intent(in) :: sim
+        real(dp), intent(inout) :: waited(2) !! % of the time, and the same negative
+        integer(int64) :: most(1)
+
+        most = sum(int(sim%solid%bodies%last - sim%solid%bodies%first + 1, int64))
+        call most_of_all(sim%ranks, most)
+        call least_of_all(sim%ranks, waited)
+        write (output_unit, '(a, i0, a, f0.2, a, f0.1, a, f0.1, a)') 'processes  ', sim%ranks%n, &
+            ', the most particles over the mean ', &
+            real(most(1), dp)*sim%ranks%n/all_particles(sim%solid), ', ', waited(1), ' to ', &
+            -waited(2), ' % of the time with messages'
+    end subroutine print_share_of_bodies
 
     !> Wall-clock time and throughput.
     subroutine print_cost(sim)

@@ -7,9 +7,10 @@ import signal
 import subprocess
 import time
 
+import numpy as np
 import pytest
 import pyvista
-from test_run import BRISANCE, ROOT
+from test_run import BRISANCE, ROOT, arrays, history
 
 from post.errors import PostError
 from post.reader import Run
@@ -63,7 +64,9 @@ def test_another_mpi_is_named():
 @pytest.mark.parametrize(
     ("deck", "args", "reason"),
     [
-        ("demo.nml", [], "does not have scenes with bodies on several processes"),
+        ("demo.nml", [], "does not have bodies in air on several processes"),
+        ("plate_load.nml", [], "does not have a load on bodies on several processes"),
+        ("rod_concrete.nml", [], "does not have"),
         ("free_air.nml", [], "air along one line"),
         ("reflection.nml", ["--backend", "gpu"], "does not have GPUs on several processes"),
         ("reflection.nml", ["--set", "air.cells=11,11,21"], "2 at most"),
@@ -271,3 +274,85 @@ def test_a_killed_process_ends_all_and_the_wall_clock_stops_all(tmp_path):
                  "--set", "run.t_end=0.4", "--set", "air.cells=48,32,38", cwd=tmp_path)  # fmt: skip
     assert done.returncode == 75, done.stderr
     assert "stopped by the wall-clock limit" in done.stderr
+
+
+# Bodies that do not meet, some seconds: steel that is drawn until it fails beside two planes of
+# symmetry, a total-Lagrangian plate, one of variable smoothing length whose particles leave.
+BODIES = """\
+&run title = 'bodies', t_end = 8e-6, symmetry = 'x', 'z', energy_band = 0.5 /
+&material id = 's', preset = 'rebar' /
+&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 5e9,
+     poisson_ratio = 0.3 /
+&body id = 'bar', shape = 'box', box = 0,0.008, 0,0.005, 0,0.005, spacing = 1e-3, material = 's',
+     fix = 'x+', motion_time = 0,1e-6,1, motion_velocity = 0,0,0, 900,10,30, 900,10,30 /
+&body id = 'plate', shape = 'box', box = 0,0.009, 0.03,0.032, 0,0.009, spacing = 1e-3,
+     material = 'm', velocity = 0,900,0, formulation = 'total_lagrangian' /
+&body id = 'block', shape = 'box', box = 0,0.007, 0.035,0.039, 0.03,0.037, spacing = 1e-3,
+     material = 's', velocity = 0,400,900, variable_h = .true. /
+&solid region = -1,1, -1,0.04, -1,1, leave = 'remove' /
+&interaction law = 'none' /
+&gauge id = 'end', body = 'bar', at = 0.0075,0.001,0.001, quantity = 'displacement_x' /
+&gauge id = 'middle', body = 'block', at = 0.004,0.036,0.034, quantity = 'speed' /
+&output dump_every = 4e-6, history_every = 0 /
+"""
+
+
+@pytest.fixture(scope="module")
+def bodies_alone(tmp_path_factory):
+    """The folder of a run of bodies on one process."""
+    folder = tmp_path_factory.mktemp("bodies")
+    (folder / "deck.nml").write_text(BODIES)
+    done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "they are taken out" in done.stderr
+    return folder / "out"
+
+
+def equal_bodies(one, other):
+    """Dumps and gauges are the same; books are sums over steps, which processes round apart."""
+    assert (one / "gauges.csv").read_text() == (other / "gauges.csv").read_text()
+    names = sorted(file.name for file in one.glob("*.vtkhdf"))
+    assert names == sorted(file.name for file in other.glob("*.vtkhdf"))
+    for name in names:
+        first, second = arrays(one / name), arrays(other / name)
+        assert first.keys() == second.keys()
+        assert all(np.array_equal(first[path], second[path]) for path in first)
+    for name in ("bodies.csv", "energy.csv"):
+        a, b = history(one / name), history(other / name)
+        for column in a.dtype.names:
+            scale = np.abs(a[column]).max()
+            if column == "error[-]":
+                scale = 1
+            assert np.abs(a[column] - b[column]).max() <= 1e-12 * scale, column
+
+
+@needs_mpirun
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_bodies_do_not_depend_on_processes(n, bodies_alone, tmp_path):
+    (tmp_path / "deck.nml").write_text(BODIES)
+    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "the most particles over the mean" in done.stdout
+    equal_bodies(bodies_alone, tmp_path / "out")
+
+
+@needs_mpirun
+@pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), (2, 4), (4, 3)])
+def test_bodies_go_on_on_other_processes(n, m, bodies_alone, tmp_path):
+    (tmp_path / "deck.nml").write_text(BODIES)
+    done = start(n, "run", "deck.nml", "--out", "out", "--set", "run.max_steps=50", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    done = start(m, "run", "deck.nml", "--out", "out", "--restart", "latest", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    equal_bodies(bodies_alone, tmp_path / "out")
+
+
+def test_a_check_tells_the_particles_of_processes(tmp_path):
+    (tmp_path / "deck.nml").write_text(BODIES)
+    done = start(0, "run", "deck.nml", "--check", "--ranks", "3", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    own = [int(words[0]) for line in done.stdout.splitlines() if " of its own" in line
+           for words in [line.split(":")[1].split()]]  # fmt: skip
+    assert len(own) == 3
+    assert sum(own) == 8 * 5 * 5 + 9 * 2 * 9 + 7 * 4 * 7
+    assert max(own) < 1.2 * sum(own) / 3

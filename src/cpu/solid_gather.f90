@@ -1,0 +1,102 @@
+! SPDX-License-Identifier: MIT
+!> The particles of all processes in one: for dumps and checkpoints, which the first one writes as
+!> if it were alone.
+module brz_solid_gather
+    use brz_kinds, only: int64
+    use brz_mail, only: mail_t, tell_counts
+    use brz_solid_books, only: books_t, close_all_books, open_all_books
+    use brz_solid_fields, only: fields_of, fields_t, make_fields
+    use brz_solid_ghosts, only: of_a_checkpoint, send_particles
+    use brz_solid_part, only: parcels_t
+    use brz_solid_sort, only: sort_body
+    use brz_solid_state, only: n_pair, solid_t
+    implicit none
+    private
+    public :: gather_solid
+
+contains
+
+    !> All that a checkpoint holds, in the first process, in the order in which one process would
+    !> have it; no particles in all others. All must call.
+    subroutine gather_solid(solid, whole)
+        type(solid_t), intent(inout), target :: solid
+        type(solid_t), intent(out), target :: whole
+        integer(int64) :: out(size(solid%bodies), solid%ranks%n), in(size(solid%bodies), &
+                                                                     solid%ranks%n)
+        integer :: next(size(solid%bodies))
+        type(parcels_t) :: leaving, coming
+        type(fields_t) :: from, to
+        type(mail_t) :: mail
+        integer :: b, i, r
+
+        call outline(solid, whole)
+        call make_fields(whole, kept_alone=.true.)
+        out = 0
+        out(:, 1) = solid%bodies%last - solid%bodies%first + 1
+        call tell_counts(solid%ranks, out, in)
+        leaving%place = [((i, i=solid%bodies(b)%first, solid%bodies(b)%last), &
+                          b=1, size(solid%bodies))]
+        allocate (leaving%first(0:solid%ranks%n), coming%first(0:solid%ranks%n))
+        leaving%first = 1 + size(leaving%place)
+        leaving%first(0) = 1
+        allocate (coming%place(sum(in)))
+        next = whole%bodies%first
+        coming%first(0) = 1
+        do r = 1, solid%ranks%n
+            associate (at => coming%first(r))
+                at = coming%first(r - 1)
+                do b = 1, size(solid%bodies)
+                    do i = 1, int(in(b, r))
+                        coming%place(at) = next(b)
+                        at = at + 1
+                        next(b) = next(b) + 1
+                    end do
+                end do
+            end associate
+        end do
+        call fields_of(solid, from)
+        call fields_of(whole, to)
+        call send_particles(solid%ranks, of_a_checkpoint, from, leaving, to, coming, mail)
+        if (solid%ranks%rank > 0) return
+        allocate (whole%pair(n_pair, whole%n), whole%search%order(whole%n)) ! to sort by
+        do b = 1, size(whole%bodies)
+            call sort_body(whole, b)
+        end do
+        deallocate (whole%pair)
+    end subroutine gather_solid
+
+    !> What a scene of bodies has besides its particles; books of all processes together.
+    subroutine outline(solid, whole)
+        type(solid_t), intent(inout) :: solid
+        type(solid_t), intent(inout) :: whole
+        type(books_t) :: books
+        integer :: b
+
+        whole%present = .true.
+        whole%n_hist = solid%n_hist
+        whole%dimension = solid%dimension
+        whole%mirror = solid%mirror
+        whole%depth = solid%depth
+        whole%time = solid%time
+        whole%dt_last = solid%dt_last
+        whole%dt_limit = solid%dt_limit
+        whole%skin = solid%skin
+        whole%remove = solid%remove
+        whole%region = solid%region
+        whole%steps = solid%steps
+        whole%rebuilds = solid%rebuilds
+        call open_all_books(solid, books)
+        whole%bodies = solid%bodies
+        call close_all_books(solid, books)
+        whole%materials = solid%materials
+        do b = 1, size(whole%bodies)
+            associate (body => whole%bodies(b))
+                body%first = body%number(1)
+                body%last = merge(body%number(2), body%first - 1, solid%ranks%rank == 0)
+                body%rim = body%last
+                whole%n = max(whole%n, body%last)
+            end associate
+        end do
+        if (solid%ranks%rank > 0) whole%n = 0
+    end subroutine outline
+end module brz_solid_gather

@@ -1,0 +1,112 @@
+! SPDX-License-Identifier: MIT
+!> Bytes from every process to every other one: one parcel for each, some of them empty.
+!>
+!> First all tell each other how long the parcels are (`tell_counts`), then both sides make room
+!> (`make_room`), and `post` sends them, as often as there is something new in them.
+module brz_mail
+    use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_ptr, c_ptr
+    use brz_kinds, only: dp, int64, int8
+    use brz_mpi_library, only: mpi_alltoall, mpi_double, mpi_int64, mpi_irecv, mpi_isend, &
+                               mpi_waitall
+    use brz_ranks, only: ranks_t, traffic
+    use brz_timer, only: lap, wall_seconds
+    implicit none
+    private
+    public :: mail_t, tell_counts, make_room, post
+
+    integer, parameter :: tag = 90
+    integer, parameter :: unit = 8 !! bytes: parcels are sent as numbers of so many
+
+    !> Parcel r is bytes first(r) to first(r + 1) - 1; parcels are whole numbers of units.
+    type :: mail_t
+        integer(int64), allocatable :: out_first(:), in_first(:) !! (0:processes)
+        integer(int8), allocatable :: out(:), in(:) !! bytes
+        type(c_ptr), allocatable :: requests(:)
+    end type mail_t
+
+contains
+
+    !> Tell every process some numbers, and hear what it tells.
+    subroutine tell_counts(ranks, out, in)
+        type(ranks_t), intent(in) :: ranks
+        integer(int64), intent(in), target, contiguous :: out(:, :) !! (numbers, processes)
+        integer(int64), intent(out), target, contiguous :: in(:, :) !! the same
+        integer(c_int) :: status
+        real(dp) :: mark
+
+        mark = wall_seconds()
+        status = mpi_alltoall(c_loc(out), size(out, 1, kind=c_int), mpi_int64, c_loc(in), &
+                              size(in, 1, kind=c_int), mpi_int64, ranks%comm)
+        traffic%votes = traffic%votes + 1
+        call lap(mark, traffic%seconds)
+    end subroutine tell_counts
+
+    !> Room for parcels of so many bytes.
+    subroutine make_room(ranks, out, in, mail)
+        type(ranks_t), intent(in) :: ranks
+        integer(int64), intent(in) :: out(0:), in(0:) !! (processes) bytes to and from each
+        type(mail_t), intent(inout) :: mail
+        integer :: r
+
+        if (.not. allocated(mail%requests)) then
+            allocate (mail%requests(2*ranks%n))
+            allocate (mail%out_first(0:ranks%n), mail%in_first(0:ranks%n))
+            mail%out_first(0) = 1
+            mail%in_first(0) = 1
+        end if
+        do r = 0, ranks%n - 1
+            mail%out_first(r + 1) = mail%out_first(r) + (out(r) + unit - 1)/unit*unit
+            mail%in_first(r + 1) = mail%in_first(r) + (in(r) + unit - 1)/unit*unit
+        end do
+        call lengthen(mail%out_first(ranks%n), mail%out)
+        call lengthen(mail%in_first(ranks%n), mail%in)
+    end subroutine make_room
+
+    !> Room for n bytes, with something to spare.
+    subroutine lengthen(n, bytes)
+        integer(int64), intent(in) :: n
+        integer(int8), allocatable, intent(inout) :: bytes(:)
+
+        if (allocated(bytes)) then
+            if (size(bytes, kind=int64) >= n) return
+            deallocate (bytes)
+        end if
+        allocate (bytes(n + n/4), source=0_int8)
+    end subroutine lengthen
+
+    !> Send all parcels, and wait for those of the others. One to oneself is copied.
+    subroutine post(ranks, mail)
+        type(ranks_t), intent(in) :: ranks
+        type(mail_t), intent(inout), target :: mail
+        integer(c_int) :: status
+        integer :: n, r
+        real(dp) :: mark
+
+        mark = wall_seconds()
+        n = 0
+        do r = 0, ranks%n - 1
+            associate (from => mail%in_first(r), bytes => mail%in_first(r + 1) - mail%in_first(r))
+                if (r == ranks%rank .or. bytes == 0) cycle
+                n = n + 1
+                status = mpi_irecv(c_loc(mail%in(from)), int(bytes/unit, c_int), mpi_double, &
+                                   int(r, c_int), int(tag, c_int), ranks%comm, mail%requests(n))
+            end associate
+        end do
+        do r = 0, ranks%n - 1
+            associate (from => mail%out_first(r), &
+                       bytes => mail%out_first(r + 1) - mail%out_first(r))
+                if (r == ranks%rank .or. bytes == 0) cycle
+                n = n + 1
+                status = mpi_isend(c_loc(mail%out(from)), int(bytes/unit, c_int), mpi_double, &
+                                   int(r, c_int), int(tag, c_int), ranks%comm, mail%requests(n))
+            end associate
+        end do
+        associate (to => mail%in_first(ranks%rank), from => mail%out_first(ranks%rank), &
+                   bytes => mail%in_first(ranks%rank + 1) - mail%in_first(ranks%rank))
+            mail%in(to:to + bytes - 1) = mail%out(from:from + bytes - 1)
+        end associate
+        status = mpi_waitall(int(n, c_int), mail%requests, c_null_ptr)
+        traffic%fetches = traffic%fetches + 1
+        call lap(mark, traffic%seconds)
+    end subroutine post
+end module brz_mail

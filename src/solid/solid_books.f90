@@ -1,0 +1,75 @@
+! SPDX-License-Identifier: MIT
+!> The books of bodies that several processes share: each process books what its particles do.
+module brz_solid_books
+    use brz_exact_sum, only: exact_sums
+    use brz_kinds, only: dp
+    use brz_ranks, only: several
+    use brz_solid_state, only: ledger_t, solid_t
+    implicit none
+    private
+    public :: books_t, open_all_books, close_all_books, keep_books_of_first
+
+    type(ledger_t), parameter :: empty = ledger_t()
+    integer, parameter :: n_ledger = size(transfer(empty, [0.0_dp])) !! all components are real(dp)
+
+    !> What this process has booked itself.
+    type :: books_t
+        real(dp), allocatable :: own(:, :) !! (6 + ledger, bodies) reaction, drive, ledger
+    end type books_t
+
+contains
+
+    !> Show the books of all processes together in `solid%bodies`, until they are closed.
+    subroutine open_all_books(solid, books)
+        type(solid_t), intent(inout) :: solid
+        type(books_t), intent(out) :: books
+        real(dp) :: total((6 + n_ledger)*size(solid%bodies))
+
+        if (.not. several(solid%ranks)) return
+        allocate (books%own(6 + n_ledger, size(solid%bodies)))
+        call look(solid, books%own)
+        call exact_sums(solid%ranks, reshape(books%own, [size(total), 1]), total)
+        call write_down(solid, reshape(total, shape(books%own)))
+    end subroutine open_all_books
+
+    !> Go back to those of this process alone.
+    subroutine close_all_books(solid, books)
+        type(solid_t), intent(inout) :: solid
+        type(books_t), intent(in) :: books
+
+        if (allocated(books%own)) call write_down(solid, books%own)
+    end subroutine close_all_books
+
+    !> After a restart, which gives all processes the books of all: the first one keeps them.
+    subroutine keep_books_of_first(solid)
+        type(solid_t), intent(inout) :: solid
+        real(dp) :: nothing(6 + n_ledger, size(solid%bodies))
+
+        nothing = 0
+        if (solid%ranks%rank > 0) call write_down(solid, nothing)
+    end subroutine keep_books_of_first
+
+    pure subroutine look(solid, books)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(out) :: books(:, :) !! (6 + ledger, bodies)
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            books(1:3, b) = solid%bodies(b)%reaction
+            books(4:6, b) = solid%bodies(b)%motion%force
+            books(7:, b) = transfer(solid%bodies(b)%ledger, books(7:, b))
+        end do
+    end subroutine look
+
+    pure subroutine write_down(solid, books)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: books(:, :) !! (6 + ledger, bodies)
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            solid%bodies(b)%reaction = books(1:3, b)
+            solid%bodies(b)%motion%force = books(4:6, b)
+            solid%bodies(b)%ledger = transfer(books(7:, b), empty)
+        end do
+    end subroutine write_down
+end module brz_solid_books

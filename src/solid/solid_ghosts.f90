@@ -1,0 +1,185 @@
+! SPDX-License-Identifier: MIT
+!> Fields of particles on their way between processes, and the ghosts that they fill.
+!>
+!> A ghost is what a process knows of a particle of another one. It has a place in the arrays behind
+!> the particles of its body, and is never computed: what others need of it comes by message.
+module brz_solid_ghosts
+    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_ptr
+    use brz_kinds, only: int32, int64, int8
+    use brz_mail, only: mail_t, make_room, post
+    use brz_ranks, only: ranks_t, several
+    use brz_solid_fields, only: field_t, fields_of, fields_t, memory_of
+    use brz_solid_part, only: parcels_t
+    use brz_solid_state, only: held_stiffness, solid_t
+    implicit none
+    private
+    public :: refresh_motion, refresh_rows, send_particles
+    public :: all_of_it, for_a_ghost, of_a_checkpoint
+
+    integer, parameter :: all_of_it = 1 !! the particle goes for good
+    integer, parameter :: for_a_ghost = 2 !! what a ghost ever needs
+    integer, parameter :: of_motion = 3 !! what pass 1 reads, and changes in a step
+    integer, parameter :: of_rows = 4 !! what pass 1 writes and pass 2 reads
+    integer, parameter :: of_a_checkpoint = 5 !! what a checkpoint holds
+
+contains
+
+    !> Bring places, velocities, volumes and smoothing lengths of ghosts up to date.
+    subroutine refresh_motion(solid)
+        type(solid_t), intent(inout) :: solid
+
+        if (several(solid%ranks)) call refresh(solid, of_motion)
+    end subroutine refresh_motion
+
+    !> Bring what pass 1 has left of ghosts up to date; what of a body is held counts on both sides.
+    subroutine refresh_rows(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b
+
+        if (.not. several(solid%ranks)) return
+        call refresh(solid, of_rows)
+        if (.not. allocated(solid%held)) return
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b))
+                if (.not. body%tension_hold > 0) cycle ! what lies in its rows means nothing
+                body%drawn = body%drawn .or. any(solid%held(held_stiffness, &
+                                                            body%last + 1:body%rim) > 0)
+            end associate
+        end do
+    end subroutine refresh_rows
+
+    subroutine refresh(solid, what)
+        type(solid_t), intent(inout), target :: solid
+        integer, intent(in) :: what
+        type(fields_t) :: fields
+
+        call fields_of(solid, fields)
+        associate (part => solid%part)
+            call send_particles(solid%ranks, what, fields, part%out, fields, part%in, part%mail)
+        end associate
+    end subroutine refresh
+
+    !> Send fields of particles to other processes. `from` and `to` have the same fields of those
+    !> that are sent.
+    subroutine send_particles(ranks, what, from, out, to, in, mail)
+        type(ranks_t), intent(in) :: ranks
+        integer, intent(in) :: what !! all_of_it, ...
+        type(fields_t), intent(in) :: from, to
+        type(parcels_t), intent(in) :: out, in
+        type(mail_t), intent(inout) :: mail
+        integer(int64) :: at(0:ranks%n - 1, 2)
+        integer :: k, r
+
+        do r = 0, ranks%n - 1
+            at(r, 1) = sum(length(from%of(:from%n), what, out%first(r + 1) - out%first(r)))
+            at(r, 2) = sum(length(to%of(:to%n), what, in%first(r + 1) - in%first(r)))
+        end do
+        call make_room(ranks, at(:, 1), at(:, 2), mail)
+        at(:, 1) = mail%out_first(:ranks%n - 1)
+        at(:, 2) = mail%in_first(:ranks%n - 1)
+        do r = 0, ranks%n - 1
+            do k = 1, from%n
+                associate (field => from%of(k), i => out%first(r), j => out%first(r + 1) - 1)
+                    if (j < i .or. .not. is_sent(field, what)) cycle
+                    call pack_field(field, from%particles, out%place(i:j), mail%out(at(r, 1):))
+                    at(r, 1) = at(r, 1) + length(field, what, j - i + 1)
+                end associate
+            end do
+        end do
+        call post(ranks, mail)
+        do r = 0, ranks%n - 1
+            do k = 1, to%n
+                associate (field => to%of(k), i => in%first(r), j => in%first(r + 1) - 1)
+                    if (j < i .or. .not. is_sent(field, what)) cycle
+                    call unpack_field(field, to%particles, in%place(i:j), mail%in(at(r, 2):))
+                    at(r, 2) = at(r, 2) + length(field, what, j - i + 1)
+                end associate
+            end do
+        end do
+    end subroutine send_particles
+
+    !> True for the fields of a message.
+    elemental logical function is_sent(field, what)
+        type(field_t), intent(in) :: field
+        integer, intent(in) :: what
+
+        is_sent = .false.
+        if (field%rows == 0) return
+        select case (what)
+        case (all_of_it)
+            is_sent = field%sorted
+        case (for_a_ghost)
+            is_sent = field%sorted .and. .not. any(field%name == [character(16) :: 'a', 'energy', &
+                'hist', 'support', 'owed', 'load', 'joined'])
+        case (of_motion)
+            is_sent = any(field%name == [character(16) :: 'x', 'v', 'volume', 'h'])
+        case (of_a_checkpoint)
+            is_sent = field%kept
+        case default
+            is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held'])
+        end select
+    end function is_sent
+
+    !> Bytes of a field of n particles in a parcel: whole numbers of eight.
+    elemental integer(int64) function length(field, what, n)
+        type(field_t), intent(in) :: field
+        integer, intent(in) :: what, n
+
+        length = 0
+        if (is_sent(field, what)) length = (int(memory_of(field), int64)*n + 7)/8*8
+    end function length
+
+    !> Copy a field of some particles to a parcel.
+    subroutine pack_field(field, n, places, parcel)
+        type(field_t), intent(in) :: field
+        integer, intent(in) :: n !! particles of the field
+        integer, intent(in) :: places(:)
+        integer(int8), intent(inout), target, contiguous :: parcel(:)
+        integer(int32), pointer :: words(:, :), there(:, :)
+        integer(int8), pointer :: bytes(:, :), here(:, :)
+        integer :: k
+
+        associate (size_of => memory_of(field), m => size(places))
+            if (modulo(size_of, 4) == 0) then
+                call c_f_pointer(field%values, words, [size_of/4, n])
+                call c_f_pointer(c_loc(parcel), there, [size_of/4, m])
+                do k = 1, m
+                    there(:, k) = words(:, places(k))
+                end do
+            else
+                call c_f_pointer(field%values, bytes, [size_of, n])
+                call c_f_pointer(c_loc(parcel), here, [size_of, m])
+                do k = 1, m
+                    here(:, k) = bytes(:, places(k))
+                end do
+            end if
+        end associate
+    end subroutine pack_field
+
+    !> The way back.
+    subroutine unpack_field(field, n, places, parcel)
+        type(field_t), intent(in) :: field
+        integer, intent(in) :: n !! particles of the field
+        integer, intent(in) :: places(:)
+        integer(int8), intent(in), target, contiguous :: parcel(:)
+        integer(int32), pointer :: words(:, :), there(:, :)
+        integer(int8), pointer :: bytes(:, :), here(:, :)
+        integer :: k
+
+        associate (size_of => memory_of(field), m => size(places))
+            if (modulo(size_of, 4) == 0) then
+                call c_f_pointer(field%values, words, [size_of/4, n])
+                call c_f_pointer(c_loc(parcel), there, [size_of/4, m])
+                do k = 1, m
+                    words(:, places(k)) = there(:, k)
+                end do
+            else
+                call c_f_pointer(field%values, bytes, [size_of, n])
+                call c_f_pointer(c_loc(parcel), here, [size_of, m])
+                do k = 1, m
+                    bytes(:, places(k)) = here(:, k)
+                end do
+            end if
+        end associate
+    end subroutine unpack_field
+end module brz_solid_ghosts
