@@ -73,6 +73,7 @@ contains
         integer :: b
 
         whole%present = .true.
+        whole%links%present = solid%links%present
         whole%n_hist = solid%n_hist
         whole%dimension = solid%dimension
         whole%mirror = solid%mirror

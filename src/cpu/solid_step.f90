@@ -39,13 +39,15 @@ module brz_solid_step
 
 contains
 
-    !> Sort the particles, build their lists and find the first accelerations and time step.
+    !> Sort the particles, build their lists and find the first accelerations and time step. Where
+    !> several processes share them, `find_skin` has been called before.
     subroutine start_solid(solid, err)
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         integer :: b, i
 
         if (.not. solid%present) return
+        if (.not. several(solid%ranks)) call find_skin(solid)
         call build_neighbours(solid, sort=.true.)
         do i = 1, size(solid%block, 2)
             call update_sizes(solid, solid%bodies(solid%block(1, i)), i)
@@ -74,9 +76,7 @@ contains
         type(solid_t), intent(inout) :: solid
 
         if (solid%links%bonds) call first_bonds(solid)
-        if (.not. solid%links%present) return
-        call find_skin(solid)
-        call find_touch(solid)
+        if (solid%links%present) call find_touch(solid)
     end subroutine meet
 
     !> After a restart: what a checkpoint does not hold follows from what it holds.
