@@ -16,7 +16,7 @@ module brz_solid_step
     use brz_solid_doubles, only: refuse_doubles
     use brz_solid_faults, only: report_bad
     use brz_solid_forces, only: force_pass, update_sizes
-    use brz_solid_ghosts, only: refresh_motion, refresh_rows
+    use brz_solid_ghosts, only: refresh_bonds, refresh_motion, refresh_rows
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_lanes, only: group_of
     use brz_solid_leaving, only: remove_left
@@ -76,6 +76,7 @@ contains
         type(solid_t), intent(inout) :: solid
 
         if (solid%links%bonds) call first_bonds(solid)
+        call refresh_bonds(solid)
         if (solid%links%present) call find_touch(solid)
     end subroutine meet
 
@@ -143,6 +144,7 @@ contains
         call gradient_pass(solid, dt)
         call refresh_rows(solid)
         call break_bonds(solid)
+        call refresh_bonds(solid)
         call cohesive_pass(solid)
         call contact_pass(solid, dt)
         call force_pass(solid, dt)

@@ -8,7 +8,7 @@
 !> Source: docs/blast.md, loads without air
 module brz_face_load
     use brz_kingery_bulmash, only: friedlander_impulse
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64
     implicit none
     private
     public :: loads_t, facets_t, impulse_on, find_places
@@ -34,8 +34,9 @@ module brz_face_load
 
     type :: loads_t
         type(facets_t), allocatable :: of(:) !! in the order of the deck
-        integer, allocatable :: place(:) !! (particles) number of the particle with an id
-        integer :: rebuilds = -1 !! of the lists, when `place` was filled
+        integer, allocatable :: place(:) !! (particles) place of the particle with an id; negative:
+                                         !! of its ghost; 0: it is elsewhere
+        integer(int64) :: rebuilds = -1 !! of the lists, when `place` was filled
         real(dp) :: step = huge(1.0_dp) !! that resolves the loads [s]
     end type loads_t
 

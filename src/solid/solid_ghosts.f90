@@ -14,7 +14,8 @@ module brz_solid_ghosts
     use brz_solid_state, only: held_stiffness, solid_t
     implicit none
     private
-    public :: refresh_motion, refresh_rows, refresh_press, send_particles
+    public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds
+    public :: send_particles
     public :: all_of_it, for_a_ghost, of_a_checkpoint
 
     integer, parameter :: all_of_it = 1 !! the particle goes for good
@@ -23,6 +24,7 @@ module brz_solid_ghosts
     integer, parameter :: of_rows = 4 !! what pass 1 writes and pass 2 reads
     integer, parameter :: of_a_checkpoint = 5 !! what a checkpoint holds
     integer, parameter :: of_linked_rows = 6 !! as of_rows, where bodies meet
+    integer, parameter :: of_bonds = 7 !! which of them are whole
 
 contains
 
@@ -49,6 +51,13 @@ contains
             end associate
         end do
     end subroutine refresh_rows
+
+    !> Bring the bonds of ghosts up to date.
+    subroutine refresh_bonds(solid)
+        type(solid_t), intent(inout) :: solid
+
+        if (several(solid%ranks) .and. solid%links%bonds) call refresh(solid, of_bonds)
+    end subroutine refresh_bonds
 
     !> Bring the pressures of contact of ghosts up to date: those of rows, not of places. Row 0, of
     !> what has no links, is nil.
@@ -136,9 +145,11 @@ contains
             is_sent = field%kept
         case (of_rows)
             is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held'])
+        case (of_bonds)
+            is_sent = field%name == 'bond'
         case default
             is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held', 'stress', &
-                                         'bond', 'press'])
+                                         'press'])
         end select
     end function is_sent
 

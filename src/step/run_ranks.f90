@@ -66,18 +66,13 @@ contains
             do a = 1, b - 1
                 call find_rule(case, a, b, rule)
                 if (rule%law == 'none') cycle
-                if (rule%law /= 'contact') what = 'the law '''//trim(rule%law)//''' between bodies'
+                if (rule%law == 'cohesive') what = 'the law '''//trim(rule%law)//''' between bodies'
                 if (case%solid%leave == 'remove') what = 'particles that leave (leave=''remove'') '// &
                     'of bodies that meet'
                 if (any(case%bodies([a, b])%formulation == 'total_lagrangian')) what = &
                     'total-Lagrangian bodies that meet others'
             end do
-            if (case%bodies(b)%formulation == 'rigid') what = 'rigid bodies (''' &
-                //trim(case%bodies(b)%id)//''')'
         end do
-        if (allocated(case%loads)) then
-            if (size(case%loads) > 0) what = 'a load on bodies'
-        end if
         if (case%air%present) what = 'bodies in air'
     end function missing_of_bodies
 

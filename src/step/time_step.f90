@@ -172,7 +172,7 @@ contains
         integer :: k
 
         do k = 1, sim%substeps
-            call load_faces(sim%solid, dt/sim%substeps)
+            call load_faces(sim%solid, dt/sim%substeps, err)
             call advance_solid(sim%backend, sim%solid, dt/sim%substeps, err)
             if (failed(err)) return
         end do
