@@ -187,7 +187,8 @@ contains
         integer :: i, number, total
 
         links%rows = count(links%row > 0)
-        call make_room(links, links%rows + ghosts, sum(int((links%row + link_unit - 1)/link_unit, int64)))
+        call make_room(links, links%rows + ghosts, &
+                       sum(int((links%row + link_unit - 1)/link_unit, int64)))
         links%rows = 0
         links%slice = 0
         links%count = 0

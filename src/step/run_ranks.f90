@@ -66,11 +66,11 @@ contains
             do a = 1, b - 1
                 call find_rule(case, a, b, rule)
                 if (rule%law == 'none') cycle
-                if (rule%law == 'cohesive') what = 'the law '''//trim(rule%law)//''' between bodies'
-                if (case%solid%leave == 'remove') what = 'particles that leave (leave=''remove'') '// &
-                    'of bodies that meet'
-                if (any(case%bodies([a, b])%formulation == 'total_lagrangian')) what = &
-                    'total-Lagrangian bodies that meet others'
+                if (rule%law == 'cohesive') what = 'the law ''cohesive'' between bodies'
+                if (case%solid%leave == 'remove') &
+                    what = 'particles that leave (leave=''remove'') of bodies that meet'
+                if (any(case%bodies([a, b])%formulation == 'total_lagrangian')) &
+                    what = 'total-Lagrangian bodies that meet others'
             end do
         end do
         if (case%air%present) what = 'bodies in air'

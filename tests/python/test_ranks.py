@@ -66,8 +66,11 @@ def test_another_mpi_is_named():
     [
         ("demo.nml", [], "does not have bodies in air on several processes"),
         ("rod_concrete.nml", ["--set", "solid.leave='remove'"], "leave='remove') of bodies that"),
-        ("rod_concrete.nml", ["--set", "body(slab).formulation='total_lagrangian'"],
-         "total-Lagrangian bodies that meet others"),
+        (
+            "rod_concrete.nml",
+            ["--set", "body(slab).formulation='total_lagrangian'"],
+            "total-Lagrangian bodies that meet others",
+        ),
         ("free_air.nml", [], "air along one line"),
         ("reflection.nml", ["--backend", "gpu"], "does not have GPUs on several processes"),
         ("reflection.nml", ["--set", "air.cells=11,11,21"], "2 at most"),
@@ -277,8 +280,8 @@ def test_a_killed_process_ends_all_and_the_wall_clock_stops_all(tmp_path):
     assert "stopped by the wall-clock limit" in done.stderr
 
 
-# Bodies that meet: friction, a rigid body that turns and one that is driven, bonds that break, across
-# two planes of symmetry; and a load that follows a face.
+# Bodies that meet: friction, a rigid body that turns and one that is driven, bonds that break, at a
+# plane of symmetry; and a load that follows a face.
 MEETING = """\
 &run title = 'meeting', t_end = 8e-6, symmetry = 'y', energy_band = 0.5 /
 &material id = 's', preset = 'rebar' /
