@@ -29,7 +29,7 @@ charts-air: $(B)/tests/study/study_air
 	$(PY) scripts/air_charts.py accuracy docs/data/air_accuracy.csv docs/figures/speed_accuracy_air.png
 charts-solid: $(B)/tests/study/study_solid
 	@mkdir -p docs/data
-	(export OMP_NUM_THREADS=1; $< charts && $< plates) > $(B)/charts.csv && mv $(B)/charts.csv docs/data/solid_accuracy.csv
+	(export OMP_NUM_THREADS=1; $< charts && $< bars && $< plates) > $(B)/charts.csv && mv $(B)/charts.csv docs/data/solid_accuracy.csv
 	$(PY) scripts/solid_charts.py docs/data/solid_accuracy.csv docs/figures/speed_accuracy_solid.png
 taylor: $(B)/tests/study/study_taylor ## bars that strike a wall: particles, finite elements, experiment (15 minutes)
 	$< shapes > $(B)/taylor.csv && mv $(B)/taylor.csv docs/data/taylor_bars.csv

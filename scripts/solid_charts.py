@@ -5,7 +5,7 @@
 usage: solid_charts.py TABLE.csv PICTURE.png
 
 Open marks are results that are no use as they stand (noisy, fractured, clumped); failed runs are
-left out.
+left out. Formulations are named up to their first comma.
 """
 
 import csv
@@ -23,15 +23,16 @@ TITLES = {
     "cantilever": "cantilever: period\n{} particles across",
     "clamped plate": "clamped plate: period\n{} layers",
     "impact 2 km/s": "aluminium, 2 km/s: pressure\n{} particles along",
-    "Taylor bar": "Taylor bar of copper: length or foot\n{} particles per radius",
+    "Taylor bar, length": "Taylor bar of copper: length\n{} per radius",
+    "Taylor bar, foot": "Taylor bar of copper: foot\n{} per radius",
 }
 STYLES = {
     "paper": ("tab:gray", "v"),
     "corrected": ("tab:orange", "^"),
     "corrected_hourglass": ("tab:red", "o"),
-    "corrected_hourglass + balsara": ("tab:purple", "D"),
     "bending": ("tab:blue", "s"),
     "total_lagrangian": ("tab:green", "P"),
+    "finite elements": ("black", "x"),
 }
 
 
@@ -44,11 +45,11 @@ def main(table, picture):
             if row["seen"] == "failed":
                 continue
             error = 100 * abs(float(row["error"]))
-            lines[row["test"], row["formulation"]].append(
+            lines[row["test"], row["formulation"].partition(",")[0]].append(
                 (float(row["seconds"]), error, row["seen"] == "stable")
             )
             numbers[row["test"]].add(int(row["resolution"]))
-    fig, axes = plt.subplots(1, len(TITLES), figsize=(15, 4.6), constrained_layout=True)
+    fig, axes = plt.subplots(1, len(TITLES), figsize=(18, 4.6), constrained_layout=True)
     for ax, (test, title) in zip(axes, TITLES.items(), strict=True):
         for form, (colour, mark) in STYLES.items():
             points = lines[test, form]

@@ -4,6 +4,7 @@
 !> A virtual array looks like any other, and its elements stay where they were written. A part that
 !> is missing reads as zeros without a word: who reads must look whether all files are there.
 module brz_hdf5_box
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
     use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_hdf5_array, only: h5_shape
@@ -77,7 +78,7 @@ contains
         data = c_loc(a)
         call read_elements(file, name, data, lo, shape(a), h5kind_to_type(real64, h5_real_kind), &
                            err)
-        if (.not. all(abs(a) <= huge(a))) call raise(err, exit_io, file%path//": '"//name// &
+        if (.not. all(ieee_is_finite(a))) call raise(err, exit_io, file%path//": '"//name// &
             "' holds what is no number")
     end subroutine read_box_real64
 
@@ -92,7 +93,7 @@ contains
         data = c_loc(a)
         call read_elements(file, name, data, lo, shape(a), h5kind_to_type(real32, h5_real_kind), &
                            err)
-        if (.not. all(abs(a) <= huge(a))) call raise(err, exit_io, file%path//": '"//name// &
+        if (.not. all(ieee_is_finite(a))) call raise(err, exit_io, file%path//": '"//name// &
             "' holds what is no number")
     end subroutine read_box_real32
 

@@ -28,6 +28,7 @@ module brz_hdf5_file
         integer(hid_t) :: id = -1
         character(:), allocatable :: path !! final name
         logical :: writing = .false.
+        logical :: unnamed = .false. !! it stays path.tmp when it is closed: another gives the name
         integer :: filter = h5_plain !! of the arrays to be written
         character(:), allocatable :: seal !! title of a file that is sealed, see brz_seal
     end type h5_t
@@ -116,7 +117,8 @@ contains
         if (.not. file%writing) return
         if (allocated(file%seal)) call put_seal(file%path//'.tmp', file%seal, err)
         call sync_file(file%path//'.tmp', err)
-        if (.not. failed(err)) call rename_file(file%path//'.tmp', file%path, err)
+        if (.not. (failed(err) .or. file%unnamed)) &
+            call rename_file(file%path//'.tmp', file%path, err)
         if (failed(err)) call remove_file(file%path//'.tmp')
         file%writing = .false.
     end subroutine h5_close

@@ -5,8 +5,9 @@
 module brz_solid_contact
     use brz_contact, only: crossing_share, in_core, law_shared, link_normal, link_pressure, &
         link_stiffness, link_sum, n_link, spring_loss
-    use brz_contact_items, only: is_tied, kept_early, kept_energy, kept_heat, kept_rub, n_kept, &
-        owner_of, push_particle, sum_links
+    use brz_contact_items, only: kept_early, kept_energy, kept_heat, kept_rub, n_kept, owner_of, &
+        push_particle, sum_links
+    use brz_contact_release, only: is_tied, later_touch
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: n_press
     use brz_solid_ghosts, only: refresh_press
@@ -25,18 +26,20 @@ contains
         real(dp), intent(in) :: dt !! [s]
         real(rk) :: lost
         real(dp) :: limit
+        real(real32) :: touch
         integer :: i, k
 
         solid%bodies%ledger%early = 0
         if (.not. solid%links%present) return
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, lost)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, lost, touch)
         do k = 1, size(solid%block, 2)
             solid%search%sums(1:4, k) = 0
             if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
                 associate (row => solid%links%row(i))
                     if (row == 0) cycle
-                    call press(solid, i, real(dt, rk), solid%links%press(:, row), lost)
+                    call press(solid, i, real(dt, rk), solid%links%press(:, row), lost, touch)
+                    solid%links%touch(i) = touch
                     solid%energy(i) = solid%energy(i) + lost/solid%mass(i)
                     solid%search%sums(2, k) = solid%search%sums(2, k) + lost
                 end associate
@@ -78,45 +81,48 @@ contains
     !> bar within concrete, contact begins there.
     subroutine find_touch(solid)
         type(solid_t), intent(inout) :: solid
-        real(rk) :: now(n_link), before(n_link)
+        real(rk) :: now(n_link), before(n_link), freed
         integer :: i
 
         do i = 1, solid%n
-            call kernel_sum(solid, i, .true., 0.0_rk, now, before)
+            call kernel_sum(solid, i, .true., 0.0_rk, now, before, freed)
             solid%links%touch(i) = max(solid%links%touch(i), &
                                        nearest(real(now(link_sum), real32), 1.0_real32))
         end do
     end subroutine find_touch
 
-    !> Pressure of contact of particle i, the sum of V F x_ij that shows its normal, and what its
-    !> spring lost over dt, the step just made.
-    subroutine press(solid, i, dt, p, lost)
+    !> Pressure of contact of particle i, the sum of V F x_ij that shows its normal, what its spring
+    !> lost over dt, the step just made, and the sum at which contact begins from now on.
+    subroutine press(solid, i, dt, p, lost, touch)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
         real(rk), intent(in) :: dt !! [s]
         real(rk), intent(out) :: p(n_press) !! as links%press
         real(rk), intent(out) :: lost !! [J]
-        real(rk) :: now(n_link), before(n_link)
+        real(real32), intent(out) :: touch
+        real(rk) :: now(n_link), before(n_link), freed
 
-        call kernel_sum(solid, i, .false., dt, now, before)
+        call kernel_sum(solid, i, .false., dt, now, before, freed)
         associate (links => solid%links)
-            p(1) = link_pressure(now, real(links%touch(i), rk))
+            touch = links%touch(i)
+            if (freed > 0) touch = later_touch(touch, before(link_sum) - freed, freed)
+            p(1) = link_pressure(now, real(touch, rk))
             p(2:4) = now(link_normal + 1:link_normal + 3)
             p(5) = now(link_stiffness)
             p(6:) = 0
             lost = 0
             if (dt > 0) lost = links%cell(owner_of(links%ends, i))*solid%mass(i)*links%weight(i) &
-                *spring_loss(real(links%touch(i), rk), dt, now, before)
+                *spring_loss(real(touch, rk), dt, now, before)
         end associate
     end subroutine press
 
     !> Kernel sums of particle i, see sum_links.
-    subroutine kernel_sum(solid, i, all, dt, now, before)
+    subroutine kernel_sum(solid, i, all, dt, now, before, freed)
         type(solid_t), intent(in), target :: solid
         integer, intent(in) :: i
         logical, intent(in) :: all !! bonded partners as well
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
-        real(rk), intent(out) :: now(n_link), before(n_link)
+        real(rk), intent(out) :: now(n_link), before(n_link), freed
         integer(int32), pointer :: joined(:)
 
         joined => solid%links%bond ! not read without an interface
@@ -124,7 +130,7 @@ contains
         associate (s => solid, l => solid%links)
             call sum_links(i, all, l%lay, dt, l%ends, l%table, l%cell, s%x, s%v, s%mass, &
                            l%weight, l%bond, joined, l%row, l%slice(1:), l%count(1:), l%list, &
-                           now, before)
+                           now, before, freed)
         end associate
     end subroutine kernel_sum
 
@@ -133,12 +139,13 @@ contains
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
         real(rk) :: own(n_press), other(n_press), distance, lost
+        real(real32) :: touch
         integer(int64) :: k
         integer :: j
 
         is_pressed = .false.
         if (.not. solid%links%present) return
-        call press(solid, i, 0.0_rk, own, lost)
+        call press(solid, i, 0.0_rk, own, lost, touch)
         do k = first_link(solid%links, i), last_link(solid%links, i)
             j = link_partner(solid%links, k)
             associate (l => solid%links, &
@@ -148,7 +155,7 @@ contains
                     m%law /= law_shared) cycle
                 distance = real(norm2(solid%x(:, i) - signs(link_mask(l, k))*solid%x(:, j)), rk)
                 if (distance > 2*m%h) cycle
-                call press(solid, j, 0.0_rk, other, lost)
+                call press(solid, j, 0.0_rk, other, lost, touch)
                 is_pressed = own(1) + other(1) > 0 .or. m%law == law_shared .or. &
                              in_core(m, distance - real(crossing_share, rk)*m%spacing)
             end associate

@@ -15,8 +15,9 @@ module brz_solid_forces
     use brz_solid_artificial, only: add_artificial
     use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
                                body_t, form_bending, form_corrected_hourglass, form_rigid, &
-                               form_total, held_energy, held_stiffness, is_gone, lanes, n_held, &
-                               n_pair, pair_tilt, solid_t, worth_threads
+                               form_total, held_energy, held_stiffness, is_free, is_gone, &
+                               lanes, n_held, n_pair, pair_tilt, solid_t, worth_threads
+    use brz_support, only: held_share
     use brz_tension_hold, only: kept_work
     use brz_tilted_arm, only: mirrored_tilt
     implicit none
@@ -306,12 +307,13 @@ contains
         real(rk), intent(in) :: dt
         integer, intent(in) :: i, k
         real(rk), intent(in) :: f(n_terms)
-        real(rk) :: force(3), load(3), kick(3), heat, friction, held, before, after, &
-            kept
+        real(rk) :: force(3), held(3), load(3), kick(3), heat, friction, before, after, kept
 
         load = air_force(solid, i)
+        if (solid%steps == 0) load = 0 ! all of it acts after the half step up to here
         force = f(1:3) + f(at_drag + 1:at_drag + 3) + f(at_hold + 1:at_hold + 3)
-        held = solid%fixed(i)
+        held = 0
+        if (solid%fixed(i) /= is_free) held = held_share(solid%fixed(i))
         solid%a(:, i) = (1 - held)*force/solid%mass(i)
         kick = (1 - held)*dt*(solid%a(:, i) + load/solid%mass(i))
         heat = f(at_heat) - dot_product(f(at_drag + 1:at_drag + 3), kick)/2
@@ -333,6 +335,7 @@ contains
             sums(1) = sums(1) + dt*heat
             sums(7) = sums(7) + friction
             sums(3:5) = sums(3:5) + dt*held*(force + load)
+            if (allocated(solid%grip)) solid%grip(:, i) = held*(force + load)
         end associate
         solid%energy(i) = solid%energy(i) + (dt*heat + friction)/solid%mass(i)
         if (.not. (dot_product(f, f) <= huge(dt)) .or. solid%mu(i) <= -1) then

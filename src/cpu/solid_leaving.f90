@@ -7,7 +7,7 @@
 module brz_solid_leaving
     use brz_kinds, only: dp
     use brz_solid_contact, only: is_pressed
-    use brz_solid_state, only: form_rigid, form_total, is_free, is_gone, solid_t
+    use brz_solid_state, only: form_rigid, form_total, is_free, is_gone, loose_by, solid_t
     implicit none
     private
     public :: remove_left
@@ -30,7 +30,7 @@ contains
                 if (.not. is_inside(solid, solid%x_ref(:, i))) cycle
                 if (is_pressed(solid, i)) cycle
                 if (solid%cohesive%present) then ! so does what is glued
-                    if (solid%links%joined(i) /= 0) cycle
+                    if (iand(solid%links%joined(i), ibset(0, loose_by) - 1) /= 0) cycle
                 end if
                 solid%fixed(i) = is_gone
                 solid%a(:, i) = 0

@@ -26,8 +26,9 @@ module brz_solid_step
     use brz_solid_rigid, only: balance_rigid, move_rigid
     use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: wake_met
-    use brz_solid_state, only: form_bending, form_rigid, intact_share, is_free, solid_t, &
-                               worth_threads
+    use brz_solid_state, only: form_bending, form_rigid, intact_share, is_free, is_gone, is_held, &
+                               solid_t, worth_threads
+    use brz_support, only: held_share
     use brz_solid_tilts, only: find_tilts
     use brz_tension_hold, only: may_be_drawn
     implicit none
@@ -170,9 +171,10 @@ contains
                 if (body%formulation == form_rigid .or. body%asleep) cycle
             end associate
             do i = solid%block(2, k), solid%block(3, k)
-                if (solid%fixed(i) /= is_free) cycle
+                if (solid%fixed(i) == is_held .or. solid%fixed(i) == is_gone) cycle
                 v = solid%v(:, i)
                 load = air_force(solid, i)
+                if (solid%fixed(i) /= is_free) load = (1 - held_share(solid%fixed(i)))*load
                 solid%v(:, i) = v + mean*solid%a(:, i) + real(dt, rk)*load/solid%mass(i)
                 solid%x(:, i) = solid%x(:, i) + dt*solid%v(:, i)
                 work = work + dt*dot_product(load, v + solid%v(:, i))/2

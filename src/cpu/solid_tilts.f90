@@ -46,9 +46,11 @@ contains
         real(rk) :: sums(6), scale
         integer(int64) :: k
         integer :: across(2), g, j
+        logical :: glued
 
         across = directions(body%normal)
         sums = 0
+        glued = .false.
         scale = kernel_scale(body%h, solid%dimension)
         g = group_of(body, i)
         do k = solid%first(g), solid%first(g + 1) - 1
@@ -64,6 +66,7 @@ contains
             do k = first_link(solid%links, i), last_link(solid%links, i)
                 j = link_partner(solid%links, k)
                 if (.not. is_bonded(solid%links, i, j)) cycle
+                glued = .true.
                 associate (m => solid%links%table(owner_of(solid%links%ends, i), &
                                                   owner_of(solid%links%ends, j)))
                     call add(solid, across, i, j, link_mask(solid%links, k), m%scale, &
@@ -72,9 +75,9 @@ contains
             end do
         end if
         if (across(2) == 0) then
-            tilt = one_way(body, sums(1), sums(3), sums(6))
+            tilt = one_way(body, glued, sums(1), sums(3), sums(6))
         else
-            tilt = pack_tilt(both_ways(body, sums)/maxval(body%normal))
+            tilt = pack_tilt(both_ways(body, glued, sums)/maxval(body%normal))
         end if
     end function tilt_of
 
@@ -89,28 +92,30 @@ contains
     end function directions
 
     !> Tilt in one direction, from the sums of w t^2 z, of w t^2 z^2 and of w t^2 [1/m].
-    pure real(rk) function one_way(body, first, second, plain) result(tilt)
+    pure real(rk) function one_way(body, glued, first, second, plain) result(tilt)
         type(body_t), intent(in) :: body
+        logical, intent(in) :: glued !! to particles of another body: a free face alone is tilted
         real(rk), intent(in) :: first, second, plain
         real(rk) :: d
 
         tilt = 0
         if (second > 0) tilt = -first/second
-        if (abs(tilt)*body%spacing < level) tilt = 0
+        if (abs(tilt)*body%spacing < merge(one_sided, level, glued)) tilt = 0
         if (abs(tilt)*body%spacing < one_sided) return
         d = -sign(body%outward, first)
         tilt = (d*plain - first)/(second - d*first)
     end function one_way
 
     !> Tilts of a bar in both directions across it: on its edges they act together [1/m].
-    pure function both_ways(body, sums) result(tilt)
+    pure function both_ways(body, glued, sums) result(tilt)
         type(body_t), intent(in) :: body
+        logical, intent(in) :: glued !! see one_way
         real(rk), intent(in) :: sums(6) !! see add
         real(rk) :: tilt(2), d(2), a(2, 2), b(2), det
         integer :: k
 
         do k = 1, 2
-            tilt(k) = one_way(body, sums(k), sums(2 + k), sums(6))
+            tilt(k) = one_way(body, glued, sums(k), sums(2 + k), sums(6))
         end do
         if (.not. all(abs(tilt) > 0)) return
         d = 0

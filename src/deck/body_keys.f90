@@ -104,11 +104,22 @@ contains
                 key_t(group=g, key='fix_box', n_min=6, n_max=48, unit='m', &
                       meaning='Regions in which particles are held: x0, x1, y0, y1, z0, z1 '// &
                       'of each, up to eight.'), &
+                key_t(group=g, key='roller_box', n_min=6, n_max=48, unit='m', &
+                      meaning='Regions in which particles are held along one axis alone: x0, '// &
+                      'x1, y0, y1, z0, z1 of each, up to eight; a thin one is a line support.'), &
+                key_t(group=g, key='roller_axis', kind=kind_text, n_max=8, choices='x|y|z', &
+                      meaning='That axis, for each roller_box.'), &
                 key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', &
                       default='0.0, 0.0, 0.0', meaning='Initial velocity.'), &
                 key_t(group=g, key='spin', n_min=3, n_max=3, unit='rad/s', &
                       default='0.0, 0.0, 0.0', &
-                      meaning='Initial angular velocity about the centre of mass.'), &
+                      meaning='Initial angular velocity, about spin_centre.'), &
+                key_t(group=g, key='spin_centre', n_min=3, n_max=3, unit='m', &
+                      meaning='Point that the spin turns about; if absent the centre of mass.'), &
+                key_t(group=g, key='start_file', kind=kind_text, longest=256, &
+                      meaning='Initial velocity (added), stress (linear_elastic) of the '// &
+                      'nearest point of a file: .csv with x, y, z, velocity_x, ..., '// &
+                      'stress_xx, ..., or a dump (velocity).'), &
                 key_t(group=g, key='motion_time', n_max=64, unit='s', &
                       meaning='Times of a prescribed velocity, of a rigid body or of the '// &
                       'particles that are held.'), &

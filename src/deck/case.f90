@@ -121,11 +121,17 @@ module brz_case
         real(dp) :: fix_width = 0 !! depth that is held; 0: fix_layers [m]
         integer :: n_fix_boxes = 0
         real(dp) :: fix_box(6, 8) = 0 !! regions that are held: x0, x1, y0, y1, z0, z1 [m]
+        integer :: n_rollers = 0
+        real(dp) :: roller_box(6, 8) = 0 !! regions that are held along one axis [m]
+        character(1) :: roller_axis(8) = ''
         real(dp) :: velocity(3) = 0 !! [m/s]
         integer :: n_motion = 0 !! points of a prescribed velocity, 0: none
         real(dp) :: motion_time(max_motion) = 0 !! [s]
         real(dp) :: motion_velocity(3, max_motion) = 0 !! [m/s]
-        real(dp) :: spin(3) = 0 !! angular velocity about the centre of mass [rad/s]
+        real(dp) :: spin(3) = 0 !! angular velocity about spin_centre [rad/s]
+        character(512) :: start_file = '' !! of initial velocities and stresses
+        logical :: about_point = .false. !! else that is the centre of mass
+        real(dp) :: spin_centre(3) = 0 !! [m]
         character(name_len) :: formulation = 'auto' !! see the deck reference
         real(dp) :: alpha = -1, beta = -1 !! artificial viscosity; negative: that of the formulation
         character(name_len) :: limiter = 'auto' !! or 'none', 'balsara', 'compression'
@@ -173,6 +179,7 @@ module brz_case
         logical :: on_ground = .false. !! a hemisphere on the ground, no sphere in free air
         real(dp) :: at(3) = 0 !! of its centre [m]
         real(dp) :: start = 0 !! when it detonates [s]
+        logical :: in_table = .false. !! time and pressure are those of a file
         logical :: on_all = .false. !! of a body; then `pressure` has factors of one of these:
         real(dp) :: acceleration(3) = 0 !! [m/s2]
         real(dp) :: force(3) = 0 !! on the part of the body that is modelled [N]
@@ -184,6 +191,7 @@ module brz_case
         real(dp) :: at(3) = 0 !! [m]
         character(name_len) :: quantity = 'pressure' !! see the deck reference
         character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
+        real(dp) :: to(3) = 0 !! other end of a strain gauge [m]
         character(name_len) :: body = '' !! for quantities of a solid
         integer :: body_index = 0
     end type gauge_case_t

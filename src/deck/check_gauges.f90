@@ -7,7 +7,7 @@ module brz_check_gauges
     use brz_check_start, only: is_radial
     use brz_deck, only: complain, deck_t, find_group, may_be_misspelt
     use brz_gauge_quantities, only: find_quantity, quantities
-    use brz_get, only: is_usable
+    use brz_get, only: is_given, is_usable
     use brz_kinds, only: dp
     implicit none
     private
@@ -27,6 +27,7 @@ contains
             k = k + 1
             call find_body(deck, g, case, case%gauges(k))
             if (.not. deck%groups(g)%bad) call check_quantity(deck, g, case, case%gauges(k))
+            if (.not. deck%groups(g)%bad) call check_points(deck, g, case%gauges(k))
             if (is_radial(case)) cycle
             if (.not. deck%groups(g)%bad) call check_place(deck, g, case, case%gauges(k))
         end do
@@ -69,14 +70,63 @@ contains
                           "' is that of a body: add body='...'")
         else if (of_air .and. gauge%body_index > 0) then
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
-                          "' is that of the air: take body out, or measure a velocity or "// &
-                          "displacement")
+                          "' is that of the air: take body out, or measure what the body has")
         else if (gauge%body_index == 0 .and. .not. case%air%present) then
             if (may_be_misspelt(deck)) return
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
                           "' needs &air; for a body add body='...'")
+        else if (quantities(row)%whole > 0) then
+            call check_whole(deck, g, case, trim(gauge%quantity))
         end if
     end subroutine check_quantity
+
+    !> Forces on a whole body: what they come from must be there.
+    subroutine check_whole(deck, g, case, quantity)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        character(*), intent(in) :: quantity
+        logical :: loaded
+        integer :: axis
+
+        axis = index('xyz', quantity(len(quantity):))
+        loaded = case%air%present
+        if (allocated(case%loads)) loaded = loaded .or. size(case%loads) > 0
+        if (index(quantity, 'contact') == 1 .and. case%run%symmetry(axis)) then
+            call complain(deck, g, 'quantity', quantity//' holds what the plane of symmetry '// &
+                          'takes up, too; measure along the plane, or take symmetry out')
+        else if (index(quantity, 'load') + index(quantity, 'impulse') == 1 .and. .not. loaded) then
+            call complain(deck, g, 'quantity', quantity//' is that of the air or of a &load, '// &
+                          'and the deck has neither; take the gauge out')
+        end if
+    end subroutine check_whole
+
+    !> The points that a quantity needs, and no others.
+    subroutine check_points(deck, g, gauge)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(gauge_case_t), intent(in) :: gauge
+        logical :: whole
+
+        associate (group => deck%groups(g))
+            whole = find_quantity(trim(gauge%quantity)) > 0
+            if (whole) whole = quantities(find_quantity(trim(gauge%quantity)))%whole > 0
+            if (whole .and. index(gauge%quantity, 'moment') == 0) then
+                if (is_given(group, 'at')) call complain(deck, g, 'at', "quantity='"// &
+                    trim(gauge%quantity)//"' is that of the whole body; take at out")
+            else if (.not. is_given(group, 'at')) then
+                call complain(deck, g, 'quantity', 'a gauge needs its place; add at = x, y, z')
+            end if
+            if (is_given(group, 'to') .neqv. gauge%quantity == 'strain') then
+                if (gauge%quantity == 'strain') then
+                    call complain(deck, g, 'quantity', 'a strain gauge needs its other end; '// &
+                                  'add to = x, y, z')
+                else
+                    call complain(deck, g, 'to', "to belongs to quantity='strain'; take it out")
+                end if
+            end if
+        end associate
+    end subroutine check_points
 
     !> A gauge of the air lies in the air, one of a body in or on the body.
     subroutine check_place(deck, g, case, gauge)
@@ -88,6 +138,8 @@ contains
         real(dp) :: lo(3), hi(3), slack(3)
         integer :: d
 
+        if (find_quantity(trim(gauge%quantity)) == 0) return
+        if (quantities(find_quantity(trim(gauge%quantity)))%whole > 0) return
         if (gauge%body_index > 0) then
             call body_box(case%bodies(gauge%body_index), lo, hi)
             slack = 1.001_dp*case%bodies(gauge%body_index)%spacing
@@ -101,10 +153,19 @@ contains
             where = 'the air, which is '
             if (deck%groups(find_group(deck, 'air'))%bad) return
         end if
-        d = case%run%dimension
-        if (any(gauge%at(:d) < lo(:d) - slack(:d) .or. gauge%at(:d) > hi(:d) + slack(:d))) &
-            call complain(deck, g, 'at', 'the gauge at '//point_text(gauge%at)// &
-                          ' lies outside '//where// &
-                          box_text(lo, hi))
+        call look('at', gauge%at)
+        if (gauge%quantity == 'strain') call look('to', gauge%to)
+
+    contains
+
+        subroutine look(key, at)
+            character(*), intent(in) :: key
+            real(dp), intent(in) :: at(3) !! [m]
+
+            d = case%run%dimension
+            if (any(at(:d) < lo(:d) - slack(:d) .or. at(:d) > hi(:d) + slack(:d))) &
+                call complain(deck, g, key, 'the gauge at '//point_text(at)// &
+                              ' lies outside '//where//box_text(lo, hi))
+        end subroutine look
     end subroutine check_place
 end module brz_check_gauges

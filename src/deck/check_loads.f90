@@ -3,7 +3,9 @@
 module brz_check_loads
     use brz_case, only: case_t, load_case_t, name_len
     use brz_check_bodies, only: reference_hint
+    use brz_csv_table, only: read_columns
     use brz_deck, only: complain, deck_t, find_entry, group_label, place
+    use brz_errors, only: error_t, failed
     use brz_get, only: get, is_given, is_usable
     use brz_key, only: key_t, kind_text, required
     use brz_kinds, only: dp
@@ -39,6 +41,9 @@ contains
                       'before and after. Not needed for one constant pressure.'), &
                 key_t(group=g, key='pressure', n_max=most_points, unit='Pa', &
                       meaning='Overpressure at these times; positive pushes on the face.'), &
+                key_t(group=g, key='table', kind=kind_text, longest=256, &
+                      meaning='History from a file of comma-separated numbers, in place of '// &
+                      'time and pressure or scale: columns time and pressure, or scale.'), &
                 key_t(group=g, key='mass', unit='kg', lower=zero, open_lower=.true., &
                       meaning='Charge of TNT that detonates, in place of a history.'), &
                 key_t(group=g, key='burst', kind=kind_text, choices='air|surface', &
@@ -97,12 +102,14 @@ contains
         load%faces = [(any(faces == names(i)), i=1, 6)]
         call fill_list(deck, g, 'time', load%time)
         call fill_list(deck, g, 'pressure', load%pressure)
+        load%in_table = is_given(deck%groups(g), 'table')
         load%on_all = is_given(deck%groups(g), 'acceleration') .or. &
                       is_given(deck%groups(g), 'force')
         if (load%on_all) then
             call fill_list(deck, g, 'scale', load%pressure)
             if (.not. is_given(deck%groups(g), 'scale')) load%pressure = [1.0_dp]
         end if
+        if (load%in_table) call fill_table(deck, g, load)
         call get(deck%groups(g), 'acceleration', load%acceleration)
         call get(deck%groups(g), 'force', load%force)
         call get(deck%groups(g), 'mass', load%mass)
@@ -112,6 +119,39 @@ contains
         call get(deck%groups(g), 'at', load%at)
         call get(deck%groups(g), 'detonation_time', load%start)
     end subroutine fill
+
+    !> History of a load from its table.
+    subroutine fill_table(deck, g, load)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(load_case_t), intent(inout) :: load
+        character(512) :: path
+        character(8) :: names(2)
+        real(dp), allocatable :: values(:, :)
+        type(error_t) :: err
+        logical :: found(2)
+
+        if (any([is_given(deck%groups(g), 'time'), is_given(deck%groups(g), 'pressure'), &
+                 is_given(deck%groups(g), 'scale'), is_given(deck%groups(g), 'mass')])) then
+            call complain(deck, g, 'table', 'a table has times and values of a history; '// &
+                          'take time, pressure, scale and mass out')
+            return
+        end if
+        path = ''
+        call get(deck%groups(g), 'table', path)
+        if (path(1:1) /= '/') path = deck%file(:index(deck%file, '/', back=.true.))//path
+        names = [character(8) :: 'time', merge('scale   ', 'pressure', load%on_all)]
+        call read_columns(trim(path), names, values, found, err)
+        if (failed(err)) then
+            call complain(deck, g, 'table', err%text)
+        else if (.not. all(found)) then
+            call complain(deck, g, 'table', trim(path)//': its first row must name the columns '// &
+                          trim(names(1))//' and '//trim(names(2)))
+        else
+            load%time = values(1, :)
+            load%pressure = values(2, :)
+        end if
+    end subroutine fill_table
 
     !> The values of a key, none if it is absent.
     subroutine fill_list(deck, g, key, list)
@@ -137,8 +177,10 @@ contains
                                                 'acceleration', 'force']
         integer :: i
 
+        if (deck%groups(g)%bad) return
         associate (group => deck%groups(g))
-            if (count([(is_given(group, trim(kinds(i))), i=1, 4)]) /= 1) then
+            if (count([(is_given(group, trim(kinds(i))), i=1, 4)]) &
+                + merge(1, 0, load%in_table .and. .not. load%on_all) /= 1) then
                 call complain(deck, g, 'body', 'a load is a history (time, pressure), the '// &
                     'blast of a charge (mass, at), an acceleration or a force; give one of them')
                 return
@@ -183,6 +225,8 @@ contains
                 to_text(m)//' times; give as many of both, or one that is constant')
             if (m == n .and. n == 1) call complain(deck, g, 'time', 'a history needs two '// &
                 'times; take time out for a constant one')
+            if (m < 2 .and. load%in_table) call complain(deck, g, 'table', &
+                'a history needs two rows')
             if (any(load%time(2:) <= load%time(:max(m - 1, 0)))) call complain(deck, g, 'time', &
                 'the times must grow')
         end associate

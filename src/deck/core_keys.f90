@@ -215,15 +215,19 @@ contains
         character(*), parameter :: g = 'gauge'
 
         keys = [keys, &
-                key_t(group=g, meaning='A gauge: the history of one quantity at one point.'), &
+                key_t(group=g, meaning='A gauge: the history of one quantity, at one '// &
+                      'point or of a whole body.'), &
                 key_t(group=g, key='id', kind=kind_text, default=required, &
                       meaning='Name of the gauge.'), &
-                key_t(group=g, key='at', n_min=3, n_max=3, unit='m', default=required, &
-                      meaning='Point; a gauge in a body moves with the nearest particle.'), &
+                key_t(group=g, key='at', n_min=3, n_max=3, unit='m', &
+                      meaning='Point; a gauge in a body moves with the nearest particle. '// &
+                      'moment: point that it is taken about. Not of other forces on a body.'), &
+                key_t(group=g, key='to', n_min=3, n_max=3, unit='m', &
+                      meaning='strain: the other end of the strain gauge.'), &
                 key_t(group=g, key='quantity', kind=kind_text, default='pressure', &
                       choices=quantity_choices(), &
-                      meaning='What is measured; displacements and damage need a body, '// &
-                      'velocities are those of the body if one is given.'), &
+                      meaning='What is measured. The air has the first seven; with body it is '// &
+                      'of the body, and from reaction_x on of all of it.'), &
                 key_t(group=g, key='body', kind=kind_text, &
                       meaning='Id of the body that is measured; absent: the air.')]
     end subroutine gauge_keys

@@ -6,6 +6,7 @@ module brz_fill_case
     use brz_deck, only: add_error, add_warning, complain, deck_t, entry_line, find_entry, place, &
                         find_group, group_t
     use brz_explosives, only: explosives, find_explosive
+    use brz_fill_rollers, only: fill_rollers
     use brz_get, only: get, get_boxes, is_usable
     use brz_kinds, only: dp
     use brz_layup, only: parse_layup
@@ -200,6 +201,9 @@ contains
             call get(group, 'fix_width', body%fix_width)
             call get(group, 'velocity', body%velocity)
             call get(group, 'spin', body%spin)
+            call get(group, 'spin_centre', body%spin_centre)
+            call get(group, 'start_file', body%start_file)
+            body%about_point = is_usable(group, 'spin_centre')
             call get(group, 'formulation', body%formulation)
             call get(group, 'alpha', body%alpha)
             call get(group, 'beta', body%beta)
@@ -219,9 +223,12 @@ contains
         end associate
         if (body%file /= '' .and. body%file(1:1) /= '/') &
             body%file = deck%file(:index(deck%file, '/', back=.true.))//body%file
+        if (body%start_file /= '' .and. body%start_file(1:1) /= '/') body%start_file = &
+            deck%file(:index(deck%file, '/', back=.true.))//body%start_file
         call fill_plies(deck, g, body)
         call get_boxes(deck, g, 'fix_box', body%fix_box, body%n_fix_boxes)
         call fill_motion(deck, g, body)
+        call fill_rollers(deck, g, body)
     end subroutine fill_body
 
     !> Points of a prescribed velocity: times that grow, three numbers for each.
@@ -281,6 +288,7 @@ contains
         gauge%place = place(deck, group%line)
         gauge%id = group%id
         call get(group, 'at', gauge%at)
+        call get(group, 'to', gauge%to)
         call get(group, 'quantity', gauge%quantity)
         call get(group, 'body', gauge%body)
     end subroutine fill_gauge

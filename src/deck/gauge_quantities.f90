@@ -7,19 +7,22 @@
 module brz_gauge_quantities
     implicit none
     private
-    public :: quantity_t, quantities, find_quantity, quantity_choices
+    public :: quantity_t, quantities, find_quantity, quantity_choices, from_impulse
 
     type :: quantity_t
         character(16) :: name
         character(8) :: unit
         logical :: of_air, of_body
         logical :: moves = .false. !! of a particle it needs place, velocity and acceleration alone
+        integer :: whole = 0 !! of a whole body: place among the sums of brz_force_items, or
+                             !! from_impulse and the next ones; 0: of a point
     end type quantity_t
 
-    type(quantity_t), parameter :: quantities(11) = [ &
-        quantity_t('pressure', 'Pa', .true., .false.), &
+    integer, parameter :: from_impulse = 13
+    type(quantity_t), parameter :: quantities(36) = [ &
+        quantity_t('pressure', 'Pa', .true., .true.), &
         quantity_t('overpressure', 'Pa', .true., .false.), &
-        quantity_t('density', 'kg/m3', .true., .false.), &
+        quantity_t('density', 'kg/m3', .true., .true.), &
         quantity_t('speed', 'm/s', .true., .true., moves=.true.), &
         quantity_t('velocity_x', 'm/s', .true., .true., moves=.true.), &
         quantity_t('velocity_y', 'm/s', .true., .true., moves=.true.), &
@@ -27,7 +30,32 @@ module brz_gauge_quantities
         quantity_t('displacement_x', 'm', .false., .true., moves=.true.), &
         quantity_t('displacement_y', 'm', .false., .true., moves=.true.), &
         quantity_t('displacement_z', 'm', .false., .true., moves=.true.), &
-        quantity_t('damage', '-', .false., .true.)]
+        quantity_t('strain', '-', .false., .true., moves=.true.), &
+        quantity_t('stress_xx', 'Pa', .false., .true.), &
+        quantity_t('stress_yy', 'Pa', .false., .true.), &
+        quantity_t('stress_zz', 'Pa', .false., .true.), &
+        quantity_t('stress_xy', 'Pa', .false., .true.), &
+        quantity_t('stress_yz', 'Pa', .false., .true.), &
+        quantity_t('stress_xz', 'Pa', .false., .true.), &
+        quantity_t('von_mises', 'Pa', .false., .true.), &
+        quantity_t('plastic_strain', '-', .false., .true.), &
+        quantity_t('temperature', 'K', .false., .true.), &
+        quantity_t('damage', '-', .false., .true.), &
+        quantity_t('reaction_x', 'N', .false., .true., whole=1), &
+        quantity_t('reaction_y', 'N', .false., .true., whole=2), &
+        quantity_t('reaction_z', 'N', .false., .true., whole=3), &
+        quantity_t('moment_x', 'N m', .false., .true., whole=4), &
+        quantity_t('moment_y', 'N m', .false., .true., whole=5), &
+        quantity_t('moment_z', 'N m', .false., .true., whole=6), &
+        quantity_t('load_x', 'N', .false., .true., whole=7), &
+        quantity_t('load_y', 'N', .false., .true., whole=8), &
+        quantity_t('load_z', 'N', .false., .true., whole=9), &
+        quantity_t('contact_x', 'N', .false., .true., whole=10), &
+        quantity_t('contact_y', 'N', .false., .true., whole=11), &
+        quantity_t('contact_z', 'N', .false., .true., whole=12), &
+        quantity_t('impulse_x', 'N s', .false., .true., whole=13), &
+        quantity_t('impulse_y', 'N s', .false., .true., whole=14), &
+        quantity_t('impulse_z', 'N s', .false., .true., whole=15)]
 
 contains
 

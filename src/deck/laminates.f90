@@ -8,6 +8,7 @@ module brz_laminates
     use brz_case, only: max_plies, name_len
     use brz_deck, only: add_group, add_warning, complain, deck_t, entry_t, find_entry, find_group, &
                         group_label, group_t, move_group
+    use brz_gauge_quantities, only: find_quantity, quantities
     use brz_get, only: get, is_given, is_usable
     use brz_group_values, only: set_numbers, set_text, take_entry
     use brz_key, only: key_t
@@ -265,7 +266,7 @@ contains
             e = 0
             if (deck%groups(k)%name == 'interaction') e = find_entry(deck%groups(k), 'bodies')
             if (deck%groups(k)%name == 'body') e = find_entry(deck%groups(k), 'cuts')
-            if (deck%groups(k)%name == 'gauge') e = find_entry(deck%groups(k), 'body')
+            if (is_of_a_point(deck%groups(k))) e = find_entry(deck%groups(k), 'body')
             if (e == 0) cycle
             associate (entry => deck%groups(k)%entries(e))
                 do i = 1, size(entry%word)
@@ -283,6 +284,20 @@ contains
             end associate
         end do
     end subroutine rename_laminate
+
+    !> True for a gauge that measures at a point.
+    logical function is_of_a_point(group) result(yes)
+        type(group_t), intent(in) :: group
+        character(name_len) :: quantity
+        integer :: row
+
+        yes = group%name == 'gauge'
+        if (.not. yes) return
+        quantity = ''
+        call get(group, 'quantity', quantity)
+        row = find_quantity(trim(quantity))
+        if (row > 0) yes = quantities(row)%whole == 0
+    end function is_of_a_point
 
     !> Replace the laminate by its sublaminates.
     subroutine lay_parts(deck, keys, defaults, g, parting)
@@ -308,7 +323,7 @@ contains
                 call set_text(group, 'id', group%id)
                 call set_text(group, 'plies', layup_text(parting, p))
                 call set_numbers(group, 'box', box_of(parting, p))
-                if (is_given(group, 'spin')) &
+                if (is_given(group, 'spin') .and. .not. is_given(group, 'spin_centre')) &
                     call set_numbers(group, 'velocity', velocity_of(group, parting, p))
                 call take_entry(group, keys, defaults, 'delamination')
                 call take_entry(group, keys, defaults, 'interfaces')

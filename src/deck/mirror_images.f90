@@ -115,11 +115,11 @@ contains
             if (.not. same) return
             d = mod(i - 1, 3) + 1
             select case (image%key)
-            case ('centre', 'velocity', 'motion_velocity')
+            case ('centre', 'velocity', 'motion_velocity', 'spin_centre')
                 same = near(image%number(i), sign(d)*original%number(i))
             case ('spin') ! an axial vector
                 same = near(image%number(i), product(sign)*sign(d)*original%number(i))
-            case ('box', 'fix_box')
+            case ('box', 'fix_box', 'roller_box')
                 d = mod((i - 1)/2, 3) + 1
                 low = i - mod(i - 1, 2)
                 if (flip(d)) then

@@ -35,7 +35,6 @@ contains
             end associate
         end do
         if (solid%remove) why = "leave='remove'"
-        if (allocated(solid%loads%of)) why = '&load'
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
 
@@ -49,7 +48,7 @@ contains
 
         call put_axes(solid, gpu, err)
         do b = 1, size(solid%bodies)
-            call open_body(device, solid, b, gpu%owed, gpu%bodies(b), err)
+            call open_body(device, solid, b, [gpu%owed, gpu%grip], gpu%bodies(b), err)
         end do
     end subroutine open_gpu_bodies
 
@@ -85,11 +84,11 @@ contains
     end function axes_before
 
     !> What one body needs.
-    subroutine open_body(device, solid, b, owed, gpu, err)
+    subroutine open_body(device, solid, b, columns, gpu, err)
         type(device_t), intent(in) :: device
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
-        integer, intent(in) :: owed !! see body_gpu_t
+        integer, intent(in) :: columns(2) !! owed, grip, see body_gpu_t
         type(gpu_solid_body_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         type(body_gpu_t) :: params
@@ -103,7 +102,8 @@ contains
         params = params_of(solid%bodies(b), solid%dimension, axes_before(solid, b))
         params%fails = material%fails
         params%springs = merge(1, 0, material%class == class_elastic)
-        params%owed = owed
+        params%owed = columns(1)
+        params%grip = columns(2)
         gpu%first = params%first
         gpu%last = params%last
         gpu%slices = (gpu%last - gpu%first)/slice_width + 1
@@ -149,6 +149,7 @@ contains
         p%fails = 0
         p%springs = 0
         p%owed = 0
+        p%grip = 0
         p%keep_force = merge(0, 1, body%motion%n > 0)
         p%h = body%h
         p%crack = body%crack

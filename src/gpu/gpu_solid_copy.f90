@@ -7,6 +7,7 @@ module brz_gpu_solid_copy
     use brz_gpu_solid_bodies, only: open_gpu_bodies
     use brz_gpu_solid_cohesive, only: fetch_gpu_points, open_gpu_cohesive
     use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault
+    use brz_gpu_solid_load, only: open_gpu_loads
     use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, &
@@ -14,7 +15,8 @@ module brz_gpu_solid_copy
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_materials, only: unloaded_speed
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_built, in_motion, in_place, &
-        in_reference, in_state, in_tag, is_single, numbers_of, set_numbers
+        in_reference, in_state, in_tag, is_single, numbers_of, set_columns, &
+        set_numbers
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -31,7 +33,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: b
 
-        call open_gpu_solid_memory(device, solid, in_air, gpu, err)
+        call open_gpu_solid_memory(device, solid, in_air .or. allocated(solid%loads%of), gpu, err)
         if (failed(err)) return
         call open_gpu_bodies(device, solid, gpu, err)
         do b = 1, size(solid%bodies)
@@ -41,6 +43,7 @@ contains
         call put_fields(solid, gpu, err)
         call open_gpu_links(device, solid, gpu, err)
         call open_gpu_cohesive(device, solid%cohesive, gpu, err)
+        call open_gpu_loads(device, solid%loads, gpu, err)
         call build_gpu_lists(gpu, solid, .false., spread(.true., 1, size(solid%bodies)), err)
         call build_gpu_links(gpu, solid, .true., err)
     end subroutine open_gpu_solid
@@ -145,7 +148,7 @@ contains
         type(error_t), intent(inout) :: err
         type(fields_t) :: fields
         real(dp), allocatable :: rows(:, :)
-        real(rk), allocatable :: motion(:, :)
+        real(rk), allocatable :: motion(:, :), columns(:, :)
         integer :: k, lies
 
         call fields_of(solid, fields)
@@ -165,35 +168,32 @@ contains
                 end associate
             end do
         end do
+        deallocate (rows, motion)
+        allocate (columns(gpu%n, maxval(fields%of(:fields%n)%rows)))
         do k = 1, fields%n
-            call fetch_field(gpu, fields%of(k), err)
+            associate (field => fields%of(k))
+                if (field%lies == in_tag) call fetch_tag(gpu, field, err)
+                if (field%lies /= in_state) cycle
+                call copy_out(column_of(gpu, field%at), columns, &
+                              bytes_of_real*field%rows*gpu%n, err)
+                if (.not. failed(err)) call set_columns(field, columns(:, :field%rows))
+            end associate
         end do
     end subroutine fetch_fields
 
-    subroutine fetch_field(gpu, field, err)
+    subroutine fetch_tag(gpu, field, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(field_t), intent(in) :: field
         type(error_t), intent(inout) :: err
-        real(dp), allocatable :: x(:, :)
-        real(rk), allocatable :: column(:)
-        integer(int32), allocatable :: marks(:)
-        integer :: c
+        integer(int32) :: marks(gpu%n)
+        real(dp) :: x(1, gpu%n)
 
-        if (field%lies /= in_state .and. field%lies /= in_tag) return
-        allocate (x(field%rows, gpu%n), column(gpu%n), marks(gpu%n))
-        do c = 1, field%rows
-            if (field%lies == in_tag) then
-                call copy_out(tags_of(gpu, field%at), marks, 4_int64*gpu%n, err)
-                if (failed(err)) return
-                x(c, :) = marks
-                if (field%kind == is_single) x(c, :) = transfer(marks, 1.0_real32, gpu%n)
-            else
-                call copy_out(column_of(gpu, field%at + c - 1), column, bytes_of_real*gpu%n, err)
-                if (.not. failed(err)) x(c, :) = column
-            end if
-        end do
-        if (.not. failed(err)) call set_numbers(field, x)
-    end subroutine fetch_field
+        call copy_out(tags_of(gpu, field%at), marks, 4_int64*gpu%n, err)
+        if (failed(err)) return
+        x(1, :) = marks
+        if (field%kind == is_single) x(1, :) = transfer(marks, 1.0_real32, gpu%n)
+        call set_numbers(field, x)
+    end subroutine fetch_tag
 
     !> Refresh the motion of some particles on the host, wherever they lie there.
     subroutine fetch_particles(gpu, id, solid, err)

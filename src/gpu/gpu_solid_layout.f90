@@ -76,6 +76,7 @@ module brz_gpu_solid_layout
         integer :: variable !! 1: the smoothing length follows the density
         integer :: springs !! 1: back from any expansion
         integer :: owed !! column of `state` with what the hold owes, see brz_solid_state
+        integer :: grip !! column of `state` before the force on what holds a particle, 0: none
         integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step
         real(rk) :: h_range(2) !! bounds of a smoothing length that varies, over h
         real(rk) :: crack !! width of a smeared crack [m]

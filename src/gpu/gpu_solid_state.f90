@@ -11,6 +11,8 @@ module brz_gpu_solid_state
     use brz_device, only: allocate_buffer, buffer_t, clear_buffer, copy_in, device_t, &
         free_buffers, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_facet_launches, only: facet_kernels_t
+    use brz_force_launches, only: force_kernels_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
@@ -19,6 +21,7 @@ module brz_gpu_solid_state
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_launches, only: solid_kernels_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
+    use brz_tallies, only: tally_threads
     use brz_text, only: to_text
     implicit none
     private
@@ -68,6 +71,15 @@ module brz_gpu_solid_state
         type(cohesive_kernels_t) :: kernels
     end type gpu_cohesive_t
 
+    !> Loads in scenes without air, arrays of facets_t.
+    type :: gpu_loads_t
+        logical :: present = .false.
+        integer :: carriers = 0, rebuilds = -1
+        type(integers_t) :: first, id, of, beside, mirror, side, place
+        type(doubles_t) :: width, most, wave, mean, sums
+        type(facet_kernels_t) :: kernels
+    end type gpu_loads_t
+
     type :: gpu_solid_t
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         logical :: stepped = .false. !! the GPU has made a step
@@ -75,10 +87,12 @@ module brz_gpu_solid_state
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
         type(gpu_links_t) :: links
         type(gpu_cohesive_t) :: glue
+        type(gpu_loads_t) :: loads
         integer :: n = 0, n_state = 0 !! particles, columns of `state`
         ! columns of `state` that not every scene has, 0: none
+        integer :: grip = 0 !! + 1..3: force on what holds a particle [N]
         integer :: owed = 0 !! energy that the hold owes [J]
-        integer :: load = 0 !! + 1..3: force of the air [N]
+        integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
@@ -88,16 +102,18 @@ module brz_gpu_solid_state
         type(integers_t) :: tag, flags, count, cell, order, start, code
         type(buffer_t) :: hold, grid
         type(solid_kernels_t) :: kernels
+        type(force_kernels_t) :: forces
+        type(doubles_t) :: sums_of_forces
         type(gpu_common_t) :: common
     end type gpu_solid_t
 
 contains
 
     !> Reserve all memory and find all kernels.
-    subroutine open_gpu_solid_memory(device, solid, in_air, gpu, err)
+    subroutine open_gpu_solid_memory(device, solid, loaded, gpu, err)
         type(device_t), intent(in) :: device
         type(solid_t), intent(inout) :: solid
-        logical, intent(in) :: in_air !! the air loads the bodies
+        logical, intent(in) :: loaded !! the air, or what the deck says, loads the bodies
         type(gpu_solid_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: n
@@ -105,10 +121,11 @@ contains
         gpu%n = solid%n
         gpu%linked = solid%links%present
         gpu%bonded = gpu%linked .and. solid%links%bonds
-        call number_columns(solid, in_air, gpu)
+        call number_columns(solid, loaded, gpu)
         n = solid%n
         call require(device, solid, gpu%n_state, err)
         call gpu%kernels%open(device, err)
+        call gpu%forces%open(device, err)
         call gpu%common%open(device, most_folded*(n_total + n_book), err)
         call allocate_buffer(gpu%place, 32*n, err)
         call allocate_buffer(gpu%reference, 32*n, err)
@@ -130,6 +147,7 @@ contains
         call allocate_buffer(gpu%box, 48_int64, err)
         call allocate_buffer(gpu%extra, 8_int64, err)
         call allocate_buffer(gpu%count, 4*n, err)
+        call allocate_buffer(gpu%sums_of_forces, 96_int64*tally_threads, err)
         call allocate_buffer(gpu%cell, 4*n, err)
         call allocate_buffer(gpu%order, 4*n, err)
         call allocate_buffer(gpu%start, 4*(max(512_int64, 2*n) + 2), err)
@@ -142,16 +160,17 @@ contains
     end subroutine open_gpu_solid_memory
 
     !> Number the columns of `state`.
-    subroutine number_columns(solid, in_air, gpu)
+    subroutine number_columns(solid, loaded, gpu)
         type(solid_t), intent(inout) :: solid
-        logical, intent(in) :: in_air
+        logical, intent(in) :: loaded
         type(gpu_solid_t), intent(inout) :: gpu
         type(fields_t) :: fields
 
         call fields_of(solid, fields)
         gpu%n_state = fields%columns
         gpu%owed = column_of_field(fields, 'owed')
-        if (in_air) gpu%load = column_of_field(fields, 'load') - 1
+        if (loaded) gpu%load = column_of_field(fields, 'load') - 1
+        if (allocated(solid%grip)) gpu%grip = column_of_field(fields, 'grip') - 1
     end subroutine number_columns
 
     !> Refuse a scene that does not fit, before anything is reserved.
@@ -227,14 +246,18 @@ contains
             gpu%region, gpu%extra)
         call free_buffers(gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
             gpu%part, gpu%box)
+        call free_buffers(gpu%sums_of_forces)
         call gpu%common%close()
-        associate (links => gpu%links, glue => gpu%glue)
+        associate (links => gpu%links, glue => gpu%glue, loads => gpu%loads)
             call free_buffers(links%ends, links%table, links%cell, links%press, links%slice, &
                 links%count, links%list, links%met)
             call free_buffers(glue%law, glue%bit, glue%of, glue%first, glue%area, glue%gap, &
                 glue%rest, glue%weight)
             call free_buffers(glue%back_first, glue%back, glue%row, glue%pull, glue%push, &
                 glue%entry, glue%place_of, glue%state)
+            call free_buffers(loads%first, loads%id, loads%of, loads%beside, loads%mirror, &
+                loads%side, loads%place)
+            call free_buffers(loads%width, loads%most, loads%wave, loads%mean, loads%sums)
         end associate
         do b = 1, size(gpu%bodies)
             associate (body => gpu%bodies(b))

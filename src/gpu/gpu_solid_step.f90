@@ -36,7 +36,7 @@ contains
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         real(dp) :: impulse(3)
-        integer :: flags(n_flag), b
+        integer :: flags(n_flag), b, load
         logical :: stale(size(solid%bodies)), relink
 
         if (.not. gpu%stepped) call gradient_pass(gpu, 0.0_dp, err) ! of bodies that sleep, too
@@ -47,7 +47,10 @@ contains
         gpu%glue%fetched = .false.
         if (solid%steps == 0) then
             call contact_pass(gpu, 0.0_dp, err)
+            load = gpu%load
+            gpu%load = 0 ! all of it acts after the half step up to here
             call force_pass(gpu, dt/2, err)
+            gpu%load = load
             do b = 1, size(gpu%bodies)
                 if (solid%bodies(b)%motion%n > 0 .and. .not. gpu%bodies(b)%rigid) &
                     call book_reaction(gpu, solid, b, impulse, err)

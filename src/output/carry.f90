@@ -2,6 +2,7 @@
 !> Carry state to a checkpoint or back from it with one and the same list of calls, so that what
 !> is written and what is read cannot differ.
 module brz_carry
+    use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_hdf5_array, only: h5_read, h5_write
@@ -34,7 +35,7 @@ contains
         call h5_read(file, name, a, err)
         if (failed(err) .or. size(a) == 0) return
         call c_f_pointer(c_loc(a), values, [size(a, kind=int64)])
-        if (.not. all(abs(values) <= huge(values))) call raise(err, exit_io, file%path//": '"// &
+        if (.not. all(ieee_is_finite(values))) call raise(err, exit_io, file%path//": '"// &
             name//"' holds what is no number")
     end subroutine carry_real64
 
@@ -52,7 +53,7 @@ contains
         call h5_read(file, name, a, err)
         if (failed(err) .or. size(a) == 0) return
         call c_f_pointer(c_loc(a), values, [size(a, kind=int64)])
-        if (.not. all(abs(values) <= huge(values))) call raise(err, exit_io, file%path//": '"// &
+        if (.not. all(ieee_is_finite(values))) call raise(err, exit_io, file%path//": '"// &
             name//"' holds what is no number")
     end subroutine carry_real32
 

@@ -32,7 +32,8 @@ module brz_checkpoint
     use brz_version, only: precision
     implicit none
     private
-    public :: write_checkpoint, read_checkpoint, find_checkpoint, drop_later_checkpoints
+    public :: write_checkpoint, name_checkpoint, read_checkpoint, find_checkpoint
+    public :: drop_later_checkpoints
 
     integer, parameter :: kept = 2 !! checkpoints in a folder
     character(*), parameter :: about = 'brisance'
@@ -41,7 +42,7 @@ module brz_checkpoint
 
 contains
 
-    !> Write a checkpoint and remove all but the last two. Histories must be flushed before.
+    !> Write a checkpoint, which `name_checkpoint` then names. Histories must be flushed before.
     recursive subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err)
         character(*), intent(in) :: folder
         type(case_t), intent(in) :: case
@@ -63,12 +64,27 @@ contains
         end if
         call describe_run(case, clock, meta)
         call h5_create(file, folder//'/'//checkpoint_name(clock%cycle), h5_plain, err, title)
+        file%unnamed = .true.
         call write_meta(file, meta, err)
         call carry_all(file, clock, air, coupling, solid, sums, err)
         call h5_close(file, err)
-        call sync_file(folder, err) ! its name is on the disk too
-        if (.not. failed(err)) call remove_old(folder, clock%cycle)
     end subroutine write_checkpoint
+
+    !> Give a checkpoint that is on the disk its name, and remove all but the last two. Of several
+    !> processes one does it.
+    subroutine name_checkpoint(folder, step, err)
+        character(*), intent(in) :: folder
+        integer, intent(in) :: step
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: path
+
+        if (failed(err)) return
+        path = folder//'/'//checkpoint_name(step)
+        call rename_file(path//'.tmp', path, err)
+        call sync_file(folder, err) ! the name is on the disk too
+        if (failed(err)) call remove_parts(folder, checkpoint_name(step))
+        if (.not. failed(err)) call remove_old(folder, step)
+    end subroutine name_checkpoint
 
     !> The same of several processes, which share the bodies: the first has them all for a while,
     !> and writes them as one process would.
@@ -110,17 +126,16 @@ contains
         if (failed(err)) return
         call describe_run(case, clock, meta)
         if (leads) call h5_create(file, path, h5_plain, err, title)
+        file%unnamed = .true.
         if (leads) call write_meta(file, meta, err)
         call write_boxes(file, air, err)
         if (leads) then
             call carry(file, 'sums', sums, err)
             if (.not. failed(err)) call carry_clock(file, clock, err)
             call h5_close(file, err)
-            call sync_file(folder, err)
             if (failed(err)) call remove_parts(folder, checkpoint_name(clock%cycle))
         end if
         call agree(air%part%ranks, err)
-        if (leads .and. .not. failed(err)) call remove_old(folder, clock%cycle)
     end subroutine write_in_parts
 
     !> Read a checkpoint into a scene that has been set up from the same deck. Afterwards the solid

@@ -7,7 +7,7 @@ module brz_checkpoint_check
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_kinds, only: dp, int32
-    use brz_solid_state, only: bond_broken, is_gone, solid_t
+    use brz_solid_state, only: bond_breaks, is_gone, solid_t
     implicit none
     private
     public :: check_state
@@ -78,11 +78,12 @@ contains
         call demand(solid%dt_limit >= 0, 'solid/dt_limit', name)
         call demand(solid%steps >= 0, 'solid/steps', name)
         call demand(all(solid%mass > 0), 'solid/mass', name)
-        call demand(all(within(solid%fixed, is_gone)), 'solid/fixed', name)
+        call demand(all(within(solid%fixed, is_gone) .or. within(solid%fixed/4, 7) .and. &
+                        mod(solid%fixed, 4) == 0), 'solid/fixed', name)
         call demand(all(within(int(solid%cut), 1)), 'solid/cut', name)
         call demand(all(solid%support >= 0), 'solid/support', name)
         if (solid%links%present) &
-            call demand(all(within(solid%links%bond, bond_broken)), 'solid/bond', name)
+            call demand(all(within(solid%links%bond, bond_breaks)), 'solid/bond', name)
         if (solid%cohesive%present) &
             call demand(all(solid%cohesive%damage >= 0 .and. solid%cohesive%damage <= 1), &
                         'solid/interface_damage', name)

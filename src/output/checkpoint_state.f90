@@ -133,20 +133,21 @@ contains
         end select
     end subroutine carry_field
 
-    !> The sums that each body keeps: its reaction and, whatever components it may get, its ledger.
+    !> The sums that each body keeps: its reaction, its impulse and, whatever components it may
+    !> get, its ledger.
     subroutine carry_bodies(file, solid, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         type(ledger_t), parameter :: empty = ledger_t()
         integer, parameter :: n = size(transfer(empty, [0.0_dp])) ! all components are real(dp)
-        real(dp) :: sums(3 + n, size(solid%bodies)), limit(size(solid%bodies))
+        real(dp) :: sums(6 + n, size(solid%bodies)), limit(size(solid%bodies))
         integer(int8) :: asleep(size(solid%bodies))
         integer :: b
 
         do b = 1, size(solid%bodies)
-            sums(1:3, b) = solid%bodies(b)%reaction
-            sums(4:, b) = transfer(solid%bodies(b)%ledger, sums(4:, b))
+            sums(1:6, b) = [solid%bodies(b)%reaction, solid%bodies(b)%impulse]
+            sums(7:, b) = transfer(solid%bodies(b)%ledger, sums(7:, b))
         end do
         limit = solid%bodies%dt_limit
         asleep = merge(1_int8, 0_int8, solid%bodies%asleep)
@@ -155,7 +156,8 @@ contains
         call carry(file, 'solid/body_asleep', asleep, err)
         do b = 1, size(solid%bodies)
             solid%bodies(b)%reaction = sums(1:3, b)
-            solid%bodies(b)%ledger = transfer(sums(4:, b), empty)
+            solid%bodies(b)%impulse = sums(4:6, b)
+            solid%bodies(b)%ledger = transfer(sums(7:, b), empty)
         end do
         solid%bodies%dt_limit = limit
         solid%bodies%asleep = asleep == 1

@@ -51,7 +51,7 @@ contains
         if (gauges%charge_mass > 0) text = text//' Z [m/kg^1/3]'
         text = text//line_end
         do g = 1, gauges%n
-            if (index(gauges%list(g)%quantity, 'pressure') > 0) then
+            if (index(gauges%list(g)%quantity, 'pressure') > 0 .and. gauges%list(g)%body == 0) then
                 if (gauges%list(g)%quantity == 'pressure') &
                     table(g + 1, :) = table(g + 1, :) - gauges%rest
                 call measure_pulse(table(1, :), table(g + 1, :), gauges%rest, pulse)

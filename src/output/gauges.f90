@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Gauges: the history of one quantity at one point of the air, or of one particle of a body.
+!> Gauges: the history of one quantity at one point of the air, of one particle of a body, or of a
+!> whole body.
 !>
 !> A gauge of a body follows the particle that is nearest to its point in the unloaded body, by
 !> the particle's number, as the solver sorts the particles anew during a run.
@@ -8,13 +9,17 @@
 module brz_gauges
     use brz_air_probe, only: gas_state_at
     use brz_air_state, only: air_t, wall_t
-    use brz_case, only: case_t, gauge_case_t, name_len
+    use brz_case, only: case_t, gauge_case_t, label, name_len
     use brz_check_start, only: is_radial
-    use brz_errors, only: error_t, raise, exit_deck
-    use brz_gauge_quantities, only: find_quantity, quantities
+    use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_gauge_places, only: choose_particle, find_place
+    use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
     use brz_kinds, only: dp
-    use brz_ranks, only: bits_of_all, least_of_all, several
-    use brz_solid_state, only: solid_t
+    use brz_material, only: n_hist
+    use brz_materials, only: history_names
+    use brz_ranks, only: bits_of_all, several
+    use brz_solid_body_forces, only: n_forces
+    use brz_solid_state, only: form_rigid, is_free, solid_t
     use brz_solid_step, only: velocity_at_step
     implicit none
     private
@@ -22,15 +27,23 @@ module brz_gauges
     public :: gauge_row, gauges_need_state
     public :: radial_gauge_row
 
+    ! in the order of a stress of the particles
+    character(16), parameter :: of_stress(6) = [character(16) :: 'stress_xx', 'stress_yy', &
+        'stress_zz', 'stress_xy', 'stress_yz', 'stress_xz']
+    character(16), parameter :: of_history(2) = [character(16) :: 'plastic_strain', 'temperature']
+
     type :: gauge_t
         character(name_len) :: id = ''
         character(16) :: quantity = ''
         character(8) :: unit = ''
         real(dp) :: at(3) = 0 !! [m]
-        logical :: moves = .false. !! the motion of its particle is all that it needs
+        logical :: moves = .false. !! the motion of its particles is all that it needs
         integer :: body = 0 !! 0: the air
-        integer :: particle = 0 !! number of the particle
-        integer :: place = 0 !! where that particle was found last
+        integer :: whole = 0 !! of a whole body, see brz_gauge_quantities; 0: of a point
+        real(dp) :: force(n_forces) = 0 !! on the whole body, where `whole` asks for one of them
+        integer :: particle(2) = 0 !! numbers of its particles; the second one of a strain alone
+        integer :: place(2) = 0 !! where those particles were found last
+        integer :: slot = 0 !! in the history of the material
     end type gauge_t
 
     type :: gauges_t
@@ -64,6 +77,7 @@ contains
         allocate (gauges%list(gauges%n))
         do g = 1, gauges%n
             call set_up_gauge(case%gauges(g), case%air%present, solid, gauges%list(g), err)
+            if (failed(err)) return
         end do
     end subroutine set_up_gauges
 
@@ -96,6 +110,7 @@ contains
         if (possible) then
             gauge%unit = quantities(q)%unit
             gauge%moves = quantities(q)%moves
+            gauge%whole = quantities(q)%whole
             possible = merge(quantities(q)%of_body, quantities(q)%of_air .and. with_air, &
                              gauge%body > 0)
         end if
@@ -103,8 +118,66 @@ contains
                                        "': there is no '"//trim(input%quantity)// &
                                        "' to measure here; there is "// &
                                        known_quantities(gauge%body > 0, with_air))
-        if (gauge%body > 0) call choose_particle(solid, gauge)
+        if (failed(err) .or. gauge%body == 0) return
+        if (several(solid%ranks) .and. (gauge%whole > 0 .or. gauge%quantity == 'strain')) &
+            call raise(err, exit_deck, label('gauge', input%id, input%place)//'several '// &
+                       'processes do not measure '//trim(gauge%quantity)//' yet; run as one')
+        if (gauge%whole > 0) then
+            if (any(index(gauge%quantity, ['reaction', 'moment  ']) == 1)) &
+                call find_support(input, solid, err)
+            return
+        end if
+        call choose_particle(solid, gauge%body, gauge%at, gauge%particle(1), gauge%place(1))
+        if (gauge%quantity == 'strain') call find_end(input, solid, gauge, err)
+        if (any(gauge%quantity == of_history)) call find_slot(input, solid, gauge, err)
     end subroutine set_up_gauge
+
+    !> A force on what holds a body needs that.
+    subroutine find_support(input, solid, err)
+        type(gauge_case_t), intent(in) :: input
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+
+        associate (body => solid%bodies(input%body_index))
+            if (body%motion%n > 0) return
+            if (body%formulation == form_rigid) then
+                if (any([body%rigid%moves, body%rigid%turns] < 1)) return
+            else if (any(solid%fixed(body%first:body%last) /= is_free)) then
+                return
+            end if
+        end associate
+        call raise(err, exit_deck, label('gauge', input%id, input%place)//'nothing holds body '// &
+                   trim(input%body)//'; measure contact, load or impulse')
+    end subroutine find_support
+
+    !> The other end of a strain gauge.
+    subroutine find_end(input, solid, gauge, err)
+        type(gauge_case_t), intent(in) :: input
+        type(solid_t), intent(in) :: solid
+        type(gauge_t), intent(inout) :: gauge
+        type(error_t), intent(inout) :: err
+
+        call choose_particle(solid, gauge%body, input%to, gauge%particle(2), gauge%place(2))
+        if (gauge%particle(1) == gauge%particle(2)) call raise(err, exit_deck, label('gauge', &
+            input%id, input%place)//'both ends of the strain gauge are one particle; move them '// &
+            'apart')
+    end subroutine find_end
+
+    !> The slot of a quantity in the history of the material.
+    subroutine find_slot(input, solid, gauge, err)
+        type(gauge_case_t), intent(in) :: input
+        type(solid_t), intent(in) :: solid
+        type(gauge_t), intent(inout) :: gauge
+        type(error_t), intent(inout) :: err
+        character(32) :: names(n_hist)
+        character(12) :: units(n_hist)
+
+        call history_names(solid%materials(solid%bodies(gauge%body)%material), names, units)
+        gauge%slot = findloc(names, gauge%quantity, dim=1)
+        if (gauge%slot == 0) call raise(err, exit_deck, label('gauge', input%id, input%place)// &
+            'the material of body '//trim(input%body)//' keeps no '//trim(gauge%quantity)// &
+            '; take another quantity')
+    end subroutine find_slot
 
     !> What can be measured, for a message.
     pure function known_quantities(of_body, with_air) result(text)
@@ -121,30 +194,6 @@ contains
         end do
         if (text == '') text = 'nothing without air'
     end function known_quantities
-
-    !> The particle of the body that is nearest to the gauge; the lowest number among equals.
-    subroutine choose_particle(solid, gauge)
-        type(solid_t), intent(in) :: solid
-        type(gauge_t), intent(inout) :: gauge
-        real(dp) :: distance, least, nearest(1), number(1)
-        integer :: i
-
-        least = huge(least)
-        do i = solid%bodies(gauge%body)%first, solid%bodies(gauge%body)%last
-            distance = sum((solid%x_ref(:, i) - gauge%at)**2)
-            if (distance > least .or. (distance >= least .and. solid%id(i) > gauge%particle)) cycle
-            least = distance
-            gauge%particle = solid%id(i)
-            gauge%place = i
-        end do
-        if (.not. several(solid%ranks)) return
-        nearest = least
-        call least_of_all(solid%ranks, nearest)
-        number = gauge%particle
-        if (least > nearest(1)) number = huge(1)
-        call least_of_all(solid%ranks, number)
-        gauge%particle = nint(number(1))
-    end subroutine choose_particle
 
     !> Columns of the history: time[s] and, for each gauge, id:quantity[unit].
     subroutine gauge_names(gauges, names)
@@ -166,14 +215,15 @@ contains
         type(gauges_t), intent(in) :: gauges
         integer, allocatable :: id(:)
 
-        id = pack(gauges%list%particle, gauges%list%body > 0)
+        id = [pack(gauges%list%particle(1), gauges%list%particle(1) > 0), &
+              pack(gauges%list%particle(2), gauges%list%particle(2) > 0)]
     end function gauge_particles
 
     !> True if gauges of bodies need more than the motion of their particles.
     pure logical function gauges_need_state(gauges)
         type(gauges_t), intent(in) :: gauges
 
-        gauges_need_state = any(gauges%list%body > 0 .and. .not. gauges%list%moves)
+        gauges_need_state = any(gauges%list%particle(1) > 0 .and. .not. gauges%list%moves)
     end function gauges_need_state
 
     !> One row of the history.
@@ -192,10 +242,7 @@ contains
         do g = 1, gauges%n
             associate (gauge => gauges%list(g))
                 if (gauge%body > 0) then
-                    call find_particle(solid, gauge)
-                    row(g + 1) = 0
-                    if (gauge%place > 0) &
-                        row(g + 1) = value_of_particle(solid, gauge%place, gauge%quantity)
+                    row(g + 1) = value_of_body(solid, gauge)
                 else
                     m = m + 1
                     if (several(air%part%ranks)) then
@@ -212,7 +259,7 @@ contains
 
     !> One row of the history, but its time, while the air is a blast in one dimension; bodies wait.
     subroutine radial_gauge_row(gauges, seen, centre, solid, row)
-        type(gauges_t), intent(in) :: gauges
+        type(gauges_t), intent(inout) :: gauges
         real(dp), intent(in) :: seen(:, :) !! (3, n) density, radial velocity, pressure
         real(dp), intent(in) :: centre(3) !! of the charge [m]
         type(solid_t), intent(in) :: solid
@@ -223,7 +270,7 @@ contains
         do g = 1, gauges%n
             associate (gauge => gauges%list(g))
                 if (gauge%body > 0) then
-                    row(g + 1) = value_of_particle(solid, gauge%place, gauge%quantity)
+                    row(g + 1) = value_of_body(solid, gauge)
                     cycle
                 end if
                 arm = merge(gauge%at - centre, 0.0_dp, gauges%active)
@@ -234,19 +281,24 @@ contains
         end do
     end subroutine radial_gauge_row
 
-    !> Look a particle up again if it has been moved by sorting; place 0: another process has it.
-    subroutine find_particle(solid, gauge)
+    !> What a gauge of a body measures.
+    real(dp) function value_of_body(solid, gauge) result(value)
         type(solid_t), intent(in) :: solid
         type(gauge_t), intent(inout) :: gauge
+        integer :: k
 
-        associate (body => solid%bodies(gauge%body))
-            if (gauge%place >= body%first .and. gauge%place <= body%last) then
-                if (solid%id(gauge%place) == gauge%particle) return
-            end if
-            gauge%place = findloc(solid%id(body%first:body%last), gauge%particle, dim=1)
-            if (gauge%place > 0) gauge%place = body%first - 1 + gauge%place
-        end associate
-    end subroutine find_particle
+        if (gauge%whole >= from_impulse) then
+            value = solid%bodies(gauge%body)%impulse(gauge%whole - from_impulse + 1)
+        else if (gauge%whole > 0) then
+            value = gauge%force(gauge%whole)
+        else
+            do k = 1, count(gauge%particle > 0)
+                call find_place(solid, gauge%body, gauge%particle(k), gauge%place(k))
+            end do
+            value = 0 ! another process has the particle
+            if (gauge%place(1) > 0) value = value_of_particle(solid, gauge)
+        end if
+    end function value_of_body
 
     pure real(dp) function value_of_gas(state, rest, quantity) result(value)
         real(dp), intent(in) :: state(5) !! density, velocity, pressure
@@ -263,20 +315,35 @@ contains
     end function value_of_gas
 
     !> Velocities are those at the time of the step.
-    pure real(dp) function value_of_particle(solid, i, quantity) result(value)
+    pure real(dp) function value_of_particle(solid, gauge) result(value)
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: i
-        character(*), intent(in) :: quantity
-        real(dp) :: v(3), d(3)
+        type(gauge_t), intent(in) :: gauge
+        real(dp) :: v(3), d(3), s(6)
+        integer :: j
 
-        v = velocity_at_step(solid, i)
-        d = solid%x(:, i) - solid%x_ref(:, i)
-        select case (quantity)
-        case ('speed'); value = norm2(v)
-        case ('damage'); value = solid%damage(i)
-        case ('displacement_x', 'displacement_y', 'displacement_z'); value = d(axis_of(quantity))
-        case default; value = v(axis_of(quantity))
-        end select
+        associate (i => gauge%place(1), quantity => gauge%quantity)
+            v = velocity_at_step(solid, i)
+            d = solid%x(:, i) - solid%x_ref(:, i)
+            s = solid%stress(:, i)
+            j = max(gauge%place(2), 1)
+            select case (quantity)
+            case ('speed'); value = norm2(v)
+            case ('damage'); value = solid%damage(i)
+            case ('plastic_strain', 'temperature'); value = solid%hist(gauge%slot, i)
+            case ('pressure'); value = -sum(s(1:3))/3
+            case ('density')
+                value = solid%materials(solid%bodies(gauge%body)%material)%density &
+                        *(1 + real(solid%mu(i), dp))
+            case ('von_mises'); value = sqrt(((s(1) - s(2))**2 + (s(2) - s(3))**2 &
+                + (s(3) - s(1))**2)/2 + 3*sum(s(4:6)**2))
+            case ('strain'); value = norm2(solid%x(:, i) - solid%x(:, j)) &
+                /norm2(solid%x_ref(:, i) - solid%x_ref(:, j)) - 1
+            case ('displacement_x', 'displacement_y', 'displacement_z')
+                value = d(axis_of(quantity))
+            case ('velocity_x', 'velocity_y', 'velocity_z'); value = v(axis_of(quantity))
+            case default; value = s(findloc(of_stress, quantity, dim=1))
+            end select
+        end associate
     end function value_of_particle
 
     !> Axis that the last letter names.

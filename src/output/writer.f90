@@ -23,6 +23,7 @@ module brz_writer
         integer :: copy = 0 !! the process that writes; 0: this one
         character(:), allocatable :: what
         integer :: dump = no_dump !! its number, where it writes one
+        integer :: step = 0 !! of the checkpoint, where it writes one
         real(dp) :: time = 0 !! of the dump [s]
         real(dp) :: begin = 0 !! wall-clock time [s]
         real(dp) :: seconds = 0 !! that it took

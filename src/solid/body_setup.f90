@@ -4,13 +4,15 @@
 !> `set_up_solid` fills all but lists and accelerations; start_solid (brz_solid_step) does that.
 module brz_body_setup
     use brz_body_points, only: lay_shapes, place_points, points_t
-    use brz_body_shape, only: axis_of, shape_t, whole_sides
+    use brz_body_shape, only: axis_of, shape_t
+    use brz_body_start, only: hold_body, move_body
     use brz_body_warnings, only: judge_bars, judge_gauges, judge_spacing
     use brz_case, only: body_case_t, case_t
     use brz_cohesive_setup, only: set_up_cohesive
     use brz_crack_band, only: judge_crack
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_formulation, only: settle_formulation
+    use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
     use brz_interaction_setup, only: set_up_interactions
     use brz_load_setup, only: set_up_loads
     use brz_kinds, only: dp, int16, rk
@@ -19,6 +21,7 @@ module brz_body_setup
     use brz_materials, only: make_material, start_point
     use brz_plate, only: settle_plate
     use brz_rigid_setup, only: set_up_rigid
+    use brz_start_fields, only: start_from_file
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: body_t, solid_t
     implicit none
@@ -46,14 +49,33 @@ contains
         do b = 1, size(solid%bodies)
             call fill_body(case%bodies(b), points(b), solid, solid%bodies(b))
             call move_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
-            call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
+            call start_from_file(case%bodies(b), case%materials(case%bodies(b)% &
+                material_index)%model == 'linear_elastic', solid, solid%bodies(b), err)
+            call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b), err)
         end do
         call set_up_cohesive(case, points%shape, solid, err)
         call set_up_loads(case, points%shape, solid, err)
+        call set_up_watch(case, solid)
         do b = 1, size(solid%bodies)
             call set_up_rigid(case%bodies(b), points(b)%shape%on_plane, solid, solid%bodies(b), err)
         end do
     end subroutine set_up_solid
+
+    !> What gauges of whole bodies ask the steps for.
+    subroutine set_up_watch(case, solid)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(inout) :: solid
+        integer :: g
+
+        if (.not. allocated(case%gauges)) return
+        do g = 1, size(case%gauges)
+            associate (whole => quantities(find_quantity(trim(case%gauges(g)%quantity)))%whole)
+                if (whole >= from_impulse) solid%impulses = .true.
+                if (whole > 0 .and. whole < from_impulse .and. .not. allocated(solid%grip)) &
+                    allocate (solid%grip(3, solid%n), source=0.0_rk)
+            end associate
+        end do
+    end subroutine set_up_watch
 
     !> Materials, settings and shapes of the bodies of a case: all but their particles.
     subroutine outline_solid(case, solid, points, err)
@@ -154,22 +176,45 @@ contains
         end do
     end subroutine number_particles
 
-    !> Largest speed of a body at the start, or of two bodies against each other, or of a body
-    !> against its mirror image [m/s].
+    !> Largest speed at which two bodies, a body and its mirror image, or a body and the part of it
+    !> that is held or driven from the start move against each other [m/s]. What all share is none.
     pure real(dp) function meeting_speed(case) result(speed)
         type(case_t), intent(in) :: case
-        integer :: a, b
+        real(dp), allocatable :: v(:, :), w(:, :)
+        integer :: a, b, k
 
         speed = 0
         do a = 1, size(case%bodies)
-            associate (v => case%bodies(a)%velocity)
-                speed = max(speed, norm2(v), 2*maxval(merge(abs(v), 0.0_dp, case%run%symmetry)))
-                do b = 1, size(case%bodies)
-                    speed = max(speed, norm2(v - case%bodies(b)%velocity))
+            v = speeds_of(case%bodies(a))
+            speed = max(speed, norm2(v(:, 2) - v(:, 1)))
+            do k = 1, size(v, 2)
+                speed = max(speed, 2*maxval(merge(abs(v(:, k)), 0.0_dp, case%run%symmetry)))
+            end do
+            do b = 1, a - 1
+                w = speeds_of(case%bodies(b))
+                do k = 1, size(v, 2)
+                    speed = max(speed, maxval(norm2(w - spread(v(:, k), 2, size(w, 2)), dim=1)))
                 end do
-            end associate
+            end do
         end do
     end function meeting_speed
+
+    !> Velocities of a body (3, at least 2): at the start, of its held or driven particles, if any,
+    !> at the start, and of these at later times [m/s].
+    pure function speeds_of(body) result(v)
+        type(body_case_t), intent(in) :: body
+        real(dp), allocatable :: v(:, :)
+
+        allocate (v(3, 1 + max(body%n_motion, 1)))
+        v(:, 1) = body%velocity
+        v(:, 2) = 0
+        if (body%n_motion > 0) then
+            v(:, 2:) = body%motion_velocity(:, :body%n_motion)
+            if (body%formulation == 'rigid') v(:, 1) = v(:, 2)
+        else if (.not. (any(body%fix /= '') .or. body%n_fix_boxes > 0)) then
+            v(:, 2) = body%velocity
+        end if
+    end function speeds_of
 
     !> Copy the settings of a body from the deck.
     subroutine settle(input, material, dimension, speed, body, err)
@@ -244,96 +289,4 @@ contains
         ply_angle = 0
         if (ply > 0) ply_angle = real(input%ply_angle(ply)*acos(-1.0_dp)/180, rk)
     end function ply_angle
-
-    !> Initial velocity, and spin about the centre of mass of the whole (uncut) body.
-    subroutine move_body(input, shape, solid, body)
-        type(body_case_t), intent(in) :: input
-        type(shape_t), intent(in) :: shape
-        type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-        real(dp) :: centre(3), r(3), w(3), v(3)
-        integer :: i
-
-        w = input%spin
-        centre = 0
-        do i = body%first, body%last
-            centre = centre + solid%x(:, i)/(body%last - body%first + 1)
-        end do
-        where (shape%on_plane) centre = 0
-        do i = body%first, body%last
-            r = solid%x(:, i) - centre
-            v = input%velocity + [w(2)*r(3) - w(3)*r(2), w(3)*r(1) - w(1)*r(3), &
-                                  w(1)*r(2) - w(2)*r(1)]
-            v(solid%dimension + 1:) = 0
-            solid%v(:, i) = real(v, rk)
-        end do
-    end subroutine move_body
-
-    !> Hold the layers named in the deck.
-    subroutine hold_body(input, shape, solid, body)
-        type(body_case_t), intent(in) :: input
-        type(shape_t), intent(in) :: shape
-        type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-        logical :: held(2, 3)
-        integer :: a, i, f
-        real(dp) :: deep(3)
-
-        held = .false.
-        do f = 1, size(input%fix)
-            call mark_faces(trim(input%fix(f)), shape, held)
-        end do
-        deep = input%fix_layers*shape%spacing
-        if (input%fix_width > 0) deep = input%fix_width + 1e-6_dp*shape%spacing
-        do i = body%first, body%last
-            do f = 1, input%n_fix_boxes
-                if (in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)) solid%fixed(i) = 1
-            end do
-            do a = 1, solid%dimension
-                if (held(1, a) .and. solid%x(a, i) < lowest(shape, a) + deep(a)) solid%fixed(i) = 1
-                if (held(2, a) .and. solid%x(a, i) > shape%full_hi(a) - deep(a)) solid%fixed(i) = 1
-            end do
-            if (any(input%fix == 'all')) solid%fixed(i) = 1
-            if (solid%fixed(i) == 1) solid%v(:, i) = 0
-        end do
-    end subroutine hold_body
-
-    pure logical function in_box(x, box, dimension)
-        real(dp), intent(in) :: x(3), box(6) !! [m]
-        integer, intent(in) :: dimension
-
-        in_box = all(x(:dimension) >= box(1:2*dimension:2) .and. &
-                     x(:dimension) <= box(2:2*dimension:2))
-    end function in_box
-
-    pure real(dp) function lowest(shape, a)
-        type(shape_t), intent(in) :: shape
-        integer, intent(in) :: a
-
-        lowest = shape%full_lo(a)
-        if (shape%on_plane(a)) lowest = 0
-    end function lowest
-
-    !> Add the faces that a word of the key `fix` names. A face on a symmetry plane is no face.
-    subroutine mark_faces(word, shape, held)
-        character(*), intent(in) :: word
-        type(shape_t), intent(in) :: shape
-        logical, intent(inout) :: held(2, 3) !! (low/high, direction)
-        real(dp) :: side(3)
-        integer :: a, thin
-
-        if (word == 'sides') then
-            side = whole_sides(shape)
-            thin = shape%dimension
-            do a = shape%dimension, 1, -1
-                if (side(a) < (1 - 1e-9_dp)*side(thin)) thin = a
-            end do
-            held(:, :shape%dimension) = .true.
-            if (shape%dimension > 1) held(:, thin) = .false.
-        else if (len(word) == 2) then
-            a = index('xyz', word(1:1))
-            if (a > 0) held(merge(1, 2, word(2:2) == '-'), a) = .true.
-        end if
-        held(1, :) = held(1, :) .and. .not. shape%on_plane
-    end subroutine mark_faces
 end module brz_body_setup

@@ -13,9 +13,9 @@ module brz_bond_items
         most_drawn, viscous_force
     use brz_shared_sums, only: carried_along
     use brz_solid_state, only: at_drag, at_friction, at_g, at_heat, at_hold, at_s, at_work, at_x, &
-        at_y, bond_broken, bond_whole, form_bending, form_corrected_hourglass, held_affine, &
-        held_stiffness, held_whole, n_held, n_moments, n_pair, n_terms, pair_affine, pair_hold, &
-        pair_keep, pair_linear, pair_quadratic, pair_stress, pair_tilt, pair_volume
+        at_y, bond_breaks, bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
+        held_affine, held_stiffness, held_whole, n_held, n_moments, n_pair, n_terms, pair_affine, &
+        pair_hold, pair_keep, pair_linear, pair_quadratic, pair_stress, pair_tilt, pair_volume
     use brz_tilted_arm, only: tilted_arm, tilted_force
     implicit none
     private
@@ -332,6 +332,7 @@ contains
         integer(int64) :: at
 
         i = first - 1 + k
+        if (bond(i) == bond_breaks) bond(i) = bond_broken
         if (bond(i) /= bond_whole) return
         a = owner_of(ends, i)
         do t = 1, 3
@@ -363,6 +364,6 @@ contains
             if (table(a, b)%law == law_bonded) &
                 effort = max(effort, bond_effort(table(a, b), own, normal))
         end do
-        if (effort >= 1) bond(i) = bond_broken
+        if (effort >= 1) bond(i) = bond_breaks
     end subroutine break_bond
 end module brz_bond_items

@@ -8,7 +8,7 @@ module brz_cohesive_items
     use brz_cohesive_law, only: cohesive_law_t, has_damage, has_held, has_spent, load_point
     use brz_kinds, only: dp, int32, rk
     use brz_link_layout, only: mask_unit
-    use brz_solid_state, only: is_gone
+    use brz_solid_state, only: is_gone, loose_by
     implicit none
     private
     public :: place_node, open_point, join_node, gather_node, add_pull
@@ -41,16 +41,15 @@ contains
         integer(int32), intent(in) :: fixed(*), joined(*)
         real(dp), intent(inout) :: damage(step, *), spent(step, *), held(step, *)
         real(dp), intent(inout) :: pull(3, 3, *)
-        real(dp) :: seen(3, 3), f(3, 3), own(3), y
+        real(dp) :: seen(3, 3), f(3, 3), own(3), y, kept
         logical :: released
         integer :: c, e, i, t
 
         released = .false.
         if (damage(1, p) >= 1) released = is_released(first(p), first(p + 1) - 1, bit(of(p)), &
                                                       entry, place_of, fixed, joined)
-        if (released) then ! what it held in pressure is gone for the contact
-            spent(1, p) = spent(1, p) + held(1, p)
-            held(1, p) = 0
+        kept = held(1, p)
+        if (released .and. .not. kept > 0) then
             do c = 1, 3
                 do t = 1, 3
                     pull(t, c, p) = 0
@@ -77,6 +76,16 @@ contains
         own(has_spent) = spent(1, p)
         own(has_held) = held(1, p)
         call load_point(law(of(p)), area(p), gap(p), seen, own, f)
+        if (released) then
+            ! K d^2/2 of the step before and the work of half of K d in this step: K d d'/2
+            own(has_spent) = own(has_spent) + sqrt(kept*own(has_held))
+            own(has_held) = 0
+            do c = 1, 3
+                do t = 1, 3
+                    f(t, c) = 0
+                end do
+            end do
+        end if
         damage(1, p) = own(has_damage)
         spent(1, p) = own(has_spent)
         held(1, p) = own(has_held)
@@ -107,7 +116,7 @@ contains
         end do
     end function is_released
 
-    !> Which interfaces still hold the particle of a node.
+    !> Which interfaces still hold the particle of a node, and which let go of it in this step.
     !@item if(n >= worth_threads/4) schedule(static)
     !@cuf attributes(host,device) &
     pure subroutine join_node(r, step, bit, of, back_first, back, damage, place_of, joined)
@@ -117,14 +126,15 @@ contains
         real(dp), intent(in) :: damage(step, *)
         integer(int32), intent(in) :: place_of(*)
         integer(int32), intent(inout) :: joined(*)
-        integer(int32) :: bits
+        integer(int32) :: bits, before
         integer :: k
 
         bits = 0
         do k = back_first(r), back_first(r + 1) - 1
             if (damage(1, back(2, k)) < 1) bits = ior(bits, bit(of(back(2, k))))
         end do
-        joined(place_of(r)) = bits
+        before = iand(joined(place_of(r)), ibset(0_int32, loose_by) - 1)
+        joined(place_of(r)) = ior(bits, ishft(iand(before, not(bits)), loose_by))
     end subroutine join_node
 
     !> Force on the particle of a node.

@@ -13,7 +13,7 @@ module brz_cohesive_setup
     use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp, int32, real32
     use brz_material, only: material_t
-    use brz_solid_state, only: is_free, solid_t
+    use brz_solid_state, only: is_held, loose_by, solid_t
     use brz_text, only: to_text
     implicit none
     private
@@ -23,7 +23,7 @@ module brz_cohesive_setup
     real(dp), parameter :: stable_share = 0.8_dp !! of the stable step of a spring, 2/omega
     real(dp), parameter :: least_step = 0.5_dp !! of the bodies' step, with the usual stiffness
     real(dp), parameter :: most_ratio = 2.01_dp !! of the spacings of two bodies
-    integer, parameter :: most_bits = 31
+    integer, parameter :: most_bits = loose_by !! of a body
     real(dp), parameter :: resolved = 3 !! spacings in a cohesive zone
 
 contains
@@ -263,7 +263,7 @@ contains
             do k = 1, solid%n ! particles are in the order of their numbers
                 if (glue%row(k) == 0) cycle
                 of_node(glue%row(k)) = of_node(glue%row(k))/solid%mass(k)
-                if (solid%fixed(k) /= is_free) of_node(glue%row(k)) = 0
+                if (solid%fixed(k) == is_held) of_node(glue%row(k)) = 0
             end do
             fastest = 0
             do p = 1, glue%n

@@ -4,19 +4,19 @@
 !> Forces are gathered, and equal and opposite pair by pair.
 module brz_contact_items
     use brz_contact, only: add_link, add_moment, contact_drag, contact_normal, contact_push, &
-        core_loss, crossing_share, drag_stiffness, joins, law_shared, link_normal, link_pressure, &
-        link_stiffness, mean_stiffness, meeting_t, n_link, spring_loss, spring_share, &
+        core_loss, crossing_share, drag_stiffness, law_shared, link_normal, link_pressure, &
+        link_stiffness, link_sum, mean_stiffness, meeting_t, n_link, spring_loss, spring_share, &
         surface_velocity
-    use brz_kernel, only: kernel_slope
+    use brz_contact_release, only: is_freed, is_tied, later_touch
+    use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, mask_unit, n_press
     use brz_pair_force, only: viscous_force
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, bond_whole, n_pair, &
-        n_terms, pair_linear, pair_quadratic, pair_spin, pair_volume
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, n_pair, n_terms, &
+        pair_linear, pair_quadratic, pair_spin, pair_volume
     implicit none
     private
-    public :: owner_of, links_of, look_along, is_tied, sum_links, push_particle, press_links, &
-              push_links
+    public :: owner_of, links_of, look_along, sum_links, push_particle, press_links, push_links
     public :: n_kept, kept_energy, kept_heat, kept_rub, kept_early
 
     ! what push_particle keeps in the books of a particle [J]
@@ -80,22 +80,11 @@ contains
         end do
     end subroutine look_along
 
-    !> True where a pair has no contact: its sums are joined, or a cohesive interface holds both.
-    !@cuf attributes(host,device) &
-    pure function is_tied(m, bond_i, bond_j, joined_i, joined_j) result(yes)
-        type(meeting_t), intent(in) :: m
-        integer(int32), intent(in) :: bond_i, bond_j, joined_i, joined_j
-        logical :: yes
-
-        yes = joins(m, bond_i == bond_whole .and. bond_j == bond_whole)
-        if (m%bit /= 0) yes = yes .or. iand(iand(joined_i, joined_j), m%bit) /= 0
-    end function is_tied
-
     !> Kernel sum over the particles of other bodies, 1 at a flat surface one spacing away: now, and
     !> a step before, where all came from with their velocities.
     !@cuf attributes(host,device) &
     pure subroutine sum_links(i, all, lay, dt, ends, table, cell, x, v, mass, weight, bond, &
-                              joined, row, slice, count, list, now, before)
+                              joined, row, slice, count, list, now, before, freed)
         integer, intent(in) :: i
         logical, intent(in) :: all !! bonded partners as well
         type(link_layout_t), intent(in) :: lay
@@ -108,7 +97,8 @@ contains
         real(real32), intent(in) :: weight(*)
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(out) :: now(n_link), before(n_link) !! see brz_contact
-        real(rk) :: s(3), r(3), dv(3), w
+        real(rk), intent(out) :: freed !! share of particles without contact then, of its sum
+        real(rk) :: s(3), r(3), dv(3), w, d
         integer :: a, b, j, k, n, t
         integer(int64) :: at
 
@@ -116,6 +106,7 @@ contains
             now(t) = 0
             before(t) = 0
         end do
+        freed = 0
         a = owner_of(ends, i)
         call links_of(lay, i, row, slice, count, t, n, at)
         do k = 0, n - 1
@@ -131,6 +122,10 @@ contains
                 r(t) = r(t) - dt*dv(t)
             end do
             call add_link(table(a, b), w, r, dv, before)
+            if (.not. is_freed(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle
+            d = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
+            freed = freed + w*kernel_value(kernel_slope(table(a, b)%scale, &
+                                           table(a, b)%half_over_h, d), table(a, b)%h, d)
         end do
         call mean_stiffness(now)
         call mean_stiffness(before)
@@ -138,6 +133,9 @@ contains
 
     !> Pressure of contact of each particle, the sum of V F x_ij that shows its normal, stiffness;
     !> what its spring lost over dt, the step just made.
+    !>
+    !> Where a bond or an interface has let go, contact begins with what is nearer than a step
+    !> before: it must not find the bodies pressed together, with an energy that nothing gave.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine press_links(k, first, lay, dt, ends, table, cell, x, v, mass, weight, touch, &
@@ -151,12 +149,13 @@ contains
         real(rk), intent(in) :: cell(*)
         real(dp), intent(in) :: x(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*)
-        real(real32), intent(in) :: weight(*), touch(*)
+        real(real32), intent(in) :: weight(*)
+        real(real32), intent(inout) :: touch(*)
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: energy(*)
         real(dp), intent(inout) :: heat(*) !! of contact, of each particle [J]
         real(rk), intent(inout) :: press(n_press, *) !! see links_t
-        real(rk) :: now(n_link), before(n_link), lost
+        real(rk) :: now(n_link), before(n_link), freed, lost
         integer :: i, n, r, t
         integer(int64) :: at
 
@@ -164,7 +163,8 @@ contains
         call links_of(lay, i, row, slice, count, r, n, at)
         if (n == 0) return
         call sum_links(i, .false., lay, dt, ends, table, cell, x, v, mass, weight, bond, joined, &
-                       row, slice, count, list, now, before)
+                       row, slice, count, list, now, before, freed)
+        if (freed > 0) touch(i) = later_touch(touch(i), before(link_sum) - freed, freed)
         press(1, r) = link_pressure(now, real(touch(i), rk))
         do t = 1, 3
             press(1 + t, r) = now(link_normal + t)

@@ -7,71 +7,109 @@
 !>
 !> Source: docs/blast.md, loads without air
 module brz_face_load
-    use brz_kingery_bulmash, only: friedlander_impulse
-    use brz_kinds, only: dp, int64
+    use brz_kinds, only: dp, int32
     implicit none
     private
-    public :: loads_t, facets_t, impulse_on, find_places
+    public :: loads_t, facets_t, history_t, mean_pressures, pushes, find_places
 
-    !> The facets of one &load.
+    !> Facets, those of a particle one after the other.
     type :: facets_t
         integer :: n = 0
-        integer, allocatable :: id(:) !! (n) of the particle
-        integer, allocatable :: beside(:, :) !! (4, n) ids of the neighbours along the first axis of
-                                             !! the face, up and down, then along the second; 0: the
-                                             !! particle itself
-        integer, allocatable :: mirror(:, :) !! (4, n) axis in which a neighbour is mirrored, or 0
+        integer :: carriers = 0 !! particles that carry some
+        integer(int32), allocatable :: first(:) !! (carriers + 1) first facet of each
+        integer(int32), allocatable :: id(:) !! (n) of the particle
+        integer(int32), allocatable :: load(:) !! (n) in the order of the deck
+        integer(int32), allocatable :: beside(:, :) !! (4, n) ids of the neighbours along the first
+                                             !! axis of the face, up and down, then along the
+                                             !! second; 0: the particle itself
+        integer(int32), allocatable :: mirror(:, :) !! (4, n) axis of a mirrored neighbour, or 0
         real(dp), allocatable :: width(:, :) !! (2, n) of the facet over the distance of these two
         real(dp), allocatable :: most(:, :) !! (2, n) largest width: beyond it the face is torn [m]
-        integer, allocatable :: side(:) !! (n) -1, 1: low, high face
-        real(dp), allocatable :: time(:), pressure(:) !! history of the overpressure [s, Pa], or
-        integer :: body = 0 !! not 0: no facets, but a push on all of a body, times this history
-        real(dp) :: push(3) = 0 !! [m/s2]
-        logical :: blast = .false. !! a blast, which differs from facet to facet:
-        real(dp), allocatable :: wave(:, :) !! (6, n) arrival, duration [s]; peaks of the reflected
-                                            !! and of the incident part [Pa], their decays
+        integer(int32), allocatable :: side(:) !! (n) axis of the face, negative: its low side
+        real(dp), allocatable :: wave(:, :) !! (6, n) of a blast: arrival, duration [s]; peaks of
+                                            !! the reflected and of the incident part [Pa], their
+                                            !! decays; duration 0: none
     end type facets_t
 
+    !> The history of one &load.
+    type :: history_t
+        real(dp), allocatable :: time(:), pressure(:) !! overpressure, or factors of `push` [s, Pa]
+        integer :: body = 0 !! not 0: a push on all of a body
+        real(dp) :: push(3) = 0 !! [m/s2]
+        logical :: blast = .false. !! its facets have waves, and there is no history
+    end type history_t
+
     type :: loads_t
-        type(facets_t), allocatable :: of(:) !! in the order of the deck
-        integer, allocatable :: place(:) !! (particles) place of the particle with an id; negative:
-                                         !! of its ghost; 0: it is elsewhere
-        integer(int64) :: rebuilds = -1 !! of the lists, when `place` was filled
+        type(history_t), allocatable :: of(:) !! in the order of the deck
+        type(facets_t) :: facets !! of all of them
+        integer(int32), allocatable :: place(:) !! (particles) where the particle of a number lies
+        integer :: rebuilds = -1 !! of the lists, when `place` was filled
         real(dp) :: step = huge(1.0_dp) !! that resolves the loads [s]
     end type loads_t
 
 contains
 
-    !> Impulse per area on facet k from the start to a time [Pa s].
-    pure real(dp) function impulse_on(facets, k, time) result(impulse)
-        type(facets_t), intent(in) :: facets
-        integer, intent(in) :: k
+    !> Mean pressure of each load over a step; 0 of pushes and of blasts [Pa].
+    pure function mean_pressures(loads, time, dt) result(p)
+        type(loads_t), intent(in) :: loads
+        real(dp), intent(in) :: time, dt !! start of the step, its length [s]
+        real(dp) :: p(size(loads%of))
+        integer :: k
+
+        p = 0
+        do k = 1, size(loads%of)
+            if (loads%of(k)%body == 0 .and. .not. loads%of(k)%blast) &
+                p(k) = mean_of(loads%of(k), time, dt)
+        end do
+    end function mean_pressures
+
+    !> Mean acceleration of the bodies by all that pushes them, over a step [m/s2].
+    pure function pushes(loads, bodies, time, dt) result(a)
+        type(loads_t), intent(in) :: loads
+        integer, intent(in) :: bodies
+        real(dp), intent(in) :: time, dt !! [s]
+        real(dp) :: a(3, bodies)
+        integer :: k
+
+        a = 0
+        do k = 1, size(loads%of)
+            associate (b => loads%of(k)%body)
+                if (b > 0) a(:, b) = a(:, b) + mean_of(loads%of(k), time, dt)*loads%of(k)%push
+            end associate
+        end do
+    end function pushes
+
+    pure real(dp) function mean_of(history, time, dt) result(mean)
+        type(history_t), intent(in) :: history
+        real(dp), intent(in) :: time, dt !! [s]
+
+        mean = (integral(history, time + dt) - integral(history, time))/dt
+    end function mean_of
+
+    !> Integral of a history from the start to a time [Pa s].
+    pure real(dp) function integral(history, time)
+        type(history_t), intent(in) :: history
         real(dp), intent(in) :: time !! [s]
         real(dp) :: part
         integer :: i
 
-        if (facets%blast) then
-            associate (w => facets%wave(:, k))
-                impulse = friedlander_impulse(w(3), w(2), w(5), time - w(1)) &
-                          + friedlander_impulse(w(4), w(2), w(6), time - w(1))
-            end associate
-        else if (size(facets%time) == 0) then
-            impulse = facets%pressure(1)*time
-        else
-            impulse = 0
-            do i = 1, size(facets%time) - 1
-                associate (t => facets%time(i:i + 1), p => facets%pressure(i:i + 1))
-                    part = min(max(time - t(1), 0.0_dp), t(2) - t(1))
-                    impulse = impulse + part*(p(1) + part/(t(2) - t(1))*(p(2) - p(1))/2)
-                end associate
-            end do
+        if (size(history%time) == 0) then
+            integral = history%pressure(1)*time
+            return
         end if
-    end function impulse_on
+        integral = 0
+        do i = 1, size(history%time) - 1
+            associate (t => history%time(i:i + 1), p => history%pressure(i:i + 1))
+                part = min(max(time - t(1), 0.0_dp), t(2) - t(1))
+                integral = integral + part*(p(1) + part/(t(2) - t(1))*(p(2) - p(1))/2)
+            end associate
+        end do
+    end function integral
 
     !> Find the particles by their ids, after the lists were sorted.
     pure subroutine find_places(loads, id)
         type(loads_t), intent(inout) :: loads
-        integer, intent(in) :: id(:) !! of the particles, in their order
+        integer(int32), intent(in) :: id(:) !! of the particles, in their order
         integer :: i
 
         do i = 1, size(id)

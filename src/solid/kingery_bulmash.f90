@@ -10,7 +10,7 @@ module brz_kingery_bulmash
     use brz_kinds, only: dp
     implicit none
     private
-    public :: blast_t, free_air_blast, friedlander_decay, friedlander_impulse, surface_blast
+    public :: blast_t, free_air_blast, friedlander_decay, surface_blast
     public :: nearest, nearest_ground, farthest
 
     real(dp), parameter :: lb = 0.45359237_dp, foot = 0.3048_dp, psi = 6894.757293_dp
@@ -197,18 +197,4 @@ contains
             end if
         end function share
     end function friedlander_decay
-
-    !> Impulse of a Friedlander wave until a time after its arrival: that of its positive phase.
-    pure real(dp) function friedlander_impulse(peak, duration, b, t) result(impulse)
-        real(dp), intent(in) :: peak, duration, b, t !! [Pa], [s], [-], [s]
-        real(dp) :: x
-
-        x = max(0.0_dp, min(1.0_dp, t/duration))
-        if (abs(b) < 1e-4_dp) then
-            impulse = x - x*x/2 - b*(x*x/2 - x**3/3)
-        else
-            impulse = (b - 1 + exp(-b*x)*(1 - b + b*x))/(b*b)
-        end if
-        impulse = impulse*peak*duration
-    end function friedlander_impulse
 end module brz_kingery_bulmash

@@ -25,48 +25,115 @@ contains
         type(shape_t), intent(in) :: shapes(:) !! of the bodies
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
+        type(facets_t), allocatable :: facets(:)
         integer :: k
 
         if (.not. allocated(case%loads)) return
         if (size(case%loads) == 0) return
         if (.not. allocated(solid%load)) allocate (solid%load(3, solid%n), source=0.0_rk)
-        allocate (solid%loads%of(size(case%loads)), solid%loads%place(solid%n))
+        allocate (solid%loads%of(size(case%loads)), solid%loads%place(solid%n), &
+                  facets(size(case%loads)))
         call find_places(solid%loads, solid%id)
         do k = 1, size(case%loads)
-            associate (load => case%loads(k), facets => solid%loads%of(k))
-                if (load%on_all) then
-                    call find_push(load, solid, facets)
-                else
-                    call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), &
-                                     facets)
-                end if
-                if (facets%n == 0 .and. .not. load%on_all) call raise(err, exit_deck, &
-                    label('load', load%id, load%place)//'no particle of the body lies on these '// &
-                    'faces; name others')
-                facets%blast = load%mass > 0
-                facets%time = load%time
-                facets%pressure = load%pressure
-                if (facets%blast) call find_waves(load, solid, facets, err)
-                if (facets%blast) solid%loads%step = min(solid%loads%step, &
-                                                         minval(facets%wave(2, :))*fine)
+            associate (load => case%loads(k), history => solid%loads%of(k))
+                history%blast = load%mass > 0
+                history%time = load%time
+                history%pressure = load%pressure
                 if (size(load%time) > 1) solid%loads%step = min(solid%loads%step, fine* &
                                                      (load%time(size(load%time)) - load%time(1)))
+                call lay_out(facets(k), 0)
+                if (load%on_all) then
+                    history%body = load%body
+                    history%push = push_of(load, solid)
+                    cycle
+                end if
+                call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), &
+                                 facets(k))
+                facets(k)%load = k
+                if (facets(k)%n == 0) call raise(err, exit_deck, label('load', load%id, &
+                    load%place)//'no particle of the body lies on these faces; name others')
+                if (.not. history%blast) cycle
+                call find_waves(load, solid, facets(k), err)
+                solid%loads%step = min(solid%loads%step, minval(facets(k)%wave(2, :))*fine)
             end associate
         end do
+        call join(facets, solid%loads%facets)
     end subroutine set_up_loads
 
-    !> The acceleration of a whole body.
-    subroutine find_push(load, solid, facets)
+    !> The acceleration of a whole body [m/s2].
+    pure function push_of(load, solid) result(push)
         type(load_case_t), intent(in) :: load
         type(solid_t), intent(in) :: solid
-        type(facets_t), intent(out) :: facets
+        real(dp) :: push(3)
 
-        facets%body = load%body
         associate (body => solid%bodies(load%body))
-            facets%push = load%acceleration &
-                          + load%force/sum(real(solid%mass(body%first:body%last), dp))
+            push = load%acceleration &
+                   + load%force/sum(real(solid%mass(body%first:body%last), dp))
         end associate
-    end subroutine find_push
+    end function push_of
+
+    !> Room for n facets.
+    subroutine lay_out(facets, n)
+        type(facets_t), intent(out) :: facets
+        integer, intent(in) :: n
+
+        facets%n = n
+        allocate (facets%id(n), facets%load(n), facets%side(n), facets%beside(4, n), &
+                  facets%mirror(4, n), facets%width(2, n), facets%most(2, n), facets%wave(6, n))
+        facets%wave = 0
+    end subroutine lay_out
+
+    !> The facets of all loads in one list, those of a particle one after the other.
+    subroutine join(parts, all)
+        type(facets_t), intent(in) :: parts(:)
+        type(facets_t), intent(out) :: all
+        integer, allocatable :: start(:)
+        integer :: at, i, k, most
+
+        call lay_out(all, sum(parts%n))
+        most = 0
+        do k = 1, size(parts)
+            if (parts(k)%n > 0) most = max(most, maxval(parts(k)%id))
+        end do
+        allocate (start(most + 1), source=0)
+        do k = 1, size(parts)
+            do i = 1, parts(k)%n
+                start(parts(k)%id(i) + 1) = start(parts(k)%id(i) + 1) + 1
+            end do
+        end do
+        all%carriers = count(start > 0)
+        allocate (all%first(all%carriers + 1))
+        all%first(all%carriers + 1) = all%n + 1
+        at = 0
+        do i = 1, most ! from numbers of facets to the places before those of a particle
+            if (start(i + 1) > 0) then
+                at = at + 1
+                all%first(at) = start(i) + 1
+            end if
+            start(i + 1) = start(i) + start(i + 1)
+        end do
+        do k = 1, size(parts)
+            do i = 1, parts(k)%n
+                start(parts(k)%id(i)) = start(parts(k)%id(i)) + 1
+                call copy_facet(parts(k), i, all, start(parts(k)%id(i)))
+            end do
+        end do
+    end subroutine join
+
+    subroutine copy_facet(from, i, to, k)
+        type(facets_t), intent(in) :: from
+        integer, intent(in) :: i, k
+        type(facets_t), intent(inout) :: to
+
+        to%id(k) = from%id(i)
+        to%load(k) = from%load(i)
+        to%side(k) = from%side(i)
+        to%beside(:, k) = from%beside(:, i)
+        to%mirror(:, k) = from%mirror(:, i)
+        to%width(:, k) = from%width(:, i)
+        to%most(:, k) = from%most(:, i)
+        to%wave(:, k) = from%wave(:, i)
+    end subroutine copy_facet
 
     !> Particles with no neighbour on the lattice across a face, and their neighbours in the layer.
     subroutine find_facets(load, shape, solid, body, facets)
@@ -96,11 +163,8 @@ contains
                     end do
                 end do
             end do
-            if (pass == 1) allocate (facets%id(n), facets%beside(4, n), facets%mirror(4, n), &
-                                     facets%width(2, n), facets%most(2, n), &
-                                     facets%side(n))
+            if (pass == 1) call lay_out(facets, n)
         end do
-        facets%n = n
 
     contains
 
@@ -196,7 +260,6 @@ contains
         real(dp) :: arm(3), c, distance, near, far, least
         integer :: i, k
 
-        allocate (facets%wave(6, facets%n), source=0.0_dp)
         near = huge(near)
         least = merge(nearest_ground, nearest, load%on_ground)
         far = 0

@@ -2,12 +2,11 @@
 !> Particles from a file: a table with the columns x, y, z and perhaps volume, or an HDF5 file with
 !> VTKHDF/Points, as dumps have it, and perhaps VTKHDF/PointData/volume.
 module brz_particle_file
+    use brz_csv_table, only: read_columns
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_files, only: read_text_file
     use brz_hdf5_array, only: h5_read, h5_shape
     use brz_hdf5_file, only: h5_close, h5_open, h5_t
     use brz_kinds, only: dp, int64
-    use brz_text, only: lower, split, string_t, to_text
     implicit none
     private
     public :: read_particles
@@ -56,53 +55,21 @@ contains
         call h5_close(file, err)
     end subroutine from_hdf5
 
-    !> Comma-separated text; the first row names the columns, units in brackets are passed over.
+    !> Comma-separated text.
     subroutine from_table(path, x, volume, err)
         character(*), intent(in) :: path
         real(dp), allocatable, intent(inout) :: x(:, :), volume(:)
         type(error_t), intent(inout) :: err
-        character(:), allocatable :: text
-        type(string_t), allocatable :: rows(:), head(:)
-        real(dp), allocatable :: row(:)
-        integer :: c(4), i, io, n
+        real(dp), allocatable :: values(:, :)
+        logical :: found(4)
 
-        call read_text_file(path, text, err)
+        call read_columns(path, [character(6) :: 'x', 'y', 'z', 'volume'], values, found, err)
         if (failed(err)) return
-        call split(text, new_line('a'), rows)
-        call split(rows(1)%s, ',', head)
-        c = [column('x'), column('y'), column('z'), column('volume')]
-        if (any(c(:3) == 0)) then
+        if (.not. all(found(:3))) then
             call raise(err, exit_deck, path//": its first row must name the columns x, y and z")
             return
         end if
-        n = 0
-        do i = 2, size(rows)
-            if (rows(i)%s /= '') n = n + 1
-        end do
-        allocate (x(3, n), volume(merge(n, 0, c(4) > 0)), row(size(head)))
-        n = 0
-        do i = 2, size(rows)
-            if (rows(i)%s == '') cycle
-            n = n + 1
-            read (rows(i)%s, *, iostat=io) row
-            if (io /= 0) call raise(err, exit_deck, path//': row '//to_text(i)//' is no '// &
-                                    to_text(size(head))//' numbers')
-            x(:, n) = row(c(:3))
-            if (c(4) > 0) volume(n) = row(c(4))
-        end do
-
-    contains
-
-        integer function column(name)
-            character(*), intent(in) :: name
-            integer :: k, last
-
-            do column = 1, size(head)
-                k = column
-                last = index(head(k)%s//'[', '[') - 1
-                if (lower(trim(adjustl(head(k)%s(:last)))) == name) return
-            end do
-            column = 0
-        end function column
+        x = values(:3, :)
+        volume = pack(values(4, :), spread(found(4), 1, size(values, 2)))
     end subroutine from_table
 end module brz_particle_file

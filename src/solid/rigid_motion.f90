@@ -3,11 +3,11 @@
 module brz_rigid_motion
     use brz_kinds, only: dp
     use brz_motion, only: velocity_of
-    use brz_rigid, only: spin_of, turn
+    use brz_rigid, only: cross, spin_of, turn
     use brz_solid_state, only: body_t
     implicit none
     private
-    public :: advance_rigid, settle_rigid, rigid_step
+    public :: advance_rigid, settle_rigid, rigid_forces, rigid_step
 
     real(dp), parameter :: least_move = 0.1_dp !! spacings that a step may go without a skin
 
@@ -53,6 +53,26 @@ contains
             body%reaction = body%reaction + dt*b%force*(1 - b%moves)
         end associate
     end subroutine settle_rigid
+
+    !> Forces on a rigid body, as sum_forces has them: force and moment about a point of the body on
+    !> what holds or drives it, force of the load, force of other bodies.
+    pure function rigid_forces(body, at) result(sums)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: at(3) !! [m]
+        real(dp) :: sums(12) !! [N], [N m], [N], [N]
+        real(dp) :: moves(3), turns(3)
+
+        associate (b => body%rigid)
+            moves = b%moves
+            turns = b%turns
+            if (body%motion%n > 0) moves = 0
+            if (body%motion%n > 0) turns = 0
+            sums(1:3) = (b%force + b%load(1:3))*(1 - moves)
+            sums(4:6) = (b%torque + b%load(4:6))*(1 - turns) + cross(b%x - at, sums(1:3))
+            sums(7:9) = b%load(1:3)
+            sums(10:12) = b%force
+        end associate
+    end function rigid_forces
 
     !> Time step that a rigid body bears [s]: no waves run through it, so its parts may move by half
     !> the skin of the lists, for the books of contact look back by a step.

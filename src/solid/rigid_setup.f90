@@ -8,7 +8,7 @@ module brz_rigid_setup
     use brz_kinds, only: dp, rk
     use brz_motion, only: velocity_of
     use brz_rigid, only: cross
-    use brz_solid_state, only: body_t, form_rigid, solid_t
+    use brz_solid_state, only: body_t, form_rigid, is_held, solid_t
     implicit none
     private
     public :: set_up_rigid
@@ -32,7 +32,7 @@ contains
         if (body%formulation == form_rigid) call make_rigid(input, on_plane, solid, body, err)
         if (body%motion%n == 0) return
         do i = body%first, body%last
-            if (body%formulation /= form_rigid .and. solid%fixed(i) == 0) cycle
+            if (body%formulation /= form_rigid .and. solid%fixed(i) /= is_held) cycle
             body%motion%mass = body%motion%mass + solid%mass(i)
             if (body%formulation /= form_rigid) &
                 solid%v(:, i) = real(velocity_of(body%motion, 0.0_dp), rk)
@@ -58,6 +58,7 @@ contains
             call invert_free(inertia, b%turns, b%compliance)
             if (solid%links%present .and. input%n_motion == 0) call bear_contact(solid, body)
             v = input%velocity*b%moves
+            if (input%about_point) v = v + cross(input%spin, b%x - input%spin_centre)*b%moves
             if (body%motion%n > 0) v = velocity_of(body%motion, 0.0_dp)
             b%p = b%mass*v
             b%omega = input%spin*b%turns

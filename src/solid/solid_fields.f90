@@ -3,7 +3,7 @@
 !> back, and tests walk it, so that a new field is one line.
 module brz_solid_fields
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
-    use brz_kinds, only: int16, int32, int8, real32, real64
+    use brz_kinds, only: int16, int32, int8, real32, real64, rk
     use brz_resize, only: resize
     use brz_solid_columns, only: at_accel, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, tag_bond, tag_cut, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
@@ -12,7 +12,7 @@ module brz_solid_fields
     implicit none
     private
     public :: field_t, fields_t, fields_of, make_fields, resize_fields, memory_of, column_of_field
-    public :: numbers_of, set_numbers
+    public :: numbers_of, set_numbers, set_columns
     public :: is_double, is_single, is_integer, is_short
     public :: nowhere, in_place, in_reference, in_built, in_motion, in_state, in_tag
 
@@ -132,6 +132,7 @@ contains
         call see(t, 'joined', s%links%joined, .false., in_tag, tag_joined, derived=.true.)
         call see(t, 'owed', s%owed, held, in_state, next)
         call see(t, 'load', s%load, 3, .false., in_state, next)
+        call see(t, 'grip', s%grip, 3, .false., in_state, next, derived=.true.)
         call see(t, 'pair', s%pair, n_pair, .true., nowhere, 0, derived=.true.)
         call see(t, 'hold', s%hold, 6, any(s%bodies%directional), nowhere, 0, derived=.true.)
         call see(t, 'held', s%held, n_held, held, nowhere, 0, derived=.true.)
@@ -322,14 +323,21 @@ contains
         integer(int32), pointer :: number(:, :)
         integer(int16), pointer :: short(:, :)
         integer(int8), pointer :: byte(:, :)
+        integer :: i
 
         select case (field%kind)
         case (is_double)
             call c_f_pointer(field%values, double, shape(x))
-            double = x
+            !$omp parallel do
+            do i = 1, size(x, 2)
+                double(:, i) = x(:, i)
+            end do
         case (is_single)
             call c_f_pointer(field%values, single, shape(x))
-            single = real(x, real32)
+            !$omp parallel do
+            do i = 1, size(x, 2)
+                single(:, i) = real(x(:, i), real32)
+            end do
         case (is_integer)
             call c_f_pointer(field%values, number, shape(x))
             number = int(x, int32)
@@ -341,4 +349,27 @@ contains
             byte = int(x, int8)
         end select
     end subroutine set_numbers
+
+    !> Set a field of real numbers from columns, as `state` of a GPU has them.
+    subroutine set_columns(field, x)
+        type(field_t), intent(in) :: field !! is_double or is_single
+        real(rk), intent(in) :: x(:, :) !! (n, rows)
+        real(real64), pointer :: double(:, :)
+        real(real32), pointer :: single(:, :)
+        integer :: i
+
+        if (field%kind == is_double) then
+            call c_f_pointer(field%values, double, [size(x, 2), size(x, 1)])
+            !$omp parallel do
+            do i = 1, size(x, 1)
+                double(:, i) = x(i, :)
+            end do
+        else
+            call c_f_pointer(field%values, single, [size(x, 2), size(x, 1)])
+            !$omp parallel do
+            do i = 1, size(x, 1)
+                single(:, i) = real(x(i, :), real32)
+            end do
+        end if
+    end subroutine set_columns
 end module brz_solid_fields

@@ -283,7 +283,6 @@ contains
         end associate
         call number_groups(solid)
         call cut_blocks(solid)
-        solid%loads%rebuilds = -1 ! its places are others now
     end subroutine place_ghosts
 
     !> List the particles that others have ghosts of: process by process, body by body.

@@ -20,7 +20,7 @@ module brz_solid_state
     public :: solid_t, body_t, ledger_t, search_t
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_names, form_total, lanes, worth_threads, links_t
-    public :: bond_none, bond_whole, bond_broken, intact_share
+    public :: bond_none, bond_whole, bond_broken, bond_breaks, loose_by, intact_share
     public :: is_free, is_held, is_gone
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold, pair_spin, pair_tilt
@@ -38,6 +38,8 @@ module brz_solid_state
     integer(int32), parameter :: is_free = 0, is_held = 1
     integer(int32), parameter :: is_gone = 2 !! has left the region and is out of the computation
     integer(int32), parameter :: bond_none = 0, bond_whole = 1, bond_broken = 2
+    integer(int32), parameter :: bond_breaks = 3 !! broke in this step
+    integer, parameter :: loose_by = 15 !! what lets go in this step stands so many bits higher
     real(rk), parameter :: intact_share = 0.5_rk !! fewer intact neighbours end the stiff
                                                  !! hourglass force
     integer, parameter :: worth_threads = 2048 !! fewer particles are faster on one thread
@@ -137,6 +139,7 @@ module brz_solid_state
         real(dp) :: drift_linked(3) = 0 !! `drift` when the links were built [m]
         real(dp) :: dt_limit = 0 !! largest stable time step times the CFL number [s]
         real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
+        real(dp) :: impulse(3) = 0 !! of the load so far, where a gauge asks for it [N s]
         type(ledger_t) :: ledger
         type(rigid_t) :: rigid !! of a rigid body
         type(motion_t) :: motion !! that is prescribed
@@ -176,9 +179,10 @@ module brz_solid_state
         real(real32), allocatable :: touch(:) !! (n) kernel sum at which contact begins
         real(real32), allocatable :: weight(:) !! (n) of its cell in sums of contact, 1 but at the
                                                !! surface of round bodies
-        integer(int32), allocatable :: bond(:) !! (n) bond_none, bond_whole, bond_broken
+        integer(int32), allocatable :: bond(:) !! (n) bond_none, ..., bond_breaks
         integer(int32), allocatable :: joined(:) !! (n) cohesive interfaces that still hold a
-                                                 !! particle, a bit each; only where there are some
+                                                 !! particle, a bit each, and, see loose_by, those
+                                                 !! that let go of it; only where there are some
         real(rk), allocatable :: press(:, :) !! (n_press, 0:rows) pressure of contact [Pa]; its
                                              !! gradient of the kernel sum [1/m]; stiffness [Pa]
         real(rk), allocatable :: push(:, :) !! (9, 0:rows) forces of contact: springs, drag [N];
@@ -213,6 +217,9 @@ module brz_solid_state
         real(rk), allocatable :: a(:, :) !! (3, n) acceleration by internal forces [m/s2]
         real(rk), allocatable :: load(:, :) !! (3, n) force of the air, set by the coupling; only
                                             !! where there is air [N]
+        real(rk), allocatable :: grip(:, :) !! (3, n) force on what holds a particle at the step;
+                                            !! only where a gauge asks for it [N]
+        logical :: impulses = .false. !! a gauge asks for those of the load
         real(rk), allocatable :: mass(:) !! (n) [kg]
         real(rk), allocatable :: mu(:) !! (n) compression rho/rho0 - 1 [-]
         real(rk), allocatable :: energy(:) !! (n) specific internal energy [J/kg]
@@ -232,7 +239,8 @@ module brz_solid_state
                                          !! in the half step to come; the rest became heat [J]
         integer(int32), allocatable :: id(:) !! (n) number of the particle, kept for life
         integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
-        integer(int32), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone
+        integer(int32), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone, or marks of
+                                                !! brz_support
         integer(int8), allocatable :: cut(:) !! (n) 1: hourglass support lost for good
         integer(int16), allocatable :: support(:) !! (n) neighbours in the unloaded body
         integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block

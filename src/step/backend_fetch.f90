@@ -14,14 +14,15 @@ module brz_backend_fetch
     use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, gpu_ledger_totals
     use brz_gpu_solid_cohesive, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid
-    use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
+    use brz_gpu_solid_sums, only: fetch_ledgers, gpu_forces_on_body, gpu_solid_totals
     use brz_kinds, only: dp, rk
     use brz_ranks, only: bits_of_all, several
+    use brz_solid_body_forces, only: forces_on_body, n_forces
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals, solid_totals_t
     implicit none
     private
-    public :: stock_of_air, stock_of_solid, stock_of_interfaces
+    public :: stock_of_air, stock_of_solid, stock_of_forces, stock_of_interfaces
     public :: fetch_state, fetch_followed, fetch_around
 
 contains
@@ -72,6 +73,22 @@ contains
             call solid_totals(solid, b, totals)
         end if
     end subroutine stock_of_solid
+
+    !> Force and moment of body b on what holds it, force of its load and of other bodies.
+    subroutine stock_of_forces(backend, solid, b, at, sums, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: at(3) !! point of the moment [m]
+        real(dp), intent(out) :: sums(n_forces)
+        type(error_t), intent(inout) :: err
+
+        if (backend%bodies_on_gpu) then
+            call gpu_forces_on_body(backend%solid, solid, b, at, sums, err)
+        else
+            call forces_on_body(solid, b, at, sums)
+        end if
+    end subroutine stock_of_forces
 
     !> Bring what cohesive interfaces hold and have spent up to date on the host.
     subroutine stock_of_interfaces(backend, solid, err)

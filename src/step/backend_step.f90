@@ -13,8 +13,12 @@ module brz_backend_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
     use brz_gpu_solid_copy, only: open_gpu_solid
+    use brz_gpu_solid_load, only: gpu_load_faces
+    use brz_gpu_solid_sums, only: book_gpu_impulse
     use brz_gpu_solid_step, only: gpu_solid_step
     use brz_kinds, only: dp
+    use brz_solid_body_forces, only: book_impulse
+    use brz_solid_load, only: load_faces
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: solid_step
     implicit none
@@ -78,7 +82,7 @@ contains
         end if
     end function limit_of_air
 
-    !> One step of the bodies.
+    !> One step of the bodies, and before it the loads of scenes without air.
     subroutine advance_solid(backend, solid, dt, err)
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
@@ -86,8 +90,12 @@ contains
         type(error_t), intent(inout) :: err
 
         if (backend%bodies_on_gpu) then
+            call gpu_load_faces(backend%solid, solid, dt, err)
+            call book_gpu_impulse(backend%solid, solid, dt, err)
             call gpu_solid_step(backend%solid, solid, dt, err)
         else
+            call load_faces(solid, dt)
+            call book_impulse(solid, dt)
             call solid_step(solid, dt, err)
         end if
     end subroutine advance_solid

@@ -86,8 +86,9 @@ contains
         integer, intent(in) :: a
 
         image = p%shape == q%shape .and. p%shape /= 'stl' .and. p%shape /= 'particles' .and. &
-                p%file == '' .and. p%material == q%material .and. p%axis == q%axis .and. &
-                p%formulation == q%formulation .and. (p%variable_h .eqv. q%variable_h)
+                p%file == '' .and. p%start_file == '' .and. p%material == q%material .and. &
+                p%axis == q%axis .and. p%formulation == q%formulation .and. &
+                (p%variable_h .eqv. q%variable_h)
         if (.not. image) return
         image = all(same([p%spacing, p%radius, p%length, p%inner_radius, p%diameter], &
                          [q%spacing, q%radius, q%length, q%inner_radius, q%diameter])) &
@@ -123,7 +124,8 @@ contains
         turn = 1
         turn(a) = -1
         agree = all(same(p%velocity, turn*q%velocity)) .and. all(same(p%spin, -turn*q%spin)) &
-                .and. p%n_motion == q%n_motion
+                .and. (p%about_point .eqv. q%about_point) &
+                .and. all(same(p%spin_centre, turn*q%spin_centre)) .and. p%n_motion == q%n_motion
         if (.not. agree) return
         do m = 1, p%n_motion
             agree = agree .and. same(p%motion_time(m), q%motion_time(m)) .and. &
@@ -168,7 +170,24 @@ contains
         end do
         agree = agree .and. boxes_agree(p%fix_box(:, :p%n_fix_boxes), &
                                         q%fix_box(:, :q%n_fix_boxes), a)
+        do k = 1, 3
+            agree = agree .and. boxes_agree(rollers_of(p, k), rollers_of(q, k), a)
+        end do
     end function fixes_agree
+
+    !> The regions that are held along axis k.
+    pure function rollers_of(body, k) result(boxes)
+        type(body_case_t), intent(in) :: body
+        integer, intent(in) :: k
+        real(dp), allocatable :: boxes(:, :)
+        integer :: m
+
+        allocate (boxes(6, 0))
+        do m = 1, body%n_rollers
+            if (index('xyz', body%roller_axis(m)) == k) &
+                boxes = reshape([boxes, body%roller_box(:, m)], [6, size(boxes, 2) + 1])
+        end do
+    end function rollers_of
 
     !> Is every box of one list the image of one of the other? Corners x0, x1, y0, y1, z0, z1.
     pure logical function boxes_agree(p, q, a) result(agree)

@@ -2,14 +2,14 @@
 !> What a run writes and when: histories, dumps, checkpoints, progress lines.
 module brz_outputs
     use, intrinsic :: iso_fortran_env, only: error_unit
-    use brz_backend_fetch, only: fetch_around, fetch_followed, fetch_state
-    use brz_checkpoint, only: drop_later_checkpoints, find_checkpoint, read_checkpoint, &
-                              write_checkpoint
+    use brz_backend_fetch, only: fetch_around, fetch_followed, stock_of_forces
+    use brz_checkpoint, only: drop_later_checkpoints, find_checkpoint, read_checkpoint
     use brz_clock, only: resume_clock, tick
     use brz_command_line, only: options_t
     use brz_coupling_setup, only: restart_coupling
-    use brz_dumps, only: cut_dumps, dumps_t, name_dump, start_dumps, write_dump_files
+    use brz_dumps, only: cut_dumps, start_dumps
     use brz_errors, only: error_t, exit_io, exit_numerical, failed, raise
+    use brz_gauge_quantities, only: from_impulse
     use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, &
                           gauges_need_state, gauges_t, radial_gauge_row, set_up_gauges
     use brz_history, only: append_row, close_history, cut_history, flush_history, history_t, &
@@ -23,26 +23,22 @@ module brz_outputs
                                  prepare_folder
     use brz_progress, only: progress_line
     use brz_ranks, only: agree
+    use brz_saves, only: hear_writers, on_gpu, save_dump, save_state, saves_t
     use brz_simulation, only: simulation_t
     use brz_solid_step, only: resume_solid
     use brz_text, only: to_text
     use brz_watch, only: watch_held, watch_region
-    use brz_writer, only: begin_writing, end_writing, has_room, hear_writer, no_dump, writer_t, &
-                          writers_t
     implicit none
     private
     public :: outputs_t, open_outputs, write_due, report, save_checkpoint, close_outputs
 
     type :: outputs_t
         character(:), allocatable :: folder
-        type(dumps_t) :: dumps
+        type(saves_t) :: saves !! dumps and checkpoints
         type(history_t) :: energy, bodies, gauge_history
         type(gauges_t) :: gauges
         real(dp), allocatable :: body_values(:), gauge_values(:) !! buffers of a row
-        type(writers_t) :: writers !! of dumps and checkpoints, beside the run
-        real(dp) :: reserve = 0 !! wall-clock time that a checkpoint has taken at most [s]
         real(dp) :: energy_error = 0 !! of the last history row, relative
-        integer :: saved_cycle = -1 !! cycle of the last checkpoint
         logical :: resumed = .false. !! the run goes on from a checkpoint
         logical :: continued = .false. !! and in the folder where its files are
         logical :: outside = .false. !! it was told that particles have left the region
@@ -86,9 +82,10 @@ contains
         if (failed(err)) return
         call set_up_gauges(sim%case, sim%solid, outputs%gauges, err)
         call open_histories(sim, outputs, err)
-        call start_dumps(outputs%dumps, outputs%folder, [sim%air%present, sim%solid%present], &
+        call start_dumps(outputs%saves%dumps, outputs%folder, &
+                         [sim%air%present, sim%solid%present], &
                          outputs%continued .and. leads, sim%clock, err)
-        outputs%dumps%leads = leads
+        outputs%saves%dumps%leads = leads
         if (leads .and. outputs%resumed) call go_on(sim, outputs, err)
         if (leads .and. .not. outputs%resumed) call write_early(sim, outputs, err)
         call agree(sim%ranks, err)
@@ -108,7 +105,7 @@ contains
         call cut_history(outputs%energy, err)
         call cut_history(outputs%bodies, err)
         call cut_history(outputs%gauge_history, err)
-        call cut_dumps(outputs%dumps, err)
+        call cut_dumps(outputs%saves%dumps, err)
     end subroutine go_on
 
     !> What the gauges saw while the blast was one-dimensional.
@@ -193,87 +190,32 @@ contains
         type(error_t), intent(inout) :: err
         logical :: last
 
-        call hear_writers(sim, outputs, outputs%writers%n, err)
+        call hear_writers(sim, outputs%saves, outputs%saves%writers%n, err)
         if (failed(err)) return
         last = sim%clock%time >= sim%case%run%t_end
         if (tick(sim%clock%history, sim%clock%time) .or. last) &
             call write_histories(sim, outputs, err)
         if (failed(err)) return
-        if (tick(sim%clock%dump, sim%clock%time) .or. last) call save_dump(sim, outputs, err)
+        if (tick(sim%clock%dump, sim%clock%time) .or. last) call save_dump(sim, outputs%saves, err)
         if (failed(err)) return
         if (tick(sim%clock%checkpoint, sim%clock%time)) &
             call save_checkpoint(sim, outputs, err, beside=on_gpu(sim))
     end subroutine write_due
 
-    !> Hear what has become of the dumps and the checkpoint that are written beside the run; those
-    !> that are written are named, in their order.
-    subroutine hear_writers(sim, outputs, most, err)
-        type(simulation_t), intent(in) :: sim
-        type(outputs_t), intent(inout) :: outputs
-        integer, intent(in) :: most !! wait until no more than that are at work
-        type(error_t), intent(inout) :: err
-        type(writer_t) :: writer
-        logical :: ended
-
-        do
-            call hear_writer(outputs%writers, outputs%writers%n > most, writer, ended, err)
-            if (.not. ended) exit
-            call written(sim, outputs, writer, err)
-        end do
-    end subroutine hear_writers
-
-    !> A dump is on the disk: name it. A checkpoint is: keep what it took in mind.
-    subroutine written(sim, outputs, writer, err)
-        type(simulation_t), intent(in) :: sim
-        type(outputs_t), intent(inout) :: outputs
-        type(writer_t), intent(in) :: writer
-        type(error_t), intent(inout) :: err
-
-        if (writer%dump == no_dump) then
-            outputs%reserve = max(outputs%reserve, 2*writer%seconds)
-        else
-            call name_dump(outputs%dumps, writer%dump, writer%time, sim%air%present, &
-                           sim%solid%present, err)
-        end if
-    end subroutine written
-
-    !> True if a GPU computes, so that the host has time to write.
-    pure logical function on_gpu(sim)
-        type(simulation_t), intent(in) :: sim
-
-        on_gpu = sim%backend%on_gpu .or. sim%backend%bodies_on_gpu
-    end function on_gpu
-
-    !> Write a dump; where a GPU computes, beside the run.
-    subroutine save_dump(sim, outputs, err)
+    !> Forces on whole bodies, for gauges.
+    subroutine weigh_bodies(sim, gauges, err)
         type(simulation_t), intent(inout) :: sim
-        type(outputs_t), intent(inout) :: outputs
+        type(gauges_t), intent(inout) :: gauges
         type(error_t), intent(inout) :: err
-        type(writer_t) :: writer
-        logical :: beside, here
+        integer :: g
 
-        do while (.not. (has_room(outputs%writers) .or. failed(err)))
-            call hear_writers(sim, outputs, outputs%writers%n - 1, err)
+        do g = 1, gauges%n
+            associate (gauge => gauges%list(g))
+                if (gauge%whole == 0 .or. gauge%whole >= from_impulse) cycle
+                call stock_of_forces(sim%backend, sim%solid, gauge%body, gauge%at, gauge%force, err)
+            end associate
         end do
-        call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
-        if (failed(err)) return
-        beside = on_gpu(sim)
-        writer%what = 'the dump of t = '//to_text(sim%clock%time)//' s'
-        writer%dump = sim%clock%dump_number
-        writer%time = sim%clock%time
-        call begin_writing(outputs%writers, writer, beside, here)
-        if (here) then
-            call write_dump_files(outputs%dumps, sim%case, sim%clock, sim%air, &
-                                  sim%coupling%wall, sim%solid, err)
-            call end_writing(writer, beside, err)
-        end if
-        call agree(sim%ranks, err)
-        if (failed(err)) return
-        sim%clock%dump_number = sim%clock%dump_number + 1
-        sim%clock%dump_time = sim%clock%time
-        if (here) call written(sim, outputs, writer, err)
-        call agree(sim%ranks, err)
-    end subroutine save_dump
+    end subroutine weigh_bodies
 
     !> One row in every history; the books must close, and the energy stay in its band.
     subroutine write_histories(sim, outputs, err)
@@ -296,6 +238,7 @@ contains
                               sim%coupling%wall, err)
             call fetch_followed(sim%backend, gauge_particles(outputs%gauges), &
                                 gauges_need_state(outputs%gauges), sim%solid, err)
+            call weigh_bodies(sim, outputs%gauges, err)
             call gauge_row(outputs%gauges, sim%clock%time, sim%air, sim%coupling%wall, sim%solid, &
                            outputs%gauge_values)
             call append_row(outputs%gauge_history, outputs%gauge_values, err)
@@ -331,30 +274,15 @@ contains
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
         logical, intent(in), optional :: beside !! the run; else it is on the disk on return
-        real(dp) :: sums(8)
-        type(writer_t) :: writer
-        logical :: apart, here
+        logical :: apart
 
-        call hear_writers(sim, outputs, 0, err)
-        if (outputs%saved_cycle == sim%clock%cycle .or. failed(err)) return
+        if (failed(err)) return
         apart = .false.
         if (present(beside)) apart = beside
         call flush_all(outputs, err, sync=.true.)
         call agree(sim%ranks, err)
         sim%clock%marks = [outputs%energy%mark, outputs%bodies%mark, outputs%gauge_history%mark]
-        call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
-        if (failed(err)) return
-        sums = [sim%start%total, sim%start%mass, sim%start%momentum, sim%start%energy, &
-                sim%start%work, sim%start%supply]
-        writer%what = 'the checkpoint of t = '//to_text(sim%clock%time)//' s'
-        call begin_writing(outputs%writers, writer, apart, here)
-        if (here) then
-            call write_checkpoint(outputs%folder, sim%case, sim%clock, sim%air, sim%coupling, &
-                                  sim%solid, sums, err)
-            call end_writing(writer, apart, err)
-            call written(sim, outputs, writer, err)
-        end if
-        if (.not. failed(err)) outputs%saved_cycle = sim%clock%cycle
+        call save_state(sim, outputs%saves, apart, err)
     end subroutine save_checkpoint
 
     !> Bring all histories to their files; with `sync` to the disk.
@@ -374,7 +302,7 @@ contains
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
 
-        call hear_writers(sim, outputs, 0, err)
+        call hear_writers(sim, outputs%saves, 0, err)
         call close_history(outputs%energy, err)
         call close_history(outputs%bodies, err)
         call close_history(outputs%gauge_history, err)

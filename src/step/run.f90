@@ -224,7 +224,7 @@ contains
             if (note /= '') write (error_unit, '(a)') note
             if (stop) why = 'a stop file'
         end if
-        if (walltime_is_up(sim%clock, outputs%reserve)) then
+        if (walltime_is_up(sim%clock, outputs%saves%reserve)) then
             if (.not. stop) why = 'the wall-clock limit'
             stop = .true.
         end if
@@ -247,7 +247,7 @@ contains
         if (sim%ranks%rank == 0 .and. .not. (stop .or. failed(err))) then
             stop = look_for_stop_file(outputs%folder, trim(sim%case%run%job), note)
             why = 'a stop file'
-            if (walltime_is_up(sim%clock, outputs%reserve) .and. .not. stop) then
+            if (walltime_is_up(sim%clock, outputs%saves%reserve) .and. .not. stop) then
                 why = 'the wall-clock limit'
                 stop = .true.
             end if

@@ -73,6 +73,9 @@ contains
                     what = 'total-Lagrangian bodies that meet others'
             end do
         end do
+        if (allocated(case%loads)) then
+            if (size(case%loads) > 0) what = 'a load on bodies'
+        end if
         if (case%air%present) what = 'bodies in air'
     end function missing_of_bodies
 

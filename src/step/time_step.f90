@@ -10,7 +10,6 @@ module brz_time_step
     use brz_kinds, only: dp, int64
     use brz_simulation, only: simulation_t
     use brz_solid_sleep, only: particles_awake
-    use brz_solid_load, only: load_faces
     use brz_solid_step, only: solid_time_step
     use brz_text, only: to_text
     use brz_timer, only: lap, wall_seconds
@@ -172,7 +171,6 @@ contains
         integer :: k
 
         do k = 1, sim%substeps
-            call load_faces(sim%solid, dt/sim%substeps, err)
             call advance_solid(sim%backend, sim%solid, dt/sim%substeps, err)
             if (failed(err)) return
         end do

@@ -113,6 +113,78 @@ def test_end_loaded_split_beam(tmp_path):
     assert energy["contact[J]"][-1] > 0
 
 
+# both arms pulled up by rigid pins under ears of theirs, the far end held; 1.0 and 0.25 of a speed
+MIXED = """\
+&run t_end={end}, dimension=2 /
+&material id='m', model='linear_elastic', density=1600, youngs_modulus=60e9, poisson_ratio=0.3 /
+&body id='low', box=0,0.075, -0.006,0, 0,1, spacing=0.0015, material='m' /
+&body id='high', box=0,0.075, 0,0.006, 0,1, spacing=0.0015, material='m' /
+&body id='wall', box=0.075,0.0795, -0.006,0.006, 0,1, spacing=0.0015, material='m', fix='x+',
+  fix_width=1 /
+&body id='ear', box=-0.006,0, 0.003,0.006, 0,1, spacing=0.0015, material='m' /
+&body id='foot', box=-0.006,0, -0.006,-0.003, 0,1, spacing=0.0015, material='m' /
+&body id='pin', shape='cylinder', axis='z', centre=-0.003,0.0015,0.5, radius=0.0015, length=1,
+  spacing=0.00075, material='m', formulation='rigid',
+  motion_time=0,4e-4,{fast},{slow},{end}, motion_velocity=0,0,0, 0,1,0, 0,1,0, 0,{v},0, 0,{v},0 /
+&body id='prop', shape='cylinder', axis='z', centre=-0.003,-0.0075,0.5, radius=0.0015, length=1,
+  spacing=0.00075, material='m', formulation='rigid', motion_time=0,4e-4,{fast},{slow},{end},
+  motion_velocity=0,0,0, 0,0.25,0, 0,0.25,0, 0,{w},0, 0,{w},0 /
+&interaction law='none' /
+&interaction bodies='low','high', law='cohesive', tensile_strength=60e6, shear_strength=60e6,
+  gi=500, gii=1000, open_box=0,0.0462,-1,1,0,1 /
+&interaction bodies='low','wall', law='bonded' /
+&interaction bodies='high','wall', law='bonded' /
+&interaction bodies='high','ear', law='bonded' /
+&interaction bodies='low','foot', law='bonded' /
+&interaction bodies='ear','pin', law='contact' /
+&interaction bodies='foot','prop', law='contact' /
+&output history_every=1e-5, dump_every=1 /
+"""
+
+
+def arm_loads(folder):
+    """Loads of both pins, from their work and from the momentum of all that they pull; time."""
+    energy, bodies = table(folder, "energy"), table(folder, "bodies")
+    time = energy["time[s]"]
+    parts = ("low", "high", "ear", "foot", "wall")
+    momentum = sum(bodies[f"{p}:mass[kg]"] * bodies[f"{p}:velocity_y[m/s]"] for p in parts)
+    both = np.gradient(momentum + bodies["wall:reaction_y[N s]"], time)
+    high, low = (np.gradient(bodies[f"{p}:y[m]"], time) for p in ("pin", "prop"))
+    second = (np.gradient(energy["drive_work[J]"], time) - high * both) / (low - high - 1e-9)
+    return both - second, second, energy
+
+
+def test_mixed_mode_bending(tmp_path):
+    """Half of the energy by opening, half by shear: G = 12 P_I^2 (a + chi h)^2/(E' b^2 h^3) and
+    G_II = 9 P_II^2 (a + 0.42 chi h)^2/(4 E' b^2 h^3), with P_I half of the difference of the loads
+    of both arms and P_II their sum, over the energy of Benzeggagh and Kenane at B = G_II/G, 5 %.
+    """
+    v, slow = 0.24, 1.75e-3
+    end = slow + 1.25e-3
+    run(tmp_path, MIXED.format(end=end, fast=slow - 4e-4, slow=slow, v=v, w=v / 4))
+    first, second, energy = arm_loads(tmp_path)
+    opening, shear = (first - second) / 2, first + second
+    modulus = YOUNG / (1 - POISSON**2)
+    crack = np.full(opening.size, 0.0495)
+    mode, over = np.zeros((2, opening.size))
+    for k in range(1, opening.size):  # from the pins on; what is spent tells how far it is
+        g1 = 12 * opening[k] ** 2 * (crack[k - 1] + 0.663 * HIGH) ** 2 / (modulus * HIGH**3)
+        g2 = 9 / 4 * shear[k] ** 2 * (crack[k - 1] + 0.42 * 0.663 * HIGH) ** 2
+        g2 /= modulus * HIGH**3
+        mode[k] = g2 / (g1 + g2)
+        law = 500 + 500 * mode[k] ** 2
+        over[k] = (g1 + g2) / law
+        spent = energy["bond_heat[J]"]
+        crack[k] = crack[k - 1] + max(spent[k] - spent[k - 1], 0) / law
+    near = (crack > 0.051) & (crack < 0.057)
+    assert np.count_nonzero(near) > 50
+    note("mixed_mode_glued", float(over[near].mean()))
+    note("mixed_mode_share", float(mode[near].mean()))
+    assert over[near].mean() == pytest.approx(1, abs=0.05)
+    assert mode[near].mean() == pytest.approx(0.5, abs=0.1)
+    assert abs(energy["error[-]"][-1]) < 1e-4
+
+
 def test_what_a_run_shows(tmp_path):
     """A lifted block: all breaks, 0.6 J are spent, a restart continues bit for bit."""
     done = run(tmp_path, PEEL, "--check")

@@ -145,6 +145,53 @@ def test_numbers_of_the_deck_come_first(tmp_path):
     assert len(rules) == 3 and "gi = 100.0" in rules[2] and "gii = 500.0" in rules[2]
 
 
+STRUCK = """\
+&run t_end=5e-6 /
+&material id='m', preset='cfrp_ud', gdl=500 /
+&material id='s', preset='steel_4340' /
+&body id='plate', box=0,0.008, 0,0.008, 0,0.002, spacing=0.0005, material='m', plies='0/90/90/0',
+  fix='sides', fix_layers=1, delamination='cohesive' /
+&body id='ball', shape='sphere', centre=0.004,0.004,-0.0016, radius=0.0015, spacing=0.0005,
+  material='s', velocity=0,0,120 /
+&interaction law='contact' /
+&interaction bodies='plate','plate', law='cohesive', gii=1000 /
+&output history_every=2e-7, dump_every=1 /
+"""
+
+
+def test_plies_that_let_go_under_pressure(tmp_path):
+    """What an interface releases where plies are pressed together meets by contact without an
+    energy of its own: with one, a ball of 120 m/s on four plies doubled the energy.
+    """
+    run(tmp_path, STRUCK, "--backend", "cpu")
+    energy = table(tmp_path, "energy")
+    error = float(np.abs(energy["error[-]"]).max())
+    note("struck_plies", error)
+    assert energy["bond_heat[J]"][-1] > 0.05
+    assert energy["contact[J]"].max() > 0.02
+    assert error < 5e-3
+
+
+@pytest.mark.parametrize("form", ["bending", "corrected_hourglass"])
+def test_bonds_that_break_under_pressure(tmp_path, form):
+    """The same of bonds: blocks that meet at 60 m/s and slide, until their bond breaks."""
+    body = f"spacing=1e-3, material='m', formulation='{form}'"
+    deck = f"""\
+&run t_end=1e-5, dimension=2 /
+&material id='m', model='linear_elastic', density=1000, youngs_modulus=5e9, poisson_ratio=0.3 /
+&body id='low', box=0,0.012, 0,0.006, 0,1, {body}, velocity=30,30,0 /
+&body id='high', box=0,0.012, 0.006,0.012, 0,1, {body}, velocity=-30,-30,0 /
+&interaction bodies='low','high', law='bonded', tensile_strength=3e7, shear_strength=4e7 /
+&output history_every=2e-7, dump_every=1 /
+"""
+    run(tmp_path, deck, "--backend", "cpu")
+    energy = table(tmp_path, "energy")
+    error = float(np.abs(energy["error[-]"]).max())
+    note(f"breaking_bond_{form}", error)
+    assert energy["contact[J]"].max() > 4
+    assert error < 1.2e-2
+
+
 GPU = """\
 &run t_end=2.5e-6, symmetry='x' /
 &material id='m', preset='cfrp_ud', gdl=100, zt=30e6, s13=50e6, s23=50e6 /

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """The GPU path of the program where there is no GPU: an emulated driver runs the kernels."""
 
+import json
 import os
 import re
 import subprocess
@@ -69,6 +70,46 @@ def test_a_checkpoint_of_one_backend_serves_the_other(deck):
     assert done.returncode == 0, done.stderr
     whole, parts = (rows(deck / name / "gauges.csv") for name in ("whole", "parts"))
     assert parts[-1] == pytest.approx(whole[-1], rel=1e-9)
+
+
+LOADED = """&run t_end=4e-6 /
+&material id='m', model='linear_elastic', density=7800, youngs_modulus=2e11, poisson_ratio=0.3 /
+&body id='b', box=0,0.005, 0,0.004, 0,0.003, spacing=0.001, material='m', fix='x-' /
+&body id='r', box=0,0.002, 0,0.002, 0.00305,0.00505, spacing=0.001, material='m', velocity=0,0,-50,
+    formulation='rigid' /
+&load body='b', faces='x+','z-', mass=1, at=0.4,0.1,-0.2, detonation_time=-1.4e-4 /
+&load body='b', acceleration=0,1e5,0 /
+&load body='r', faces='y-', time=0,2e-6,4e-6, pressure=0,1e8,0 /
+&interaction law='contact', friction=0.2 /
+&gauge id='f', body='b', quantity='reaction_x' /
+&gauge id='m', body='b', quantity='moment_y', at=0,0,0.001 /
+&gauge id='l', body='b', quantity='load_z' /
+&gauge id='c', body='b', quantity='contact_z' /
+&gauge id='d', body='r', quantity='contact_y' /
+&gauge id='i', body='r', quantity='impulse_y' /
+&gauge id='s', body='b', at=0.002,0,0, quantity='stress_xx' /
+&gauge id='e', body='b', at=0.002,0,0, to=0.005,0.004,0.003, quantity='strain' /
+&output dump_every=1, checkpoint_every=5e-7, history_every=1e-7 /
+"""
+
+
+def test_loads_are_those_of_the_cpu_after_a_restart_too(deck):
+    (deck / "load.nml").write_text(LOADED, encoding="utf-8")
+    for backend in ("gpu", "cpu"):
+        done = run(deck, "load.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+        assert ("Emulated GPU" in done.stderr) == (backend == "gpu")
+    first = ("--set", "run.max_steps=12", "--out", "parts")
+    assert run(deck, "load.nml", "--backend", "cpu", *first).returncode == 0
+    done = run(deck, "load.nml", "--backend", "gpu", "--restart", "latest", "--out", "parts")
+    assert done.returncode == 0, done.stderr
+    for name in ("bodies", "gauges"):
+        whole, here, parts = (rows(deck / x / f"{name}.csv") for x in ("gpu", "cpu", "parts"))
+        for a, b in zip(whole, here, strict=True):
+            assert a == pytest.approx(b, rel=1e-8, abs=1e-9)
+        assert parts[-1] == pytest.approx(whole[-1], rel=1e-8, abs=1e-9)
+    for column in zip(*whole, strict=True):  # none of the gauges has nothing to say
+        assert max(abs(x) for x in column) > 1e-6
 
 
 def test_the_time_of_each_kernel_is_printed(deck):
@@ -244,6 +285,22 @@ def test_a_failure_leaves_the_last_checkpoint(deck):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.parametrize("launch", range(200, 240, 15))
+def test_what_copies_write_gets_its_name_after_a_failure(deck, launch):
+    """Dumps and checkpoints of every step: some are under way when the GPU fails."""
+    every = "output.checkpoint_every=1e-9", "output.dump_every=1e-9", "air.cells=8,8,8"
+    sets = [part for text in every for part in ("--set", text)]
+    fail = {"BRISANCE_EMULATOR_FAIL": f"cuLaunchKernel:{launch}"}
+    done = run(deck, "a.nml", "--backend", "gpu", "--out", "o", *sets, **fail)
+    assert done.returncode == 5, done.stderr
+    files = sorted(path.name for path in (deck / "o").glob("air_*.vtkhdf"))
+    series = json.loads((deck / "o/air.vtkhdf.series").read_text(encoding="utf-8"))
+    assert [entry["name"] for entry in series["files"]] == files
+    steps = [int(path.stem[4:]) for path in sorted((deck / "o").glob("chk_*.h5"))]
+    assert steps in ([len(files) - 2, len(files) - 1], [len(files) - 3, len(files) - 2])
+    assert not list((deck / "o").glob("*.tmp"))
+
+
 def test_a_full_disk_ends_the_run_and_leaves_the_checkpoint(deck):
     """Dumps and checkpoints are written beside the run; what they report is heard."""
     assert run(deck, "a.nml", "--backend", "gpu", "--out", "whole").returncode == 0
@@ -326,7 +383,7 @@ WOKEN = """&run title='t', t_end=5e-5 /
       material='cu' /
 &body id='ball', shape='sphere', centre=0.1055,0.025,0.025, radius=0.005, spacing=0.0025,
       material='cu', formulation='rigid' /
-&interaction law='contact' /
+&interaction law='contact', friction=0.2 /
 &gauge id='g', body='block', at=0.09,0.025,0.025, quantity='velocity_x' /
 &gauge id='inside', at=0.09,0.025,0.025, quantity='pressure' /
 &output dump_every=3e-5, checkpoint_every=1e-5, history_every=2e-6 /

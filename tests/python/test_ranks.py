@@ -65,6 +65,7 @@ def test_another_mpi_is_named():
     ("deck", "args", "reason"),
     [
         ("demo.nml", [], "does not have bodies in air on several processes"),
+        ("plate_load.nml", [], "does not have a load on bodies on several processes"),
         ("rod_concrete.nml", ["--set", "solid.leave='remove'"], "leave='remove') of bodies that"),
         (
             "rod_concrete.nml",
@@ -281,7 +282,7 @@ def test_a_killed_process_ends_all_and_the_wall_clock_stops_all(tmp_path):
 
 
 # Bodies that meet: friction, a rigid body that turns and one that is driven, bonds that break, at a
-# plane of symmetry; and a load that follows a face.
+# plane of symmetry.
 MEETING = """\
 &run title = 'meeting', t_end = 8e-6, symmetry = 'y', energy_band = 0.5 /
 &material id = 's', preset = 'rebar' /
@@ -299,8 +300,6 @@ MEETING = """\
      material = 'm', formulation = 'rigid', motion_time = 0,1, motion_velocity = 300,0,0, 300,0,0 /
 &interaction law = 'contact', friction = 0.3 /
 &interaction bodies = 'plate', 'glued', law = 'bonded', tensile_strength = 1e8 /
-&load id = 'p', body = 'plate', faces = 'z+', pressure = 2e7 /
-&load id = 'f', body = 'die', acceleration = 1e6, 0, 1e6 /
 &gauge id = 'edge', body = 'plate', at = 0.0055,0.001,-0.001, quantity = 'speed' /
 &output dump_every = 4e-6, history_every = 0 /
 """

@@ -1,0 +1,54 @@
+! SPDX-License-Identifier: MIT
+!> Forces on a whole body, for gauges, and the impulse of its load.
+module brz_solid_body_forces
+    use brz_force_loops, only: each_sum_forces
+    use brz_kinds, only: dp, rk
+    use brz_rigid_motion, only: rigid_forces
+    use brz_solid_state, only: form_rigid, solid_t
+    implicit none
+    private
+    public :: forces_on_body, book_impulse, n_forces
+
+    integer, parameter :: n_forces = 12 !! sums of brz_force_items
+
+contains
+
+    !> Force and moment of body b on what holds it, force of its load and of other bodies.
+    subroutine forces_on_body(solid, b, at, sums)
+        type(solid_t), intent(in), target :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: at(3) !! point of the moment [m]
+        real(dp), intent(out) :: sums(n_forces)
+        real(rk), pointer, contiguous :: grip(:, :), load(:, :)
+
+        grip => solid%a ! not read where there is no grip, no load
+        load => solid%a
+        if (allocated(solid%grip)) grip => solid%grip
+        if (allocated(solid%load)) load => solid%load
+        sums = 0
+        associate (body => solid%bodies(b))
+            if (body%formulation == form_rigid) then
+                sums = rigid_forces(body, at)
+                return
+            end if
+            call each_sum_forces(body%last - body%first + 1, body%first, 3, 1, 3, &
+                merge(1, 0, allocated(solid%load)), merge(1, 0, allocated(solid%grip)), at(1), &
+                at(2), at(3), solid%x, solid%mass, solid%fixed, solid%a, load, grip, sums)
+        end associate
+    end subroutine forces_on_body
+
+    !> Impulse of the load on all bodies that are awake, over a step.
+    subroutine book_impulse(solid, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: sums(n_forces)
+        integer :: b
+
+        if (.not. solid%impulses) return
+        do b = 1, size(solid%bodies)
+            if (solid%bodies(b)%asleep) cycle
+            call forces_on_body(solid, b, [0.0_dp, 0.0_dp, 0.0_dp], sums)
+            solid%bodies(b)%impulse = solid%bodies(b)%impulse + dt*sums(7:9)
+        end do
+    end subroutine book_impulse
+end module brz_solid_body_forces

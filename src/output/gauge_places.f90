@@ -1,0 +1,55 @@
+! SPDX-License-Identifier: MIT
+!> The particles that a gauge in a body follows, and where they lie.
+module brz_gauge_places
+    use brz_kinds, only: dp
+    use brz_ranks, only: least_of_all, several
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: choose_particle, find_place
+
+contains
+
+    !> The particle of the body that is nearest to a place; the lowest number among equals.
+    subroutine choose_particle(solid, body, at, particle, place)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: body
+        real(dp), intent(in) :: at(3) !! in the unloaded body [m]
+        integer, intent(out) :: particle, place !! its number, where it lies if this process has it
+        real(dp) :: distance, least, nearest(1), number(1)
+        integer :: i
+
+        least = huge(least)
+        particle = 0
+        place = 0
+        do i = solid%bodies(body)%first, solid%bodies(body)%last
+            distance = sum((solid%x_ref(:, i) - at)**2)
+            if (distance > least .or. (distance >= least .and. solid%id(i) > particle)) cycle
+            least = distance
+            particle = solid%id(i)
+            place = i
+        end do
+        if (.not. several(solid%ranks)) return
+        nearest = least
+        call least_of_all(solid%ranks, nearest)
+        number = particle
+        if (least > nearest(1)) number = huge(1)
+        call least_of_all(solid%ranks, number)
+        particle = nint(number(1))
+    end subroutine choose_particle
+
+    !> Look a particle up again if it has been moved by sorting; place 0: another process has it.
+    pure subroutine find_place(solid, body, particle, place)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: body, particle
+        integer, intent(inout) :: place
+
+        associate (first => solid%bodies(body)%first, last => solid%bodies(body)%last)
+            if (place >= first .and. place <= last) then
+                if (solid%id(place) == particle) return
+            end if
+            place = findloc(solid%id(first:last), particle, dim=1)
+            if (place > 0) place = first - 1 + place
+        end associate
+    end subroutine find_place
+end module brz_gauge_places

@@ -1,0 +1,123 @@
+! SPDX-License-Identifier: MIT
+!> How the particles of a body start: their velocities, and which of them are held.
+module brz_body_start
+    use brz_body_shape, only: shape_t, whole_sides
+    use brz_case, only: body_case_t, label
+    use brz_errors, only: error_t, exit_deck, raise
+    use brz_kinds, only: dp, rk
+    use brz_solid_state, only: body_t, is_held, solid_t
+    use brz_support, only: is_kept, kept_along
+    use brz_text, only: to_text
+    implicit none
+    private
+    public :: hold_body, move_body
+
+contains
+
+    !> Initial velocity, and spin about a point or the centre of mass of the whole (uncut) body.
+    subroutine move_body(input, shape, solid, body)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        real(dp) :: centre(3), r(3), w(3), v(3)
+        integer :: i
+
+        w = input%spin
+        centre = 0
+        do i = body%first, body%last
+            centre = centre + solid%x(:, i)/(body%last - body%first + 1)
+        end do
+        where (shape%on_plane) centre = 0
+        if (input%about_point) centre = input%spin_centre
+        do i = body%first, body%last
+            r = solid%x(:, i) - centre
+            v = input%velocity + [w(2)*r(3) - w(3)*r(2), w(3)*r(1) - w(1)*r(3), &
+                                  w(1)*r(2) - w(2)*r(1)]
+            v(solid%dimension + 1:) = 0
+            solid%v(:, i) = real(v, rk)
+        end do
+    end subroutine move_body
+
+    !> Hold the layers named in the deck.
+    subroutine hold_body(input, shape, solid, body, err)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        type(error_t), intent(inout) :: err
+        logical :: held(2, 3), here, rolls(8)
+        integer :: a, i, f
+        real(dp) :: deep(3)
+
+        held = .false.
+        rolls = .false.
+        do f = 1, size(input%fix)
+            call mark_faces(trim(input%fix(f)), shape, held)
+        end do
+        deep = input%fix_layers*shape%spacing
+        if (input%fix_width > 0) deep = input%fix_width + 1e-6_dp*shape%spacing
+        do i = body%first, body%last
+            here = any(input%fix == 'all')
+            do f = 1, input%n_fix_boxes
+                here = here .or. in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)
+            end do
+            do a = 1, solid%dimension
+                if (held(1, a)) here = here .or. solid%x(a, i) < lowest(shape, a) + deep(a)
+                if (held(2, a)) here = here .or. solid%x(a, i) > shape%full_hi(a) - deep(a)
+            end do
+            if (here) solid%fixed(i) = is_held
+            do f = 1, input%n_rollers
+                a = index('xyz', input%roller_axis(f))
+                if (.not. in_box(solid%x(:, i), input%roller_box(:, f), solid%dimension)) cycle
+                rolls(f) = .true.
+                if (solid%fixed(i) /= is_held) solid%fixed(i) = ior(solid%fixed(i), kept_along(a))
+            end do
+            do a = 1, 3
+                if (is_kept(solid%fixed(i), a)) solid%v(a, i) = 0
+            end do
+        end do
+        f = findloc(rolls(:input%n_rollers), .false., dim=1)
+        if (f > 0) call raise(err, exit_deck, label('body', input%id, input%place)// &
+            'roller_box '//to_text(f)//' holds no particle; make it as thick as the spacing')
+    end subroutine hold_body
+
+    pure logical function in_box(x, box, dimension)
+        real(dp), intent(in) :: x(3), box(6) !! [m]
+        integer, intent(in) :: dimension
+
+        in_box = all(x(:dimension) >= box(1:2*dimension:2) .and. &
+                     x(:dimension) <= box(2:2*dimension:2))
+    end function in_box
+
+    pure real(dp) function lowest(shape, a)
+        type(shape_t), intent(in) :: shape
+        integer, intent(in) :: a
+
+        lowest = shape%full_lo(a)
+        if (shape%on_plane(a)) lowest = 0
+    end function lowest
+
+    !> Add the faces that a word of the key `fix` names. A face on a symmetry plane is no face.
+    subroutine mark_faces(word, shape, held)
+        character(*), intent(in) :: word
+        type(shape_t), intent(in) :: shape
+        logical, intent(inout) :: held(2, 3) !! (low/high, direction)
+        real(dp) :: side(3)
+        integer :: a, thin
+
+        if (word == 'sides') then
+            side = whole_sides(shape)
+            thin = shape%dimension
+            do a = shape%dimension, 1, -1
+                if (side(a) < (1 - 1e-9_dp)*side(thin)) thin = a
+            end do
+            held(:, :shape%dimension) = .true.
+            if (shape%dimension > 1) held(:, thin) = .false.
+        else if (len(word) == 2) then
+            a = index('xyz', word(1:1))
+            if (a > 0) held(merge(1, 2, word(2:2) == '-'), a) = .true.
+        end if
+        held(1, :) = held(1, :) .and. .not. shape%on_plane
+    end subroutine mark_faces
+end module brz_body_start

@@ -1,0 +1,169 @@
+! SPDX-License-Identifier: MIT
+!> Loads in scenes without air, a particle at a time: pushes on whole bodies, pressures on facets,
+!> what they do to a rigid body.
+module brz_facet_items
+    use brz_friedlander, only: friedlander_impulse
+    use brz_kinds, only: dp, int32, rk
+    use brz_solid_state, only: is_gone, is_held
+    implicit none
+    private
+    public :: place_particle, begin_load, load_carrier, sum_load
+
+contains
+
+    !> Where the particle of a number lies.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine place_particle(i, id, place)
+        integer, intent(in) :: i !! particles
+        integer(int32), intent(in) :: id(*)
+        integer(int32), intent(inout) :: place(*)
+
+        place(id(i)) = i
+    end subroutine place_particle
+
+    !> Begin the load of a particle by the push on its body.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine begin_load(p, first, step_d, step_p, ax, ay, az, mass, fixed, load)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
+        real(dp), intent(in) :: ax, ay, az !! acceleration [m/s2]
+        real(rk), intent(in) :: mass(*)
+        integer(int32), intent(in) :: fixed(*)
+        real(rk), intent(inout) :: load(*) !! [N]
+        real(dp) :: m
+        integer :: i
+
+        i = first - 1 + p
+        m = mass(i)
+        if (fixed(i) == is_gone) m = 0
+        load(1 + (i - 1)*step_p) = real(m*ax, rk)
+        load(1 + (i - 1)*step_p + step_d) = real(m*ay, rk)
+        load(1 + (i - 1)*step_p + 2*step_d) = real(m*az, rk)
+    end subroutine begin_load
+
+    !> Add the pressures on the facets of a particle to its load.
+    !@item if(n >= worth_threads/4) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine load_carrier(c, wide, step_d, step_p, time, dt, first, id, of, beside, mirror, &
+                                 width, most, side, wave, mean, place, x, fixed, load)
+        integer, intent(in) :: c !! carriers of facets
+        integer, intent(in) :: wide !! rows of x
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
+        real(dp), intent(in) :: time, dt !! start of the step, its length [s]
+        integer(int32), intent(in) :: first(*), id(*), of(*), beside(4, *), mirror(4, *)
+        real(dp), intent(in) :: width(2, *), most(2, *)
+        integer(int32), intent(in) :: side(*)
+        real(dp), intent(in) :: wave(6, *), mean(*) !! mean: pressures of the loads [Pa]
+        integer(int32), intent(in) :: place(*)
+        real(dp), intent(in) :: x(wide, *)
+        integer(int32), intent(in) :: fixed(*)
+        real(rk), intent(inout) :: load(*) !! [N]
+        real(dp) :: area(3), total(3), p
+        integer :: d, i, k
+
+        i = place(id(first(c)))
+        if (fixed(i) == is_gone) return
+        do d = 1, 3
+            total(d) = 0
+        end do
+        do k = first(c), first(c + 1) - 1
+            p = mean(of(k))
+            if (wave(2, k) > 0) p = mean_of_wave(wave(1, k), time, dt)
+            call area_of(k, i, wide, beside, mirror, width, most, side(k), place, x, area)
+            do d = 1, 3
+                total(d) = total(d) - p*area(d)
+            end do
+        end do
+        do d = 1, 3
+            k = 1 + (i - 1)*step_p + (d - 1)*step_d
+            load(k) = load(k) + real(total(d), rk)
+        end do
+    end subroutine load_carrier
+
+    !> Mean pressure of a blast over a step, reflected and incident part [Pa].
+    !@cuf attributes(host,device) &
+    pure function mean_of_wave(w, time, dt) result(p)
+        real(dp), intent(in) :: w(6) !! see facets_t
+        real(dp), intent(in) :: time, dt !! [s]
+        real(dp) :: p, t
+
+        t = time - w(1)
+        p = friedlander_impulse(w(3), w(2), w(5), t + dt) - friedlander_impulse(w(3), w(2), w(5), t)
+        p = p + friedlander_impulse(w(4), w(2), w(6), t + dt) &
+            - friedlander_impulse(w(4), w(2), w(6), t)
+        p = p/dt
+    end function mean_of_wave
+
+    !> Area of facet k, along its outward normal [m2].
+    !@cuf attributes(host,device) &
+    pure subroutine area_of(k, i, wide, beside, mirror, width, most, side, place, x, area)
+        integer, intent(in) :: k, i !! facet, its particle
+        integer, intent(in) :: wide
+        integer(int32), intent(in) :: beside(4, *), mirror(4, *)
+        real(dp), intent(in) :: width(2, *), most(2, *)
+        integer(int32), intent(in) :: side, place(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(dp), intent(out) :: area(3)
+        real(dp) :: span(3, 2), length, other(2)
+        integer :: d, j(2), t, u
+
+        do t = 1, 2
+            length = 0
+            do u = 1, 2
+                j(u) = i
+                if (beside(2*t - 2 + u, k) > 0) j(u) = place(beside(2*t - 2 + u, k))
+            end do
+            do d = 1, 3
+                do u = 1, 2
+                    other(u) = x(d, j(u))
+                    if (mirror(2*t - 2 + u, k) == d) other(u) = -other(u)
+                end do
+                span(d, t) = (other(1) - other(2))*width(t, k)
+                length = length + span(d, t)*span(d, t)
+            end do
+            length = sqrt(length)
+            do d = 1, 3
+                if (length > most(t, k)) span(d, t) = span(d, t)*most(t, k)/length
+                ! a direction that is not modelled
+                if (.not. width(t, k) > 0 .and. d == mod(abs(side) + t - 1, 3) + 1) span(d, t) = 1
+            end do
+        end do
+        area(1) = (span(2, 1)*span(3, 2) - span(3, 1)*span(2, 2))*sign(1, side)
+        area(2) = (span(3, 1)*span(1, 2) - span(1, 1)*span(3, 2))*sign(1, side)
+        area(3) = (span(1, 1)*span(2, 2) - span(2, 1)*span(1, 2))*sign(1, side)
+    end subroutine area_of
+
+    !> Add the load of a particle to the force and the torque on its body.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine sum_load(p, first, held, wide, step_d, step_p, cx, cy, cz, x, fixed, load, push)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: held !! 1: those that are held alone
+        integer, intent(in) :: wide !! rows of x
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
+        real(dp), intent(in) :: cx, cy, cz !! centre of mass [m]
+        real(dp), intent(in) :: x(wide, *)
+        integer(int32), intent(in) :: fixed(*)
+        real(rk), intent(in) :: load(*) !! [N]
+        real(dp), intent(inout) :: push(6) !@sum force [N], torque [N m]
+        real(dp) :: arm(3), f(3)
+        integer :: d, i
+
+        i = first - 1 + p
+        if (held == 1 .and. fixed(i) /= is_held) return
+        arm(1) = x(1, i) - cx
+        arm(2) = x(2, i) - cy
+        arm(3) = x(3, i) - cz
+        do d = 1, 3
+            f(d) = load(1 + (i - 1)*step_p + (d - 1)*step_d)
+            push(d) = push(d) + f(d)
+        end do
+        push(4) = push(4) + (arm(2)*f(3) - arm(3)*f(2))
+        push(5) = push(5) + (arm(3)*f(1) - arm(1)*f(3))
+        push(6) = push(6) + (arm(1)*f(2) - arm(2)*f(1))
+    end subroutine sum_load
+end module brz_facet_items

@@ -1,0 +1,56 @@
+! SPDX-License-Identifier: MIT
+!> Forces on a whole body, summed over its particles.
+module brz_force_items
+    use brz_kinds, only: dp, int32, rk
+    use brz_solid_state, only: is_gone, is_held
+    use brz_support, only: is_kept
+    implicit none
+    private
+    public :: sum_forces
+
+contains
+
+    !> Add what a particle has of the forces on its body: force and moment of the body on what holds
+    !> it, force of the load, force of other bodies. Forces between particles of a body cancel, so
+    !> what is left of those on all of them comes from others.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine sum_forces(p, first, wide, step_d, step_p, loaded, gripped, cx, cy, cz, x, &
+                               mass, fixed, accel, load, grip, total)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of x
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in forces
+        integer, intent(in) :: loaded, gripped !! 1: `load`, `grip` are there
+        real(dp), intent(in) :: cx, cy, cz !! point of the moment [m]
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: mass(*)
+        integer(int32), intent(in) :: fixed(*)
+        real(rk), intent(in) :: accel(*), load(*), grip(*) !! [m/s2], [N], [N]
+        real(dp), intent(inout) :: total(12) !@sum [N], [N m], [N], [N]
+        real(dp) :: arm(3), f, g(3), push
+        integer :: at, d, i
+
+        i = first - 1 + p
+        if (fixed(i) == is_gone) return
+        arm(1) = x(1, i) - cx
+        arm(2) = x(2, i) - cy
+        arm(3) = x(3, i) - cz
+        do d = 1, 3
+            at = 1 + (i - 1)*step_p + (d - 1)*step_d
+            push = 0
+            if (loaded == 1) push = load(at)
+            g(d) = 0
+            if (gripped == 1) g(d) = grip(at)
+            f = g(d)
+            if (is_kept(fixed(i), d)) f = f - push
+            if (fixed(i) /= is_held) f = f + mass(i)*real(accel(at), dp)
+            total(d) = total(d) + g(d)
+            total(6 + d) = total(6 + d) + push
+            total(9 + d) = total(9 + d) + f
+        end do
+        total(4) = total(4) + (arm(2)*g(3) - arm(3)*g(2))
+        total(5) = total(5) + (arm(3)*g(1) - arm(1)*g(3))
+        total(6) = total(6) + (arm(1)*g(2) - arm(2)*g(1))
+    end subroutine sum_forces
+end module brz_force_items

@@ -1,0 +1,190 @@
+! SPDX-License-Identifier: MIT
+!> Initial velocity and stress of a body from the points of a file: a table, or a dump of particles.
+!>
+!> A particle takes what the nearest point has. A stress is that of a body that is strained as Hooke
+!> says and lies where the deck puts it; so it is for linear_elastic alone.
+module brz_start_fields
+    use brz_case, only: body_case_t, label
+    use brz_csv_table, only: read_columns
+    use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_hdf5_array, only: h5_read, h5_shape
+    use brz_hdf5_file, only: h5_close, h5_open, h5_t
+    use brz_kinds, only: dp, int64, rk
+    use brz_material, only: material_t
+    use brz_solid_state, only: body_t, form_rigid, solid_t
+    implicit none
+    private
+    public :: start_from_file, nearest_point
+
+    character(10), parameter :: names(12) = [character(10) :: 'x', 'y', 'z', 'velocity_x', &
+        'velocity_y', 'velocity_z', 'stress_xx', 'stress_yy', 'stress_zz', 'stress_xy', &
+        'stress_yz', 'stress_xz']
+
+contains
+
+    !> Add the velocities of the file to those of a body, and set its stress.
+    subroutine start_from_file(input, hooke, solid, body, err)
+        type(body_case_t), intent(in) :: input
+        logical, intent(in) :: hooke !! its material is linear_elastic
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        type(error_t), intent(inout) :: err
+        real(dp), allocatable :: values(:, :) !! (names, points)
+        integer, allocatable :: order(:)
+        integer :: i, n
+        logical :: found(size(names))
+
+        if (input%start_file == '' .or. failed(err)) return
+        n = solid%dimension
+        if (index(input%start_file, '.csv') > 0) then
+            call read_columns(trim(input%start_file), names, values, found, err)
+        else
+            call read_dump(trim(input%start_file), values, found, err)
+        end if
+        if (failed(err)) return
+        if (.not. all(found(:n)) .or. .not. any(found(4:))) &
+            call refuse('must have the columns x, y, z and velocity_x, ... or stress_xx, ...')
+        if (body%formulation == form_rigid) &
+            call refuse('is for bodies that deform; give a rigid one velocity and spin')
+        if (any(found(7:)) .and. .not. hooke) call refuse('has stresses, and only a body of '// &
+            "model='linear_elastic' can start with these; take the columns out")
+        if (failed(err)) return
+        order = sorted(values(1, :))
+        do i = body%first, body%last
+            associate (row => values(:, nearest_point(values(:n, :), order, solid%x(:n, i))))
+                solid%v(:n, i) = solid%v(:n, i) + real(row(4:3 + n), rk)
+                if (any(found(7:))) call strain(solid%materials(body%material), row(7:12), &
+                    solid%stress(:, i), solid%mu(i), solid%energy(i))
+            end associate
+        end do
+
+    contains
+
+        subroutine refuse(why)
+            character(*), intent(in) :: why
+
+            call raise(err, exit_deck, label('body', input%id, input%place)//'start_file '//why)
+        end subroutine refuse
+    end subroutine start_from_file
+
+    !> A point of Hooke's material under a stress: with its compression and its elastic energy.
+    pure subroutine strain(material, given, stress, mu, energy)
+        type(material_t), intent(in) :: material
+        real(dp), intent(in) :: given(6) !! [Pa]
+        real(rk), intent(out) :: stress(6), mu, energy !! [Pa], [-], [J/kg]
+        real(dp) :: p, s(6)
+
+        p = -sum(given(1:3))/3
+        s = given
+        s(1:3) = s(1:3) + p
+        stress = real(given, rk)
+        mu = real(p/material%bulk, rk)
+        energy = real(p*p/(2*material%bulk)/material%density, rk)
+        if (material%shear > 0) energy = energy + real((sum(s(1:3)**2) + 2*sum(s(4:6)**2)) &
+            /(4*material%shear)/material%density, rk)
+    end subroutine strain
+
+    !> Points, velocity and stress of a dump of particles.
+    subroutine read_dump(path, values, found, err)
+        character(*), intent(in) :: path
+        real(dp), allocatable, intent(out) :: values(:, :)
+        logical, intent(out) :: found(:)
+        type(error_t), intent(inout) :: err
+        type(h5_t) :: file
+        real(dp), allocatable :: part(:, :)
+
+        found = .false.
+        call h5_open(file, path, err)
+        call field('VTKHDF/Points', 3)
+        if (failed(err)) return
+        allocate (values(size(names), size(part, 2)), source=0.0_dp)
+        values(1:3, :) = part
+        found(1:3) = .true.
+        call field('VTKHDF/PointData/velocity', 3)
+        if (failed(err)) return
+        values(4:6, :) = part
+        found(4:6) = .true.
+        call h5_close(file, err)
+
+    contains
+
+        subroutine field(name, rows)
+            character(*), intent(in) :: name
+            integer, intent(in) :: rows
+            integer(int64), allocatable :: dims(:)
+
+            call h5_shape(file, name, dims, err)
+            if (failed(err)) return
+            if (size(dims) /= 2 .or. dims(1) /= rows) then
+                call raise(err, exit_deck, path//': '//name//' is no table of three columns')
+                return
+            end if
+            if (allocated(part)) deallocate (part)
+            allocate (part(rows, dims(2)))
+            call h5_read(file, name, part, err)
+        end subroutine field
+    end subroutine read_dump
+
+    !> Places of numbers from the lowest to the highest, equal ones in their order.
+    pure recursive function sorted(x) result(order)
+        real(dp), intent(in) :: x(:)
+        integer, allocatable :: order(:), low(:), high(:)
+        integer :: i, j, k
+
+        order = [(k, k=1, size(x))]
+        if (size(x) < 2) return
+        low = sorted(x(:size(x)/2))
+        high = sorted(x(size(x)/2 + 1:)) + size(x)/2
+        i = 1
+        j = 1
+        do k = 1, size(x)
+            if (j > size(high)) then
+                order(k) = low(i)
+                i = i + 1
+            else if (i > size(low)) then
+                order(k) = high(j)
+                j = j + 1
+            else if (x(low(i)) <= x(high(j))) then
+                order(k) = low(i)
+                i = i + 1
+            else
+                order(k) = high(j)
+                j = j + 1
+            end if
+        end do
+    end function sorted
+
+    !> The point nearest to a place; the first of the file among equals.
+    pure integer function nearest_point(points, order, at) result(nearest)
+        real(dp), intent(in) :: points(:, :) !! (dimension, points) [m]
+        integer, intent(in) :: order(:) !! of the points along the first axis
+        real(dp), intent(in) :: at(:) !! [m]
+        real(dp) :: least, distance
+        integer :: high, k, low, middle, side
+
+        low = 0
+        high = size(order) + 1
+        do while (high - low > 1) ! low: the last point at or before the place
+            middle = (low + high)/2
+            if (points(1, order(middle)) <= at(1)) then
+                low = middle
+            else
+                high = middle
+            end if
+        end do
+        nearest = 0
+        least = huge(least)
+        do side = -1, 1, 2
+            k = merge(low, low + 1, side < 0)
+            do while (k >= 1 .and. k <= size(order))
+                if ((points(1, order(k)) - at(1))**2 > least) exit
+                distance = sum((points(:, order(k)) - at)**2)
+                if (distance < least .or. (distance <= least .and. order(k) < nearest)) then
+                    least = distance
+                    nearest = order(k)
+                end if
+                k = k + side
+            end do
+        end do
+    end function nearest_point
+end module brz_start_fields

@@ -1,0 +1,41 @@
+! SPDX-License-Identifier: MIT
+!> In which directions a particle is held.
+module brz_support
+    use brz_kinds, only: int32, rk
+    use brz_solid_state, only: is_held
+    implicit none
+    private
+    public :: held_share, is_kept, kept_along
+
+contains
+
+    !> True where a particle does not move by itself along axis d.
+    !@cuf attributes(host,device) &
+    pure function is_kept(fixed, d) result(yes)
+        integer(int32), intent(in) :: fixed
+        integer, intent(in) :: d
+        logical :: yes
+
+        yes = fixed == is_held .or. iand(fixed, kept_along(d)) /= 0
+    end function is_kept
+
+    !> For each direction 1 where a particle is held, else 0.
+    pure function held_share(fixed) result(held)
+        integer(int32), intent(in) :: fixed
+        real(rk) :: held(3)
+        integer :: d
+
+        do d = 1, 3
+            held(d) = merge(1, 0, is_kept(fixed, d))
+        end do
+    end function held_share
+
+    !> The mark of a particle that is held along axis d alone; marks add up.
+    !@cuf attributes(host,device) &
+    pure function kept_along(d) result(mark)
+        integer, intent(in) :: d
+        integer(int32) :: mark
+
+        mark = ishft(2_int32, d)
+    end function kept_along
+end module brz_support

@@ -1,0 +1,143 @@
+! SPDX-License-Identifier: MIT
+!> Dumps and checkpoints: written by this process, or where a GPU computes by copies of it beside
+!> the run, and named in the order in which they began.
+module brz_saves
+    use brz_backend_fetch, only: fetch_state
+    use brz_checkpoint, only: name_checkpoint, write_checkpoint
+    use brz_dumps, only: dumps_t, name_dump, write_dump_files
+    use brz_errors, only: error_t, failed
+    use brz_kinds, only: dp
+    use brz_ranks, only: agree
+    use brz_simulation, only: simulation_t
+    use brz_text, only: to_text
+    use brz_writer, only: begin_writing, end_writing, has_room, hear_writer, no_dump, writer_t, &
+                          writers_t
+    implicit none
+    private
+    public :: saves_t, hear_writers, on_gpu, save_dump, save_state
+
+    type :: saves_t
+        type(dumps_t) :: dumps
+        type(writers_t) :: writers !! of dumps and checkpoints, beside the run
+        real(dp) :: reserve = 0 !! wall-clock time that a checkpoint has taken at most [s]
+        integer :: saved_cycle = -1 !! cycle of the last checkpoint
+    end type saves_t
+
+contains
+
+    !> Hear what has become of the dumps and the checkpoint that are written beside the run; those
+    !> that are written are named, in their order.
+    subroutine hear_writers(sim, saves, most, err)
+        type(simulation_t), intent(in) :: sim
+        type(saves_t), intent(inout) :: saves
+        integer, intent(in) :: most !! wait until no more than that are at work
+        type(error_t), intent(inout) :: err
+        type(writer_t) :: writer
+        logical :: ended
+
+        do
+            call hear_writer(saves%writers, saves%writers%n > most, writer, ended, err)
+            if (.not. ended) exit
+            call written(sim, saves, writer, err)
+        end do
+    end subroutine hear_writers
+
+    !> Wait until one more copy of the process may write.
+    subroutine make_room(sim, saves, err)
+        type(simulation_t), intent(in) :: sim
+        type(saves_t), intent(inout) :: saves
+        type(error_t), intent(inout) :: err
+
+        do while (.not. (has_room(saves%writers) .or. failed(err)))
+            call hear_writers(sim, saves, saves%writers%n - 1, err)
+        end do
+    end subroutine make_room
+
+    !> A dump or a checkpoint is on the disk: name it. Keep in mind what a checkpoint took.
+    subroutine written(sim, saves, writer, err)
+        type(simulation_t), intent(in) :: sim
+        type(saves_t), intent(inout) :: saves
+        type(writer_t), intent(in) :: writer
+        type(error_t), intent(inout) :: err
+        type(error_t) :: naming ! a file that is good gets its name after an error too
+
+        if (writer%dump == no_dump) then
+            if (saves%dumps%leads) call name_checkpoint(saves%dumps%folder, writer%step, naming)
+            saves%reserve = max(saves%reserve, 2*writer%seconds)
+        else
+            call name_dump(saves%dumps, writer%dump, writer%time, sim%air%present, &
+                           sim%solid%present, naming)
+        end if
+        if (failed(naming) .and. .not. failed(err)) err = naming
+    end subroutine written
+
+    !> True if a GPU computes, so that the host has time to write.
+    pure logical function on_gpu(sim)
+        type(simulation_t), intent(in) :: sim
+
+        on_gpu = sim%backend%on_gpu .or. sim%backend%bodies_on_gpu
+    end function on_gpu
+
+    !> Write a dump; where a GPU computes, beside the run.
+    subroutine save_dump(sim, saves, err)
+        type(simulation_t), intent(inout) :: sim
+        type(saves_t), intent(inout) :: saves
+        type(error_t), intent(inout) :: err
+        type(writer_t) :: writer
+        logical :: beside, here
+
+        call make_room(sim, saves, err)
+        call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
+        if (failed(err)) return
+        beside = on_gpu(sim)
+        writer%what = 'the dump of t = '//to_text(sim%clock%time)//' s'
+        writer%dump = sim%clock%dump_number
+        writer%time = sim%clock%time
+        call begin_writing(saves%writers, writer, beside, here)
+        if (here) then
+            call write_dump_files(saves%dumps, sim%case, sim%clock, sim%air, &
+                                  sim%coupling%wall, sim%solid, err)
+            call end_writing(writer, beside, err)
+        end if
+        call agree(sim%ranks, err)
+        if (failed(err)) return
+        sim%clock%dump_number = sim%clock%dump_number + 1
+        sim%clock%dump_time = sim%clock%time
+        if (here) call written(sim, saves, writer, err)
+        call agree(sim%ranks, err)
+    end subroutine save_dump
+
+    !> Write a checkpoint; the histories up to it must be on the disk.
+    subroutine save_state(sim, saves, apart, err)
+        type(simulation_t), intent(inout) :: sim
+        type(saves_t), intent(inout) :: saves
+        logical, intent(in) :: apart !! beside the run; else it is on the disk on return
+        type(error_t), intent(inout) :: err
+        real(dp) :: sums(8)
+        type(writer_t) :: writer
+        logical :: here
+
+        if (apart) then
+            call make_room(sim, saves, err)
+        else
+            call hear_writers(sim, saves, 0, err)
+        end if
+        if (saves%saved_cycle == sim%clock%cycle .or. failed(err)) return
+        call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
+        if (failed(err)) return
+        sums = [sim%start%total, sim%start%mass, sim%start%momentum, sim%start%energy, &
+                sim%start%work, sim%start%supply]
+        writer%what = 'the checkpoint of t = '//to_text(sim%clock%time)//' s'
+        writer%step = sim%clock%cycle
+        call begin_writing(saves%writers, writer, apart, here)
+        if (here) then
+            if (writer%copy < 0) call hear_writers(sim, saves, 0, err) ! those before it first
+            call write_checkpoint(saves%dumps%folder, sim%case, sim%clock, sim%air, sim%coupling, &
+                                  sim%solid, sums, err)
+            call end_writing(writer, apart, err)
+            if (.not. failed(err)) call written(sim, saves, writer, err)
+            call agree(sim%ranks, err)
+        end if
+        if (.not. failed(err)) saves%saved_cycle = sim%clock%cycle
+    end subroutine save_state
+end module brz_saves
