@@ -10,6 +10,7 @@ module brz_solid_contact
     use brz_contact_release, only: is_tied, later_touch
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: n_press
+    use brz_solid_ghosts, only: refresh_press
     use brz_solid_links, only: first_link, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: at_drag, at_hold, links_t, n_terms, solid_t, worth_threads
@@ -44,6 +45,7 @@ contains
                 end associate
             end do
         end do
+        call refresh_press(solid)
         limit = solid%dt_limit
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i) &
         !$omp reduction(min: limit)

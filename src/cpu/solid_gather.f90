@@ -2,7 +2,7 @@
 !> The particles of all processes in one: for dumps and checkpoints, which the first one writes as
 !> if it were alone.
 module brz_solid_gather
-    use brz_kinds, only: int64
+    use brz_kinds, only: int64, rk
     use brz_mail, only: mail_t, tell_counts
     use brz_solid_books, only: books_t, close_all_books, open_all_books
     use brz_solid_fields, only: fields_of, fields_t, make_fields
@@ -31,6 +31,7 @@ contains
 
         call outline(solid, whole)
         call make_fields(whole, kept_alone=.true.)
+        if (allocated(solid%load)) allocate (whole%load(3, whole%n), source=0.0_rk)
         out = 0
         out(:, 1) = solid%bodies%last - solid%bodies%first + 1
         call tell_counts(solid%ranks, out, in)
@@ -73,6 +74,7 @@ contains
         integer :: b
 
         whole%present = .true.
+        whole%links%present = solid%links%present
         whole%n_hist = solid%n_hist
         whole%dimension = solid%dimension
         whole%mirror = solid%mirror

@@ -11,31 +11,59 @@ module brz_solid_links
     use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit, n_press
     use brz_list_drift, only: begin_links, links_reach, may_link
+    use brz_ranks, only: least_of_all, several
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: bond_whole, is_gone, links_t, solid_t, worth_threads
     implicit none
     private
-    public :: build_links, is_bonded, first_link, last_link, link_partner, link_mask
+    public :: build_links, settle_links, is_bonded, first_link, last_link, link_partner, link_mask
     public :: first_bonds
 
 contains
 
-    !> Build the links for the positions `x_built`, to which the drifts of the bodies are added.
-    subroutine build_links(solid, resume)
+    !> The links are about to be built: note the drifts of the bodies, and how far they are apart.
+    subroutine settle_links(solid, resume)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: resume !! for the drifts of the links that were there
-        real(dp) :: box(3, 2, size(solid%bodies))
+        real(dp) :: ends(6*size(solid%bodies))
         integer :: b
 
         if (.not. solid%links%present) return
-        do b = 1, size(solid%bodies)
-            call extent(solid%x_built, solid%fixed, solid%bodies(b), box(:, 1, b), box(:, 2, b))
-        end do
-        call begin_links(solid, box, resume)
+        associate (box => solid%links%box)
+            do b = 1, size(solid%bodies)
+                call extent(solid%x_built, solid%fixed, solid%bodies(b), box(:, 1, b), box(:, 2, b))
+            end do
+            if (several(solid%ranks)) then
+                do b = 1, size(solid%bodies)
+                    if (solid%bodies(b)%last >= solid%bodies(b)%first) cycle
+                    box(:, 1, b) = huge(box) ! this process has nothing of it
+                    box(:, 2, b) = -huge(box)
+                end do
+                ends = reshape([box(:, 1, :), -box(:, 2, :)], shape(ends))
+                call least_of_all(solid%ranks, ends)
+                box(:, 1, :) = reshape(ends(:size(ends)/2), shape(box(:, 1, :)))
+                box(:, 2, :) = -reshape(ends(size(ends)/2 + 1:), shape(box(:, 1, :)))
+            end if
+            call begin_links(solid, box, resume)
+        end associate
+    end subroutine settle_links
+
+    !> Build the links for the positions `x_built`, to which the drifts of the bodies are added.
+    subroutine build_links(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b, i
+
+        if (.not. solid%links%present) return
         solid%links%row = 0
-        call visit_bodies(solid, box, .false.)
-        call number_rows(solid%links)
-        call visit_bodies(solid, box, .true.)
+        call visit_bodies(solid, solid%links%box, .false.)
+        call number_rows(solid%links, sum(solid%bodies%rim - solid%bodies%last))
+        call visit_bodies(solid, solid%links%box, .true.)
+        do b = 1, size(solid%bodies) ! ghosts have rows, without links of their own
+            do i = solid%bodies(b)%last + 1, solid%bodies(b)%rim
+                solid%links%rows = solid%links%rows + 1
+                solid%links%row(i) = solid%links%rows
+            end do
+        end do
     end subroutine build_links
 
     !> Count in `row`, or store, the links of every particle with one body after the other; note
@@ -153,12 +181,14 @@ contains
 
     !> Turn numbers of links into numbers of rows, of particles that have some. Row 0 is for all
     !> others: it has no links and stays nil.
-    subroutine number_rows(links)
+    subroutine number_rows(links, ghosts)
         type(links_t), intent(inout) :: links
+        integer, intent(in) :: ghosts !! that will have rows, too
         integer :: i, number, total
 
         links%rows = count(links%row > 0)
-        call make_room(links, links%rows, sum(int((links%row + link_unit - 1)/link_unit, int64)))
+        call make_room(links, links%rows + ghosts, &
+                       sum(int((links%row + link_unit - 1)/link_unit, int64)))
         links%rows = 0
         links%slice = 0
         links%count = 0

@@ -15,7 +15,7 @@ module brz_solid_neighbours
     use brz_move_level, only: level_of
     use brz_solid_cohesive, only: place_nodes
     use brz_solid_lanes, only: group_of
-    use brz_solid_links, only: build_links
+    use brz_solid_links, only: build_links, settle_links
     use brz_solid_home, only: place_ghosts, send_home
     use brz_solid_sort, only: note_places, sort_body
     use brz_ranks, only: most_of_all, several
@@ -51,6 +51,7 @@ contains
         do b = 1, size(solid%bodies)
             if (anew(b) .and. (sort .or. several(solid%ranks))) call sort_body(solid, b)
         end do
+        call settle_links(solid, resume=.not. sort)
         if (several(solid%ranks)) call place_ghosts(solid)
         do b = 1, size(solid%bodies)
             if (.not. anew(b)) cycle
@@ -60,7 +61,7 @@ contains
                 call build_list(solid, b, solid%x_built)
             end if
         end do
-        call build_links(solid, resume=.not. sort)
+        call build_links(solid)
         call place_nodes(solid)
     end subroutine build_neighbours
 

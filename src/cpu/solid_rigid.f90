@@ -13,7 +13,7 @@ module brz_solid_rigid
     use brz_rigid_pose, only: n_pose, place_point, pose_of, velocity_at
     use brz_solid_bonds, only: push_rigid_bonds
     use brz_solid_cohesive, only: cohesive_push
-    use brz_solid_state, only: body_t, form_rigid, is_held, solid_t, worth_threads
+    use brz_solid_state, only: body_t, form_rigid, is_held, ledger_t, solid_t, worth_threads
     implicit none
     private
     public :: move_rigid, balance_rigid
@@ -24,12 +24,15 @@ contains
     subroutine move_rigid(solid, dt)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
-        real(dp) :: v(3)
+        type(ledger_t) :: ledger
+        real(dp) :: v(3), reaction(3)
         integer :: b
 
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
                 if (body%asleep) cycle
+                ledger = body%ledger
+                reaction = body%reaction
                 if (body%motion%n > 0) then
                     v = mean_velocity(body%motion, solid%time, dt)
                     call book_drive(body, solid%time, dt, v)
@@ -37,6 +40,10 @@ contains
                     body%rigid%p = body%rigid%mass*v
                 end if
                 if (body%formulation == form_rigid) call move_body(solid, body, dt)
+                if (body%formulation == form_rigid .and. solid%ranks%rank > 0) then
+                    body%ledger = ledger ! all processes move the body, the first books it
+                    body%reaction = reaction
+                end if
             end associate
         end do
     end subroutine move_rigid
@@ -94,14 +101,16 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt
-        real(dp) :: v(3), pose(n_pose)
+        real(dp) :: v(3), pose(n_pose), reaction(3)
         integer :: i
 
         associate (b => body%rigid)
             b%force = 0
             b%torque = 0
             if (solid%links%present) call sum_pushes(solid, body, b%force, b%torque)
+            reaction = body%reaction
             call settle_rigid(body, solid%time, dt, v)
+            if (solid%ranks%rank > 0) body%reaction = reaction ! the first books it
             body%dt_limit = rigid_step(body, solid%skin)
             solid%dt_limit = min(solid%dt_limit, body%dt_limit)
             if (.not. dt > 0) return
@@ -198,6 +207,7 @@ contains
                 solid%a(:, i) = real(2/dt*(v - solid%v(:, i)), rk)
             end do
         end if
+        if (body%formulation == form_rigid .and. solid%ranks%rank > 0) return ! the first books it
         body%ledger%drive = body%ledger%drive &
             - dt/2*dot_product(body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
     end subroutine balance_drive

@@ -31,6 +31,7 @@ contains
         type(solid_t), intent(inout) :: solid
         integer :: b
 
+        if (.not. solid%links%present) return
         do b = 1, size(solid%bodies)
             if (.not. solid%bodies(b)%round%radius(1) > 0 .or. solid%dimension == 1) cycle
             if (all(solid%links%table(:, b)%law == law_none)) cycle

@@ -16,7 +16,7 @@ module brz_solid_step
     use brz_solid_doubles, only: refuse_doubles
     use brz_solid_faults, only: report_bad
     use brz_solid_forces, only: force_pass, update_sizes
-    use brz_solid_ghosts, only: refresh_motion, refresh_rows
+    use brz_solid_ghosts, only: refresh_bonds, refresh_motion, refresh_rows
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_lanes, only: group_of
     use brz_solid_leaving, only: remove_left
@@ -40,13 +40,15 @@ module brz_solid_step
 
 contains
 
-    !> Sort the particles, build their lists and find the first accelerations and time step.
+    !> Sort the particles, build their lists and find the first accelerations and time step. Where
+    !> several processes share them, `find_skin` has been called before.
     subroutine start_solid(solid, err)
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         integer :: b, i
 
         if (.not. solid%present) return
+        if (.not. several(solid%ranks)) call find_skin(solid)
         call build_neighbours(solid, sort=.true.)
         do i = 1, size(solid%block, 2)
             call update_sizes(solid, solid%bodies(solid%block(1, i)), i)
@@ -75,9 +77,8 @@ contains
         type(solid_t), intent(inout) :: solid
 
         if (solid%links%bonds) call first_bonds(solid)
-        if (.not. solid%links%present) return
-        call find_skin(solid)
-        call find_touch(solid)
+        call refresh_bonds(solid)
+        if (solid%links%present) call find_touch(solid)
     end subroutine meet
 
     !> After a restart: what a checkpoint does not hold follows from what it holds.
@@ -144,6 +145,7 @@ contains
         call gradient_pass(solid, dt)
         call refresh_rows(solid)
         call break_bonds(solid)
+        call refresh_bonds(solid)
         call cohesive_pass(solid)
         call contact_pass(solid, dt)
         call force_pass(solid, dt)

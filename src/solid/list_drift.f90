@@ -103,7 +103,7 @@ contains
     !> restart: note them, and how far the bodies are apart.
     pure subroutine begin_links(solid, box, resume)
         type(solid_t), intent(inout) :: solid
-        real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) corners of x_built [m]
+        real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) corners of x_built of all [m]
         logical, intent(in) :: resume !! after a restart
         integer :: a, b
 

@@ -64,6 +64,7 @@ contains
                       links%push(9, 0:1))
             allocate (links%met(size(solid%bodies), size(solid%bodies)), source=.false.)
             allocate (links%spare(size(solid%bodies), size(solid%bodies)), source=0.0_dp)
+            allocate (links%box(3, 2, size(solid%bodies)), source=0.0_dp)
             links%ends = solid%bodies%last
             links%lay = link_layout_t(size(solid%bodies), solid%dimension, &
                                       merge(1, 0, allocated(solid%held)), 3, 1, 6, 1, 1, 1, &

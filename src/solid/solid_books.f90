@@ -4,7 +4,7 @@ module brz_solid_books
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp
     use brz_ranks, only: several
-    use brz_solid_state, only: ledger_t, solid_t
+    use brz_solid_state, only: form_rigid, ledger_t, solid_t
     implicit none
     private
     public :: books_t, open_all_books, close_all_books, keep_books_of_first
@@ -24,11 +24,18 @@ contains
         type(solid_t), intent(inout) :: solid
         type(books_t), intent(out) :: books
         real(dp) :: total((6 + n_ledger)*size(solid%bodies))
+        real(dp) :: terms(6 + n_ledger, size(solid%bodies))
+        integer :: b
 
         if (.not. several(solid%ranks)) return
         allocate (books%own(6 + n_ledger, size(solid%bodies)))
         call look(solid, books%own)
-        call exact_sums(solid%ranks, reshape(books%own, [size(total), 1]), total)
+        terms = books%own
+        do b = 1, size(solid%bodies) ! all processes know the force that drives a rigid body
+            if (solid%bodies(b)%formulation == form_rigid .and. solid%ranks%rank > 0) &
+                terms(4:6, b) = 0
+        end do
+        call exact_sums(solid%ranks, reshape(terms, [size(total), 1]), total)
         call write_down(solid, reshape(total, shape(books%own)))
     end subroutine open_all_books
 
@@ -44,9 +51,15 @@ contains
     subroutine keep_books_of_first(solid)
         type(solid_t), intent(inout) :: solid
         real(dp) :: nothing(6 + n_ledger, size(solid%bodies))
+        integer :: b
 
+        if (solid%ranks%rank == 0) return
         nothing = 0
-        if (solid%ranks%rank > 0) call write_down(solid, nothing)
+        do b = 1, size(solid%bodies)
+            if (solid%bodies(b)%formulation == form_rigid) &
+                nothing(4:6, b) = solid%bodies(b)%motion%force
+        end do
+        call write_down(solid, nothing)
     end subroutine keep_books_of_first
 
     pure subroutine look(solid, books)

@@ -5,15 +5,17 @@
 !> the particles of its body, and is never computed: what others need of it comes by message.
 module brz_solid_ghosts
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_ptr
-    use brz_kinds, only: int32, int64, int8
+    use brz_kinds, only: int32, int64, int8, rk
+    use brz_link_layout, only: n_press
     use brz_mail, only: mail_t, make_room, post
     use brz_ranks, only: ranks_t, several
-    use brz_solid_fields, only: field_t, fields_of, fields_t, memory_of
+    use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_single, memory_of
     use brz_solid_part, only: parcels_t
     use brz_solid_state, only: held_stiffness, solid_t
     implicit none
     private
-    public :: refresh_motion, refresh_rows, send_particles
+    public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds
+    public :: send_particles
     public :: all_of_it, for_a_ghost, of_a_checkpoint
 
     integer, parameter :: all_of_it = 1 !! the particle goes for good
@@ -21,6 +23,8 @@ module brz_solid_ghosts
     integer, parameter :: of_motion = 3 !! what pass 1 reads, and changes in a step
     integer, parameter :: of_rows = 4 !! what pass 1 writes and pass 2 reads
     integer, parameter :: of_a_checkpoint = 5 !! what a checkpoint holds
+    integer, parameter :: of_linked_rows = 6 !! as of_rows, where bodies meet
+    integer, parameter :: of_bonds = 7 !! which of them are whole
 
 contains
 
@@ -37,7 +41,7 @@ contains
         integer :: b
 
         if (.not. several(solid%ranks)) return
-        call refresh(solid, of_rows)
+        call refresh(solid, merge(of_linked_rows, of_rows, solid%links%present))
         if (.not. allocated(solid%held)) return
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
@@ -47,6 +51,30 @@ contains
             end associate
         end do
     end subroutine refresh_rows
+
+    !> Bring the bonds of ghosts up to date.
+    subroutine refresh_bonds(solid)
+        type(solid_t), intent(inout) :: solid
+
+        if (several(solid%ranks) .and. solid%links%bonds) call refresh(solid, of_bonds)
+    end subroutine refresh_bonds
+
+    !> Bring the pressures of contact of ghosts up to date: those of rows, not of places. Row 0, of
+    !> what has no links, is nil.
+    subroutine refresh_press(solid)
+        type(solid_t), intent(inout), target :: solid
+        type(fields_t) :: fields
+        type(parcels_t) :: out, in
+
+        if (.not. several(solid%ranks)) return
+        fields%n = 1
+        fields%particles = size(solid%links%press, 2)
+        fields%of(1) = field_t('press', merge(is_double, is_single, storage_size(1.0_rk) == 64), &
+                               n_press, values=c_loc(solid%links%press))
+        out = parcels_t(solid%links%row(solid%part%out%place) + 1, solid%part%out%first)
+        in = parcels_t(solid%links%row(solid%part%in%place) + 1, solid%part%in%first)
+        call send_particles(solid%ranks, of_linked_rows, fields, out, fields, in, solid%part%mail)
+    end subroutine refresh_press
 
     subroutine refresh(solid, what)
         type(solid_t), intent(inout), target :: solid
@@ -115,8 +143,13 @@ contains
             is_sent = any(field%name == [character(16) :: 'x', 'v', 'volume', 'h'])
         case (of_a_checkpoint)
             is_sent = field%kept
-        case default
+        case (of_rows)
             is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held'])
+        case (of_bonds)
+            is_sent = field%name == 'bond'
+        case default
+            is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held', 'stress', &
+                                         'press'])
         end select
     end function is_sent
 

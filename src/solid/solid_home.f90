@@ -17,10 +17,12 @@ module brz_solid_home
     use brz_solid_mirror, only: signs
     use brz_solid_part, only: parcels_t
     use brz_solid_regions, only: cut_regions, distance2, region_of
-    use brz_solid_state, only: is_gone, solid_t
+    use brz_list_drift, only: links_reach, may_link
+    use brz_resize, only: resize
+    use brz_solid_state, only: form_rigid, is_gone, solid_t
     implicit none
     private
-    public :: share_out, hold_all, send_home, place_ghosts, all_particles, is_near
+    public :: share_out, hold_all, send_home, place_ghosts, all_particles, is_needed
 
     real(dp), parameter :: uneven = 1.05_dp !! most particles over the mean: regions are cut anew
 
@@ -81,6 +83,7 @@ contains
                 solid%n = body%rim
             end associate
         end do
+        if (allocated(solid%links%ends)) solid%links%ends = solid%bodies%rim
     end subroutine lay_bodies
 
     !> Room for n particles, with something to spare.
@@ -94,6 +97,7 @@ contains
         if (present(exactly)) room = n
         if (.not. present(exactly) .and. size(solid%x, 2) >= n) return
         call resize_fields(solid, room)
+        if (allocated(solid%links%row)) call resize(solid%links%row, room)
         deallocate (solid%search%order)
         allocate (solid%search%order(room), source=0)
     end subroutine make_room
@@ -285,7 +289,6 @@ contains
     subroutine list_near(solid, number)
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
-        real(dp) :: reach
         integer :: b, i, n, r, round
 
         if (.not. allocated(solid%part%out%first)) &
@@ -297,10 +300,8 @@ contains
                 solid%part%out%first(r) = n + 1
                 if (r == solid%ranks%rank) cycle
                 do b = 1, size(solid%bodies)
-                    reach = reach_of_lists(solid, b)
                     do i = solid%bodies(b)%first, solid%bodies(b)%last
-                        if (.not. is_near(solid, solid%part%region(:, :, r), reach, i)) &
-                            cycle
+                        if (.not. is_needed(solid, solid%part%region(:, :, r), b, i)) cycle
                         n = n + 1
                         number(b, r + 1) = number(b, r + 1) + 1
                         if (round == 2) solid%part%out%place(n) = i
@@ -314,19 +315,38 @@ contains
         end do
     end subroutine list_near
 
-    !> True where a particle or one of its images is within reach of a region.
-    pure logical function is_near(solid, region, reach, i)
+    !> True where the lists or the links of what is in a region may reach a particle of body b.
+    pure logical function is_needed(solid, region, b, i) result(yes)
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: region(3, 2) !! corners [m]
-        real(dp), intent(in) :: reach !! [m]
-        integer, intent(in) :: i
+        integer, intent(in) :: b, i
+        integer :: a
+
+        yes = .false.
+        if (solid%fixed(i) == is_gone) return
+        if (solid%bodies(b)%formulation /= form_rigid) &
+            yes = is_near(solid%mirror, region, reach_of_lists(solid, b), solid%x_built(:, i))
+        if (yes .or. .not. solid%links%present) return
+        do a = 1, size(solid%bodies)
+            if (.not. may_link(solid, a, b)) cycle
+            yes = is_near(solid%mirror, region, links_reach(solid, a, b), solid%x_built(:, i) &
+                          + (solid%bodies(b)%drift_linked - solid%bodies(a)%drift_linked))
+            if (yes) return
+        end do
+    end function is_needed
+
+    !> True where a place or one of its images is within reach of a region. Rounding must not hide
+    !> a link, whose drifts are added elsewhere.
+    pure logical function is_near(mirror, region, reach, x)
+        logical, intent(in) :: mirror(3) !! planes of symmetry
+        real(dp), intent(in) :: region(3, 2) !! corners [m]
+        real(dp), intent(in) :: reach, x(3) !! [m]
         integer :: m
 
         is_near = .false.
-        if (solid%fixed(i) == is_gone) return
         do m = 0, 7
-            if (any(signs(m) < 0 .and. .not. solid%mirror)) cycle
-            is_near = distance2(region, signs(m)*solid%x_built(:, i)) < reach*reach
+            if (any(signs(m) < 0 .and. .not. mirror)) cycle
+            is_near = distance2(region, signs(m)*x) < reach*reach*(1 + 1e-9_dp)
             if (is_near) return
         end do
     end function is_near

@@ -168,7 +168,8 @@ module brz_solid_state
         real(dp), allocatable :: spare(:, :) !! (bodies, bodies) what they were further apart than
                                              !! links reach [m]
         type(link_layout_t) :: lay !! how lists and arrays lie
-        integer(int32), allocatable :: ends(:) !! (bodies) last particle of each
+        real(dp), allocatable :: box(:, :, :) !! (3, 2, bodies) corners of x_built [m]
+        integer(int32), allocatable :: ends(:) !! (bodies) last particle or ghost of each
         integer(int32), allocatable :: row(:) !! (n) row of a particle that has links, else 0
         integer :: rows = 0 !! particles that have links
         integer(int32), allocatable :: slice(:) !! (rows) entries before its own, over link_unit

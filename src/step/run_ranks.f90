@@ -11,9 +11,8 @@ module brz_run_ranks
     use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp
     use brz_scene_size, only: scene_size_t
-    use brz_cell_grid, only: reach_of_lists
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_solid_home, only: is_near
+    use brz_solid_home, only: is_needed
     use brz_solid_regions, only: cut_regions, region_of
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
@@ -66,11 +65,13 @@ contains
         do b = 1, size(case%bodies)
             do a = 1, b - 1
                 call find_rule(case, a, b, rule)
-                if (rule%law /= 'none') what = 'bodies that meet (''' &
-                    //trim(case%bodies(a)%id)//''' and '''//trim(case%bodies(b)%id)//''')'
+                if (rule%law == 'none') cycle
+                if (rule%law == 'cohesive') what = 'the law ''cohesive'' between bodies'
+                if (case%solid%leave == 'remove') &
+                    what = 'particles that leave (leave=''remove'') of bodies that meet'
+                if (any(case%bodies([a, b])%formulation == 'total_lagrangian')) &
+                    what = 'total-Lagrangian bodies that meet others'
             end do
-            if (case%bodies(b)%formulation == 'rigid') what = 'rigid bodies (''' &
-                //trim(case%bodies(b)%id)//''')'
         end do
         if (allocated(case%loads)) then
             if (size(case%loads) > 0) what = 'a load on bodies'
@@ -138,8 +139,7 @@ contains
                 own(home) = own(home) + 1
                 do r = 0, ubound(region, 3)
                     if (r == home) cycle
-                    if (is_near(solid, region(:, :, r), reach_of_lists(solid, b), i)) &
-                        ghosts(r) = ghosts(r) + 1
+                    if (is_needed(solid, region(:, :, r), b, i)) ghosts(r) = ghosts(r) + 1
                 end do
             end do
         end do

@@ -12,9 +12,10 @@ module brz_simulation
     use brz_errors, only: error_t, failed
     use brz_ledger, only: ledger_start_t
     use brz_progress, only: progress_t
-    use brz_ranks, only: ranks_t
+    use brz_ranks, only: ranks_t, several
     use brz_setup_progress, only: setup_blast, setup_stage
     use brz_solid_home, only: share_out
+    use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: put_to_sleep
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: start_solid
@@ -61,6 +62,7 @@ contains
         if (failed(err)) return
         if (sim%solid%present) then
             sim%solid%ranks = sim%ranks
+            if (several(sim%ranks)) call find_skin(sim%solid) ! all processes have all particles
             call share_out(sim%solid)
         end if
         if (sim%solid%present) call setup_stage('neighbours')
