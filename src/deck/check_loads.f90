@@ -6,7 +6,7 @@ module brz_check_loads
     use brz_csv_table, only: read_columns
     use brz_deck, only: complain, deck_t, find_entry, group_label, place
     use brz_errors, only: error_t, failed
-    use brz_get, only: get, is_given, is_usable
+    use brz_get, only: get, get_path, is_given, is_usable
     use brz_key, only: key_t, kind_text, required
     use brz_kinds, only: dp
     use brz_text, only: to_text
@@ -105,9 +105,7 @@ contains
         load%faces = [(any(faces == names(i)), i=1, 6)]
         call fill_list(deck, g, 'time', load%time)
         call fill_list(deck, g, 'pressure', load%pressure)
-        call get(deck%groups(g), 'patch', load%patch)
-        if (load%patch /= '' .and. load%patch(1:1) /= '/') &
-            load%patch = deck%file(:index(deck%file, '/', back=.true.))//load%patch
+        call get_path(deck, g, 'patch', load%patch)
         load%in_table = is_given(deck%groups(g), 'table')
         load%on_all = is_given(deck%groups(g), 'acceleration') .or. &
                       is_given(deck%groups(g), 'force')
@@ -144,8 +142,7 @@ contains
             return
         end if
         path = ''
-        call get(deck%groups(g), 'table', path)
-        if (path(1:1) /= '/') path = deck%file(:index(deck%file, '/', back=.true.))//path
+        call get_path(deck, g, 'table', path)
         names = [character(8) :: 'time', merge('scale   ', 'pressure', load%on_all)]
         call read_columns(trim(path), names, values, found, err)
         if (failed(err)) then

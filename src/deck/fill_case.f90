@@ -7,7 +7,7 @@ module brz_fill_case
                         find_group, group_t
     use brz_explosives, only: explosives, find_explosive
     use brz_fill_rollers, only: fill_rollers
-    use brz_get, only: get, get_boxes, is_usable
+    use brz_get, only: get, get_boxes, get_path, is_usable
     use brz_kinds, only: dp
     use brz_layup, only: parse_layup
     use brz_text, only: to_text
@@ -190,7 +190,7 @@ contains
             call get(group, 'diameter', body%diameter)
             call get(group, 'bars', body%bars)
             call get(group, 'cuts', body%cuts, n)
-            call get(group, 'file', body%file)
+            call get_path(deck, g, 'file', body%file)
             call get(group, 'scale', body%scale)
             call get(group, 'move', body%move)
             call get(group, 'spacing', body%spacing)
@@ -202,7 +202,7 @@ contains
             call get(group, 'velocity', body%velocity)
             call get(group, 'spin', body%spin)
             call get(group, 'spin_centre', body%spin_centre)
-            call get(group, 'start_file', body%start_file)
+            call get_path(deck, g, 'start_file', body%start_file)
             body%about_point = is_usable(group, 'spin_centre')
             call get(group, 'formulation', body%formulation)
             call get(group, 'alpha', body%alpha)
@@ -221,10 +221,6 @@ contains
             call get(group, 'smoothing', body%smoothing)
             call get(group, 'cfl', body%cfl)
         end associate
-        if (body%file /= '' .and. body%file(1:1) /= '/') &
-            body%file = deck%file(:index(deck%file, '/', back=.true.))//body%file
-        if (body%start_file /= '' .and. body%start_file(1:1) /= '/') body%start_file = &
-            deck%file(:index(deck%file, '/', back=.true.))//body%start_file
         call fill_plies(deck, g, body)
         call get_boxes(deck, g, 'fix_box', body%fix_box, body%n_fix_boxes)
         call fill_motion(deck, g, body)

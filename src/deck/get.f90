@@ -6,7 +6,7 @@ module brz_get
     use brz_text, only: to_text
     implicit none
     private
-    public :: get, get_boxes, is_given, is_usable
+    public :: get, get_boxes, get_path, is_given, is_usable
 
     interface get
         module procedure :: get_real, get_reals, get_integer, get_integers, get_logical
@@ -110,6 +110,18 @@ contains
             values(i) = group%entries(e)%word(i)%s
         end do
     end subroutine get_texts
+
+    !> Path of a file. One that is not absolute is beside the deck.
+    subroutine get_path(deck, g, key, path)
+        type(deck_t), intent(in) :: deck
+        integer, intent(in) :: g !! place of the group
+        character(*), intent(in) :: key
+        character(*), intent(inout) :: path
+
+        call get(deck%groups(g), key, path)
+        if (path /= '' .and. path(1:1) /= '/') &
+            path = deck%file(:index(deck%file, '/', back=.true.))//path
+    end subroutine get_path
 
     !> Boxes of a key, six numbers each: x0, x1, y0, y1, z0, z1. Another count is complained of.
     subroutine get_boxes(deck, g, key, boxes, n)

@@ -9,7 +9,7 @@ module brz_particle_file
     use brz_kinds, only: dp, int64
     implicit none
     private
-    public :: read_particles
+    public :: read_particles, read_triples
 
 contains
 
@@ -41,19 +41,31 @@ contains
         integer(int64), allocatable :: dims(:)
 
         call h5_open(file, path, err)
-        call h5_shape(file, 'VTKHDF/Points', dims, err)
+        call read_triples(file, 'VTKHDF/Points', x, err)
         if (failed(err)) return
-        if (size(dims) /= 2 .or. dims(1) /= 3) then
-            call raise(err, exit_deck, path//': VTKHDF/Points is no table of three columns')
-            return
-        end if
-        allocate (x(3, dims(2)))
-        call h5_read(file, 'VTKHDF/Points', x, err)
         call h5_shape(file, 'VTKHDF/PointData/volume', dims, absent)
         allocate (volume(merge(size(x, 2), 0, .not. failed(absent))))
         if (size(volume) > 0) call h5_read(file, 'VTKHDF/PointData/volume', volume, err)
         call h5_close(file, err)
     end subroutine from_hdf5
+
+    !> A table of three numbers for each point: (3, points).
+    subroutine read_triples(file, name, x, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        real(dp), allocatable, intent(inout) :: x(:, :)
+        type(error_t), intent(inout) :: err !! exit_deck where it is another table
+        integer(int64), allocatable :: dims(:)
+
+        call h5_shape(file, name, dims, err)
+        if (failed(err)) return
+        if (size(dims) /= 2 .or. dims(1) /= 3) then
+            call raise(err, exit_deck, file%path//': '//name//' is no table of three columns')
+            return
+        end if
+        allocate (x(3, dims(2)))
+        call h5_read(file, name, x, err)
+    end subroutine read_triples
 
     !> Comma-separated text.
     subroutine from_table(path, x, volume, err)

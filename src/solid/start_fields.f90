@@ -7,10 +7,11 @@ module brz_start_fields
     use brz_case, only: body_case_t, label
     use brz_csv_table, only: read_columns
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_hdf5_array, only: h5_read, h5_shape
     use brz_hdf5_file, only: h5_close, h5_open, h5_t
-    use brz_kinds, only: dp, int64, rk
+    use brz_kinds, only: dp, rk
     use brz_material, only: material_t
+    use brz_particle_file, only: read_triples
+    use brz_row_order, only: order_rows
     use brz_solid_state, only: body_t, form_rigid, solid_t
     implicit none
     private
@@ -49,7 +50,8 @@ contains
         if (any(found(7:)) .and. .not. hooke) call refuse('has stresses, and only a body of '// &
             "model='linear_elastic' can start with these; take the columns out")
         if (failed(err)) return
-        order = sorted(values(1, :))
+        allocate (order(size(values, 2)))
+        call order_rows(values(1:1, :), order)
         do i = body%first, body%last
             associate (row => values(:, nearest_point(values(:n, :), order, solid%x(:n, i))))
                 solid%v(:n, i) = solid%v(:n, i) + real(row(4:3 + n), rk)
@@ -91,68 +93,19 @@ contains
         logical, intent(out) :: found(:)
         type(error_t), intent(inout) :: err
         type(h5_t) :: file
-        real(dp), allocatable :: part(:, :)
+        real(dp), allocatable :: x(:, :), v(:, :)
 
         found = .false.
         call h5_open(file, path, err)
-        call field('VTKHDF/Points', 3)
+        call read_triples(file, 'VTKHDF/Points', x, err)
+        call read_triples(file, 'VTKHDF/PointData/velocity', v, err)
         if (failed(err)) return
-        allocate (values(size(names), size(part, 2)), source=0.0_dp)
-        values(1:3, :) = part
-        found(1:3) = .true.
-        call field('VTKHDF/PointData/velocity', 3)
-        if (failed(err)) return
-        values(4:6, :) = part
-        found(4:6) = .true.
+        allocate (values(size(names), size(x, 2)), source=0.0_dp)
+        values(1:3, :) = x
+        values(4:6, :) = v
+        found(1:6) = .true.
         call h5_close(file, err)
-
-    contains
-
-        subroutine field(name, rows)
-            character(*), intent(in) :: name
-            integer, intent(in) :: rows
-            integer(int64), allocatable :: dims(:)
-
-            call h5_shape(file, name, dims, err)
-            if (failed(err)) return
-            if (size(dims) /= 2 .or. dims(1) /= rows) then
-                call raise(err, exit_deck, path//': '//name//' is no table of three columns')
-                return
-            end if
-            if (allocated(part)) deallocate (part)
-            allocate (part(rows, dims(2)))
-            call h5_read(file, name, part, err)
-        end subroutine field
     end subroutine read_dump
-
-    !> Places of numbers from the lowest to the highest, equal ones in their order.
-    pure recursive function sorted(x) result(order)
-        real(dp), intent(in) :: x(:)
-        integer, allocatable :: order(:), low(:), high(:)
-        integer :: i, j, k
-
-        order = [(k, k=1, size(x))]
-        if (size(x) < 2) return
-        low = sorted(x(:size(x)/2))
-        high = sorted(x(size(x)/2 + 1:)) + size(x)/2
-        i = 1
-        j = 1
-        do k = 1, size(x)
-            if (j > size(high)) then
-                order(k) = low(i)
-                i = i + 1
-            else if (i > size(low)) then
-                order(k) = high(j)
-                j = j + 1
-            else if (x(low(i)) <= x(high(j))) then
-                order(k) = low(i)
-                i = i + 1
-            else
-                order(k) = high(j)
-                j = j + 1
-            end if
-        end do
-    end function sorted
 
     !> The point nearest to a place; the first of the file among equals.
     pure integer function nearest_point(points, order, at) result(nearest)
