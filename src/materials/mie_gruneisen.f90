@@ -95,7 +95,7 @@ contains
     pure real(rk) function warming_range(eos, heat, stiff) result(warm)
         real(rk), intent(in) :: eos(n_eos) !! slots above
         real(rk), intent(in) :: heat !! rho0 e [Pa]
-        real(rk), intent(in) :: stiff !! stiffness of the unloaded material along its stiffest axis [Pa]
+        real(rk), intent(in) :: stiff !! unloaded, along the stiffest axis [Pa]
 
         warm = max(0.01_rk, eos(eos_gamma)*heat/stiff)
     end function warming_range
