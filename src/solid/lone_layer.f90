@@ -174,8 +174,8 @@ contains
         call lie_in_layer(normal, t)
     end subroutine stay_in_layer
 
-    !> Power of the stress on the faces of a layer, which are free: it does not come from the forces,
-    !> and so is no energy.
+    !> Power of the stress on the faces of a layer, which are free: it does not come from the
+    !> forces, and so is no energy.
     !@cuf attributes(host,device) &
     pure function face_power(b, h, s) result(power)
         real(rk), intent(in) :: b(3, 3) !! correction, laid in the layer
