@@ -125,7 +125,7 @@ def draw() -> None:
     axes[0].set(ylabel="overpressure [MPa]", xlabel="time [ms]", xlim=(0.08, 0.4), ylim=(0.1, 100))
     axes[1].set(ylabel="impulse [Pa s]", xlabel="time [ms]", xlim=(0.08, 0.4))
     axes[0].axvline(0.110, color="black", lw=0.8, ls=":")
-    axes[0].text(0.111, 50, "paper", fontsize=8)
+    axes[0].text(0.111, 0.13, "paper", fontsize=8)
     axes[0].legend(fontsize=8)
     fig.savefig(PICTURE, dpi=110)
 

@@ -71,7 +71,7 @@ contains
         integer :: i, j
 
         fastest = 0
-        !$omp parallel do private(i) reduction(max: fastest)
+        !$omp parallel do private(i) reduction(max: fastest) if(window%wide)
         do j = window%low, window%high
             do i = 1, window%columns
                 associate (w => blast%w(i, :, j))
@@ -94,7 +94,7 @@ contains
         type(window_t), intent(in) :: window
         integer :: j
 
-        !$omp parallel do
+        !$omp parallel do if(window%wide)
         do j = window%low, window%high
             call prepare_row(blast, time, window%columns, j, blast%w(:, :, j))
         end do
@@ -158,19 +158,19 @@ contains
         integer :: j
 
         associate (n => window%columns, low => window%low, high => window%high)
-            !$omp parallel do
+            !$omp parallel do if(window%wide)
             do j = low - 1, high + 1
                 call slopes_along(blast, n, j)
                 if (j >= low .and. j <= high) &
                     call fluxes_outwards(blast, n, j, blast%w(:, :, j), blast%flux_r(:, :, j))
             end do
             !$omp end parallel do
-            !$omp parallel do
+            !$omp parallel do if(window%wide)
             do j = low - 1, high
                 call fluxes_along(blast, n, j)
             end do
             !$omp end parallel do
-            !$omp parallel do
+            !$omp parallel do if(window%wide)
             do j = low, high
                 call update_row(blast, part, dt, blast%w(1:n, w_p, j), blast%flux_r(:, :, j), &
                     blast%flux_z(:, :, j - 1:j), blast%u_start(:, :, j), blast%u(:, :, j))

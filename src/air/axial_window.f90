@@ -11,11 +11,13 @@ module brz_axial_window
     public :: window_t, find_front, follow_front
 
     real(dp), parameter :: changed = 1e-6_dp !! change of pressure that tells a front, relative
+    integer, parameter :: few_cells = 20000 !! not worth waking the other threads
     integer, parameter :: ahead = 5 !! cells that a step can carry something into
 
     !> Rows and columns that a step computes.
     type :: window_t
         integer :: columns = 0, low = 0, high = 0
+        logical :: wide = .false. !! worth waking the other threads
     end type window_t
 
 contains
@@ -142,6 +144,7 @@ contains
         window%columns = min(charge(1) + ahead, blast%n)
         window%low = max(charge(2) - ahead, blast%low)
         window%high = min(charge(3) + ahead, blast%n)
+        window%wide = window%columns*(window%high - window%low + 1) > few_cells
     end subroutine place_window
 
     !> True where the plane must grow.
