@@ -8,8 +8,8 @@ module brz_cell_place
 
 contains
 
-    !> Number of the cell that holds a point, counted from 1 in memory order of a window of the grid;
-    !> 0 outside.
+    !> Number of the cell that holds a point, counted from 1 in memory order of a window of the
+    !> grid; 0 outside.
     !>
     !> A direction with one cell is not modelled: any coordinate lies in it.
     !@cuf attributes(host,device) &

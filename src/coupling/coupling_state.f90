@@ -56,7 +56,7 @@ module brz_coupling_state
         real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
         ! debts of gas cells
         integer :: n_debts = 0
-        integer(int32), allocatable :: slot(:, :, :) !! (cells of the box) place among the debts, or 0
+        integer(int32), allocatable :: slot(:, :, :) !! (cells of the box) place among the debts, 0
         integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
         real(rk), allocatable :: debt(:, :) !! (n_var, n_debts) per cell volume, as air%u
         integer(int32), allocatable :: next_cell(:) !! room for the list without what is paid

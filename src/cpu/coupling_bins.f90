@@ -142,8 +142,8 @@ contains
         end subroutine list_faces
     end subroutine list_shared_faces
 
-    !> Sort the particles by solid cell: a counting sort, and within a cell by their numbers, so that
-    !> sums over a cell depend neither on where particles are in memory nor on processes.
+    !> Sort the particles by solid cell: a counting sort, and within a cell by their numbers, so
+    !> that sums over a cell depend neither on where particles are in memory nor on processes.
     subroutine fill_bins(solid, coupling)
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling

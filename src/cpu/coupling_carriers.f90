@@ -138,8 +138,8 @@ contains
         end function push_on
     end subroutine sum_push
 
-    !> Force and torque of the air on the bodies that carry particles, from the loads of these: exact
-    !> sums, as they act back.
+    !> Force and torque of the air on the bodies that carry particles, from the loads of these:
+    !> exact sums, as they act back.
     subroutine load_carriers(solid, coupling)
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(in) :: coupling

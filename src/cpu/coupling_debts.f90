@@ -10,7 +10,8 @@ module brz_coupling_debts
         each_judge_ledger, each_level_ledger, each_open_excess, each_take_excess
     implicit none
     private
-    public :: size_debts, drop_debts, level_ledgers, limit_ledgers, release_debts, settle_covered, enter_debts
+    public :: size_debts, drop_debts, level_ledgers, limit_ledgers, release_debts, settle_covered, &
+              enter_debts
 
 contains
 

@@ -17,8 +17,8 @@ module brz_coupling_gather
 
 contains
 
-    !> What a checkpoint holds of the coupling, in the first process; debts in the order of the grid.
-    !> All must call.
+    !> What a checkpoint holds of the coupling, in the first process; debts in the order of the
+    !> grid. All must call.
     subroutine gather_coupling(coupling, whole, all)
         type(coupling_t), intent(in) :: coupling
         type(solid_t), intent(in) :: whole !! all particles, in the first process

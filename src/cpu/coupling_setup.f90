@@ -83,7 +83,7 @@ contains
         end if
     end subroutine couple
 
-    !> Take out of the surface cells what gas the particles leave no room for, and all of the others.
+    !> Take out of the surface cells what gas the particles leave no room for, all of the others.
     subroutine empty_walls(air, solid, coupling)
         type(air_t), intent(inout) :: air
         type(solid_t), intent(in) :: solid

@@ -39,14 +39,16 @@ def pelted(seed):
         lo = 0.055 + 0.09 * slots[k] + dice.uniform(0, 0.012, 3)
         side = dice.uniform(0.02, 0.05, 3)
         speed = dice.uniform(-250, 250, 3)
-        place = (f"box = {lo[0]:.4f}, {lo[0] + side[0]:.4f}, {lo[1]:.4f}, {lo[1] + side[1]:.4f}, "
-                 f"{lo[2]:.4f}, {lo[2] + side[2]:.4f}") if shape == "box" else (
-                 f"centre = {lo[0]:.4f}, {lo[1]:.4f}, {lo[2]:.4f}, radius = {0.5 * side[0]:.4f}")  # fmt: skip
-        fly = "" if "motion" in more else f"velocity = {speed[0]:.1f}, {speed[1]:.1f}, {speed[2]:.1f}"
+        at = ", ".join(f"{x:.4f}, {x + w:.4f}" for x, w in zip(lo, side, strict=True))
+        centre = ", ".join(f"{x:.4f}" for x in lo)
+        place = (
+            f"box = {at}" if shape == "box" else f"centre = {centre}, radius = {side[0] / 2:.4f}"
+        )
+        fly = "" if "motion" in more else "velocity = " + ", ".join(f"{v:.1f}" for v in speed)
         words.append(f"&body id = 'b{k}', shape = '{shape}', {place}, spacing = 5e-3, "
                      f"material = 's'\n     {', '.join(w for w in (fly, more) if w)} /\n"
-                     f"&gauge id = 'g{k}', body = 'b{k}', at = {lo[0]:.4f}, {lo[1]:.4f}, "
-                     f"{lo[2]:.4f}, quantity = 'velocity_x' /\n")  # fmt: skip
+                     f"&gauge id = 'g{k}', body = 'b{k}', at = {centre}, "
+                     f"quantity = 'velocity_x' /\n")  # fmt: skip
     return "".join(words)
 
 
