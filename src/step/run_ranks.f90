@@ -75,9 +75,6 @@ contains
                     what = 'total-Lagrangian bodies that meet others'
             end do
         end do
-        if (allocated(case%loads)) then
-            if (size(case%loads) > 0) what = 'a load on bodies'
-        end if
         if (.not. case%air%present) return
         if (case%coupling%scheme == 'paper') what = "the coupling scheme='paper'"
         if (n > most_boxes(case%air%cells, brick)) return
