@@ -7,9 +7,11 @@ module brz_solid_gradients
     use brz_algebra, only: multiply3, to_matrix
     use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient
     use brz_kinds, only: dp, int32, int64, rk
-    use brz_lone_layer, only: close_layer, lie_in_layer, stay_in_layer, turn_layer
+    use brz_lone_layer, only: close_layer, face_power, lie_in_layer, open_faces, stay_in_layer, &
+                              turn_layer
     use brz_material, only: point_t, strength_left
     use brz_materials, only: unloaded_speed, update_material
+    use brz_ply_axes, only: axes_matrix
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: sum_bending, sum_drawn, sum_plain, sum_tilted
     use brz_solid_lanes, only: group_of, group_t, images_t, in_turn, most_images, place_body, &
@@ -224,8 +226,7 @@ contains
         call multiply3(sums(at_g + 1), b, h)
         if (body%layer > 0) then
             call lie_in_layer(normal, b)
-            call turn_layer(body%contraction, normal, solid%stress(:, i), &
-                            relaxation(body%across_layer, dt), h)
+            call turn_faces(solid, body, i, dt, normal, h)
         end if
         shrink = 1
         if (body%formulation == form_total) call total_gradient(a, h, shrink)
@@ -233,7 +234,9 @@ contains
         c_bulk = unloaded_speed(solid%materials(body%material))
         if (dt > 0) then
             call midstep_gradient(h, real(dt, rk), l)
+            if (body%layer > 0) call free_faces(solid, i, real(dt/2, rk), b, h)
             call update_particle(solid, body, real(dt, rk), l, i, k, c_wave, c_bulk)
+            if (body%layer > 0) call free_faces(solid, i, real(dt/2, rk), b, h)
         end if
         size = body%h
         if (body%variable) size = solid%h(i)
@@ -258,14 +261,33 @@ contains
         if (solid%held(held_stiffness, i) > 0) solid%search%drawn(k) = .true.
     end subroutine advance
 
-    !> By how much the faces of a layer move apart to be free of stress, see turn_layer [1/(Pa s)].
-    pure real(rk) function relaxation(stiffness, dt)
-        real(rk), intent(in) :: stiffness !! [Pa]
+    !> The velocity gradient across a layer: its faces are free of stress at the end of the step.
+    pure subroutine turn_faces(solid, body, i, dt, normal, h)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
         real(dp), intent(in) :: dt !! [s]
+        real(rk), intent(in) :: normal(3)
+        real(rk), intent(inout) :: h(3, 3)
+        real(rk) :: axes(3, 3), turned(3), gap(3)
 
-        relaxation = 0
-        if (dt > 0) relaxation = real(1/(stiffness*dt), rk)
-    end function relaxation
+        turned = 0 ! no turn
+        if (body%layer_of_ply) turned = solid%hist(:3, i)
+        call axes_matrix(turned, axes)
+        call open_faces(body%layer_stiffness, axes, normal, solid%stress(:, i), gap)
+        call turn_layer(body%contraction, normal, gap, &
+                        real(merge(1/max(dt, tiny(dt)), 0.0_dp, dt > 0), rk), h)
+    end subroutine turn_faces
+
+    !> Take out of the energy what the stress does on the faces of a layer.
+    pure subroutine free_faces(solid, i, time, b, h)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: i
+        real(rk), intent(in) :: time, b(3, 3), h(3, 3) !! [s]; see face_power
+
+        solid%energy(i) = solid%energy(i) - time*face_power(b, h, solid%stress(:, i)) &
+                          *solid%volume(i)/solid%mass(i)
+    end subroutine free_faces
 
     !> Material update of particle i; its work goes to the sums of the block.
     subroutine update_particle(solid, body, dt, l, i, k, c_wave, c_bulk)

@@ -110,6 +110,7 @@ contains
         gpu%total = params%formulation == form_total
         gpu%rigid = params%formulation == form_rigid
         gpu%drawn = params%tension_hold > 0
+        gpu%layer = params%layer > 0
         bytes = storage_size(params)/8
         call allocate_buffer(gpu%params, bytes, err)
         call copy_in(params, gpu%params, bytes, err)
@@ -166,7 +167,8 @@ contains
         p%shape_at_spacing = body%shape_at_spacing
         p%normal = body%normal
         p%layer = body%layer
-        p%across_layer = body%across_layer
+        p%layer_of_ply = merge(1, 0, body%layer_of_ply)
+        p%layer_stiffness = body%layer_stiffness
         p%contraction = body%contraction
     end function params_of
 

@@ -84,7 +84,8 @@ module brz_gpu_solid_layout
         real(rk) :: artificial_strength, artificial_power, shape_at_spacing
         real(rk) :: normal(3) !! of the layers, 0: no tilted gradients
         integer :: layer !! normal of a membrane of one layer, 0: none
-        real(rk) :: across_layer, contraction !! see body_t
+        integer :: layer_of_ply !! 1: yes
+        real(rk) :: layer_stiffness(9), contraction !! see body_t
     end type body_gpu_t
 
     !> Cells over one body.

@@ -41,6 +41,7 @@ module brz_gpu_solid_state
         logical :: total = .false. !! total-Lagrangian
         logical :: rigid = .false.
         logical :: drawn = .false. !! has the hold
+        logical :: layer = .false. !! a single layer, see brz_lone_layer
         logical :: asleep = .false. !! left out of the steps
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
         type(buffer_t) :: params, material

@@ -155,7 +155,11 @@ contains
                 cycle
             end if
             call find_gradients(gpu, gpu%bodies(b), real(dt, rk), err)
-            if (dt > 0) call update_material(gpu, gpu%bodies(b), real(dt, rk), err)
+            if (dt > 0) then
+                call free_faces(gpu, gpu%bodies(b), real(dt/2, rk), err)
+                call update_material(gpu, gpu%bodies(b), real(dt, rk), err)
+                call free_faces(gpu, gpu%bodies(b), real(dt/2, rk), err)
+            end if
             call fill_rows(gpu, gpu%bodies(b), err)
         end do
     end subroutine gradient_pass
@@ -186,6 +190,17 @@ contains
         call gpu%kernels%solid_gradients(threads_of(body), gpu%n, body%params, gpu%row, gpu%grad, &
             gpu%tag, gpu%hold, gpu%held, gpu%state, dt, err)
     end subroutine find_gradients
+
+    !> A single layer: take out of the energy what the stress does on its faces.
+    subroutine free_faces(gpu, body, time, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        real(rk), intent(in) :: time !! [s]
+        type(error_t), intent(inout) :: err
+
+        if (body%layer) call gpu%kernels%solid_faces(threads_of(body), gpu%n, body%params, time, &
+            gpu%row, gpu%grad, gpu%motion, gpu%state, err)
+    end subroutine free_faces
 
     subroutine update_material(gpu, body, dt, err)
         type(gpu_solid_t), intent(in) :: gpu

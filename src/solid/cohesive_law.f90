@@ -90,16 +90,17 @@ contains
             pull(c, 2) = 0
             pull(c, 3) = 0
         end do
-        if (abs(gap) > 0) call turn(gap*area, seen, traction, normal, pull)
+        call turn(area, seen, traction, normal, pull)
     end subroutine load_point
 
-    !> Forces by which an opening across a gap turns its sides: the normal turns with the tangents.
+    !> Forces by which the traction turns the sides: the normal turns with the tangents, and what
+    !> lies between the sides with it. With z = seen(:, 1) they have the moment z x traction.
     !@cuf attributes(host,device) &
-    pure subroutine turn(arm, seen, traction, normal, pull)
-        real(dp), intent(in) :: arm !! gap times area [m3]
+    pure subroutine turn(area, seen, traction, normal, pull)
+        real(dp), intent(in) :: area !! [m2]
         real(dp), intent(in) :: seen(3, 3), traction(3), normal(3)
         real(dp), intent(inout) :: pull(3, 3)
-        real(dp) :: g11, g12, g22, p1, p2, det
+        real(dp) :: g11, g12, g22, p1, p2, det, apart, push, w
         integer :: c
 
         g11 = 0
@@ -107,17 +108,20 @@ contains
         g22 = 0
         p1 = 0
         p2 = 0
+        apart = seen(1, 1)*normal(1) + seen(2, 1)*normal(2) + seen(3, 1)*normal(3)
+        push = traction(1)*normal(1) + traction(2)*normal(2) + traction(3)*normal(3)
         do c = 1, 3
+            w = apart*traction(c) - push*seen(c, 1)
             g11 = g11 + seen(c, 2)*seen(c, 2)
             g12 = g12 + seen(c, 2)*seen(c, 3)
             g22 = g22 + seen(c, 3)*seen(c, 3)
-            p1 = p1 + traction(c)*seen(c, 2)
-            p2 = p2 + traction(c)*seen(c, 3)
+            p1 = p1 + w*seen(c, 2)
+            p2 = p2 + w*seen(c, 3)
         end do
         det = max(g11*g22 - g12*g12, tiny(1.0_dp))
         do c = 1, 3
-            pull(c, 2) = -arm*(g22*p1 - g12*p2)/det*normal(c)
-            pull(c, 3) = -arm*(g11*p2 - g12*p1)/det*normal(c)
+            pull(c, 2) = -area*(g22*p1 - g12*p2)/det*normal(c)
+            pull(c, 3) = -area*(g11*p2 - g12*p1)/det*normal(c)
         end do
     end subroutine turn
 

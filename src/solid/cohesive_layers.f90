@@ -35,7 +35,7 @@ contains
             if (solid%bodies(b)%layer == 0) cycle
             associate (body => solid%bodies(b), m => solid%materials(solid%bodies(b)%material))
                 share = 0.5_dp
-                across = across + share*body%spacing/body%across_layer
+                across = across + share*body%spacing/body%layer_stiffness(3)
                 if (count(solid%cohesive%body == b) == 1) share = 1/3.0_dp
                 along = along + share*body%spacing*shear_give(m, body, int(solid%ply(body%first)), &
                                                               solid%cohesive%facing(k))

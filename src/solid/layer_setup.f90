@@ -7,7 +7,7 @@ module brz_layer_setup
     use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t
-    use brz_ply_stress, only: p_c13, p_c23, p_c33
+    use brz_ply_stress, only: p_c11, p_c13, p_c23, p_c33, p_g12, p_g13, p_g23
     use brz_solid_state, only: body_t, form_bending
     implicit none
     private
@@ -53,17 +53,21 @@ contains
         end if
     end subroutine settle_layer
 
-    !> Stiffness across the layer and contraction of the intact material; of plies in their plane.
+    !> Stiffness of the intact material, and its contraction; of plies in their plane.
     pure subroutine set_elastic(material, body)
         type(material_t), intent(in) :: material
         type(body_t), intent(inout) :: body
 
         associate (k => material%bulk, g => material%shear)
-            body%across_layer = k + 4*g/3
+            body%layer_stiffness(1:3) = k + 4*g/3
+            body%layer_stiffness(4:6) = k - 2*g/3
+            body%layer_stiffness(7:9) = g
             body%contraction = (k - 2*g/3)/(k + 4*g/3)
         end associate
         if (.not. all(material%axial > 0)) return
-        body%across_layer = material%par(p_c33)
+        body%layer_of_ply = .true.
+        body%layer_stiffness = material%par([p_c11, p_c11 + 1, p_c33, p_c33 + 1, p_c23, p_c13, &
+                                             p_g12, p_g23, p_g13])
         body%contraction = (material%par(p_c13) + material%par(p_c23))/2/material%par(p_c33)
     end subroutine set_elastic
 

@@ -127,7 +127,8 @@ module brz_solid_state
         real(rk) :: normal(3) = 0 !! of its plies, or of a plate of metal, in the unloaded body;
                                   !! 0: no tilted gradients
         integer :: layer = 0 !! normal of a body of a single layer that is a membrane; 0: none
-        real(rk) :: across_layer = 0 !! its stiffness along the normal [Pa]
+        real(rk) :: layer_stiffness(9) = 0 !! C11, C22, C33, C12, C23, C13, G12, G23, G13 [Pa]
+        logical :: layer_of_ply = .false. !! these along the axes of a ply
         real(rk) :: contraction = 0 !! along the normal over the growth of the area
         real(rk) :: outward = 0 !! from where its faces see the strain, further out [m]
         real(rk) :: artificial_strength = 0, artificial_power = 0

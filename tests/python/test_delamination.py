@@ -146,7 +146,7 @@ def test_numbers_of_the_deck_come_first(tmp_path):
 
 
 STRUCK = """\
-&run t_end=5e-6 /
+&run t_end=1e-5 /
 &material id='m', preset='cfrp_ud', gdl=500 /
 &material id='s', preset='steel_4340' /
 &body id='plate', box=0,0.008, 0,0.008, 0,0.002, spacing=0.0005, material='m', plies='0/90/90/0',
@@ -159,17 +159,22 @@ STRUCK = """\
 """
 
 
-def test_plies_that_let_go_under_pressure(tmp_path):
+@pytest.mark.parametrize("speed", [120, 500, 1000, 2000])
+def test_plies_that_are_struck(tmp_path, speed):
     """What an interface releases where plies are pressed together meets by contact without an
-    energy of its own: with one, a ball of 120 m/s on four plies doubled the energy.
+    energy of its own: with one, a ball of 120 m/s on four plies doubled the energy. Layers that
+    crumple keep their faces free of stress wherever their fibres point, and points that are broken
+    press on in any place: the ball of 500 m/s ended the run before, that of 2000 m/s made 6 % of
+    its energy.
     """
-    run(tmp_path, STRUCK, "--backend", "cpu")
+    ball = ("--set", f"body(ball).velocity=0,0,{speed}")
+    run(tmp_path, STRUCK, "--backend", "cpu", *ball)
     energy = table(tmp_path, "energy")
     error = float(np.abs(energy["error[-]"]).max())
-    note("struck_plies", error)
+    note(f"struck_plies_{speed}", error)
     assert energy["bond_heat[J]"][-1] > 0.05
     assert energy["contact[J]"].max() > 0.02
-    assert error < 5e-3
+    assert error < 2e-3
 
 
 @pytest.mark.parametrize("form", ["bending", "corrected_hourglass"])
