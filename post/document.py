@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+import multiprocessing
 import os
 import textwrap
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
 
 from PIL import Image
 
+from post.errors import PostError
 from post.page import PAGE, html_picture, html_problems, html_table
 from post.style import Picture
 from post.tables import Table
@@ -47,6 +50,16 @@ class Document:
             one for one in blocks if one and not (isinstance(one, Table) and not one.rows)
         ]
 
+    def add_made(self, makers: list, workers: int | None = None) -> None:
+        """Add blocks, and what functions among `makers` return, in order: a block, several or none.
+
+        Functions run in `workers` processes (default: one for each core), so all that they change
+        but files is lost. A PostError leaves its block out and is told above the page.
+        """
+        for blocks, problem in _make_all(makers, workers or len(os.sched_getaffinity(0))):
+            self.add(*blocks)
+            self.problems += [problem] if problem else []
+
     def html(self) -> str:
         """The page, which needs no other file."""
         parts = [html_problems(self.problems), *map(_as_html, self.blocks)]
@@ -67,6 +80,30 @@ class Document:
             elif not isinstance(one, View):
                 parts.append(_as_markdown(one))
         return "\n\n".join(parts) + "\n"
+
+
+_makers: list = []  # of the call that goes on: processes inherit them
+
+
+def _make_all(makers: list, workers: int) -> list[tuple[list, str]]:
+    _makers[:] = makers
+    try:
+        if min(workers, len(makers)) < 2:
+            return [_make(number) for number in range(len(makers))]
+        context = multiprocessing.get_context("fork")
+        with ProcessPoolExecutor(min(workers, len(makers)), mp_context=context) as pool:
+            return list(pool.map(_make, range(len(makers))))
+    finally:
+        _makers.clear()
+
+
+def _make(number: int) -> tuple[list, str]:
+    """Blocks of one maker, and what went wrong."""
+    try:
+        made = _makers[number]() if callable(_makers[number]) else _makers[number]
+    except PostError as error:
+        return [], str(error)
+    return (list(made) if isinstance(made, list | tuple) else [made]), ""
 
 
 def write_small(path: Path, target: Path) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from post.comparison import crack_table
@@ -100,12 +101,12 @@ def make_paper_page(
     campaign = Campaign(runs, pictures)
     document = Document("The scenes of Chen et al., beside their numbers", problems=problems)
     printed = printed_numbers()
-    _begin(document, campaign)
-    for section, fill in PARTS.items():
-        document.add(Heading(TITLES[section]))
+    makers = [partial(_beginning, campaign)]
+    for section, parts in PARTS.items():
         rows = [one for one in printed if one.section == section]
-        document.add(numbers_table(campaign, rows))
-        fill(document, campaign, rows)
+        makers += [Heading(TITLES[section]), partial(numbers_table, campaign, rows)]
+        makers += parts(campaign, rows)
+    document.add_made(makers)
     page = out / "paper.html"
     page.write_text(document.html(), encoding="utf-8")
     target = markdown or out / "paper.md"
@@ -141,17 +142,17 @@ def find_runs(folders: list[Path]) -> tuple[dict[str, list[Run]], list[str]]:
     return found, problems
 
 
-def _begin(document: Document, campaign: Campaign) -> None:
+def _beginning(campaign: Campaign) -> list:
     missing = [case for case in CASES if case not in campaign.runs]
-    document.add(
+    return [
         "Ours beside what the paper prints. Every row says with which particles and air cells it "
         "was made; the deck of a case is inputs/paper/<case>.nml. The paper's numbers stand in "
         "post/data/paper.csv with the table or figure they come from. This page is written by "
-        "`python -m post paper`, nothing in it by hand."
-    )
-    if missing:
-        document.add("Not run: " + ", ".join(missing) + ".")
-    document.add(runs_table(campaign), doubt_table(campaign))
+        "`python -m post paper`, nothing in it by hand.",
+        "Not run: " + ", ".join(missing) + "." if missing else "",
+        runs_table(campaign),
+        doubt_table(campaign),
+    ]
 
 
 def runs_table(campaign: Campaign) -> Table:
@@ -230,15 +231,8 @@ def numbers_table(campaign: Campaign, printed: list[Printed]) -> Table:
                 reason = why(run, one)
             made = ", cells ".join(text for text in resolution(run) if text != "–")
             rows.append((*head, show(value, one.unit), difference, made, reason))
-    heads = (
-        "paper",
-        "quantity",
-        "its value",
-        "here",
-        "difference",
-        "made with",
-        "measured beside it",
-    )
+    heads = ("paper", "quantity", "its value", "here", "difference", "made with",
+             "measured beside it")  # fmt: skip
     return Table("Numbers", heads, rows, "A dash: the run has no such value.")
 
 
@@ -246,19 +240,25 @@ def _missing(run: Run) -> str:
     return f"the run ends at {show(run.end, 's')}"
 
 
-# --- the sections ---------------------------------------------------------------------------------
+# --- the sections: what makes their blocks, in order ----------------------------------------------
+
+Makers = Iterator[Callable | str]
 
 
-def _impact(document: Document, campaign: Campaign, printed: list[Printed]) -> None:
+def _impact(campaign: Campaign, printed: list[Printed]) -> Makers:
     for run in campaign.finest("hvi"):
-        found = hole_of(run.folder)
-        document.add(hole_table(found), *draw_perforation(found, campaign.folder))
-        document.add(draw_story(run, campaign.folder, "hvi_debris", "Plate and debris in a cut"))
+        yield partial(_hole, run, campaign.folder)
+        yield partial(draw_story, run, campaign.folder, "hvi_debris", "Plate and debris in a cut")
         for body in ("ball", "plate"):
-            document.add(_pieces(run, body))
+            yield partial(_pieces, run, body)
         path = campaign.folder / "hvi_energy.png"
-        document.add(draw_material_energies([run], path, "Energy of sphere and plate"))
-    _views(document, campaign, "hvi")
+        yield partial(draw_material_energies, [run], path, "Energy of sphere and plate")
+    yield from _views(campaign, "hvi")
+
+
+def _hole(run: Run, folder: Path) -> list[Table | Picture]:
+    found = hole_of(run.folder)
+    return [hole_table(found), *draw_perforation(found, folder)]
 
 
 def _pieces(run: Run, body: str) -> Table | None:
@@ -269,15 +269,14 @@ def _pieces(run: Run, body: str) -> Table | None:
         return None
 
 
-def _plate(document: Document, campaign: Campaign, printed: list[Printed]) -> None:
-    runs = campaign.every("plate")
-    document.add(_histories(campaign, runs, printed, "plate"))
+def _plate(campaign: Campaign, printed: list[Printed]) -> Makers:
+    yield partial(_histories, campaign, campaign.every("plate"), printed, "plate")
     for run in campaign.finest("plate"):
-        document.add(draw_stress(run, "plate", MAPS, campaign.folder / "plate_stress.png"))
+        yield partial(draw_stress, run, "plate", MAPS, campaign.folder / "plate_stress.png")
         path = campaign.folder / "plate_energy.png"
-        document.add(draw_material_energies([run], path, "Energy of the plate"))
-    _damage(document, campaign, campaign.finest("plate"))
-    _views(document, campaign, "plate")
+        yield partial(draw_material_energies, [run], path, "Energy of the plate")
+    yield from _damage(campaign, campaign.finest("plate"))
+    yield from _views(campaign, "plate")
 
 
 def _histories(campaign: Campaign, runs: list[Run], printed: list[Printed], name: str):
@@ -297,60 +296,61 @@ def _histories(campaign: Campaign, runs: list[Run], printed: list[Printed], name
     return draw_curves(panels, campaign.folder / f"{name}_histories.png", "Load and motion")
 
 
-def _slabs(document: Document, campaign: Campaign, printed: list[Printed]) -> None:
+def _slabs(campaign: Campaign, printed: list[Printed]) -> Makers:
     names = ("slab_1", "slab_2", "slab_3", "slab_4")
     runs = campaign.finest(*names)
-    document.add(_histories(campaign, runs, printed, "slabs"))
+    yield partial(_histories, campaign, runs, printed, "slabs")
     path = campaign.folder / "slabs_energy.png"
-    document.add(draw_material_energies(runs, path, "Energies by material, four scenarios"))
+    yield partial(draw_material_energies, runs, path, "Energies by material, four scenarios")
     for run in campaign.finest("slab_2"):
         place = campaign.folder / "slab_2_stress.png"
-        document.add(draw_stress(run, "concrete", SLAB_MAPS, place))
-        document.add(draw_story(run, campaign.folder, "slab_2_story", "Scenario 2 in a cut"))
-    _damage(document, campaign, runs)
-    _views(document, campaign, *names)
+        yield partial(draw_stress, run, "concrete", SLAB_MAPS, place)
+        yield partial(draw_story, run, campaign.folder, "slab_2_story", "Scenario 2 in a cut")
+    yield from _damage(campaign, runs)
+    yield from _views(campaign, *names)
 
 
-def _damage(document: Document, campaign: Campaign, runs: list[Run]) -> None:
+def _damage(campaign: Campaign, runs: list[Run]) -> Makers:
     """Damage of both faces of each damaged body, and cracks counted."""
-    if not runs:
-        return
+    for body in damaged_bodies(runs) if runs else ():
+        yield partial(_damage_map, runs, body, campaign.folder)
+
+
+def _damage_map(runs: list[Run], body: str, folder: Path) -> list[Picture | Table]:
     names = [label_of(run) for run in runs]
-    for body in damaged_bodies(runs):
-        jobs = "_".join(dict.fromkeys(run.job for run in runs))
-        place = campaign.folder / jobs
-        place.mkdir(exist_ok=True)
-        try:
-            picture = draw_face_comparison(runs, names, body, place)
-            path = campaign.folder / f"{jobs}_{body}.png"
-            picture.path.replace(path)
-            document.add(Picture(path, f"Damage of {body}", picture.caption))
-            document.add(crack_table(runs, names, body))
-        except PostError as error:
-            document.problems.append(f"no damage map of {body}: {error}")
+    jobs = "_".join(dict.fromkeys(run.job for run in runs))
+    place = folder / f"{jobs}_{body}"
+    place.mkdir(exist_ok=True)
+    path = folder / f"{jobs}_{body}.png"
+    try:
+        picture = draw_face_comparison(runs, names, body, place)
+        picture.path.replace(path)
+        cracks = crack_table(runs, names, body)
+    except PostError as error:
+        raise PostError(f"no damage map of {body}: {error}") from error
+    return [Picture(path, f"Damage of {body}", picture.caption), cracks]
 
 
-def _fragments(document: Document, campaign: Campaign, printed: list[Printed]) -> None:
+def _fragments(campaign: Campaign, printed: list[Printed]) -> Makers:
     names = ("fragments", "fragments_460")
     runs = campaign.finest(*names)
     levels = levels_of(printed, ("exit_speed",), "fragments_460")
-    path = campaign.folder / "fragments_speed.png"
-    document.add(draw_fragment_speeds(runs, path, levels), fragments_table(campaign))
+    yield partial(draw_fragment_speeds, runs, campaign.folder / "fragments_speed.png", levels)
+    yield partial(fragments_table, campaign)
     beside = campaign.finest("slab_2", *names)
     if runs and len(beside) > 1:
-        document.add(
-            "Blast alone (slab_2) beside blast with fragments: the same slab, charge and time."
-        )
-        document.add(_histories(campaign, beside, [], "beside"))
-        document.add(draw_slab_energy(beside, campaign.folder / "beside_energy.png"))
-        _damage(document, campaign, beside)
+        yield "Blast alone (slab_2) beside blast with fragments: the same slab, charge and time."
+        yield partial(_histories, campaign, beside, [], "beside")
+        yield partial(draw_slab_energy, beside, campaign.folder / "beside_energy.png")
+        yield from _damage(campaign, beside)
     path = campaign.folder / "fragments_energy.png"
-    document.add(draw_material_energies(runs, path, "Energies by material"))
+    yield partial(draw_material_energies, runs, path, "Energies by material")
     for run in campaign.finest("fragments_460"):
-        document.add(draw_story(run, campaign.folder, "fragments_460_story", "Fragments in a cut"))
+        name = "fragments_460_story"
+        yield partial(draw_story, run, campaign.folder, name, "Fragments in a cut")
         for body in ("cfrp", "concrete"):
-            document.add(_pieces(run, body))
-    _views(document, campaign, *names)
+            yield partial(_pieces, run, body)
+    yield from _views(campaign, *names)
 
 
 def fragments_table(campaign: Campaign) -> Table:
@@ -372,17 +372,21 @@ def fragments_table(campaign: Campaign) -> Table:
     return Table("Fragments", heads, rows, note)
 
 
-def _views(document: Document, campaign: Campaign, *cases: str) -> None:
+def _views(campaign: Campaign, *cases: str) -> Makers:
     """The finest run of each case, to turn and play."""
     room = VIEWS / max(len(campaign.runs), 1)
     for run in campaign.finest(*cases):
-        try:
-            document.add(View(framed(make_view(run, room), label_of(run))))
-        except PostError as error:
-            document.problems.append(f"no view of {run.job}: {error}")
+        yield partial(_view, run, room)
 
 
-PARTS: dict[str, Callable] = {
+def _view(run: Run, room: float) -> View:
+    try:
+        return View(framed(make_view(run, room), label_of(run)))
+    except PostError as error:
+        raise PostError(f"no view of {run.job}: {error}") from error
+
+
+PARTS: dict[str, Callable[[Campaign, list[Printed]], Makers]] = {
     "3.1.1": _impact,
     "3.1.2": _plate,
     "3.2.1": _slabs,

@@ -66,7 +66,7 @@ contains
         if (.not. allocated(case%charges)) return
         allocate (air%charge(size(case%charges)))
         do m = 1, size(case%charges)
-            if (case%charges(m)%start == '1d') cycle ! see start_from_1d
+            if (case%charges(m)%start /= '3d') cycle ! see start_from_1d, start_from_2d
             call place_charge(air, case%charges(m), has_own_gas(case, m), air%charge(m), err)
         end do
     end subroutine set_up_air

@@ -9,7 +9,7 @@ module brz_blast_start
     use brz_kinds, only: dp
     implicit none
     private
-    public :: radial_input, centred_input, free_radius
+    public :: radial_input, centred_input, free_radius, charge_constants
 
     real(dp), parameter :: pi = acos(-1.0_dp)
     real(dp), parameter :: on_plane = 1e-6_dp
@@ -54,7 +54,6 @@ contains
     pure function common_input(case) result(input)
         type(case_t), intent(in) :: case
         type(blast1d_input_t) :: input
-        integer :: row
 
         associate (charge => case%charges(1), air => case%air)
             input%density = air%density
@@ -64,17 +63,30 @@ contains
             input%n_air = 3*charge%radial_cells
             input%afterburn = charge%afterburn
             input%afterburn_time = charge%afterburn_time
+        end associate
+        call charge_constants(case, input%eos, input%velocity)
+    end function common_input
+
+    !> Equation of state of the products, and the velocity of the detonation, 0: burnt at once.
+    pure subroutine charge_constants(case, eos, velocity)
+        type(case_t), intent(in) :: case
+        type(jwl_t), intent(out) :: eos
+        real(dp), intent(out) :: velocity !! [m/s]
+        integer :: row
+
+        velocity = 0
+        associate (charge => case%charges(1))
             row = find_explosive(charge%explosive)
-            input%eos = jwl_t(rho0=charge%density, omega=air%gamma - 1, &
+            eos = jwl_t(rho0=charge%density, omega=case%air%gamma - 1, &
                 e0=charge%density*charge%energy)
-            if (charge%gamma > 1) input%eos%omega = charge%gamma - 1
+            if (charge%gamma > 1) eos%omega = charge%gamma - 1
             if (charge%eos /= 'jwl' .or. row == 0) return
-            input%eos = jwl_t(charge%density, explosives(row)%a, explosives(row)%b, &
+            eos = jwl_t(charge%density, explosives(row)%a, explosives(row)%b, &
                 explosives(row)%r1, explosives(row)%r2, explosives(row)%omega, &
                 charge%density*charge%energy)
-            if (charge%burn == 'programmed') input%velocity = charge%velocity
+            if (charge%burn == 'programmed') velocity = charge%velocity
         end associate
-    end function common_input
+    end subroutine charge_constants
 
     !> Distance from the charge to the nearest thing that a blast would feel: a body, a box of gas,
     !> a face of the air other than a plane of symmetry through the centre [m].

@@ -3,7 +3,6 @@
 !> the gauges see meanwhile, and put it into the grid.
 module brz_start_1d
     use brz_air_state, only: air_t, charge_report_t
-    use brz_air_totals, only: cell_sums
     use brz_blast1d_profile, only: blast1d_at
     use brz_blast1d_reconstruct, only: prepare
     use brz_blast1d_state, only: blast1d_t, blast1d_totals, start_blast1d, whole_angle
@@ -12,40 +11,16 @@ module brz_start_1d
     use brz_blast_start, only: centred_input, free_radius
     use brz_case, only: case_t, label
     use brz_charge_shape, only: make_shape, shape_t
+    use brz_early, only: along_arm, early_t, grid_totals, keep_row, next_due, watch_blast
     use brz_errors, only: error_t, exit_deck, exit_numerical, failed, raise
     use brz_kinds, only: dp
     use brz_text, only: to_text
     implicit none
     private
-    public :: start_from_1d, early_t
+    public :: start_from_1d
 
     real(dp), parameter :: margin = 3 !! cells between the shock and the obstacle
     real(dp), parameter :: least_run = 1.5_dp !! radii of the charge that the shock must run freely
-
-    !> What happened before the time at which the run in the grid begins.
-    type :: early_t
-        logical :: present = .false.
-        logical :: products = .false. !! the grid tells products from air
-        real(dp) :: time = 0 !! at which the blast was put into the grid [s]
-        real(dp) :: radius = 0 !! of its front then [m]
-        integer :: steps = 0
-        real(dp) :: before(7) = 0 !! mass, momentum x, y, z, energy, products; radial momentum
-        real(dp) :: after(6) = 0 !! the same of the cells; both less the undisturbed air
-        real(dp) :: pressure_change = 0 !! largest, of products as ideal gas, relative
-        real(dp) :: pressure_mean = 0 !! the same, mean over the mass of the products
-        integer :: rows = 0
-        real(dp), allocatable :: when(:) !! (rows) times of histories [s]
-        real(dp), allocatable :: seen(:, :, :) !! (3, gauges, rows) density, velocity, pressure
-    end type early_t
-
-    abstract interface
-        !> Told after every step how far the blast is.
-        subroutine watch_blast(time, radius, last)
-            import :: dp
-            real(dp), intent(in) :: time !! [s]
-            real(dp), intent(in) :: radius, last !! of the front, now and when it is mapped [m]
-        end subroutine watch_blast
-    end interface
 
 contains
 
@@ -81,9 +56,9 @@ contains
         if (failed(err)) return
         air%charge(1) = charge_report_t(radius=radius, cells=real(blast%n_in, dp), &
             mass=part*case%charges(1)%mass)
-        call totals(air, rest)
+        call grid_totals(air, rest)
         call map_blast(blast, case%charges(1)%at, part, air)
-        call totals(air, early%after)
+        call grid_totals(air, early%after)
         early%after = early%after - rest
         call report(blast, air, part*product(air%dx, mask=air%n == 1), early)
         early%before(2:4) = share*early%before(7)
@@ -105,11 +80,11 @@ contains
             call prepare(blast, blast%time)
             if (blast%r(blast%front) >= limit .or. blast%time >= case%run%t_end) exit
             if (blast%time >= due) then
-                call keep_row(case, blast, early)
+                call look(case, blast, early)
                 due = next_due(blast%time, case%output%history_every)
             end if
             call advance_blast1d(blast, case%run%t_end - blast%time, ok)
-            if (ok .and. present(watch)) call watch(blast%time, blast%r(blast%front), limit)
+            if (ok .and. present(watch)) call watch(1, blast%time, blast%r(blast%front), limit)
             if (ok) cycle
             call raise(err, exit_numerical, 'the blast in one dimension is lost at t = '// &
                 to_text(blast%time)//' s')
@@ -120,48 +95,21 @@ contains
         early%steps = blast%cycle
     end subroutine run_free
 
-    !> First whole multiple of an interval after a time; where it is none, at every step [s].
-    pure real(dp) function next_due(time, every)
-        real(dp), intent(in) :: time, every !! [s]
-
-        next_due = time
-        if (every > spacing(time)) next_due = (aint(time/every) + 1)*every
-    end function next_due
-
     !> Keep what the gauges of the air see.
-    subroutine keep_row(case, blast, early)
+    subroutine look(case, blast, early)
         type(case_t), intent(in) :: case
         type(blast1d_t), intent(in) :: blast
         type(early_t), intent(inout) :: early
-        real(dp), allocatable :: when(:), seen(:, :, :)
-        integer :: g, n
+        real(dp) :: seen(5, size(case%gauges)), arm(3), state(3)
+        integer :: g
 
-        n = size(case%gauges)
-        if (n == 0) return
-        if (.not. allocated(early%when)) allocate (early%when(64), early%seen(3, n, 64))
-        if (early%rows == size(early%when)) then
-            allocate (when(2*early%rows), seen(3, n, 2*early%rows))
-            when(:early%rows) = early%when
-            seen(:, :, :early%rows) = early%seen
-            call move_alloc(when, early%when)
-            call move_alloc(seen, early%seen)
-        end if
-        early%rows = early%rows + 1
-        early%when(early%rows) = blast%time
-        do g = 1, n
-            call blast1d_at(blast, norm2(merge(case%gauges(g)%at - case%charges(1)%at, 0.0_dp, &
-                case%air%cells > 1)), early%seen(:, g, early%rows))
+        do g = 1, size(case%gauges)
+            arm = merge(case%gauges(g)%at - case%charges(1)%at, 0.0_dp, case%air%cells > 1)
+            call blast1d_at(blast, norm2(arm), state)
+            seen(:, g) = along_arm(state, arm)
         end do
-    end subroutine keep_row
-
-    !> Mass, momentum, energy and products in all cells.
-    subroutine totals(air, sums)
-        type(air_t), intent(inout) :: air
-        real(dp), intent(out) :: sums(6)
-
-        call cell_sums(air, sums)
-        sums = sums*product(air%dx)
-    end subroutine totals
+        call keep_row(early, blast%time, seen)
+    end subroutine look
 
     !> What the blast held, and how the pressure of its products changes when they become an ideal
     !> gas of the same density and energy.

@@ -36,7 +36,9 @@ module brz_case
     type :: air_case_t
         logical :: present = .false.
         character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
-        character(name_len) :: geometry = 'cartesian' !! 'spherical', 'cylindrical', 'planar'
+        character(name_len) :: geometry = 'cartesian'
+        !! 'spherical', 'cylindrical', 'planar', 'axial'
+        real(dp) :: floor = -huge(1.0_dp) !! 'axial': coordinate of a rigid floor; none [m]
         real(dp) :: lo(3) = 0, hi(3) = 1 !! corners of the box [m]
         integer :: cells(3) = 1 !! 1 in a direction that is not modelled
         !> (low/high, direction): 'outflow', 'wall', 'symmetry', 'periodic'
@@ -66,7 +68,7 @@ module brz_case
         character(name_len) :: id = ''
         character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
         character(name_len) :: explosive = 'tnt'
-        character(name_len) :: start = '3d' !! or '1d'
+        character(name_len) :: start = '3d' !! or '1d', '2d'
         character(name_len) :: eos = 'ideal' !! or 'jwl'
         character(name_len) :: burn = 'programmed' !! or 'instant'
         character(name_len) :: shape = 'sphere' !! 'sphere', 'cylinder', 'box'
@@ -76,6 +78,8 @@ module brz_case
         real(dp) :: velocity = 6930 !! of the detonation [m/s]
         real(dp) :: gamma = 0 !! ratio of specific heats of its gas; 0: that of the air
         integer :: radial_cells = 240 !! in the charge, where it is computed along the radius
+        integer :: plane_cells = 160 !! from the axis to the edge of the plane through it
+        real(dp) :: ignition(3) = 0 !! where the detonation begins; the centre if not given [m]
         real(dp) :: afterburn = 0 !! energy that the products set free in the air [J/kg]
         real(dp) :: afterburn_time = 0 !! how long that takes [s]
         real(dp) :: at(3) = 0 !! centre [m]

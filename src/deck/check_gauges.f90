@@ -4,7 +4,7 @@ module brz_check_gauges
     use brz_case, only: case_t, gauge_case_t
     use brz_check_air, only: box_text, point_text
     use brz_check_bodies, only: body_box, reference_hint
-    use brz_check_start, only: is_radial
+    use brz_check_start, only: is_axial, is_radial
     use brz_deck, only: complain, deck_t, find_group, may_be_misspelt
     use brz_gauge_quantities, only: find_quantity, quantities
     use brz_get, only: is_given, is_usable
@@ -62,7 +62,8 @@ contains
         if (row == 0) return ! told where the key was read
         of_body = .not. quantities(row)%of_air
         of_air = .not. quantities(row)%of_body
-        if (is_radial(case) .and. index(gauge%quantity, 'velocity') == 1) then
+        if (is_radial(case) .and. .not. is_axial(case) .and. &
+            index(gauge%quantity, 'velocity') == 1) then
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
                           "' needs a direction; along a radius measure the speed")
         else if (of_body .and. gauge%body_index == 0) then

@@ -76,9 +76,13 @@ contains
                       meaning='The air: a box of equal cells. Without it no fluid is '// &
                       'computed.'), &
                 key_t(group=g, key='geometry', kind=kind_text, default='cartesian', &
-                      choices='cartesian|spherical|cylindrical|planar', &
+                      choices='cartesian|spherical|cylindrical|planar|axial', &
                       meaning='cartesian: a box of cells. Otherwise one charge in open air, '// &
-                      'along the radius alone; takes neither box nor cells.'), &
+                      'along the radius alone, or in the plane through its axis (axial); takes '// &
+                      'neither box nor cells.'), &
+                key_t(group=g, key='floor', unit='m', &
+                      meaning="geometry='axial': coordinate of a rigid floor across the axis "// &
+                      'of the charge, below its centre. If absent: open air.'), &
                 key_t(group=g, key='box', n_min=6, n_max=6, unit='m', &
                       meaning='Corners of the box: x0, x1, y0, y1, z0, z1.'), &
                 key_t(group=g, key='cells', kind=kind_integer, n_min=3, n_max=3, &
@@ -155,16 +159,21 @@ contains
                       choices=explosive_names, &
                       meaning='Explosive: gives density, energy, detonation velocity and the '// &
                       'constants of JWL.'), &
-                key_t(group=g, key='start', kind=kind_text, default='3d', choices='3d|1d', &
-                      meaning='3d: a balloon of hot gas on the grid of the air. 1d: computed '// &
-                      'along the radius until the shock nears an obstacle, then mapped.'), &
+                key_t(group=g, key='start', kind=kind_text, default='3d', &
+                      choices='3d|1d|2d', &
+                      meaning='3d: a balloon of hot gas on the grid. 1d: computed along the '// &
+                      'radius, 2d: in the plane through the axis, until the shock nears an '// &
+                      'obstacle, then mapped.'), &
                 key_t(group=g, key='eos', kind=kind_text, default='ideal', choices='ideal|jwl', &
                       meaning='Equation of state of the products: ideal gas, or Jones-Wilkins-'// &
-                      "Lee, which needs start='1d' or a one-dimensional geometry."), &
+                      "Lee, which needs start='1d' or '2d', or a geometry without a box."), &
                 key_t(group=g, key='burn', kind=kind_text, default='programmed', &
                       choices='programmed|instant', &
-                      meaning="eos='jwl': a detonation from the centre, or burnt at once at "// &
-                      'constant volume.'), &
+                      meaning="eos='jwl': a detonation from the centre (2d: from ignition), "// &
+                      'or burnt at once at constant volume.'), &
+                key_t(group=g, key='ignition', n_min=3, n_max=3, unit='m', &
+                      meaning="start='2d': the point on the axis where the detonation begins. "// &
+                      'If absent: the centre.'), &
                 key_t(group=g, key='gamma', lower=one, open_lower=.true., upper=5*one, &
                       meaning='Ratio of the specific heats of the products. If absent: that '// &
                       'of the air, or with jwl 1 + omega. All charges must give the same.'), &
@@ -182,6 +191,10 @@ contains
                       lower=40*one, upper=4000*one, &
                       meaning='Cells in the charge while it is computed along the radius; the '// &
                       'air has up to three times as many.'), &
+                key_t(group=g, key='plane_cells', kind=kind_integer, default='160', &
+                      lower=40*one, upper=4000*one, &
+                      meaning="start='2d': cells from the axis to the edge of the plane, which "// &
+                      'grows with the blast; a quarter of them lie in the charge at first.'), &
                 key_t(group=g, key='afterburn', unit='J/kg', default='0.0', lower=zero, &
                       meaning='Along the radius alone: energy that the products set free by '// &
                       'burning with the air, at a constant rate.'), &
@@ -192,7 +205,8 @@ contains
                 key_t(group=g, key='sides', n_min=3, n_max=3, default='1.0, 1.0, 1.0', &
                       lower=zero, open_lower=.true., meaning='Box: ratio of the sides.'), &
                 key_t(group=g, key='axis', kind=kind_text, default='z', choices='x|y|z', &
-                      meaning='Cylinder: its axis.')]
+                      meaning="Axis of a cylinder; with start='2d' also the line about which "// &
+                      'all is round (across the floor).')]
     end subroutine charge_keys
 
     subroutine material_group_keys(keys)

@@ -78,6 +78,7 @@ contains
             air%present = .true.
             air%place = place(deck, group%line)
             call get(group, 'geometry', air%geometry)
+            call get(group, 'floor', air%floor)
             call get_box(group, air%lo, air%hi)
             call get(group, 'cells', air%cells)
             call get(group, 'density', air%density)
@@ -164,6 +165,9 @@ contains
         call get(group, 'velocity', charge%velocity)
         call get(group, 'gamma', charge%gamma)
         call get(group, 'radial_cells', charge%radial_cells)
+        call get(group, 'plane_cells', charge%plane_cells)
+        charge%ignition = charge%at
+        call get(group, 'ignition', charge%ignition)
         call get(group, 'afterburn', charge%afterburn)
         call get(group, 'afterburn_time', charge%afterburn_time)
         call get(group, 'aspect', charge%aspect)

@@ -10,7 +10,7 @@ module brz_mie_gruneisen
     use brz_kinds, only: rk
     implicit none
     private
-    public :: mie_gruneisen, hugoniot_excess, pressure_step, hugoniot_limit
+    public :: mie_gruneisen, hugoniot_excess, warming_range, pressure_step, hugoniot_limit
     public :: n_eos, eos_density, eos_c0, eos_s1, eos_s2, eos_s3, eos_gamma, eos_a, eos_mu_max
 
     ! Slots of the block of parameters that this equation of state reads.
@@ -62,14 +62,14 @@ contains
     !> The linear law is rho0 c0^2 ln(1 + mu). The excess acts in compression only; heat counts
     !> from a compression of `warm` on, and less below, so that nothing jumps at mu = 0.
     !@cuf attributes(host,device) &
-    pure subroutine hugoniot_excess(eos, mu, a, b, slope, b_slope, clamped)
+    pure subroutine hugoniot_excess(eos, mu, warm, a, b, slope, b_slope, clamped)
         real(rk), intent(in) :: eos(n_eos) !! slots above
         real(rk), intent(in) :: mu
+        real(rk), intent(in) :: warm !! see warming_range
         real(rk), intent(out) :: a, b !! [Pa], [-]
         real(rk), intent(out) :: slope, b_slope !! da/dmu [Pa], db/dmu [-]
         logical, intent(out) :: clamped
         real(rk) :: bulk
-        real(rk), parameter :: warm = 0.01_rk
 
         a = 0
         b = 0
@@ -87,6 +87,18 @@ contains
         end if
         slope = slope - bulk/(1 + mu)
     end subroutine hugoniot_excess
+
+    !> Compression from which heat counts fully: 1 %, and more in hot material, so that the pressure
+    !> of its heat rises no faster than the material is stiff. A state on the Hugoniot lies above
+    !> it as long as its pressure is below 2 stiff/gamma.
+    !@cuf attributes(host,device) &
+    pure real(rk) function warming_range(eos, heat, stiff) result(warm)
+        real(rk), intent(in) :: eos(n_eos) !! slots above
+        real(rk), intent(in) :: heat !! rho0 e [Pa]
+        real(rk), intent(in) :: stiff !! unloaded, along the stiffest axis [Pa]
+
+        warm = max(0.01_rk, eos(eos_gamma)*heat/stiff)
+    end function warming_range
 
     !> Pressure and energy at the end of a step, implicit and in closed form.
     !>

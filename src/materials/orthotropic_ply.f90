@@ -12,8 +12,8 @@ module brz_orthotropic_ply
     use brz_kinematics, only: volume_step
     use brz_material, only: class_elastic, fails_by_degrees, material_t, point_t, material_ok, &
                             material_clamped, material_step_too_large, n_hist, n_par
-    use brz_mie_gruneisen, only: hugoniot_excess, pressure_step, hugoniot_limit, eos_density, &
-                                 eos_c0, eos_s1, eos_gamma, eos_mu_max, n_eos
+    use brz_mie_gruneisen, only: hugoniot_excess, warming_range, pressure_step, hugoniot_limit, &
+                                 eos_density, eos_c0, eos_s1, eos_gamma, eos_mu_max, n_eos
     use brz_model, only: derived_t, model_t
     use brz_ply_axes, only: axes_matrix, axes_of_matrix, axes_spin, turn_ply
     use brz_ply_failure, only: derive_softening, fail, total_damage
@@ -282,16 +282,18 @@ contains
         real(rk), intent(inout) :: s(6) !! stress in the axes of the ply [Pa]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
-        real(rk) :: a, b, slope, b_slope, p_old, p, energy, stiffest, crushed
+        real(rk) :: a, b, slope, b_slope, p_old, p, energy, stiffest, crushed, warm
         logical :: clamped, ok
 
         status = material_ok
         energy = point%energy + work
         slope = 0
+        stiffest = max(material%par(p_c11), material%par(p_c22), material%par(p_c33))
         if (int(material%par(p_pressure)) == pressure_anderson) then
-            call hugoniot_excess(material%par(p_eos), point%mu, a, b, slope, b_slope, clamped)
+            warm = warming_range(material%par(p_eos), material%density*point%energy, stiffest)
+            call hugoniot_excess(material%par(p_eos), point%mu, warm, a, b, slope, b_slope, clamped)
             p_old = a + b*material%density*point%energy
-            call hugoniot_excess(material%par(p_eos), mu, a, b, slope, b_slope, clamped)
+            call hugoniot_excess(material%par(p_eos), mu, warm, a, b, slope, b_slope, clamped)
             call pressure_step(a, b*material%density, -huge(a), dv, p_old, energy, p, ok)
             if (clamped) status = material_clamped
             if (.not. ok) status = material_step_too_large
@@ -305,7 +307,6 @@ contains
         point%mu = mu
         point%energy = energy
         crushed = 1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))
-        stiffest = max(material%par(p_c11), material%par(p_c22), material%par(p_c33))
         stiffest = (stiffest + crushed*material%par(p_rubble))/max(1 + mu, 0.5_rk)
         point%c_wave = sqrt((stiffest + max(slope, 0.0_rk))/material%density)
         point%c_bulk = sqrt((material%par(p_bulk) + max(slope, 0.0_rk))/material%density)

@@ -25,7 +25,7 @@ module brz_gauges
     private
     public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_points, gauge_particles
     public :: gauge_row, gauges_need_state
-    public :: radial_gauge_row
+    public :: early_gauge_row
 
     ! in the order of a stress of the particles
     character(16), parameter :: of_stress(6) = [character(16) :: 'stress_xx', 'stress_yy', &
@@ -257,29 +257,25 @@ contains
         if (several(solid%ranks)) call bits_of_all(solid%ranks, row(2:))
     end subroutine gauge_row
 
-    !> One row of the history, but its time, while the air is a blast in one dimension; bodies wait.
-    subroutine radial_gauge_row(gauges, seen, centre, solid, row)
+    !> One row of the history, but its time, while the air is a blast in one or two dimensions;
+    !> bodies wait.
+    subroutine early_gauge_row(gauges, seen, solid, row)
         type(gauges_t), intent(inout) :: gauges
-        real(dp), intent(in) :: seen(:, :) !! (3, n) density, radial velocity, pressure
-        real(dp), intent(in) :: centre(3) !! of the charge [m]
+        real(dp), intent(in) :: seen(:, :) !! (5, n) density, velocity, pressure
         type(solid_t), intent(in) :: solid
         real(dp), intent(inout) :: row(:) !! (n + 1)
-        real(dp) :: state(5), arm(3)
         integer :: g
 
         do g = 1, gauges%n
             associate (gauge => gauges%list(g))
                 if (gauge%body > 0) then
                     row(g + 1) = value_of_body(solid, gauge)
-                    cycle
+                else
+                    row(g + 1) = value_of_gas(seen(:, g), gauges%rest, gauge%quantity)
                 end if
-                arm = merge(gauge%at - centre, 0.0_dp, gauges%active)
-                arm = arm/max(norm2(arm), tiny(arm))
-                state = [seen(1, g), seen(2, g)*arm, seen(3, g)]
-                row(g + 1) = value_of_gas(state, gauges%rest, gauge%quantity)
             end associate
         end do
-    end subroutine radial_gauge_row
+    end subroutine early_gauge_row
 
     !> What a gauge of a body measures.
     real(dp) function value_of_body(solid, gauge) result(value)

@@ -11,7 +11,7 @@ module brz_outputs
     use brz_errors, only: error_t, exit_io, exit_numerical, failed, raise
     use brz_gauge_quantities, only: from_impulse
     use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, &
-                          gauges_need_state, gauges_t, radial_gauge_row, set_up_gauges
+                          gauges_need_state, gauges_t, early_gauge_row, set_up_gauges
     use brz_history, only: append_row, close_history, cut_history, flush_history, history_t, &
                            open_history
     use brz_files, only: is_folder
@@ -108,7 +108,7 @@ contains
         call cut_dumps(outputs%saves%dumps, err)
     end subroutine go_on
 
-    !> What the gauges saw while the blast was one-dimensional.
+    !> What the gauges saw of the blast before it was put into the grid.
     subroutine write_early(sim, outputs, err)
         type(simulation_t), intent(in) :: sim
         type(outputs_t), intent(inout) :: outputs
@@ -118,8 +118,8 @@ contains
         if (failed(err)) return
         do m = 1, sim%early%rows
             outputs%gauge_values(1) = sim%early%when(m)
-            call radial_gauge_row(outputs%gauges, sim%early%seen(:, :, m), &
-                                  sim%case%charges(1)%at, sim%solid, outputs%gauge_values)
+            call early_gauge_row(outputs%gauges, sim%early%seen(:, :, m), sim%solid, &
+                                 outputs%gauge_values)
             call append_row(outputs%gauge_history, outputs%gauge_values, err)
         end do
     end subroutine write_early

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> What a run prints of a blast that began in one dimension.
+!> What a run prints of a blast that began in one or two dimensions.
 module brz_print_early
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_kinds, only: dp
-    use brz_start_1d, only: early_t
+    use brz_early, only: early_t
     implicit none
     private
     public :: print_early
@@ -19,8 +19,9 @@ contains
                                                'energy [J]', 'of products']
         integer :: c
 
-        write (output_unit, '(a, es11.4, a, es11.4, a, i0, a)') 'blast in 1-D until', early%time, &
-            ' s, front at', early%radius, ' m (', early%steps, ' steps)'
+        write (output_unit, '(a, i0, a, es11.4, a, es11.4, a, i0, a)') 'blast in ', &
+            early%dimensions, '-D until', early%time, ' s, front at', early%radius, ' m (', &
+            early%steps, ' steps)'
         write (output_unit, '(a)') 'mapped       over undisturbed air: blast, cells, difference'
         do c = 1, merge(6, 5, early%products)
             write (output_unit, '(13x, a, 2es24.15, es10.2)') name(c), early%before(c), &
@@ -31,6 +32,8 @@ contains
         write (output_unit, '(a, f8.3, a, f8.3, a)') '             pressure of the products as '// &
             'an ideal gas: changes by', 100*early%pressure_mean, ' % in the mean,', &
             100*early%pressure_change, ' % at most'
+        if (early%dimensions == 2) write (output_unit, '(a, es9.2, a)') &
+            '             the points of the cells missed its sums by', early%off, ' at most'
         if (early%pressure_mean > worth_a_warning) write (error_unit, '(a)') &
             'warning: the blast is mapped so early that the products are no ideal gas yet; '// &
             'their energy is kept, their pressure is not'

@@ -6,7 +6,7 @@ module brz_run
     use brz_backend_step, only: start_backend
     use brz_build_case, only: build_case
     use brz_check, only: print_check, print_outline
-    use brz_check_start, only: is_radial
+    use brz_check_start, only: is_axial, is_radial
     use brz_clock, only: start_clock, walltime_is_up
     use brz_command_line, only: options_t
     use brz_deck, only: deck_t
@@ -20,6 +20,7 @@ module brz_run
     use brz_print_early, only: print_early
     use brz_progress, only: start_progress
     use brz_ranks, only: agree, ranks_t, several, share_text
+    use brz_run_axial, only: run_axial
     use brz_run_radial, only: run_radial
     use brz_run_ranks, only: print_ranks, refuse_on_ranks
     use brz_scanner, only: read_deck
@@ -58,7 +59,11 @@ contains
         if (failed(err)) return
         if (.not. options%check) call listen_to_signals()
         if (is_radial(sim%case)) then
-            call run_radial(options, sim%case, err)
+            if (is_axial(sim%case)) then
+                call run_axial(options, sim%case, err)
+            else
+                call run_radial(options, sim%case, err)
+            end if
             return
         end if
         call size_scene(sim%case, size_of, err)

@@ -11,11 +11,12 @@ module brz_run_radial
     use brz_case, only: case_t
     use brz_clock, only: clock_t, start_clock, tick
     use brz_command_line, only: options_t
+    use brz_early, only: along_arm
     use brz_errors, only: error_t, exit_deck, exit_numerical, exit_stopped, &
                           failed, raise
     use brz_folder_lock, only: lock_folder
     use brz_gauge_summary, only: gauge_summary
-    use brz_gauges, only: gauge_names, gauges_t, radial_gauge_row, set_up_gauges
+    use brz_gauges, only: gauge_names, gauges_t, early_gauge_row, set_up_gauges
     use brz_history, only: append_row, close_history, history_t, open_history
     use brz_kinds, only: dp
     use brz_output_folder, only: folder_fresh, folder_replace, prepare_folder
@@ -26,7 +27,7 @@ module brz_run_radial
     use brz_timer, only: wall_seconds
     implicit none
     private
-    public :: run_radial
+    public :: run_radial, open_folder
 
     character(16), parameter :: profile_columns(5) = [character(16) :: 'radius[m]', &
                                 'density[kg/m3]', 'velocity[m/s]', 'pressure[Pa]', 'products[-]']
@@ -40,7 +41,7 @@ contains
         type(error_t), intent(inout) :: err
         type(blast1d_t) :: blast
         type(gauges_t) :: gauges
-        character(:), allocatable :: folder, note, text
+        character(:), allocatable :: folder, text
         real(dp) :: before(4), begin
 
         if (options%restart /= '') then
@@ -51,12 +52,7 @@ contains
         call start_blast1d(radial_input(case), blast)
         call print_charge(case, blast%input)
         if (options%check) return
-        folder = options%out
-        if (folder == '') folder = 'out/'//trim(case%run%job)
-        call lock_folder(folder, note, err)
-        if (note /= '') write (error_unit, '(a)') note
-        call prepare_folder(folder, trim(case%run%job), case%echo, &
-                            merge(folder_replace, folder_fresh, options%replace), err)
+        call open_folder(options, case, folder, err)
         if (failed(err)) return
         begin = wall_seconds()
         before = blast1d_totals(blast)
@@ -67,6 +63,22 @@ contains
         if (.not. failed(err)) write (output_unit, '(/, a)') text
         call say('results        '//folder)
     end subroutine run_radial
+
+    !> The folder of the results, for this run alone.
+    subroutine open_folder(options, case, folder, err)
+        type(options_t), intent(in) :: options
+        type(case_t), intent(in) :: case
+        character(:), allocatable, intent(out) :: folder
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: note
+
+        folder = options%out
+        if (folder == '') folder = 'out/'//trim(case%run%job)
+        call lock_folder(folder, note, err)
+        if (note /= '') write (error_unit, '(a)') note
+        call prepare_folder(folder, trim(case%run%job), case%echo, &
+                            merge(folder_replace, folder_fresh, options%replace), err)
+    end subroutine open_folder
 
     !> Step to the end of the run and write what is due.
     subroutine follow(case, folder, blast, gauges, err)
@@ -82,6 +94,7 @@ contains
         type(solid_t) :: solid
         character(64), allocatable :: names(:)
         real(dp), allocatable :: row(:), seen(:, :)
+        real(dp) :: arm(3), state(3)
         logical :: ok, last
         integer :: g
 
@@ -89,7 +102,7 @@ contains
         call set_up_gauges(case, solid, gauges, err)
         call gauge_names(gauges, names)
         if (failed(err)) return
-        allocate (row(gauges%n + 1), seen(3, gauges%n))
+        allocate (row(gauges%n + 1), seen(5, gauges%n))
         call open_history(history, folder//'/gauges.csv', names, err)
         do
             last = blast%time >= case%run%t_end .or. blast%cycle >= case%run%max_steps
@@ -97,10 +110,11 @@ contains
             if (tick(clock%history, blast%time) .or. last) then
                 row(1) = blast%time
                 do g = 1, gauges%n
-                    call blast1d_at(blast, norm2(gauges%list(g)%at - case%charges(1)%at), &
-                                    seen(:, g))
+                    arm = gauges%list(g)%at - case%charges(1)%at
+                    call blast1d_at(blast, norm2(arm), state)
+                    seen(:, g) = along_arm(state, arm)
                 end do
-                call radial_gauge_row(gauges, seen, case%charges(1)%at, solid, row)
+                call early_gauge_row(gauges, seen, solid, row)
                 call append_row(history, row, err)
             end if
             if (tick(clock%dump, blast%time) .or. last) then

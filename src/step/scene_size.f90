@@ -72,7 +72,7 @@ contains
                                              air%gamma*case%gas(m)%pressure/case%gas(m)%density))
             end do
             do m = 1, size(case%charges)
-                if (case%charges(m)%start == '1d') cycle
+                if (case%charges(m)%start /= '3d') cycle
                 associate (g => merge(case%charges(m)%gamma, air%gamma, has_own_gas(case, m)))
                     fastest = max(fastest, speed([0.0_dp, 0.0_dp, 0.0_dp], &
                                                  g*(g - 1)*case%charges(m)%energy))

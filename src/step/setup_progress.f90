@@ -39,8 +39,9 @@ contains
         head = ''
     end subroutine setup_stage
 
-    !> How far a blast in one dimension is, from time to time.
-    subroutine setup_blast(time, radius, last)
+    !> How far a blast in one or two dimensions is, from time to time.
+    subroutine setup_blast(dimensions, time, radius, last)
+        integer, intent(in) :: dimensions !! of the blast
         real(dp), intent(in) :: time !! [s]
         real(dp), intent(in) :: radius, last !! of the front, now and when it is mapped [m]
         character(80) :: line
@@ -48,7 +49,7 @@ contains
         if (.not. loud) return
         if (wall_seconds() < wall_next) return
         write (line, '(2a, es12.5, a, es11.4, a, es11.4, a)') head, 't =', time, &
-            ' s, front at', radius, ' of', last, ' m'
+            merge(' s, front at  ', ' s, still free', dimensions == 1), radius, ' of', last, ' m'
         if (line_begun) call say('')
         line_begun = .false.
         call say(trim(line))

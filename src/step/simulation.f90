@@ -9,6 +9,7 @@ module brz_simulation
     use brz_clock, only: clock_t
     use brz_coupling_setup, only: set_up_coupling
     use brz_coupling_state, only: coupling_t
+    use brz_early, only: early_t
     use brz_errors, only: error_t, failed
     use brz_ledger, only: ledger_start_t
     use brz_progress, only: progress_t
@@ -19,7 +20,8 @@ module brz_simulation
     use brz_solid_sleep, only: put_to_sleep
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: start_solid
-    use brz_start_1d, only: early_t, start_from_1d
+    use brz_start_1d, only: start_from_1d
+    use brz_start_2d, only: start_from_2d
     implicit none
     private
     public :: simulation_t, set_up_simulation
@@ -32,7 +34,7 @@ module brz_simulation
         type(coupling_t) :: coupling
         type(backend_t) :: backend !! where air and bodies are computed
         type(clock_t) :: clock
-        type(early_t) :: early !! a blast in one dimension before the first step
+        type(early_t) :: early !! a blast in one or two dimensions before the first step
         type(ledger_start_t) :: start !! totals at t = 0, to measure errors against
         type(progress_t) :: progress
         character(6) :: limiter = '-' !! what limits the time step
@@ -55,6 +57,10 @@ contains
         if (any(sim%case%charges%start == '1d')) then
             call setup_stage('blast in 1-D')
             call start_from_1d(sim%case, sim%air, sim%early, err, setup_blast)
+        end if
+        if (any(sim%case%charges%start == '2d')) then
+            call setup_stage('blast in 2-D')
+            call start_from_2d(sim%case, sim%air, sim%early, err, setup_blast)
         end if
         if (failed(err)) return
         if (size(sim%case%bodies) > 0) call setup_stage('bodies')

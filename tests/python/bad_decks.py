@@ -190,8 +190,27 @@ BAD = [
         "geometry='spherical'",
     ),
     swap("afterburn_without_end", "mass=1.5", "mass=1.5, afterburn=1e7", 7, "afterburn_time"),
-    swap("jwl_in_3d", "mass=1.5", "mass=1.5, eos='jwl'", 7, "in one dimension only", "start='1d'"),
-    swap("shape_of_start", "mass=1.5", "mass=1.5, start='1d', shape='box'", 7, "needs start='3d'"),
+    swap(
+        "jwl_in_3d",
+        "mass=1.5",
+        "mass=1.5, eos='jwl'",
+        7,
+        "one or two dimensions only",
+        "start='1d'",
+    ),
+    swap("shape_of_start", "mass=1.5", "mass=1.5, start='1d', shape='box'", 7, "'2d' or '3d'"),
+    swap(
+        "box_in_a_plane", "mass=1.5", "mass=1.5, start='2d', shape='box'", 7, "sphere or a cylinder"
+    ),
+    swap("ignition_without", "mass=1.5", "mass=1.5, ignition=3*0.2", 7, "ignition", "start='2d'"),
+    swap(
+        "ignition_beside_the_axis",
+        "mass=1.5",
+        "mass=1.5, start='2d', eos='jwl', ignition=0.21,0.2,0.2",
+        7,
+        "on the axis along z",
+    ),
+    swap("floor_in_a_box", "  cells", "  floor = 0\n  cells", None, "in a box use bc"),
     swap(
         "two_starts",
         "&charge",

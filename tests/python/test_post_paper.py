@@ -20,6 +20,7 @@ from synthetic_run import write_run  # noqa: E402
 from post.__main__ import main  # noqa: E402
 from post.deck import Deck  # noqa: E402
 from post.document import Document, Heading, View, write_small  # noqa: E402
+from post.errors import PostError  # noqa: E402
 from post.paper import CASES, INPUTS, Campaign, find_runs, numbers_table, smaller  # noqa: E402
 from post.paper_hand import areal_mass, launch_speed, load_on_slab  # noqa: E402
 from post.paper_measures import MEASURES, impact, printed_numbers, value_of  # noqa: E402
@@ -156,6 +157,19 @@ def test_document_in_two_forms(tmp_path):
     assert "a &lt;fault&gt;" in html and "<iframe>" in html and "empty" not in html
     text = document.markdown(tmp_path / "p.md", tmp_path / "pictures")
     assert "| 1\\|2 | 3 |" in text and "iframe" not in text and "## Part" in text
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_parts_are_made_side_by_side_and_stay_in_order(workers):
+    def fails():
+        raise PostError("no second part")
+
+    document = Document("Title", problems=["before"])
+    document.add_made(
+        [Heading("Part"), lambda: "first", fails, lambda: ["third", None, "fourth"]], workers
+    )
+    assert document.blocks == [Heading("Part"), "first", "third", "fourth"]
+    assert document.problems == ["before", "no second part"]
 
 
 def test_small_pictures_keep_rare_colours(tmp_path):

@@ -1,0 +1,179 @@
+! SPDX-License-Identifier: MIT
+!> A run in the plane through the axis of one charge, in open air or over a floor: from the deck to
+!> histories and dumps.
+module brz_run_axial
+    use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_axial_dump, only: write_axial_dump
+    use brz_axial_start, only: axial_at, axial_input, frame_t, make_frame
+    use brz_axial_state, only: axial_input_t, axial_t, axial_totals, start_axial, v_energy, &
+                               v_products, v_rho
+    use brz_axial_step, only: advance_axial
+    use brz_case, only: case_t
+    use brz_clock, only: clock_t, start_clock, tick
+    use brz_command_line, only: options_t
+    use brz_errors, only: error_t, exit_deck, exit_numerical, exit_stopped, failed, raise
+    use brz_gauge_summary, only: gauge_summary
+    use brz_gauges, only: early_gauge_row, gauge_names, gauges_t, set_up_gauges
+    use brz_history, only: append_row, close_history, history_t, open_history
+    use brz_kinds, only: dp
+    use brz_meta, only: describe_run, meta_t
+    use brz_run_radial, only: open_folder
+    use brz_screen, only: say
+    use brz_series, only: add_to_series, open_series, series_t
+    use brz_signals, only: stop_asked
+    use brz_solid_state, only: solid_t
+    use brz_text, only: to_text
+    use brz_timer, only: wall_seconds
+    implicit none
+    private
+    public :: run_axial
+
+contains
+
+    !> Run a deck with geometry='axial', or say what it would do.
+    subroutine run_axial(options, case, err)
+        type(options_t), intent(in) :: options
+        type(case_t), intent(in) :: case
+        type(error_t), intent(inout) :: err
+        type(axial_input_t) :: input
+        type(axial_t) :: blast
+        type(frame_t) :: frame
+        character(:), allocatable :: folder, text
+        real(dp) :: before(5), begin
+
+        if (options%restart /= '') then
+            call raise(err, exit_deck, 'a run in the plane of an axis takes minutes at most '// &
+                       'and leaves no checkpoint; run it again without --restart')
+            return
+        end if
+        frame = make_frame(case)
+        call axial_input(case, frame, input, err)
+        if (failed(err)) return
+        call start_axial(input, blast)
+        call print_plane(case, blast)
+        if (options%check) return
+        call open_folder(options, case, folder, err)
+        if (failed(err)) return
+        begin = wall_seconds()
+        before = axial_totals(blast)
+        call follow(case, folder, frame, blast, text, err)
+        if (failed(err)) return
+        call print_end(blast, before, begin)
+        write (output_unit, '(/, a)') text
+        call say('results        '//folder)
+    end subroutine run_axial
+
+    !> Step to the end of the run and write what is due.
+    subroutine follow(case, folder, frame, blast, text, err)
+        type(case_t), intent(in) :: case
+        character(*), intent(in) :: folder
+        type(frame_t), intent(in) :: frame
+        type(axial_t), intent(inout) :: blast
+        character(:), allocatable, intent(out) :: text !! summary of the gauges
+        type(error_t), intent(inout) :: err
+        type(error_t) :: closing
+        character(:), allocatable :: why
+        type(clock_t) :: clock
+        type(gauges_t) :: gauges
+        type(history_t) :: history
+        type(series_t) :: series
+        type(solid_t) :: solid
+        character(64), allocatable :: names(:)
+        real(dp), allocatable :: row(:), seen(:, :)
+        logical :: ok, last
+        integer :: g
+
+        call start_clock(case, clock)
+        call set_up_gauges(case, solid, gauges, err)
+        call gauge_names(gauges, names)
+        if (failed(err)) return
+        allocate (row(gauges%n + 1), seen(5, gauges%n))
+        call open_history(history, folder//'/gauges.csv', names, err)
+        call open_series(series, folder, 'air', err)
+        do
+            last = blast%time >= case%run%t_end .or. blast%cycle >= case%run%max_steps
+            if (blast%cycle > 0) then ! its states are there after the first step
+                if (tick(clock%history, blast%time) .or. last) then
+                    row(1) = blast%time
+                    do g = 1, gauges%n
+                        seen(:, g) = axial_at(blast, frame, gauges%list(g)%at)
+                    end do
+                    call early_gauge_row(gauges, seen, solid, row)
+                    call append_row(history, row, err)
+                end if
+                if (tick(clock%dump, blast%time) .or. last) &
+                    call write_dump(case, folder, frame, blast, clock, series, err)
+            end if
+            if (last .or. failed(err)) exit
+            if (stop_asked(why)) then
+                call raise(err, exit_stopped, 'stopped by '//why//' at t = '// &
+                           to_text(blast%time)//' s; a run in the plane of an axis leaves no '// &
+                           'checkpoint: run it again with --replace')
+                exit
+            end if
+            call advance_axial(blast, min(case%run%t_end - blast%time, case%run%dt_max), ok)
+            if (.not. ok) call raise(err, exit_numerical, 'the blast in two dimensions is lost '// &
+                                     'at t = '//to_text(blast%time)//' s; if the floor is very '// &
+                                     'near, give more plane_cells')
+        end do
+        call close_history(history, closing) ! the rows up to a failure are the ones that tell
+        if (.not. failed(err)) err = closing
+        if (.not. failed(err)) call gauge_summary(gauges, folder//'/gauges.csv', text, err)
+    end subroutine follow
+
+    !> The plane as it is, and its name in the series.
+    subroutine write_dump(case, folder, frame, blast, clock, series, err)
+        type(case_t), intent(in) :: case
+        character(*), intent(in) :: folder
+        type(frame_t), intent(in) :: frame
+        type(axial_t), intent(in) :: blast
+        type(clock_t), intent(inout) :: clock
+        type(series_t), intent(inout) :: series
+        type(error_t), intent(inout) :: err
+        type(meta_t) :: meta
+        character(18) :: name
+
+        clock%time = blast%time
+        clock%cycle = blast%cycle
+        call describe_run(case, clock, meta)
+        write (name, '(a, i5.5, a)') 'air_', clock%dump_number, '.vtkhdf'
+        call write_axial_dump(folder//'/'//trim(name), blast, frame, meta, err)
+        call add_to_series(series, trim(name), blast%time, err)
+        clock%dump_number = clock%dump_number + 1
+    end subroutine write_dump
+
+    !> The charge and the cells of the plane.
+    subroutine print_plane(case, blast)
+        type(case_t), intent(in) :: case
+        type(axial_t), intent(in) :: blast
+
+        associate (in => blast%input)
+            write (output_unit, '(a)') trim(case%run%job)//': '//case%run%title
+            write (output_unit, '(3a, es11.4, 2(a, f0.4), a, es11.4, a)') 'charge       ', &
+                trim(case%charges(1)%id), ':', case%charges(1)%mass, ' kg, radius ', &
+                1e3_dp*in%radius, ' mm, half length ', 1e3_dp*in%half, ' mm,', &
+                in%eos%e0/in%eos%rho0, ' J/kg'
+            write (output_unit, '(a, i0, a, i0, 2(a, f0.4), a)') 'cells        ', blast%n, ' x ', &
+                blast%n - blast%low + 1, ' of ', 1e3_dp*blast%dr, ' x ', 1e3_dp*blast%dz, &
+                ' mm at first; four become one as the blast grows'
+            if (in%floor < huge(in%floor)) write (output_unit, '(a, es11.4, a)') 'floor        ', &
+                in%floor, ' m below the centre'
+        end associate
+    end subroutine print_plane
+
+    !> Steps, balances, cost.
+    subroutine print_end(blast, before, begin)
+        type(axial_t), intent(in) :: blast
+        real(dp), intent(in) :: before(5) !! totals at the start, less the air's
+        real(dp), intent(in) :: begin !! wall clock at the start [s]
+        real(dp) :: change(5)
+
+        change = (axial_totals(blast) - before)/max(abs(before), tiny(before))
+        write (output_unit, '(/, a, es12.5, 2(a, i0), a)') 'end at t =', blast%time, ' s after ', &
+            blast%cycle, ' steps, ', blast%merged, ' times four cells made one'
+        write (output_unit, '(a, es10.2)') 'energy error   ', change(v_energy)
+        write (output_unit, '(a, es10.2)') 'mass error     ', change(v_rho)
+        write (output_unit, '(a, es10.2)') 'products error ', change(v_products)
+        write (output_unit, '(a, f0.1, a)') 'wall clock     ', wall_seconds() - begin, ' s'
+    end subroutine print_end
+end module brz_run_axial
