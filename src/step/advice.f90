@@ -6,7 +6,7 @@
 !> Work is estimated with the rates of one core in docs/performance.md.
 module brz_advice
     use, intrinsic :: iso_fortran_env, only: output_unit
-    use brz_advice_bodies, only: advise_cracks, advise_rigid
+    use brz_advice_bodies, only: advise_cracks, advise_rigid, advise_walls
     use brz_advice_text, only: length_text, point_text, say_advice, say_more, time_text
     use brz_case, only: body_case_t, case_t, is_from_file
     use brz_check_bodies, only: body_box
@@ -64,6 +64,7 @@ contains
         call advise_load(case, work)
         call advise_rigid(case)
         call advise_cracks(case, solid)
+        call advise_walls(case, solid)
         call advise_box(case, work)
     end subroutine print_advice
 

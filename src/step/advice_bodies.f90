@@ -1,15 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> Advice on single bodies: one that need not be deformable, one that is finer than its cracks need.
+!> Advice on single bodies: one that need not be deformable, one that is finer than its cracks need,
+!> one with a thin round wall.
 module brz_advice_bodies
     use brz_advice_text, only: say_advice, say_more
     use brz_case, only: case_t, is_from_file
     use brz_check_bodies, only: body_box
     use brz_kinds, only: dp, real32
-    use brz_solid_state, only: form_rigid, solid_t
+    use brz_material, only: class_metal
+    use brz_solid_state, only: form_corrected_hourglass, form_rigid, solid_t
     use brz_text, only: to_text
     implicit none
     private
-    public :: advise_rigid, advise_cracks
+    public :: advise_rigid, advise_cracks, advise_walls
 
     real(dp), parameter :: margin = 4 !! of the spacing at full strength over one that is advised
     real(dp), parameter :: rows = 6 !! that are left across the thinnest side
@@ -71,6 +73,30 @@ contains
             end associate
         end do
     end subroutine advise_cracks
+
+    !> A pipe of metal of few layers: no gradient of it is tilted, and it bends too softly
+    !> (docs/solid.md, section 4).
+    subroutine advise_walls(case, solid)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(in) :: solid
+        integer :: b, layers
+        integer, parameter :: many = 8
+
+        if (.not. allocated(solid%bodies)) return
+        do b = 1, size(case%bodies)
+            associate (input => case%bodies(b), body => solid%bodies(b))
+                if (input%shape /= 'cylinder' .or. .not. input%inner_radius > 0) cycle
+                layers = nint((input%radius - input%inner_radius)/input%spacing)
+                if (layers > many .or. body%formulation /= form_corrected_hourglass .or. &
+                    any(body%normal > 0)) cycle
+                if (solid%materials(body%material)%class /= class_metal) cycle
+                call say_advice("the wall of '"//trim(input%id)//"' has "//to_text(layers)// &
+                                ' layers round an axis and bends too softly (a period 60 % too')
+                call say_more("long with 3, 20 % with 5): formulation='bending' where it stays "// &
+                              'elastic, more layers where it yields')
+            end associate
+        end do
+    end subroutine advise_walls
 
     !> A length as text, to three digits.
     pure function millimetres(length) result(text)

@@ -172,3 +172,17 @@ def test_a_body_finer_than_its_cracks_need(tmp_path):
                for t in texts)  # fmt: skip
     for sets in ("body.spacing=0.002", "material.gf=1", "body.formulation=rigid"):
         assert not any("the cracks of" in t for t in advice(deck, sets)), sets
+
+
+def test_a_thin_round_wall_of_metal_is_told(tmp_path):
+    deck = tmp_path / "pipe.nml"
+    deck.write_text(
+        "&run t_end=1e-5 /\n&material id='m', preset='steel_4340' /\n"
+        "&body id='pipe', shape='cylinder', axis='z', centre=0,0,0.05, radius=0.053, "
+        "inner_radius=0.047, length=0.1, spacing=2e-3, material='m' /\n",
+        encoding="utf-8",
+    )
+    wall = "the wall of 'pipe' has 3 layers"
+    assert any(wall in text for text in advice(deck))
+    assert not any(wall in text for text in advice(deck, "body(pipe).formulation=bending"))
+    assert not any("the wall" in text for text in advice(deck, "body(pipe).inner_radius=0.02"))
