@@ -117,11 +117,12 @@ contains
         call look_at_particles(gpu, there, particles, counts, err)
         if (failed(err)) return
         coupling%outside = counts(count_outside)
-        if (counts(count_moved) > 0) then
+        if (counts(count_moved) > 0 .or. solid%rebuilds /= coupling%rebuilds) then
             if (counts(count_covered) + counts(count_uncovered) > 0) &
                 call change_gpu_hands(gpu, there, air, coupling, counts, err)
             call fill_gpu_bins(gpu, there, particles, err)
         end if
+        coupling%rebuilds = solid%rebuilds ! where they were sorted anew, so are those of a cell
         call level_gpu_ledgers(gpu, there, air, coupling, err)
         call limit_gpu_ledgers(gpu, there, err)
         call release_gpu_debts(gpu, there, err)

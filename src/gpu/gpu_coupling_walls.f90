@@ -12,7 +12,7 @@ module brz_gpu_coupling_walls
     use brz_gpu_coupling_layout, only: count_covered, count_moved, n_count
     use brz_gpu_coupling_state, only: column_of, gpu_coupling_t, particles_t, &
         size_cells, size_faces, tags_of
-    use brz_gpu_solid_layout, only: at_mass, tag_fixed
+    use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
     use brz_kinds, only: int64, int8
     implicit none
     private
@@ -99,8 +99,8 @@ contains
         call gpu%common%running_sum(ends, gpu%n_cells, err)
         call gpu%kernels%bin_fill([particles%n, 1, 1], particles%n, gpu%home, gpu%ends, &
                                   gpu%binned, err)
-        call gpu%common%kernels%sort_cells([gpu%n_cells, 1, 1], gpu%n_cells, 1, ends, &
-                                           gpu%binned, err)
+        call gpu%kernels%sort_bins([gpu%n_cells, 1, 1], gpu%n_cells, &
+                                   tags_of(particles, tag_id), gpu%ends, gpu%binned, err)
     end subroutine fill_gpu_bins
 
     !> Give each solid cell the mean velocity by mass of its particles, as move_walls does. The
