@@ -237,7 +237,7 @@ def numbers_table(campaign: Campaign, printed: list[Printed]) -> Table:
 
 
 def _missing(run: Run) -> str:
-    return f"the run ends at {show(run.end, 's')}"
+    return f"the run ends at {show(run.end, 's')}" if run.frames else "there are no dumps"
 
 
 # --- the sections: what makes their blocks, in order ----------------------------------------------

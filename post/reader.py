@@ -84,11 +84,16 @@ class Frame:
         cells = np.maximum(points, 1)
         return AirGrid(self.time, low, spacing, cells, field)
 
-    def solid(self, *names: str) -> Particles:
-        """The particles with the named fields, or with all. PostError if it cannot be read."""
+    def solid(self, *names: str, lacking: bool = False) -> Particles:
+        """The particles with the named fields, or with all. PostError if it cannot be read.
+
+        With `lacking`, names that the dump does not have are left out.
+        """
         with _open(self.solid_path, "solid") as file:
             root = file["VTKHDF"]
             points = root["Points"][()].astype(float)
+            if lacking:
+                names = tuple(name for name in names if name in root["PointData"])
             field = _fields(root, "PointData", names, self.solid_path)
         return Particles(self.time, points, field)
 

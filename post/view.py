@@ -30,6 +30,8 @@ TEMPLATE = Path(__file__).parent / "data" / "view.html"
 LARGEST = 16e6  # bytes of a page of its own
 IN_REPORT = 5e6  # of a view in a report
 WIDTH = 6  # numbers of a particle at one time: place, speed, von Mises stress, damage
+PACKED = 0.45  # bytes of a page for a byte of numbers, about: compressed, then as text
+SHOWN = ("displacement", "velocity", "von_mises", "damage")
 MOST_BODIES = 32  # that can be told apart
 FULL = 65535
 COVER = 0.75  # radius of a dot over the distance of the particles shown
@@ -65,8 +67,8 @@ def framed(page: str, name: str = "The scene") -> str:
 
 
 def _fit(run: Run, size: float) -> tuple[Packed, str]:
-    """The largest number of particles whose numbers fit, as text."""
-    most = int(2e6)
+    """About as many particles as fit: their numbers, and these as text."""
+    most = min(int(2e6), max(int(size / (PACKED * 2 * WIDTH * max(len(run.frames), 1))), 100))
     for _ in range(6):
         packed = pack(run, most)
         data = base64.b64encode(zlib.compress(packed.numbers, 6)).decode()
@@ -139,7 +141,7 @@ def _as_16_bits(values: np.ndarray) -> np.ndarray:
 
 def _read(frame: Frame, rows: np.ndarray, rest: np.ndarray) -> dict[str, np.ndarray]:
     """What is shown of one dump; zeros for what it lacks. What is nowhere stays at `rest`."""
-    solid = frame.solid()
+    solid = frame.solid(*SHOWN, lacking=True)
     zeros = np.zeros(len(rows))
     velocity = solid.field.get("velocity")
     speed = zeros if velocity is None else np.linalg.norm(velocity[rows], axis=1)

@@ -8,11 +8,11 @@ module brz_air_part
     use brz_air_grid, only: brick
     use brz_boxes, only: box_t, cut_grid, widened
     use brz_fetch, only: fetch_t, plan_fetch
-    use brz_kinds, only: int8, rk
+    use brz_kinds, only: dp, int8, rk
     use brz_ranks, only: ranks_t, several
     implicit none
     private
-    public :: part_t, take_part, box_of
+    public :: part_t, take_part, box_of, layers_seen, window_of
 
     type :: part_t
         type(ranks_t) :: ranks !! the processes that share the grid
@@ -20,6 +20,7 @@ module brz_air_part
         type(fetch_t) :: halo !! the cells as near as a stencil reaches
         type(fetch_t) :: beside !! the cells next to the box
         type(fetch_t) :: bricks !! the bricks as near as a step reaches
+        type(fetch_t) :: window !! the cells as far as the coupling looks, where there are bodies
         integer(int8), allocatable :: bad(:, :, :) !! 1 in unphysical cells, those beside as well
         integer(int8), allocatable :: reached(:, :, :), awake(:, :, :)
         !! the maps of bricks, with those of others that are near
@@ -30,13 +31,14 @@ module brz_air_part
 contains
 
     !> Cut the grid for all processes, and find out with whom this one has to speak.
-    subroutine take_part(ranks, n, bc, layers, n_var, near, part)
+    subroutine take_part(ranks, n, bc, layers, n_var, near, around, part)
         type(ranks_t), intent(in) :: ranks
         integer, intent(in) :: n(3) !! cells of the whole grid
         integer, intent(in) :: bc(2, 3) !! its boundary conditions
         integer, intent(in) :: layers(3) !! of ghosts
         integer, intent(in) :: n_var !! conserved variables
         integer, intent(in) :: near(3) !! bricks that a step reaches
+        integer, intent(in) :: around !! layers of cells that the coupling sees, 0: none
         type(part_t), intent(out) :: part
         type(box_t) :: bricks(0:ranks%n - 1)
         logical :: periodic(3)
@@ -56,6 +58,7 @@ contains
         call plan(part%boxes, n, layers, n_var, part%halo)
         call plan(part%boxes, n, min(layers, 1), 1, part%beside)
         call plan(bricks, all_bricks, near, 1, part%bricks)
+        if (around > 0) call plan(part%boxes, n, merge(around, 0, n > 1), n_var, part%window)
         call make_map(part%beside%whole, part%bad)
         call make_map(part%bricks%whole, part%reached)
         call make_map(part%bricks%whole, part%awake)
@@ -80,6 +83,28 @@ contains
             call plan_fetch(ranks, boxes, wanted, grid, periodic, numbers, fetch)
         end subroutine plan
     end subroutine take_part
+
+    !> Layers of cells around a box that the coupling of this box depends on, and those that these
+    !> depend on in a step: what a cell hands over goes on to ledgers and debts nine cells away, and
+    !> a load reaches so far into a body.
+    pure integer function layers_seen(spread) result(layers)
+        real(dp), intent(in) :: spread !! depth of a load, in cells
+
+        layers = 8 + max(ceiling(spread), 2)
+    end function layers_seen
+
+    !> The cells that the coupling of a process sees: its box and the layers around, not beyond the
+    !> grid. A direction that is not cut is whole.
+    pure type(box_t) function window_of(part, rank, n, around) result(window)
+        type(part_t), intent(in) :: part
+        integer, intent(in) :: rank !! process
+        integer, intent(in) :: n(3) !! cells of the whole grid
+        integer, intent(in) :: around
+
+        window = widened(part%boxes(rank), [around, around, around])
+        window%lo = max(window%lo, 1)
+        window%hi = min(window%hi, n)
+    end function window_of
 
     subroutine make_map(box, map)
         type(box_t), intent(in) :: box

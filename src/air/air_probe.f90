@@ -8,7 +8,7 @@ module brz_air_probe
     use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: gas_state_at, cells_around
+    public :: gas_state_at, cells_around, has_point
 
     integer, parameter :: reach = 3 !! cells to look around if the eight nearest hold only solid
 
@@ -21,7 +21,8 @@ contains
     !> of the boundary, and beyond it, the value of the last cell continues; towards a wall it goes
     !> over to the state at the wall, which bears what the gas that hits it brings.
     !>
-    !> On several processes `around` holds the eight cells, which may be those of others.
+    !> On several processes `around` holds the eight cells, which may be those of others. Without it
+    !> this one must have the point (has_point).
     subroutine gas_state_at(air, wall, point, state, around)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
@@ -46,12 +47,13 @@ contains
             if (present(around)) then
                 state = state + weight*primitive_of(air, around(:, m))
             else
+                cell = cell - air%before
                 if (holds_solid(wall, cell)) cycle
                 state = state + weight*primitive_of(air, air%u(cell(1), cell(2), cell(3), :))
             end if
             total = total + weight
         end do
-        cell = low + nint(x) ! nearest
+        cell = low + nint(x) - air%before ! nearest
         if (total > 0) then
             state = state/total
         else
@@ -106,6 +108,18 @@ contains
         end do
     end subroutine cells_around
 
+    !> True in the process that has the lowest of the eight cells around a point.
+    pure logical function has_point(air, point)
+        type(air_t), intent(in) :: air
+        real(dp), intent(in) :: point(3) !! [m]
+        real(dp) :: x(3)
+        integer :: low(3)
+
+        call place_between(air, point, low, x)
+        low = low - air%before
+        has_point = all(low >= 1 .and. low <= air%n)
+    end function has_point
+
     !> Lowest of the eight cells around a point, and its place between them.
     pure subroutine place_between(air, point, low, x)
         type(air_t), intent(in) :: air
@@ -154,14 +168,16 @@ contains
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: centre(3) !! cell
         real(dp), intent(out) :: state(5)
-        integer :: i, j, k, cell(3)
+        integer :: i, j, k, cell(3), lo(3), hi(3)
         real(dp) :: distance, least
 
         state = 0
         least = huge(least)
-        do k = max(1, centre(3) - reach), min(air%n(3), centre(3) + reach)
-            do j = max(1, centre(2) - reach), min(air%n(2), centre(2) + reach)
-                do i = max(1, centre(1) - reach), min(air%n(1), centre(1) + reach)
+        lo = max(1 - air%before, centre - reach)
+        hi = min(air%whole - air%before, centre + reach)
+        do k = lo(3), hi(3)
+            do j = lo(2), hi(2)
+                do i = lo(1), hi(1)
                     cell = [i, j, k]
                     if (holds_solid(wall, cell)) cycle
                     distance = sum(((cell - centre)*air%dx)**2)

@@ -4,7 +4,7 @@ module brz_air_setup
     use brz_kinds, only: dp, int8, rk
     use brz_air_grid, only: layers_around
     use brz_air_outside, only: keep_outside
-    use brz_air_part, only: box_of, part_t, take_part
+    use brz_air_part, only: box_of, layers_seen, part_t, take_part
     use brz_air_state, only: air_t, brick, bc_outflow, bc_periodic, bc_symmetry, bc_wall, &
         cell_centre, charge_report_t, n_ghost
     use brz_boxes, only: box_t
@@ -13,7 +13,7 @@ module brz_air_setup
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_gas, only: to_conserved
     use brz_grid_lines, only: n_blocks
-    use brz_ranks, only: ranks_t
+    use brz_ranks, only: ranks_t, several
     use brz_running_total, only: begin_total
     use brz_scheme, only: max_var, reach_of
     implicit none
@@ -56,6 +56,8 @@ contains
         end do
         if (failed(err)) return
         if (present(ranks)) air%part%ranks = ranks
+        if (several(air%part%ranks) .and. size(case%bodies) > 0) &
+            air%around = layers_seen(case%coupling%spread)
         call make_grid(case%air%lo, case%air%hi, case%air%cells, air)
         if (allocated(case%gas)) then
             do m = 1, size(case%gas)
@@ -154,7 +156,7 @@ contains
         integer :: n(3), g(3), c, blocks
 
         air%present = .true.
-        air%g = merge(n_ghost, 0, cells > 1)
+        air%g = merge(max(n_ghost, air%around), 0, cells > 1)
         call share_grid(cells, air)
         air%lo = lo
         air%dx = (hi - lo)/cells
@@ -205,9 +207,9 @@ contains
 
         air%whole = cells
         air%outer = air%bc
-        call take_part(air%part%ranks, cells, air%bc, air%g, air%n_var, &
+        call take_part(air%part%ranks, cells, air%bc, merge(n_ghost, 0, cells > 1), air%n_var, &
                        layers_around(cells, air%bc(1, :) == bc_periodic, &
-                                     air%n_stages*reach_of(air%scheme)), part)
+                                     air%n_stages*reach_of(air%scheme)), air%around, part)
         air%part = part
         call box_of(part, cells, air%outer, box, air%bc)
         air%n = box%hi - box%lo + 1

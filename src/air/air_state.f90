@@ -47,13 +47,15 @@ module brz_air_state
 
     !> Conserved variables are density, momentum x, y, z [kg/(m2 s)] and total energy per volume,
     !> and where n_var = 6 the density of the products of explosives, rho Y. Arrays run over
-    !> (1-g1:n1+g1, 1-g2:n2+g2, 1-g3:n3+g3, n_var) with g = n_ghost where n > 1, else 0.
+    !> (1-g1:n1+g1, 1-g2:n2+g2, 1-g3:n3+g3, n_var) with g = n_ghost where n > 1, else 0. On several
+    !> processes with bodies there are `around` layers instead.
     type :: air_t
         logical :: present = .false.
         integer :: n(3) = 1 !! cells; 1: direction not modelled
         integer :: whole(3) = 1 !! cells of the grid; n are those of the box of this process
         integer :: before(3) = 0 !! cells of the grid before the box
-        integer :: g(3) = 0 !! ghost layers
+        integer :: g(3) = 0 !! layers of ghosts and of cells of others in the arrays
+        integer :: around = 0 !! of them, as far as the coupling looks into boxes of others
         real(dp) :: lo(3) = 0 !! low corner of the grid [m]
         real(dp) :: dx(3) = 1 !! cell sides [m]
         integer :: bc(2, 3) = bc_outflow !! (low/high, direction)
@@ -124,6 +126,8 @@ module brz_air_state
         integer(int8), allocatable :: solid(:, :, :) !! 1 in cells that hold solid, ghosts included
         integer, allocatable :: index(:, :, :)
         !! place of a solid cell in the list, 0 for gas; ghosts hold that of their image
+        integer :: lo(3) = 1, hi(3) = 0
+        !! first and last cells that are listed: those of the box and, on several processes, around
         integer :: n_cells = 0
         integer, allocatable :: cell(:, :) !! (3, n_cells) indices of the solid cells
         real(rk), allocatable :: v(:, :) !! (3, n_cells) wall velocity of this step [m/s]

@@ -4,7 +4,7 @@
 module brz_air_walls
     use brz_kinds, only: int8, rk
     use brz_air_boundary, only: image_at
-    use brz_air_state, only: air_t, bc_periodic, cut_t, n_ghost, wall_t
+    use brz_air_state, only: air_t, bc_inside, bc_periodic, cut_t, n_ghost, wall_t
     use brz_grid_lines, only: block_of, n_blocks
     use brz_scheme, only: reach_of
     implicit none
@@ -33,10 +33,15 @@ contains
             allocate (wall%cut(d)%first(n_blocks(n, d) + 1), source=1)
             allocate (wall%cut(d)%has_solid(n_blocks(n, d)), source=0_int8)
         end do
+        wall%lo = 1
+        wall%hi = n
         wall%present = .true.
     end subroutine set_up_walls
 
-    !> Derive all lists from `wall%solid` of the interior cells; its ghosts are filled here.
+    !> Derive all lists from `wall%solid` of the cells lo..hi; its ghosts are filled here.
+    !>
+    !> On several processes lists of cells and wall faces hold those around the box too; lists of
+    !> what the sweeps of this process meet do not.
     !>
     !> The wall velocities `v` must be filled afterwards: the list of cells has changed.
     subroutine build_walls(air, wall)
@@ -74,7 +79,7 @@ contains
             cell = wall%cell(:, c)
             wall%index(cell(1), cell(2), cell(3)) = 0
             do d = 1, 3
-                wall%cut(d)%has_solid(block_of(air%n, d, cell)) = 0
+                if (is_on_line(air, d, cell)) wall%cut(d)%has_solid(block_of(air%n, d, cell)) = 0
             end do
         end do
     end subroutine clear_maps
@@ -86,17 +91,18 @@ contains
         integer :: i, j, k, d
 
         wall%n_cells = 0
-        do k = 1, air%n(3)
-            do j = 1, air%n(2)
-                if (all(wall%solid(1:air%n(1), j, k) == 0)) cycle
-                do i = 1, air%n(1)
+        do k = wall%lo(3), wall%hi(3)
+            do j = wall%lo(2), wall%hi(2)
+                if (all(wall%solid(wall%lo(1):wall%hi(1), j, k) == 0)) cycle
+                do i = wall%lo(1), wall%hi(1)
                     if (wall%solid(i, j, k) == 0) cycle
                     wall%n_cells = wall%n_cells + 1
                     call grow_integer(wall%cell, wall%n_cells)
                     wall%cell(:, wall%n_cells) = [i, j, k]
                     wall%index(i, j, k) = wall%n_cells
                     do d = 1, 3
-                        wall%cut(d)%has_solid(block_of(air%n, d, [i, j, k])) = 1
+                        if (is_on_line(air, d, [i, j, k])) &
+                            wall%cut(d)%has_solid(block_of(air%n, d, [i, j, k])) = 1
                     end do
                 end do
             end do
@@ -107,7 +113,20 @@ contains
         end if
     end subroutine list_cells
 
-    !> Fill the ghosts of one direction from their images.
+    !> True for a cell on a line of the box along direction d, or so near that a stencil reaches it.
+    pure logical function is_on_line(air, d, cell)
+        type(air_t), intent(in) :: air
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: cell(3)
+        integer :: e
+
+        is_on_line = cell(d) > -n_ghost .and. cell(d) <= air%n(d) + n_ghost
+        do e = 1, 3
+            if (e /= d) is_on_line = is_on_line .and. cell(e) >= 1 .and. cell(e) <= air%n(e)
+        end do
+    end function is_on_line
+
+    !> Fill the ghosts of one direction from their images, but for cells of other processes.
     subroutine fill_ghost_maps(air, wall, d)
         type(air_t), intent(in) :: air
         type(wall_t), intent(inout) :: wall
@@ -116,6 +135,7 @@ contains
 
         p = ghosts_of(air%n(d))
         do m = 1, size(p)
+            if (air%bc(merge(1, 2, p(m) < 1), d) == bc_inside) cycle
             from = image_of(air, d, p(m))
             select case (d)
             case (1)
@@ -139,7 +159,7 @@ contains
         p = [(m, m=1 - n_ghost, 0), (n + m, m=1, n_ghost)]
     end function ghosts_of
 
-    !> List the faces between a gas cell inside the box and a solid cell or its image.
+    !> List the faces between a gas cell and a solid cell or its image, both among lo..hi.
     !>
     !> Order: by solid cell, direction, gas below or above. A periodic box is the only one where the
     !> two are neighbours across the boundary.
@@ -155,7 +175,7 @@ contains
                 do s = -1, 1, 2
                     gas = wall%cell(:, c)
                     gas(d) = gas(d) + s
-                    if (gas(d) < 1 .or. gas(d) > air%n(d)) then
+                    if (gas(d) < wall%lo(d) .or. gas(d) > wall%hi(d)) then
                         if (air%bc(1, d) /= bc_periodic) cycle
                         gas(d) = image_of(air, d, gas(d))
                     end if
@@ -186,6 +206,7 @@ contains
         do pass = 1, 2
             if (pass == 1) wall%cut(d)%first = 0
             do c = 1, wall%n_cells
+                if (.not. is_on_line(air, d, wall%cell(:, c))) cycle
                 i = wall%cell(d, c)
                 p(1) = i
                 m = 1
@@ -213,6 +234,7 @@ contains
 
         ghost = ghosts_of(air%n(d))
         do g = 1, size(ghost)
+            if (air%bc(merge(1, 2, ghost(g) < 1), d) == bc_inside) cycle
             if (image_of(air, d, ghost(g)) /= i) cycle
             m = m + 1
             p(m) = ghost(g)
@@ -292,6 +314,7 @@ contains
             if (wall%face(4, f) /= d) cycle
             gas = wall%face(1:3, f)
             if (wall%face(5, f) < 0) gas(d) = gas(d) - 1
+            if (.not. is_on_line(air, d, gas) .or. gas(d) < 0 .or. gas(d) > air%n(d)) cycle
             e = cut_at(wall%cut(d), block_of(air%n, d, gas), gas)
             wall%cut(d)%face(4, e) = f
         end do

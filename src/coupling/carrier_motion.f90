@@ -25,6 +25,10 @@ contains
 
         if (.not. allocated(carrier)) call number_carriers(solid, carrier)
         do b = 1, size(carrier)
+            if (allocated(solid%bodies)) then ! on several processes they change
+                carrier(b)%first = solid%bodies(b)%first
+                carrier(b)%last = solid%bodies(b)%last
+            end if
             if (carrier(b)%carries == carries_none) cycle
             if (carrier(b)%carries == carries_all) then
                 associate (r => solid%bodies(b)%rigid)

@@ -34,7 +34,7 @@ contains
         do d = 1, 3
             y(d) = x(d, p)
         end do
-        c = cell_number(y, box%lo, box%dx, box%n, box%wraps)
+        c = cell_number(y, box%lo, box%dx, box%whole, box%wraps, box%before, box%n)
         if (fixed(p) == is_gone) c = 0
         if (c /= cell(p)) moved = moved + 1
         if (c == 0) outside = outside + 1

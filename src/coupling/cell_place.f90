@@ -8,15 +8,18 @@ module brz_cell_place
 
 contains
 
-    !> Number of the cell that holds a point, counted from 1 in memory order; 0 outside the box.
+    !> Number of the cell that holds a point, counted from 1 in memory order of a window of the
+    !> grid; 0 outside.
     !>
     !> A direction with one cell is not modelled: any coordinate lies in it.
     !@cuf attributes(host,device) &
-    pure function cell_number(x, lo, dx, n, wraps) result(c)
+    pure function cell_number(x, lo, dx, whole, wraps, before, n) result(c)
         real(dp), intent(in) :: x(3) !! point [m]
-        real(dp), intent(in) :: lo(3), dx(3) !! low corner of the box and sides of a cell [m]
-        integer, intent(in) :: n(3) !! cells
+        real(dp), intent(in) :: lo(3), dx(3) !! low corner of the grid and sides of a cell [m]
+        integer, intent(in) :: whole(3) !! cells of the grid
         logical, intent(in) :: wraps(3) !! periodic directions
+        integer, intent(in) :: before(3) !! cells of the grid before the window
+        integer, intent(in) :: n(3) !! cells of the window
         integer(int32) :: c
         real(dp) :: s
         integer :: d, i, stride
@@ -24,14 +27,14 @@ contains
         c = 1
         stride = 1
         do d = 1, 3
-            if (n(d) > 1) then
+            if (whole(d) > 1) then
                 s = (x(d) - lo(d))/dx(d)
-                if (wraps(d)) s = s - n(d)*floor(s/n(d))
-                if (.not. (s >= 0 .and. s < n(d))) then
+                if (wraps(d)) s = s - whole(d)*floor(s/whole(d))
+                if (.not. (s >= before(d) .and. s < before(d) + n(d))) then
                     c = 0
                     return
                 end if
-                i = min(int(s), n(d) - 1)
+                i = min(int(s), whole(d) - 1) - before(d)
                 c = c + i*stride
             end if
             stride = stride*n(d)

@@ -9,7 +9,7 @@ module brz_column_items
     use brz_cell_place, only: cell_middle
     use brz_cell_shells, only: index_along, next_along
     use brz_column_rules, only: direction_of, height_of, sign_of
-    use brz_coupling_box, only: box_t, place_at
+    use brz_coupling_box, only: box_t, is_own, place_at
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_load_rules, only: gas_push, gauge_force, load_weight
     use brz_scheme, only: mixture_gamma, scheme_t
@@ -68,7 +68,7 @@ contains
 
         d = direction_of(row)
         depth = height_of(x, box%lo(d), box%dx(d), box%n(d), box%wraps(d), &
-                          index_along(box%n, gas, d), sign_of(row)) - surface
+                          box%before(d) + index_along(box%n, gas, d), sign_of(row)) - surface
         w = mass*load_weight(real(depth, rk), real(box%spread*box%dx(d), rk))
     end function depth_weight
 
@@ -96,7 +96,7 @@ contains
         d = direction_of(rows(f))
         s = sign_of(rows(f))
         c = owner(f)
-        g = index_along(box%n, gas(f), d)
+        g = box%before(d) + index_along(box%n, gas(f), d)
         top = huge(1.0_dp)
         do i = ends(c) + 1, ends(c + 1)
             top = min(top, height_of(x(d, binned(i)), box%lo(d), box%dx(d), box%n(d), &
@@ -163,11 +163,11 @@ contains
     !> The books of work and impulse, as the air sees them.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine book_face(f, box, dt, rows, owner, impulse, v, work, given, taken)
+    pure subroutine book_face(f, box, dt, gas, rows, owner, impulse, v, work, given, taken)
         integer, intent(in) :: f !! wall faces
         type(box_t), intent(in) :: box
         real(dp), intent(in) :: dt !! step of the air [s]
-        integer(int32), intent(in) :: rows(*), owner(*)
+        integer(int32), intent(in) :: gas(*), rows(*), owner(*)
         real(rk), intent(in) :: impulse(*), v(3, *)
         real(dp), intent(inout) :: work(2) !@sum of all pressure, of the reference pressure [J]
         real(dp), intent(inout) :: given(3) !@sum of impulses given to the solid [N s]
@@ -175,6 +175,7 @@ contains
         real(dp) :: push, reference, speed
         integer :: d, s
 
+        if (.not. is_own(box, gas(f))) return
         s = sign_of(rows(f))
         push = s*real(impulse(f), dp)
         reference = s*box%reference*box%area(direction_of(rows(f)))*dt

@@ -3,14 +3,15 @@
 !> the CPU and for the GPU.
 !>
 !> Cells go by their number in memory order, ghosts left out, or by their place in the arrays of
-!> the air.
+!> the air. On several processes the box is a window of the grid: the cells of this process, and
+!> those of others around them.
 module brz_coupling_box
     use brz_air_grid, only: grid_t, place_of
     use brz_cell_shells, only: cell_at, neighbour
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
-    public :: box_t, place_at, place_beside
+    public :: box_t, place_at, place_beside, is_own
     public :: is_gas, is_solid, is_left, is_buried
 
     ! what a cell is in the map `mark`
@@ -20,6 +21,9 @@ module brz_coupling_box
 
     type :: box_t
         integer :: n(3) !! cells
+        integer :: whole(3) !! cells of the grid
+        integer :: before(3) !! cells of the grid before the window
+        integer :: own(3, 2) !! first and last cell of this process, as the window counts
         integer :: cells !! their product
         integer :: n_var !! conserved variables
         integer :: layers !! solid cells behind the first that a face may load
@@ -28,7 +32,7 @@ module brz_coupling_box
         real(rk) :: spread !! depth over which a load is spread, in cells
         real(rk) :: reference !! pressure that is taken off [Pa]
         real(rk) :: floors(3) !! of the gas, see floors_of
-        real(dp) :: lo(3), dx(3) !! low corner, sides of a cell [m]
+        real(dp) :: lo(3), dx(3) !! low corner of the grid, sides of a cell [m]
         real(dp) :: area(3) !! of the faces normal to each direction [m2]
         type(grid_t) :: grid !! where the cells lie in memory
     end type box_t
@@ -46,6 +50,21 @@ contains
         ijk = cell_at(box%n, number)
         at = place_of(box%grid, ijk(1), ijk(2), ijk(3))
     end function place_at
+
+    !> True for a cell of this process, from its number.
+    !@cuf attributes(host,device) &
+    pure function is_own(box, number) result(own)
+        type(box_t), intent(in) :: box
+        integer(int32), intent(in) :: number
+        logical :: own
+        integer :: d, ijk(3)
+
+        ijk = cell_at(box%n, number)
+        own = .true.
+        do d = 1, 3
+            own = own .and. ijk(d) >= box%own(d, 1) .and. ijk(d) <= box%own(d, 2)
+        end do
+    end function is_own
 
     !> Place of the cell that is reached from another by an offset; 0 beyond the box.
     !@cuf attributes(host,device) &

@@ -10,7 +10,9 @@ module brz_coupling_state
     use brz_cell_shells, only: shells_t
     use brz_column_rules, only: side_of
     use brz_coupling_box, only: box_t
+    use brz_coupling_part, only: part_t
     use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: coupling_t, side_of
@@ -27,13 +29,18 @@ module brz_coupling_state
         integer(int32), allocatable :: cell(:) !! (n_cells) number of each solid cell
         integer(int32), allocatable :: gas(:), rows(:) !! (n_faces) gas cell, row of face_of
         type(shells_t) :: shells !! neighbours of a cell in order of distance
-        integer(int8), allocatable :: mark(:, :, :) !! (n1, n2, n3) map being built; then the donors
+        integer(int8), allocatable :: mark(:, :, :) !! (cells of the box) map being built; then the
+                                                    !! donors
+        ! several processes: what this one sees of the bodies, and what it has to do with others
+        type(solid_t), allocatable :: guests !! copies of the particles in the cells of the box
+        type(part_t) :: part
         ! particles by air cell
         integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0: outside
         integer(int32), allocatable :: place_of(:) !! (particles) place of it in the wall list
         integer(int32), allocatable :: ends(:) !! (n_cells+1) last of the cell before in `binned`
         integer(int32), allocatable :: binned(:) !! (particles) particles, cell by cell
         integer :: outside = 0 !! particles outside the box
+        integer(int64) :: rebuilds = -1 !! of the bodies' lists when the particles were sorted
         integer(int32), allocatable :: face_of(:, :) !! (6, n_cells) wall face by side_of, or 0
         integer(int32), allocatable :: above(:, :)
         !! (6, n_cells) face that begins the column of a cell and is near enough to load it, or 0
@@ -49,7 +56,7 @@ module brz_coupling_state
         real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
         ! debts of gas cells
         integer :: n_debts = 0
-        integer(int32), allocatable :: slot(:, :, :) !! (n1, n2, n3) place among the debts, or 0
+        integer(int32), allocatable :: slot(:, :, :) !! (cells of the box) place among the debts, 0
         integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
         real(rk), allocatable :: debt(:, :) !! (n_var, n_debts) per cell volume, as air%u
         integer(int32), allocatable :: next_cell(:) !! room for the list without what is paid
@@ -57,6 +64,8 @@ module brz_coupling_state
         integer(int32), allocatable :: start(:) !! counts that become places in lists
         ! loads
         type(carrier_t), allocatable :: carrier(:) !! (bodies) how those move that carry particles
+        real(dp), allocatable :: shift(:, :) !! (3, bodies) mass times the way to middles of cells,
+                                             !! summed over the particles of a rigid body [kg m]
         real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]
         real(rk), allocatable :: v_before(:, :) !! (3, particles by id) velocity a step before [m/s]
         real(dp), allocatable :: surface(:) !! (n_faces) outermost particle behind the face [m]

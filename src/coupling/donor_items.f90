@@ -7,7 +7,8 @@
 module brz_donor_items
     use brz_air_grid, only: place_of
     use brz_cell_shells, only: cell_at, neighbour, number_of, shells_t
-    use brz_coupling_box, only: box_t, is_buried, is_gas, is_left, place_at, place_beside
+    use brz_coupling_box, only: box_t, is_buried, is_gas, is_left, is_own, place_at, &
+                                place_beside
     use brz_fresh_rules, only: add_gas, mean_gas, no_gas, surrounding_t
     use brz_kinds, only: int32, int64, int8, rk
     use brz_ledger_items, only: faces_at
@@ -213,7 +214,7 @@ contains
             end do
         else if (e <= left) then
             flag(e) = 1
-        else
+        else if (is_own(box, donor(e))) then
             kept = kept + 1
         end if
     end subroutine choose_shell

@@ -8,7 +8,7 @@
 module brz_ledger_items
     use brz_cell_shells, only: cell_at, shells_t, touching
     use brz_column_rules, only: direction_of, sign_of
-    use brz_coupling_box, only: box_t, place_at, place_beside
+    use brz_coupling_box, only: box_t, is_own, place_at, place_beside
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_ledger_rules, only: ledger_excess, ledger_ratio
     use brz_scheme, only: max_var
@@ -136,9 +136,10 @@ contains
         ratio = ledger_ratio(q, rho/faces, energy/faces)
         excess(c) = ledger_excess(ratio)
         ratio = ratio*(1 - excess(c))
+        if (excess(c) > 0) over = over + 1
+        if (.not. is_own(box, cell(c))) return
         low = min(low, ratio)
         high = max(high, ratio)
-        if (excess(c) > 0) over = over + 1
     end subroutine judge_ledger
 
     !> Take the excess out of the ledgers: `share` holds what each face of a cell hands over.

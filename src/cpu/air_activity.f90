@@ -31,6 +31,7 @@ contains
         integer :: c, i, j, k, cell(3)
 
         do c = 1, wall%n_cells
+            if (any(wall%cell(:, c) < 1 .or. wall%cell(:, c) > air%n)) cycle ! of another process
             cell = (wall%cell(:, c) - 1)/brick + 1
             air%reached(cell(1), cell(2), cell(3)) = 1
         end do

@@ -6,6 +6,7 @@ module brz_air_sums
     use brz_air_grid, only: grid_of, grid_t
     use brz_air_state, only: air_t, bc_periodic, brick, cell_gamma, wall_t
     use brz_air_totals, only: cell_sums
+    use brz_exact_sum, only: exact_sums
     use brz_load_loops, only: each_wall_speed
     use brz_ranks, only: least_of_all
     implicit none
@@ -113,15 +114,19 @@ contains
         type(wall_t), intent(in) :: wall
         real(dp), intent(out) :: gas(5) !! [kg, kg m/s, J]
         real(dp), intent(out) :: ledger(5) !! [kg, kg m/s, J]
-        real(dp) :: sums(6)
+        real(dp) :: sums(6), kept(5, wall%n_cells)
         integer :: c
 
         call cell_sums(air, sums)
         ledger = 0
         if (wall%present) then
+            kept = 0
             do c = 1, wall%n_cells
-                ledger = ledger + air%u(wall%cell(1, c), wall%cell(2, c), wall%cell(3, c), 1:5)
+                associate (at => wall%cell(:, c))
+                    if (all(at >= 1 .and. at <= air%n)) kept(:, c) = air%u(at(1), at(2), at(3), 1:5)
+                end associate
             end do
+            call exact_sums(air%part%ranks, kept, ledger)
         end if
         gas = (sums(1:5) - ledger)*product(air%dx)
         ledger = ledger*product(air%dx)

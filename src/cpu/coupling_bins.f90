@@ -5,10 +5,13 @@ module brz_coupling_bins
     use brz_cell_loops, only: each_find_cell, each_mark_cell
     use brz_cell_shells, only: cell_at, number_of
     use brz_column_loops, only: each_find_above
+    use brz_boxes, only: box_t, widened
     use brz_coupling_box, only: is_gas
     use brz_coupling_carriers, only: see_carriers
     use brz_coupling_state, only: coupling_t, side_of
     use brz_kinds, only: int32
+    use brz_ranks, only: several
+    use brz_solid_part, only: parcels_t
     use brz_solid_state, only: solid_t, worth_threads
     use brz_velocity_loops, only: each_mean_velocity_of
     implicit none
@@ -29,19 +32,20 @@ contains
         coupling%outside = 0
         call each_find_cell(solid%n, coupling%box, size(solid%x, 1), solid%x, solid%fixed, &
                             coupling%cell_of, changes, coupling%outside)
-        moved = changes > 0
+        ! where they were sorted anew, so are the particles of a cell
+        moved = changes > 0 .or. solid%rebuilds /= coupling%rebuilds
+        coupling%rebuilds = solid%rebuilds
     end subroutine find_cells
 
     !> Map of the cells that hold particles, in coupling%mark.
-    subroutine mark_cells(air, solid, coupling)
-        type(air_t), intent(in) :: air
+    subroutine mark_cells(solid, coupling)
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         integer :: j, k
 
         !$omp parallel do if(size(coupling%mark) >= worth_threads) schedule(static) collapse(2)
-        do k = 1, air%n(3)
-            do j = 1, air%n(2)
+        do k = 1, size(coupling%mark, 3)
+            do j = 1, size(coupling%mark, 2)
                 coupling%mark(:, j, k) = is_gas
             end do
         end do
@@ -65,22 +69,82 @@ contains
             allocate (coupling%face_of(6, n + n/4), coupling%above(6, n + n/4))
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do c = 1, n
-            coupling%cell(c) = number_of(air%n, coupling%wall%cell(:, c))
+            coupling%cell(c) = number_of(coupling%box%n, in_window(coupling, &
+                                                                   coupling%wall%cell(:, c)))
             coupling%face_of(:, c) = 0
         end do
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do f = 1, coupling%wall%n_faces
-            coupling%gas(f) = number_of(air%n, coupling%wall%face(1:3, f))
+            coupling%gas(f) = number_of(coupling%box%n, in_window(coupling, &
+                                                                  coupling%wall%face(1:3, f)))
             coupling%rows(f) = side_of(coupling%wall%face(4, f), coupling%wall%face(5, f))
             coupling%face_of(coupling%rows(f), coupling%wall%face_cell(f)) = f
         end do
         call each_find_above(n, coupling%box, coupling%cell, coupling%wall%solid, &
                              coupling%wall%index, coupling%face_of, coupling%above)
+        if (several(air%part%ranks)) call list_shared_faces(air, coupling)
     end subroutine index_faces
 
-    !> Sort the particles by solid cell: a counting sort, in their own order within a cell.
-    subroutine fill_bins(air, solid, coupling)
+    !> Cell of the window from that of the box.
+    pure function in_window(coupling, cell) result(ijk)
+        type(coupling_t), intent(in) :: coupling
+        integer, intent(in) :: cell(3)
+        integer :: ijk(3)
+
+        ijk = cell - coupling%wall%lo + 1
+    end function in_window
+
+    !> List the faces whose gas is in the box of one process and whose columns may reach into that
+    !> of another, in the order of the grid.
+    subroutine list_shared_faces(air, coupling)
         type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: coupling
+        type(box_t) :: near(0:air%part%ranks%n - 1) !! boxes and what loads them
+        integer :: r, layers
+
+        layers = coupling%box%layers + 2
+        do r = 0, ubound(near, 1)
+            near(r) = widened(air%part%boxes(r), [layers, layers, layers])
+        end do
+        associate (boxes => air%part%boxes, me => air%part%ranks%rank, part => coupling%part)
+            call list_faces(spread(boxes(me), 1, size(near)), near, part%faces_out)
+            call list_faces(boxes, spread(near(me), 1, size(near)), part%faces_in)
+        end associate
+
+    contains
+
+        !> Faces with gas in a box and near another, for all processes but this one.
+        subroutine list_faces(has, wants, parcels)
+            type(box_t), intent(in) :: has(0:), wants(0:)
+            type(parcels_t), intent(inout) :: parcels
+            integer :: f, n, round, gas(3)
+
+            if (.not. allocated(parcels%first)) allocate (parcels%first(0:size(has)))
+            if (.not. allocated(parcels%place)) allocate (parcels%place(0))
+            do round = 1, 2 ! count, then list
+                n = 0
+                do r = 0, ubound(has, 1)
+                    parcels%first(r) = n + 1
+                    if (r == air%part%ranks%rank) cycle
+                    do f = 1, coupling%wall%n_faces
+                        gas = air%before + coupling%wall%face(1:3, f)
+                        if (any(gas < has(r)%lo .or. gas > has(r)%hi)) cycle
+                        if (any(gas < wants(r)%lo .or. gas > wants(r)%hi)) cycle
+                        n = n + 1
+                        if (round == 2) parcels%place(n) = f
+                    end do
+                end do
+                parcels%first(size(has)) = n + 1
+                if (round == 2 .or. size(parcels%place) >= n) cycle
+                deallocate (parcels%place)
+                allocate (parcels%place(n + n/4))
+            end do
+        end subroutine list_faces
+    end subroutine list_shared_faces
+
+    !> Sort the particles by solid cell: a counting sort, and within a cell by their numbers, so
+    !> that sums over a cell depend neither on where particles are in memory nor on processes.
+    subroutine fill_bins(solid, coupling)
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         integer :: p, c, n, ijk(3)
@@ -91,7 +155,7 @@ contains
         do p = 1, solid%n
             coupling%place_of(p) = 0
             if (coupling%cell_of(p) == 0) cycle
-            ijk = cell_at(air%n, coupling%cell_of(p))
+            ijk = cell_at(coupling%box%n, coupling%cell_of(p)) + coupling%wall%lo - 1
             coupling%place_of(p) = coupling%wall%index(ijk(1), ijk(2), ijk(3))
         end do
         ! ends(c+1) counts cell c, then is its start, which the fill moves to its end
@@ -107,7 +171,40 @@ contains
             coupling%ends(c + 1) = coupling%ends(c + 1) + 1
             coupling%binned(coupling%ends(c + 1)) = p
         end do
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static)
+        do c = 1, n
+            call sort_by_id(solid%id, coupling%binned(coupling%ends(c) + 1:coupling%ends(c + 1)))
+        end do
     end subroutine fill_bins
+
+    !> Bring a few particles into the order of their numbers; most are in it but for some runs.
+    pure subroutine sort_by_id(id, places)
+        integer(int32), intent(in) :: id(:)
+        integer(int32), intent(inout) :: places(:)
+        integer(int32) :: key, place
+        integer :: gap, i, j
+
+        do i = 2, size(places)
+            if (id(places(i)) < id(places(i - 1))) exit
+        end do
+        if (i > size(places)) return
+        gap = 1
+        do while (9*gap < size(places))
+            gap = 3*gap + 1
+        end do
+        do while (gap > 0)
+            do i = gap + 1, size(places)
+                place = places(i)
+                key = id(place)
+                do j = i - gap, 1, -gap
+                    if (id(places(j)) < key) exit
+                    places(j + gap) = places(j)
+                end do
+                places(j + gap) = place
+            end do
+            gap = gap/3
+        end do
+    end subroutine sort_by_id
 
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
     !> carries them, else as it is kept, half a step before.

@@ -10,11 +10,14 @@ module brz_coupling_events
     use brz_cell_loops, only: each_count_kind, each_list_kind
     use brz_coupling_bins, only: at_least, fill_bins, find_cells, index_faces, mark_cells, &
                                  move_walls, running_sum
-    use brz_coupling_box, only: is_left, is_solid
+    use brz_coupling_box, only: box_t, is_left, is_solid
     use brz_coupling_debts, only: level_ledgers, limit_ledgers, release_debts, settle_covered
     use brz_coupling_donors, only: donate, fill_uncovered
+    use brz_coupling_guests, only: invite_guests, see_window
+    use brz_coupling_shared, only: share_debts
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: int8
+    use brz_ranks, only: several
     use brz_scheme, only: max_var
     use brz_solid_state, only: solid_t, worth_threads
     implicit none
@@ -28,44 +31,69 @@ contains
     !> Mass, momentum and energy of gas, ledgers and debts together do not change.
     subroutine reclassify(air, solid, coupling)
         type(air_t), intent(inout) :: air
+        type(solid_t), intent(inout) :: solid !! read
+        type(coupling_t), intent(inout) :: coupling
+        type(solid_t), allocatable :: guests
+
+        if (several(solid%ranks)) then
+            call invite_guests(air, solid, coupling)
+            call see_window(air)
+            call share_debts(air, coupling)
+            call move_alloc(coupling%guests, guests)
+            coupling%rebuilds = -1 ! a guest's place is another one's in the next step
+            call move_on(air, guests, coupling)
+            call move_alloc(guests, coupling%guests)
+            call see_window(air)
+        else
+            call move_on(air, solid, coupling)
+        end if
+    end subroutine reclassify
+
+    !> The same for the particles in the box.
+    subroutine move_on(air, solid, coupling)
+        type(air_t), intent(inout) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         logical :: moved
 
         call find_cells(solid, coupling, moved)
         if (moved) then
-            call mark_cells(air, solid, coupling)
-            call list_changes(air, coupling)
+            call mark_cells(solid, coupling)
+            call list_changes(coupling)
             if (coupling%n_covered + coupling%n_uncovered > 0) call change_hands(air, coupling)
-            call fill_bins(air, solid, coupling)
+            call fill_bins(solid, coupling)
         end if
         call level_ledgers(air, coupling)
         call limit_ledgers(air, coupling)
         call release_debts(air, coupling)
         ! the next time step depends on these alone, so that a restart finds the same
         call move_walls(solid, coupling)
-    end subroutine reclassify
+    end subroutine move_on
 
     !> Count the cells newly covered and newly uncovered; list the latter in their order.
-    subroutine list_changes(air, coupling)
-        type(air_t), intent(in) :: air
+    subroutine list_changes(coupling)
         type(coupling_t), intent(inout) :: coupling
-        integer :: chunks, j, k, covered, uncovered
+        integer :: chunks, j, k, covered, uncovered, own(2)
 
         covered = 0
         uncovered = 0
-        !$omp parallel do if(size(coupling%mark) >= worth_threads) schedule(static) collapse(2) &
-        !$omp reduction(+:covered, uncovered)
-        do k = 1, air%n(3)
-            do j = 1, air%n(2)
-                call compare_row(coupling%wall%solid(1:air%n(1), j, k), coupling%mark(:, j, k), &
-                                 covered, uncovered)
+        own = 0
+        associate (lo => coupling%wall%lo, hi => coupling%wall%hi, box => coupling%box)
+            !$omp parallel do if(size(coupling%mark) >= worth_threads) schedule(static) &
+            !$omp collapse(2) reduction(+:covered, uncovered, own)
+            do k = 1, box%n(3)
+                do j = 1, box%n(2)
+                    call compare_row(coupling%wall%solid(lo(1):hi(1), lo(2) - 1 + j, &
+                                                         lo(3) - 1 + k), &
+                                     coupling%mark(:, j, k), own_part(box, j, k), covered, &
+                                     uncovered, own)
+                end do
             end do
-        end do
+        end associate
         coupling%n_covered = covered
         coupling%n_uncovered = uncovered
-        coupling%covered_total = coupling%covered_total + covered
-        coupling%uncovered_total = coupling%uncovered_total + uncovered
+        coupling%covered_total = coupling%covered_total + own(1)
+        coupling%uncovered_total = coupling%uncovered_total + own(2)
         call at_least(coupling%uncovered, uncovered)
         if (uncovered == 0) return
         associate (cells => coupling%box%cells)
@@ -79,10 +107,12 @@ contains
     end subroutine list_changes
 
     !> The cells of a row, see compare_cell.
-    pure subroutine compare_row(solid, mark, covered, uncovered)
+    pure subroutine compare_row(solid, mark, part, covered, uncovered, own)
         integer(int8), intent(in) :: solid(:)
         integer(int8), intent(inout) :: mark(:)
+        integer, intent(in) :: part(2) !! first and last cell of this process
         integer, intent(inout) :: covered, uncovered !! added to
+        integer, intent(inout) :: own(2) !! both, of this process: added to
         integer :: change, i
 
         do i = 1, size(mark)
@@ -90,8 +120,21 @@ contains
             if (change > 0) covered = covered + 1
             if (change < 0) uncovered = uncovered + 1
             if (change < 0) mark(i) = is_left
+            if (i < part(1) .or. i > part(2)) cycle
+            if (change > 0) own(1) = own(1) + 1
+            if (change < 0) own(2) = own(2) + 1
         end do
     end subroutine compare_row
+
+    !> First and last cell of this process in a row; none if the row is beside its box.
+    pure function own_part(box, j, k) result(part)
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: j, k
+        integer :: part(2)
+
+        part = box%own(1, :)
+        if (any([j, k] < box%own(2:3, 1) .or. [j, k] > box%own(2:3, 2))) part = [1, 0]
+    end function own_part
 
     !> The map has changed: fill what the solid left, put the new walls up, pass the rest on.
     subroutine change_hands(air, coupling)
@@ -99,8 +142,10 @@ contains
         type(coupling_t), intent(inout) :: coupling
 
         call fill_uncovered(air, coupling)
-        coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = &
-            merge(1_int8, 0_int8, coupling%mark == is_solid)
+        associate (lo => coupling%wall%lo, hi => coupling%wall%hi)
+            coupling%wall%solid(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)) = &
+                merge(1_int8, 0_int8, coupling%mark == is_solid)
+        end associate
         call build_walls(air, coupling%wall)
         call index_faces(air, coupling)
         call size_walls(coupling)

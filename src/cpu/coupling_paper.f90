@@ -128,11 +128,11 @@ contains
 
         call find_cells(solid, coupling, moved)
         if (moved) then
-            call mark_cells(air, solid, coupling)
+            call mark_cells(solid, coupling)
             coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = coupling%mark
             call build_walls(air, coupling%wall)
             call index_faces(air, coupling)
-            call fill_bins(air, solid, coupling)
+            call fill_bins(solid, coupling)
         end if
         call move_walls(solid, coupling)
     end subroutine move_paper_walls

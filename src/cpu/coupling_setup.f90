@@ -4,16 +4,20 @@ module brz_coupling_setup
     use brz_air_state, only: air_t, bc_periodic
     use brz_air_walls, only: build_walls, set_up_walls
     use brz_air_grid, only: grid_of
+    use brz_air_part, only: window_of
+    use brz_boxes, only: cells_t => box_t
     use brz_case, only: case_t
     use brz_cell_shells, only: make_shells
     use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, &
                                  move_walls
     use brz_coupling_debts, only: enter_debts
     use brz_coupling_events, only: size_walls
+    use brz_coupling_guests, only: invite_guests, open_windows, see_window
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int32, rk
     use brz_positivity, only: floors_of
+    use brz_ranks, only: several
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -25,12 +29,12 @@ contains
     subroutine set_up_coupling(case, air, solid, coupling, err)
         type(case_t), intent(in) :: case
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(out) :: coupling
         type(error_t), intent(inout) :: err
 
         if (.not. (air%present .and. solid%present)) return
-        if (product(real(air%n, dp)) > huge(1_int32)) then
+        if (product(real(air%whole, dp)) > huge(1_int32)) then
             call raise(err, exit_deck, &
                        'the air has more than 2**31 cells: too many for the coupling')
         end if
@@ -44,11 +48,12 @@ contains
     !> Put the walls up where the particles are. What gas was there is taken out.
     subroutine couple(air, solid, spread, reference_pressure, coupling)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid !! read
         real(rk), intent(in) :: spread !! depth over which a load is spread, in air cells
         real(rk), intent(in) :: reference_pressure !! taken off every load [Pa]
         type(coupling_t), intent(out) :: coupling
-        integer :: c, ijk(3)
+        type(solid_t), allocatable :: guests
+        integer :: n(3)
 
         coupling%present = .true.
         coupling%n_var = air%n_var
@@ -56,27 +61,59 @@ contains
         coupling%reference_pressure = reference_pressure
         coupling%wraps = air%bc(1, :) == bc_periodic .and. air%n > 1
         call make_box(air, coupling)
-        call make_shells(air%n, coupling%shells)
-        allocate (coupling%cell_of(solid%n), coupling%place_of(solid%n), coupling%binned(solid%n))
-        allocate (coupling%v_before(3, solid%n), source=0.0_rk)
-        allocate (coupling%mark(air%n(1), air%n(2), air%n(3)))
-        allocate (coupling%slot(air%n(1), air%n(2), air%n(3)))
+        call make_shells(coupling%box%whole, coupling%shells)
+        n = coupling%box%n
+        allocate (coupling%mark(n(1), n(2), n(3)), coupling%slot(n(1), n(2), n(3)))
         call set_up_walls(air, coupling%wall)
-        call restart_coupling(air, solid, coupling)
+        coupling%wall%lo = 1 - (air%before - coupling%box%before)
+        coupling%wall%hi = coupling%wall%lo + n - 1
+        if (several(solid%ranks)) then
+            call open_windows(air, coupling)
+            call restart_coupling(air, solid, coupling)
+            call move_alloc(coupling%guests, guests)
+            call empty_walls(air, guests, coupling)
+            call move_alloc(guests, coupling%guests)
+            call see_window(air)
+        else
+            allocate (coupling%cell_of(solid%n), coupling%place_of(solid%n), &
+                      coupling%binned(solid%n))
+            allocate (coupling%v_before(3, solid%n), source=0.0_rk)
+            call restart_coupling(air, solid, coupling)
+            call empty_walls(air, solid, coupling)
+        end if
+    end subroutine couple
+
+    !> Take out of the surface cells what gas the particles leave no room for, all of the others.
+    subroutine empty_walls(air, solid, coupling)
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(in) :: coupling
+        integer :: c, ijk(3)
+
         do c = 1, coupling%wall%n_cells
             ijk = coupling%wall%cell(:, c)
             air%u(ijk(1), ijk(2), ijk(3), :) = empty_part(air, solid, coupling, c) &
                                                *air%u(ijk(1), ijk(2), ijk(3), :)
         end do
-    end subroutine couple
+    end subroutine empty_walls
 
-    !> The box of the air as the loops see it.
+    !> The box of the air as the loops see it: of several processes the window of this one.
     subroutine make_box(air, coupling)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
+        type(cells_t) :: window
 
-        coupling%box%n = air%n
-        coupling%box%cells = product(air%n)
+        window = cells_t([1, 1, 1], air%n)
+        coupling%box%whole = air%n
+        if (several(air%part%ranks)) then
+            window = window_of(air%part, air%part%ranks%rank, air%whole, air%around)
+            coupling%box%whole = air%whole
+        end if
+        coupling%box%n = window%hi - window%lo + 1
+        coupling%box%before = window%lo - 1
+        coupling%box%own(:, 1) = air%before - coupling%box%before + 1
+        coupling%box%own(:, 2) = air%before - coupling%box%before + air%n
+        coupling%box%cells = product(coupling%box%n)
         coupling%box%n_var = air%n_var
         coupling%box%layers = ceiling(coupling%spread)
         coupling%box%bc = air%bc
@@ -88,6 +125,7 @@ contains
         coupling%box%dx = air%dx
         coupling%box%area = product(air%dx)/air%dx
         coupling%box%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
+        coupling%box%grid%g = air%g - (air%before - coupling%box%before) ! cell 1 of the window
     end subroutine make_box
 
     !> Part of a surface cell that its particles do not fill: its gas is where the ledger starts.
@@ -113,6 +151,23 @@ contains
 
     !> Walls, bins and the map of debts as the particles and the list of debts say.
     subroutine restart_coupling(air, solid, coupling)
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(inout) :: solid !! read
+        type(coupling_t), intent(inout) :: coupling
+        type(solid_t), allocatable :: guests
+
+        if (several(solid%ranks)) then
+            call invite_guests(air, solid, coupling)
+            call see_window(air)
+            call move_alloc(coupling%guests, guests)
+            call put_up_walls(air, guests, coupling)
+            call move_alloc(guests, coupling%guests)
+        else
+            call put_up_walls(air, solid, coupling)
+        end if
+    end subroutine restart_coupling
+
+    subroutine put_up_walls(air, solid, coupling)
         type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
@@ -120,13 +175,15 @@ contains
 
         coupling%cell_of = -1
         call find_cells(solid, coupling, moved)
-        call mark_cells(air, solid, coupling)
-        coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = coupling%mark
+        call mark_cells(solid, coupling)
+        associate (lo => coupling%wall%lo, hi => coupling%wall%hi)
+            coupling%wall%solid(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)) = coupling%mark
+        end associate
         call build_walls(air, coupling%wall)
         call index_faces(air, coupling)
         call size_walls(coupling)
-        call fill_bins(air, solid, coupling)
+        call fill_bins(solid, coupling)
         call move_walls(solid, coupling)
         call enter_debts(coupling)
-    end subroutine restart_coupling
+    end subroutine put_up_walls
 end module brz_coupling_setup

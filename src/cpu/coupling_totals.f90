@@ -3,13 +3,24 @@
 module brz_coupling_totals
     use brz_air_state, only: air_t
     use brz_air_sums, only: air_totals, products_mass
+    use brz_coupling_box, only: is_own
     use brz_coupling_state, only: coupling_t
     use brz_debt_loops, only: each_total_debt
-    use brz_kinds, only: dp
+    use brz_exact_sum, only: exact_sums
+    use brz_kinds, only: dp, int64, rk
     use brz_ledger_loops, only: each_total_ledger
+    use brz_ranks, only: least_of_all, ranks_t, several, sum_of_all
     implicit none
     private
-    public :: coupling_totals, coupling_products, ledger_totals
+    public :: coupling_totals, coupling_products, ledger_totals, coupling_books_t, books_of_all
+
+    !> What the air has given to the bodies.
+    type :: coupling_books_t
+        real(dp) :: work = 0, work_reference = 0 !! see coupling_t [J]
+        real(dp) :: impulse(3) = 0, impulse_reference(3) = 0 !! see coupling_t [N s]
+        integer(int64) :: covered = 0, uncovered = 0, kept = 0 !! cells
+        real(rk) :: ledger_low = 0, ledger_high = 0 !! see coupling_t
+    end type coupling_books_t
 
 contains
 
@@ -19,14 +30,12 @@ contains
         type(coupling_t), intent(in) :: coupling
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
         real(dp), intent(out) :: ledger(5), debt(5) !! likewise
-        integer :: e
+        real(dp) :: owed(6)
 
         call air_totals(air, coupling%wall, gas, ledger)
         if (coupling%paper) ledger = 0 ! there is none: solid cells hold gas that is made up
-        debt = 0
-        do e = 1, coupling%n_debts
-            debt = debt + coupling%debt(1:5, e)*product(air%dx)
-        end do
+        call sum_debts(air, coupling, owed)
+        debt = owed(1:5)
     end subroutine coupling_totals
 
     !> Totals of ledgers and debts alone.
@@ -49,9 +58,59 @@ contains
     real(dp) function coupling_products(air, coupling)
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(in) :: coupling
+        real(dp) :: owed(6)
 
         coupling_products = products_mass(air)
-        if (air%n_var == 6 .and. coupling%n_debts > 0) coupling_products = coupling_products &
-            + sum(real(coupling%debt(6, :coupling%n_debts), dp))*product(air%dx)
+        if (air%n_var < 6) return
+        call sum_debts(air, coupling, owed)
+        coupling_products = coupling_products + owed(6)
     end function coupling_products
+
+    !> What all processes have booked. All must call.
+    subroutine books_of_all(ranks, coupling, books)
+        type(ranks_t), intent(in) :: ranks
+        type(coupling_t), intent(in) :: coupling
+        type(coupling_books_t), intent(out) :: books
+        real(dp) :: sums(8), least(2)
+        integer(int64) :: counts(3)
+
+        books = coupling_books_t(coupling%work, coupling%work_reference, coupling%impulse, &
+                        coupling%impulse_reference, coupling%covered_total, &
+                        coupling%uncovered_total, coupling%kept, coupling%ledger_low, &
+                        coupling%ledger_high)
+        if (.not. several(ranks)) return
+        call exact_sums(ranks, reshape([books%work, books%work_reference, books%impulse, &
+                                        books%impulse_reference], [8, 1]), sums)
+        books%work = sums(1)
+        books%work_reference = sums(2)
+        books%impulse = sums(3:5)
+        books%impulse_reference = sums(6:8)
+        counts = [books%covered, books%uncovered, books%kept]
+        call sum_of_all(ranks, counts)
+        books%covered = counts(1)
+        books%uncovered = counts(2)
+        books%kept = counts(3)
+        least = [books%ledger_low, -books%ledger_high]
+        call least_of_all(ranks, least)
+        books%ledger_low = real(least(1), rk)
+        books%ledger_high = real(-least(2), rk)
+    end subroutine books_of_all
+
+    !> Exact sums of the debts of all processes.
+    subroutine sum_debts(air, coupling, owed)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(in) :: coupling
+        real(dp), intent(out) :: owed(6) !! mass [kg], momentum [kg m/s], energy [J], products [kg]
+        real(dp) :: terms(6, coupling%n_debts)
+        integer :: e
+
+        terms = 0
+        do e = 1, coupling%n_debts
+            if (is_own(coupling%box, coupling%debt_cell(e))) &
+                terms(:coupling%n_var, e) = coupling%debt(:, e)
+        end do
+        owed = 0
+        if (coupling%present) call exact_sums(air%part%ranks, terms, owed)
+        owed = owed*product(air%dx)
+    end subroutine sum_debts
 end module brz_coupling_totals

@@ -32,6 +32,7 @@ contains
         call outline(solid, whole)
         call make_fields(whole, kept_alone=.true.)
         if (allocated(solid%load)) allocate (whole%load(3, whole%n), source=0.0_rk)
+        if (allocated(solid%v_before)) allocate (whole%v_before(3, whole%n), source=0.0_rk)
         out = 0
         out(:, 1) = solid%bodies%last - solid%bodies%first + 1
         call tell_counts(solid%ranks, out, in)

@@ -11,7 +11,7 @@ module brz_solid_links
     use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit, n_press
     use brz_list_drift, only: begin_links, links_reach, may_link
-    use brz_ranks, only: least_of_all, several
+    use brz_ranks, only: least_of_all, most_of_all, several
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: bond_whole, is_gone, links_t, solid_t, worth_threads
     implicit none
@@ -58,6 +58,7 @@ contains
         call visit_bodies(solid, solid%links%box, .false.)
         call number_rows(solid%links, sum(solid%bodies%rim - solid%bodies%last))
         call visit_bodies(solid, solid%links%box, .true.)
+        if (several(solid%ranks)) call join_meetings(solid)
         do b = 1, size(solid%bodies) ! ghosts have rows, without links of their own
             do i = solid%bodies(b)%last + 1, solid%bodies(b)%rim
                 solid%links%rows = solid%links%rows + 1
@@ -65,6 +66,16 @@ contains
             end do
         end do
     end subroutine build_links
+
+    !> Bodies have met where they have in any process.
+    subroutine join_meetings(solid)
+        type(solid_t), intent(inout) :: solid
+        integer(int64) :: met(size(solid%links%met))
+
+        met = reshape(merge(1_int64, 0_int64, solid%links%met), shape(met))
+        call most_of_all(solid%ranks, met)
+        solid%links%met = reshape(met == 1, shape(solid%links%met))
+    end subroutine join_meetings
 
     !> Count in `row`, or store, the links of every particle with one body after the other; note
     !> which bodies have some.

@@ -2,10 +2,12 @@
 !> Forces of the pressures on faces and of pushes on bodies, in scenes without air.
 module brz_solid_load
     use brz_face_load, only: mean_pressures, pushes
-    use brz_facet_loops, only: each_begin_load, each_load_carrier, each_place_particle, &
-        each_sum_load
-    use brz_kinds, only: dp
-    use brz_solid_state, only: form_rigid, solid_t
+    use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
+    use brz_facet_items, only: sum_load
+    use brz_facet_loops, only: each_begin_load, each_load_carrier, each_place_particle
+    use brz_kinds, only: dp, int32, int64
+    use brz_ranks, only: several
+    use brz_solid_state, only: body_t, form_rigid, is_gone, solid_t
     implicit none
     private
     public :: load_faces
@@ -22,7 +24,11 @@ contains
 
         if (.not. allocated(solid%loads%of)) return
         if (solid%loads%rebuilds /= solid%rebuilds) then ! lists were sorted
-            call each_place_particle(solid%n, solid%id, solid%loads%place)
+            if (several(solid%ranks)) then
+                call place_all(solid)
+            else
+                call each_place_particle(solid%n, solid%id, solid%loads%place)
+            end if
             solid%loads%rebuilds = int(solid%rebuilds)
         end if
         a = pushes(solid%loads, size(solid%bodies), solid%time, dt)
@@ -40,13 +46,83 @@ contains
         end associate
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
-                if (body%formulation /= form_rigid .and. body%motion%n == 0) cycle
-                body%rigid%load = 0
-                call each_sum_load(body%last - body%first + 1, body%first, &
-                    merge(0, 1, body%formulation == form_rigid), 3, 1, 3, body%rigid%x(1), &
-                    body%rigid%x(2), body%rigid%x(3), solid%x, solid%fixed, solid%load, &
-                    body%rigid%load)
+                if (body%formulation == form_rigid .or. body%motion%n > 0) &
+                    call sum_loads(solid, body)
             end associate
         end do
     end subroutine load_faces
+
+    !> Where particles and ghosts lie. A particle whose facets this process does not see as a whole
+    !> is not loaded, and noted: the run must end.
+    subroutine place_all(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b, c, i
+
+        associate (place => solid%loads%place, f => solid%loads%facets)
+            place = 0
+            do b = 1, size(solid%bodies)
+                do i = solid%bodies(b)%first, solid%bodies(b)%last
+                    place(solid%id(i)) = i
+                end do
+                do i = solid%bodies(b)%last + 1, solid%bodies(b)%rim
+                    place(solid%id(i)) = -i
+                end do
+            end do
+            do c = 1, f%carriers
+                i = place(f%id(f%first(c)))
+                if (i <= 0) cycle
+                if (solid%fixed(i) == is_gone) cycle
+                if (.not. sees_all(f%beside(:, f%first(c):f%first(c + 1) - 1), place)) &
+                    solid%loads%lost = f%id(f%first(c))
+            end do
+            if (solid%loads%lost > 0) place(solid%loads%lost) = 0
+        end associate
+    end subroutine place_all
+
+    !> True where this process knows where all neighbours of facets lie.
+    pure logical function sees_all(beside, place) result(sees)
+        integer(int32), intent(in) :: beside(:, :), place(:)
+        integer :: k, m
+
+        sees = .true.
+        do k = 1, size(beside, 2)
+            do m = 1, size(beside, 1)
+                if (beside(m, k) > 0) sees = sees .and. place(beside(m, k)) /= 0
+            end do
+        end do
+    end function sees_all
+
+    !> Force and torque of its load on a rigid body, or on what is held of another one: exact sums,
+    !> as they act back.
+    subroutine sum_loads(solid, body)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(inout) :: body
+        type(scale_t) :: scales(6)
+        integer(int64) :: limb(limbs, 6)
+        real(dp) :: largest(6)
+        integer :: i
+
+        largest = 0
+        do i = body%first, body%last
+            if (any(abs(solid%load(:, i)) > 0)) call widen(load_on(i), largest)
+        end do
+        call open_sums(solid%ranks, largest, scales)
+        limb = 0
+        do i = body%first, body%last
+            if (any(abs(solid%load(:, i)) > 0)) call add_terms(scales, load_on(i), limb)
+        end do
+        call close_sums(solid%ranks, scales, limb, body%rigid%load)
+
+    contains
+
+        pure function load_on(i) result(push)
+            integer, intent(in) :: i
+            real(dp) :: push(6)
+
+            push = 0
+            call sum_load(1, i, merge(0, 1, body%formulation == form_rigid), 3, 1, 3, &
+                body%rigid%x(1), body%rigid%x(2), body%rigid%x(3), solid%x, solid%fixed, &
+                solid%load, push)
+        end function load_on
+    end subroutine sum_loads
 end module brz_solid_load

@@ -25,7 +25,7 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(ledger_t) :: ledger
-        real(dp) :: v(3), reaction(3)
+        real(dp) :: v(3), load(6), reaction(3)
         integer :: b
 
         do b = 1, size(solid%bodies)
@@ -35,7 +35,10 @@ contains
                 reaction = body%reaction
                 if (body%motion%n > 0) then
                     v = mean_velocity(body%motion, solid%time, dt)
+                    load = body%rigid%load
+                    if (solid%ranks%rank > 0) body%rigid%load = 0 ! the first books it
                     call book_drive(body, solid%time, dt, v)
+                    body%rigid%load = load
                     if (body%formulation /= form_rigid) call drive(solid, body, dt, v)
                     body%rigid%p = body%rigid%mass*v
                 end if
@@ -197,7 +200,7 @@ contains
         v = velocity_of(body%motion, solid%time)
         body%motion%force = body%rigid%force
         if (body%formulation /= form_rigid) then
-            body%motion%force = -body%rigid%load(1:3)
+            body%motion%force = merge(-body%rigid%load(1:3), 0.0_dp, solid%ranks%rank == 0)
             do k = 1, size(solid%block, 2)
                 if (solid%block(1, k) == b) &
                     body%motion%force = body%motion%force + solid%search%sums(3:5, k)/dt

@@ -72,7 +72,7 @@ contains
 
         call gpu%columns%press_face(gpu%n_faces, gpu%box, dt, gpu%rows, there%walls%impulse, &
                                     gpu%force, err)
-        call gpu%columns%book_face(gpu%n_faces, gpu%box, dt, gpu%rows, gpu%owner, &
+        call gpu%columns%book_face(gpu%n_faces, gpu%box, dt, gpu%gas, gpu%rows, gpu%owner, &
                                    there%walls%impulse, there%walls%v, gpu%book, err)
         call gpu%columns%load_particle(particles%n, gpu%box, 4, particles%n, 1, gpu%home, &
                                        gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &

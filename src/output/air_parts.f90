@@ -3,7 +3,7 @@
 !> own, `chk_001230.part003.h5`, and the checkpoint itself says which boxes there are. Any number of
 !> processes can go on from it, and several from the checkpoint of one.
 module brz_air_parts
-    use brz_air_state, only: air_t, brick
+    use brz_air_state, only: air_t, brick, n_ghost
     use brz_air_totals, only: counts_of_all, outflow_of_all, take_outflow
     use brz_boxes, only: box_t, common, is_empty
     use brz_errors, only: error_t, exit_io, failed, raise
@@ -109,7 +109,8 @@ contains
                 call h5_close(part, err)
             end do
         else
-            call read_common(file, box_t([1, 1, 1], air%whole), air%g, air, err)
+            call read_common(file, box_t([1, 1, 1], air%whole), &
+                             merge(n_ghost, 0, air%whole > 1), air, err)
         end if
         call h5_read(file, 'air/outflow', air%outflow, err)
         call h5_read(file, 'air/outflow_products', air%outflow_products, err)

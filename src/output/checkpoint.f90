@@ -14,6 +14,7 @@ module brz_checkpoint
     use brz_checkpoint_match, only: first_difference
     use brz_checkpoint_state, only: carry_air, carry_clock, carry_coupling, carry_solid
     use brz_clock, only: clock_t
+    use brz_coupling_gather, only: begin_sharing, gather_coupling, share_coupling
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, failed, raise, exit_io
     use brz_carry, only: carry
@@ -56,7 +57,7 @@ contains
         type(meta_t) :: meta
 
         if (several(air%part%ranks)) then
-            call write_in_parts(folder, case, clock, air, sums, err)
+            call write_in_parts(folder, case, clock, air, coupling, solid, sums, err)
             return
         else if (several(solid%ranks)) then
             call write_by_first(folder, case, clock, air, coupling, solid, sums, err)
@@ -107,14 +108,18 @@ contains
     end subroutine write_by_first
 
     !> The same of several processes, which share the air: each its box, and the first what all have
-    !> in common, once the boxes are on the disk.
-    subroutine write_in_parts(folder, case, clock, air, sums, err)
+    !> in common, and the bodies, once the boxes are on the disk.
+    subroutine write_in_parts(folder, case, clock, air, coupling, solid, sums, err)
         character(*), intent(in) :: folder
         type(case_t), intent(in) :: case
         type(clock_t), intent(inout) :: clock
         type(air_t), intent(inout) :: air
+        type(coupling_t), intent(in) :: coupling
+        type(solid_t), intent(inout) :: solid
         real(dp), intent(inout) :: sums(:)
         type(error_t), intent(inout) :: err
+        type(solid_t), allocatable :: whole
+        type(coupling_t), allocatable :: all
         character(:), allocatable :: path
         type(h5_t) :: file
         type(meta_t) :: meta
@@ -122,6 +127,9 @@ contains
 
         path = folder//'/'//checkpoint_name(clock%cycle)
         leads = air%part%ranks%rank == 0
+        allocate (whole, all)
+        if (solid%present) call gather_solid(solid, whole)
+        if (coupling%present) call gather_coupling(coupling, whole, all)
         call write_air_box(path, title, air, err)
         if (failed(err)) return
         call describe_run(case, clock, meta)
@@ -130,6 +138,8 @@ contains
         if (leads) call write_meta(file, meta, err)
         call write_boxes(file, air, err)
         if (leads) then
+            if (solid%present) call carry_solid(file, whole, err)
+            if (coupling%present) call carry_coupling(file, all, err)
             call carry(file, 'sums', sums, err)
             if (.not. failed(err)) call carry_clock(file, clock, err)
             call h5_close(file, err)
@@ -149,6 +159,7 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(inout) :: sums(:)
         type(error_t), intent(inout) :: err
+        type(coupling_t), allocatable :: all
         type(h5_t) :: file
         logical :: in_parts
 
@@ -158,16 +169,27 @@ contains
         if (solid%present) call hold_all(solid)
         if (in_parts .or. several(air%part%ranks)) then
             call read_air_boxes(file, air, err)
+            if (solid%present) call carry_solid(file, solid, err)
+            allocate (all)
+            if (several(air%part%ranks)) then
+                call begin_sharing(coupling, solid, all)
+                if (coupling%present) call carry_coupling(file, all, err)
+                call check_state(path, clock, air, all, solid, err)
+            else if (coupling%present) then
+                call carry_coupling(file, coupling, err)
+            end if
             call carry(file, 'sums', sums, err)
             if (.not. failed(err)) call carry_clock(file, clock, err)
         else
             call carry_all(file, clock, air, coupling, solid, sums, err)
         end if
-        call check_state(path, clock, air, coupling, solid, err)
+        if (.not. several(air%part%ranks)) &
+            call check_state(path, clock, air, coupling, solid, err)
         call h5_close(file, err)
         if (.not. several(solid%ranks)) return
         call agree(solid%ranks, err)
         if (failed(err)) return
+        if (coupling%present) call share_coupling(all, solid, coupling)
         call keep_books_of_first(solid)
         call share_out(solid)
     end subroutine read_checkpoint

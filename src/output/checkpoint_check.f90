@@ -30,9 +30,10 @@ contains
         if (air%present) call demand(all(within(int(air%reached), 1)), 'air/reached', name)
         if (solid%present) call check_solid(solid, name)
         if (coupling%present) then
-            call demand(all(within(int(coupling%wall%solid), 1)), 'coupling/solid', name)
+            if (allocated(coupling%wall%solid)) &
+                call demand(all(within(int(coupling%wall%solid), 1)), 'coupling/solid', name)
             associate (cell => coupling%debt_cell(:coupling%n_debts))
-                call demand(all(cell >= 1 .and. cell <= product(real(air%n, dp))), &
+                call demand(all(cell >= 1 .and. cell <= product(real(air%whole, dp))), &
                             'coupling/debt_cell', name)
             end associate
         end if

@@ -13,7 +13,7 @@ module brz_checkpoint_state
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, failed
     use brz_hdf5_array, only: h5_shape
-    use brz_hdf5_file, only: h5_t
+    use brz_hdf5_file, only: h5_has, h5_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, real64
     use brz_running_total, only: total_numbers
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
@@ -221,7 +221,11 @@ contains
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 
-        call carry(file, 'coupling/solid', coupling%wall%solid, err)
+        logical :: mapped !! the map of one process is there; it follows from the particles, too
+
+        mapped = allocated(coupling%wall%solid)
+        if (mapped .and. .not. file%writing) mapped = h5_has(file, 'coupling/solid')
+        if (mapped) call carry(file, 'coupling/solid', coupling%wall%solid, err)
         call carry(file, 'coupling/dt_before', coupling%dt_before, err)
         call carry(file, 'coupling/v_before', coupling%v_before, err)
         call carry(file, 'coupling/covered_total', coupling%covered_total, err)

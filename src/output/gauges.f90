@@ -7,7 +7,7 @@
 !> A new quantity is one row of brz_gauge_quantities and one case of `value_of_gas` or
 !> `value_of_particle`.
 module brz_gauges
-    use brz_air_probe, only: gas_state_at
+    use brz_air_probe, only: gas_state_at, has_point
     use brz_air_state, only: air_t, wall_t
     use brz_case, only: case_t, gauge_case_t, label, name_len
     use brz_check_start, only: is_radial
@@ -245,7 +245,11 @@ contains
                     row(g + 1) = value_of_body(solid, gauge)
                 else
                     m = m + 1
-                    if (several(air%part%ranks)) then
+                    if (several(air%part%ranks) .and. wall%present) then
+                        row(g + 1) = 0 ! another process has the point
+                        if (.not. has_point(air, gauge%at)) cycle
+                        call gas_state_at(air, wall, gauge%at, state)
+                    else if (several(air%part%ranks)) then
                         call gas_state_at(air, wall, gauge%at, state, air%part%seen(:, :, m))
                     else
                         call gas_state_at(air, wall, gauge%at, state)
@@ -275,6 +279,7 @@ contains
                 end if
             end associate
         end do
+        if (several(solid%ranks)) call bits_of_all(solid%ranks, row(2:))
     end subroutine early_gauge_row
 
     !> What a gauge of a body measures.

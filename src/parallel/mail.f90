@@ -4,7 +4,7 @@
 !> First all tell each other how long the parcels are (`tell_counts`), then both sides make room
 !> (`make_room`), and `post` sends them, as often as there is something new in them.
 module brz_mail
-    use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_ptr, c_ptr
+    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
     use brz_kinds, only: dp, int64, int8
     use brz_mpi_library, only: mpi_alltoall, mpi_double, mpi_int64, mpi_irecv, mpi_isend, &
                                mpi_waitall
@@ -12,7 +12,7 @@ module brz_mail
     use brz_timer, only: lap, wall_seconds
     implicit none
     private
-    public :: mail_t, tell_counts, make_room, post
+    public :: mail_t, tell_counts, make_room, post, put_numbers, take_numbers
 
     integer, parameter :: tag = 90
     integer, parameter :: unit = 8 !! bytes: parcels are sent as numbers of so many
@@ -73,6 +73,30 @@ contains
         end if
         allocate (bytes(n + n/4), source=0_int8)
     end subroutine lengthen
+
+    !> Fill the parcel to a process with numbers; there is room for them.
+    subroutine put_numbers(mail, r, x)
+        type(mail_t), intent(inout), target :: mail
+        integer, intent(in) :: r !! process
+        real(dp), intent(in) :: x(:, :)
+        real(dp), pointer :: there(:, :)
+
+        if (size(x) == 0) return
+        call c_f_pointer(c_loc(mail%out(mail%out_first(r))), there, shape(x))
+        there = x
+    end subroutine put_numbers
+
+    !> The numbers that a parcel from a process holds.
+    subroutine take_numbers(mail, r, x)
+        type(mail_t), intent(in), target :: mail
+        integer, intent(in) :: r !! process
+        real(dp), intent(out) :: x(:, :)
+        real(dp), pointer :: there(:, :)
+
+        if (size(x) == 0) return
+        call c_f_pointer(c_loc(mail%in(mail%in_first(r))), there, shape(x))
+        x = there
+    end subroutine take_numbers
 
     !> Send all parcels, and wait for those of the others. One to oneself is copied.
     subroutine post(ranks, mail)

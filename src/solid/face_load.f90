@@ -42,7 +42,9 @@ module brz_face_load
     type :: loads_t
         type(history_t), allocatable :: of(:) !! in the order of the deck
         type(facets_t) :: facets !! of all of them
-        integer(int32), allocatable :: place(:) !! (particles) where the particle of a number lies
+        integer(int32), allocatable :: place(:) !! (particles) where the particle of a number lies;
+                                                !! negative: its ghost does; 0: elsewhere
+        integer :: lost = 0 !! number of a particle whose facets reach out of sight, 0: none
         integer :: rebuilds = -1 !! of the lists, when `place` was filled
         real(dp) :: step = huge(1.0_dp) !! that resolves the loads [s]
     end type loads_t

@@ -65,6 +65,7 @@ contains
         integer :: d, i, k
 
         i = place(id(first(c)))
+        if (i <= 0) return ! another process has it
         if (fixed(i) == is_gone) return
         do d = 1, 3
             total(d) = 0
@@ -114,7 +115,7 @@ contains
             length = 0
             do u = 1, 2
                 j(u) = i
-                if (beside(2*t - 2 + u, k) > 0) j(u) = place(beside(2*t - 2 + u, k))
+                if (beside(2*t - 2 + u, k) > 0) j(u) = abs(place(beside(2*t - 2 + u, k)))
             end do
             do d = 1, 3
                 do u = 1, 2

@@ -16,7 +16,7 @@ module brz_solid_ghosts
     private
     public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds
     public :: send_particles
-    public :: all_of_it, for_a_ghost, of_a_checkpoint
+    public :: all_of_it, for_a_ghost, of_a_checkpoint, for_the_air
 
     integer, parameter :: all_of_it = 1 !! the particle goes for good
     integer, parameter :: for_a_ghost = 2 !! what a ghost ever needs
@@ -25,6 +25,7 @@ module brz_solid_ghosts
     integer, parameter :: of_a_checkpoint = 5 !! what a checkpoint holds
     integer, parameter :: of_linked_rows = 6 !! as of_rows, where bodies meet
     integer, parameter :: of_bonds = 7 !! which of them are whole
+    integer, parameter :: for_the_air = 8 !! what the coupling needs
 
 contains
 
@@ -138,11 +139,14 @@ contains
             is_sent = field%sorted
         case (for_a_ghost)
             is_sent = field%sorted .and. .not. any(field%name == [character(16) :: 'a', 'energy', &
-                'hist', 'support', 'owed', 'load', 'joined'])
+                'hist', 'support', 'owed', 'load', 'v_before', 'joined'])
         case (of_motion)
             is_sent = any(field%name == [character(16) :: 'x', 'v', 'volume', 'h'])
         case (of_a_checkpoint)
-            is_sent = field%kept
+            is_sent = field%kept .or. field%name == 'v_before'
+        case (for_the_air)
+            is_sent = any(field%name == [character(16) :: 'x', 'v', 'mass', 'volume', 'id', &
+                                         'fixed', 'load', 'v_before'])
         case (of_rows)
             is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held'])
         case (of_bonds)

@@ -24,6 +24,7 @@ module brz_solid_home
     private
     public :: share_out, hold_all, send_home, place_ghosts, all_particles, is_needed
 
+    real(dp), parameter :: beside = 1.5_dp !! spacings within which neighbours on a lattice are
     real(dp), parameter :: uneven = 1.05_dp !! most particles over the mean: regions are cut anew
 
 contains
@@ -283,6 +284,7 @@ contains
         end associate
         call number_groups(solid)
         call cut_blocks(solid)
+        solid%loads%rebuilds = -1 ! its places are others now
     end subroutine place_ghosts
 
     !> List the particles that others have ghosts of: process by process, body by body.
@@ -326,6 +328,9 @@ contains
         if (solid%fixed(i) == is_gone) return
         if (solid%bodies(b)%formulation /= form_rigid) &
             yes = is_near(solid%mirror, region, reach_of_lists(solid, b), solid%x_built(:, i))
+        if (solid%bodies(b)%formulation == form_rigid .and. allocated(solid%loads%of)) &
+            yes = is_near(solid%mirror, region, beside*solid%bodies(b)%spacing, &
+                          solid%x_built(:, i)) ! facets of a rigid body, which has no lists
         if (yes .or. .not. solid%links%present) return
         do a = 1, size(solid%bodies)
             if (.not. may_link(solid, a, b)) cycle

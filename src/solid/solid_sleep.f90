@@ -4,6 +4,7 @@
 !> reach.
 module brz_solid_sleep
     use brz_kinds, only: int64
+    use brz_ranks, only: most_of_all
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -15,13 +16,16 @@ contains
     subroutine put_to_sleep(solid)
         type(solid_t), intent(inout) :: solid
         integer :: b
+        integer(int64) :: moves(size(solid%bodies)) !! 1: some particle of some process does
 
+        moves = 0
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
-                body%asleep = body%motion%n == 0 .and. &
-                              .not. any(abs(solid%v(:, body%first:body%last)) > 0)
+                if (any(abs(solid%v(:, body%first:body%last)) > 0)) moves(b) = 1
             end associate
         end do
+        call most_of_all(solid%ranks, moves)
+        solid%bodies%asleep = solid%bodies%motion%n == 0 .and. moves == 0
         call wake_met(solid)
     end subroutine put_to_sleep
 

@@ -218,6 +218,8 @@ module brz_solid_state
         real(rk), allocatable :: a(:, :) !! (3, n) acceleration by internal forces [m/s2]
         real(rk), allocatable :: load(:, :) !! (3, n) force of the air, set by the coupling; only
                                             !! where there is air [N]
+        real(rk), allocatable :: v_before(:, :) !! (3, n) velocity at the last step of the air; only
+                                                !! where there is air, on several processes [m/s]
         real(rk), allocatable :: grip(:, :) !! (3, n) force on what holds a particle at the step;
                                             !! only where a gauge asks for it [N]
         logical :: impulses = .false. !! a gauge asks for those of the load

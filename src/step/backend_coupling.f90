@@ -78,7 +78,7 @@ contains
     subroutine exchange_gas(backend, air, solid, coupling, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid !! read
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 

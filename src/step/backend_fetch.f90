@@ -146,7 +146,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: cells(3, 8*size(points, 2)), g
 
-        if (several(air%part%ranks)) call gather_cells(points, air)
+        if (several(air%part%ranks) .and. .not. wall%present) call gather_cells(points, air)
         if (.not. backend%on_gpu .or. failed(err)) return
         do g = 1, size(points, 2)
             call cells_around(air, points(:, g), cells(:, 8*g - 7:8*g))

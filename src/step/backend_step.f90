@@ -7,7 +7,7 @@ module brz_backend_step
     use brz_backend, only: backend_t, particles_of
     use brz_coupling_state, only: coupling_t
     use brz_device, only: measure_memory
-    use brz_errors, only: error_t, failed
+    use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_gpu_air_state, only: open_gpu_air
     use brz_gpu_air_step, only: gpu_air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
@@ -21,6 +21,7 @@ module brz_backend_step
     use brz_solid_load, only: load_faces
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: solid_step
+    use brz_text, only: to_text
     implicit none
     private
     public :: start_backend, advance_air, limit_of_air, advance_solid
@@ -95,6 +96,9 @@ contains
             call gpu_solid_step(backend%solid, solid, dt, err)
         else
             call load_faces(solid, dt)
+            if (solid%loads%lost > 0) call raise(err, exit_numerical, 'a loaded face is torn '// &
+                'further apart than processes look, at particle '//to_text(solid%loads%lost)// &
+                ': run this scene as one process')
             call book_impulse(solid, dt)
             call solid_step(solid, dt, err)
         end if

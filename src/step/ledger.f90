@@ -10,6 +10,7 @@ module brz_ledger
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
     use brz_coupling_state, only: coupling_t
+    use brz_coupling_totals, only: books_of_all, coupling_books_t
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, rk
     use brz_solid_books, only: books_t, close_all_books, open_all_books
@@ -110,6 +111,7 @@ contains
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
         type(solid_totals_t) :: sums
         type(books_t) :: books
+        type(coupling_books_t) :: taken
         real(dp) :: all(5), area(2)
         integer(int64) :: faces, cells
 
@@ -144,10 +146,11 @@ contains
             ledger%load_work = sum(solid%bodies%ledger%load)
             call close_all_books(solid, books)
         end if
-        ledger%air_work = coupling%work
-        ledger%reference_work = coupling%work_reference
+        if (coupling%present) call books_of_all(solid%ranks, coupling, taken)
+        ledger%air_work = taken%work
+        ledger%reference_work = taken%work_reference
         if (allocated(solid%loads%of)) ledger%reference_work = -ledger%load_work ! from outside
-        ledger%impulse = coupling%impulse + coupling%impulse_reference
+        ledger%impulse = taken%impulse + taken%impulse_reference
         all = ledger%gas + ledger%kept + ledger%outflow
         all(2:4) = all(2:4) + ledger%impulse
         ledger%total = all(5) + ledger%solid_kinetic + ledger%solid_internal + ledger%hourglass &

@@ -34,7 +34,7 @@ contains
         if (is_radial(case)) then
             what = "air along one line (geometry = '"//trim(case%air%geometry)//"')"
         else if (size(case%bodies) > 0) then
-            what = missing_of_bodies(case)
+            what = missing_of_bodies(case, n)
             if (what == '') deallocate (what)
         end if
         if (case%run%backend == 'gpu' .and. .not. allocated(what)) what = 'GPUs'
@@ -55,11 +55,13 @@ contains
     end subroutine refuse_on_ranks
 
     !> What of a scene with bodies is not distributed, '' for nothing.
-    function missing_of_bodies(case) result(what)
+    function missing_of_bodies(case, n) result(what)
         type(case_t), intent(in) :: case
+        integer, intent(in) :: n !! processes
         character(:), allocatable :: what
         type(interaction_case_t) :: rule
-        integer :: a, b
+        type(box_t) :: boxes(0:n - 1)
+        integer :: a, b, d
 
         what = ''
         do b = 1, size(case%bodies)
@@ -73,10 +75,14 @@ contains
                     what = 'total-Lagrangian bodies that meet others'
             end do
         end do
-        if (allocated(case%loads)) then
-            if (size(case%loads) > 0) what = 'a load on bodies'
-        end if
-        if (case%air%present) what = 'bodies in air'
+        if (.not. case%air%present) return
+        if (case%coupling%scheme == 'paper') what = "the coupling scheme='paper'"
+        if (n > most_boxes(case%air%cells, brick)) return
+        call cut_grid(case%air%cells, brick, boxes)
+        do d = 1, 3
+            if (case%air%bc(1, d) == 'periodic' .and. any(boxes%hi(d) < case%air%cells(d))) &
+                what = 'bodies in air whose periodic direction '//to_text(d)//' is cut'
+        end do
     end function missing_of_bodies
 
     !> Print the box of each process, its memory and what it sends, without MPI.

@@ -11,6 +11,7 @@ module brz_simulation
     use brz_coupling_state, only: coupling_t
     use brz_early, only: early_t
     use brz_errors, only: error_t, failed
+    use brz_kinds, only: rk
     use brz_ledger, only: ledger_start_t
     use brz_progress, only: progress_t
     use brz_ranks, only: ranks_t, several
@@ -69,6 +70,8 @@ contains
         if (sim%solid%present) then
             sim%solid%ranks = sim%ranks
             if (several(sim%ranks)) call find_skin(sim%solid) ! all processes have all particles
+            if (several(sim%ranks) .and. sim%air%present) &
+                allocate (sim%solid%v_before(3, sim%solid%n), source=0.0_rk)
             call share_out(sim%solid)
         end if
         if (sim%solid%present) call setup_stage('neighbours')

@@ -64,8 +64,6 @@ def test_another_mpi_is_named():
 @pytest.mark.parametrize(
     ("deck", "args", "reason"),
     [
-        ("demo.nml", [], "does not have bodies in air on several processes"),
-        ("plate_load.nml", [], "does not have a load on bodies on several processes"),
         ("rod_concrete.nml", ["--set", "solid.leave='remove'"], "leave='remove') of bodies that"),
         (
             "rod_concrete.nml",

@@ -8,6 +8,7 @@ module scene_tools
     use brz_key_table, only: all_keys
     use brz_kinds, only: dp
     use brz_ledger, only: ledger_start_t, ledger_t, take_stock
+    use brz_ranks, only: ranks_t
     use brz_scanner, only: read_deck
     use brz_simulation, only: set_up_simulation, simulation_t
     use brz_solid_totals, only: solid_totals, solid_totals_t
@@ -32,22 +33,25 @@ module scene_tools
 contains
 
     !> Set a scene up. `changes` are settings as of --set, 'group.key=value', separated by blanks.
-    subroutine open_scene(name, changes, scene)
+    subroutine open_scene(name, changes, scene, ranks)
         character(*), intent(in) :: name !! of the deck, without folder and ending
         character(*), intent(in) :: changes
         type(scene_t), intent(out) :: scene
+        type(ranks_t), intent(in), optional :: ranks !! the processes that share it
 
-        call open_deck('tests/scenes/'//name//'.nml', changes, scene)
+        call open_deck('tests/scenes/'//name//'.nml', changes, scene, ranks)
     end subroutine open_scene
 
     !> Set the scene of a deck up.
-    subroutine open_deck(path, changes, scene)
+    subroutine open_deck(path, changes, scene, ranks)
         character(*), intent(in) :: path, changes
         type(scene_t), intent(out) :: scene
+        type(ranks_t), intent(in), optional :: ranks
         type(key_t), allocatable :: keys(:)
         type(deck_t) :: deck
         type(solid_totals_t) :: sums
 
+        if (present(ranks)) scene%sim%ranks = ranks
         call all_keys(keys)
         call read_deck(path, keys, words(changes), deck, scene%err)
         call build_case(deck, keys, scene%sim%case, scene%err)

@@ -1,0 +1,28 @@
+! SPDX-License-Identifier: MIT
+!> What the coupling of one process has to do with the others where several share air and bodies.
+!>
+!> Cells and faces belong to the process in whose box of the air they are, particles to the process
+!> that steps them. A process sees a window of the grid, its box and some layers around it, and gets
+!> copies of all particles in it: its guests. So everything but what steps the bodies goes by cells,
+!> and what is beside the box is computed twice, from the same numbers.
+module brz_coupling_part
+    use brz_boxes, only: box_t
+    use brz_kinds, only: int32
+    use brz_mail, only: mail_t
+    use brz_solid_part, only: parcels_t
+    implicit none
+    private
+    public :: part_t
+
+    type :: part_t
+        type(box_t), allocatable :: windows(:) !! (0:processes-1) cells of the grid that each sees
+        ! particles of this process in windows, those of this process as well
+        type(parcels_t) :: out !! places of them
+        logical, allocatable :: theirs(:) !! (out) in a cell of the process that gets it
+        type(parcels_t) :: in !! places of the guests that came
+        integer(int32), allocatable :: cell(:, :) !! (3, particles) cell of the grid, or 0: outside
+        ! wall faces: impulses go from who has the gas to who has loads to hand out
+        type(parcels_t) :: faces_out, faces_in
+        type(mail_t) :: guest_mail, load_mail, face_mail, debt_mail
+    end type part_t
+end module brz_coupling_part

@@ -1,0 +1,134 @@
+! SPDX-License-Identifier: MIT
+!> The coupling of all processes in one, for checkpoints, and back.
+module brz_coupling_gather
+    use brz_cell_shells, only: cell_at, number_of
+    use brz_coupling_box, only: is_own
+    use brz_coupling_debts, only: size_debts
+    use brz_coupling_state, only: coupling_t
+    use brz_coupling_totals, only: books_of_all, coupling_books_t
+    use brz_kinds, only: dp, int64, rk
+    use brz_mail, only: mail_t, make_room, post, put_numbers, take_numbers, tell_counts
+    use brz_ranks, only: ranks_t
+    use brz_row_order, only: order_rows
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: gather_coupling, begin_sharing, share_coupling
+
+contains
+
+    !> What a checkpoint holds of the coupling, in the first process; debts in the order of the
+    !> grid. All must call.
+    subroutine gather_coupling(coupling, whole, all)
+        type(coupling_t), intent(in) :: coupling
+        type(solid_t), intent(in) :: whole !! all particles, in the first process
+        type(coupling_t), intent(inout) :: all
+        type(coupling_books_t) :: books
+        integer :: i
+
+        all%n_var = coupling%n_var
+        all%dt_before = coupling%dt_before
+        associate (ranks => coupling%guests%ranks)
+            call books_of_all(ranks, coupling, books)
+            call gather_debts(ranks, coupling, all)
+        end associate
+        all%work = books%work
+        all%work_reference = books%work_reference
+        all%impulse = books%impulse
+        all%impulse_reference = books%impulse_reference
+        all%covered_total = books%covered
+        all%uncovered_total = books%uncovered
+        all%kept = books%kept
+        all%ledger_low = books%ledger_low
+        all%ledger_high = books%ledger_high
+        allocate (all%v_before(3, whole%n))
+        do i = 1, whole%n
+            all%v_before(:, whole%id(i)) = whole%v_before(:, i)
+        end do
+    end subroutine gather_coupling
+
+    !> All debts, in the first process.
+    subroutine gather_debts(ranks, coupling, all)
+        type(ranks_t), intent(in) :: ranks
+        type(coupling_t), intent(in) :: coupling
+        type(coupling_t), intent(inout) :: all
+        integer(int64) :: out(1, 0:ranks%n - 1), in(1, 0:ranks%n - 1)
+        real(dp) :: own(coupling%n_var + 1, coupling%n_debts)
+        real(dp), allocatable :: there(:, :)
+        integer, allocatable :: order(:)
+        type(mail_t) :: mail
+        integer :: e, n, r, rows
+
+        rows = coupling%n_var + 1
+        n = 0
+        do e = 1, coupling%n_debts
+            if (.not. is_own(coupling%box, coupling%debt_cell(e))) cycle
+            n = n + 1
+            own(1, n) = number_of(coupling%box%whole, coupling%box%before &
+                                  + cell_at(coupling%box%n, coupling%debt_cell(e)))
+            own(2:, n) = coupling%debt(:, e)
+        end do
+        out = 0
+        out(1, 0) = n
+        call tell_counts(ranks, out, in)
+        call make_room(ranks, 8*rows*out(1, :), 8*rows*in(1, :), mail)
+        call put_numbers(mail, 0, own(:, :n))
+        call post(ranks, mail)
+        allocate (there(rows, sum(in)))
+        n = 0
+        do r = 0, ranks%n - 1
+            call take_numbers(mail, r, there(:, n + 1:n + int(in(1, r))))
+            n = n + int(in(1, r))
+        end do
+        allocate (order(n))
+        call order_rows(there(1:1, :), order)
+        call size_debts(all, n)
+        all%n_debts = n
+        all%debt_cell(:n) = nint(there(1, order))
+        all%debt(:, :n) = real(there(2:, order), rk)
+    end subroutine gather_debts
+
+    !> Room for what a checkpoint holds of the coupling, while every process has all particles.
+    subroutine begin_sharing(coupling, solid, all)
+        type(coupling_t), intent(in) :: coupling
+        type(solid_t), intent(in) :: solid
+        type(coupling_t), intent(inout) :: all
+
+        all%present = coupling%present
+        all%n_var = coupling%n_var
+        if (all%present) allocate (all%v_before(3, solid%n), source=0.0_rk)
+    end subroutine begin_sharing
+
+    !> Keep what this process needs of it. Every process has all particles; the first one keeps the
+    !> books.
+    subroutine share_coupling(all, solid, coupling)
+        type(coupling_t), intent(in) :: all
+        type(solid_t), intent(inout) :: solid
+        type(coupling_t), intent(inout) :: coupling
+        integer :: e, i, ijk(3)
+
+        do i = 1, solid%n
+            solid%v_before(:, i) = all%v_before(:, solid%id(i))
+        end do
+        coupling%dt_before = all%dt_before
+        coupling%n_debts = 0
+        call size_debts(coupling, all%n_debts)
+        do e = 1, all%n_debts
+            ijk = cell_at(coupling%box%whole, all%debt_cell(e)) - coupling%box%before
+            if (any(ijk < 1 .or. ijk > coupling%box%n)) cycle
+            coupling%n_debts = coupling%n_debts + 1
+            coupling%debt_cell(coupling%n_debts) = number_of(coupling%box%n, ijk)
+            coupling%debt(:, coupling%n_debts) = all%debt(:, e)
+        end do
+        coupling%ledger_low = all%ledger_low
+        coupling%ledger_high = all%ledger_high
+        if (solid%ranks%rank > 0) return
+        coupling%work = all%work
+        coupling%work_reference = all%work_reference
+        coupling%impulse = all%impulse
+        coupling%impulse_reference = all%impulse_reference
+        coupling%covered_total = all%covered_total
+        coupling%uncovered_total = all%uncovered_total
+        coupling%kept = all%kept
+    end subroutine share_coupling
+end module brz_coupling_gather

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: MIT
+"""Bodies in air on several processes: the results and restarts of one, from outside."""
+
+import itertools
+
+import numpy as np
+import pytest
+from test_ranks import needs_mpirun, start
+from test_run import ROOT, arrays, history
+
+from post.reader import Run
+
+HEAD = """\
+&run title = 'pelted', t_end = 6e-5, energy_band = 0.5 /
+&air box = 0, 0.28,  0, 0.24,  0, 0.24, cells = 28, 24, 24, activity = {activity},
+     bc = 'symmetry', 'outflow', 'wall', 'outflow', 'outflow', 'outflow',
+     reconstruction = 'muscl', flux = 'hllc', integrator = 'ssprk2' /
+&gas id = 'hot', box = 0, 0.12,  0.02, 0.2,  0.05, 0.24, density = 4, pressure = 3e6,
+     velocity = 300, -50, 20 /
+&material id = 's', model = 'linear_elastic', density = 200, youngs_modulus = 2e7,
+     poisson_ratio = 0.3 /
+&interaction law = 'none' /
+&gauge id = 'a', at = 0.14, 0.12, 0.12, quantity = 'pressure' /
+&gauge id = 'b', at = 0.2, 0.1, 0.16, quantity = 'speed' /
+&gauge id = 'c', at = 0.02, 0.03, 0.02, quantity = 'density' /
+&output dump_every = 3e-5, history_every = 0 /
+"""
+
+
+def pelted(seed):
+    """Boxes and balls, soft and rigid, one driven, that fly at random in a burst."""
+    dice = np.random.default_rng(seed)
+    words = [HEAD.format(activity=".true." if seed % 2 else ".false.")]
+    kinds = [("box", ""), ("box", "formulation = 'rigid'"), ("sphere", "formulation = 'rigid'"),
+             ("sphere", ""), ("box", "fix = 'x-', motion_time = 0, 1, motion_velocity = "
+                                     "90, 0, 40,  90, 0, 40")]  # fmt: skip
+    slots = dice.permutation(list(itertools.product((0, 1), repeat=3)))
+    for k, (shape, more) in enumerate(kinds):  # balls reach to all sides of their place
+        lo = 0.055 + 0.09 * slots[k] + dice.uniform(0, 0.012, 3)
+        side = dice.uniform(0.02, 0.05, 3)
+        speed = dice.uniform(-250, 250, 3)
+        at = ", ".join(f"{x:.4f}, {x + w:.4f}" for x, w in zip(lo, side, strict=True))
+        centre = ", ".join(f"{x:.4f}" for x in lo)
+        place = (
+            f"box = {at}" if shape == "box" else f"centre = {centre}, radius = {side[0] / 2:.4f}"
+        )
+        fly = "" if "motion" in more else "velocity = " + ", ".join(f"{v:.1f}" for v in speed)
+        words.append(f"&body id = 'b{k}', shape = '{shape}', {place}, spacing = 5e-3, "
+                     f"material = 's'\n     {', '.join(w for w in (fly, more) if w)} /\n"
+                     f"&gauge id = 'g{k}', body = 'b{k}', at = {centre}, "
+                     f"quantity = 'velocity_x' /\n")  # fmt: skip
+    return "".join(words)
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """The folders of runs on one process."""
+    found = {}
+    for seed in (1, 2):
+        folder = tmp_path_factory.mktemp(f"pelted{seed}")
+        (folder / "deck.nml").write_text(pelted(seed))
+        done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
+        assert done.returncode == 0, done.stderr
+        state = arrays(sorted((folder / "out").glob("chk_*.h5"))[-1])
+        assert state["coupling/covered_total"] > 30
+        assert state["coupling/uncovered_total"] > 30
+        found[seed] = folder / "out"
+    return found
+
+
+def state_of(folder):
+    """The last checkpoint: cells of all processes in one, particles by number, debts by cell."""
+    path = sorted(folder.glob("chk_??????.h5"))[-1]
+    state = arrays(path)
+    if "air/boxes" in state:
+        boxes = state.pop("air/boxes").reshape(-1, 6)
+        whole = np.zeros((5, *boxes[:, :2:-1].max(axis=0)))
+        for r, (i, j, k, ii, jj, kk) in enumerate(boxes):
+            part = arrays(path.with_name(f"{path.stem}.part{r + 1:03d}.h5"))
+            whole[:, k - 1 : kk, j - 1 : jj, i - 1 : ii] = part["air/u"]
+        state["air/u"] = whole
+    else:
+        u = state["air/u"]
+        state["air/u"] = u[(slice(None), *(slice(3, -3) if n > 1 else slice(None)
+                                           for n in u.shape[1:]))]  # fmt: skip
+    order = np.argsort(state["solid/id"])
+    for name, values in state.items():
+        if name.startswith("solid/") and values.shape[:1] == order.shape:
+            state[name] = values[order]
+    order = np.argsort(state["coupling/debt_cell"])
+    for name in ("coupling/debt_cell", "coupling/debt"):
+        state[name] = state[name][order]
+    state["driven"] = state["solid/rigid"][:, 25:28]  # what drives a body that deforms is a sum
+    state["solid/rigid"] = np.delete(state["solid/rigid"], range(25, 28), axis=1)
+    return state
+
+
+# What rounds apart: sums over steps. What one process alone writes, or writes in another way.
+BOOKS = ("coupling/work", "coupling/work_reference", "coupling/impulse",
+         "coupling/impulse_reference", "solid/body_sums", "sums", "driven")  # fmt: skip
+OTHER = ("air/reached", "air/left", "coupling/solid", "clock/history_bytes", "clock/history_sums")
+
+
+def equal_states(one, other):
+    a, b = state_of(one), state_of(other)
+    assert set(a) - set(OTHER) == set(b) - set(OTHER)
+    for name in set(a) - set(OTHER):
+        if name in BOOKS:
+            scale = np.abs(a["coupling/impulse" if "impulse" in name else name]).max()
+            assert np.allclose(a[name], b[name], rtol=0, atol=1e-12 * scale), name
+        else:
+            assert np.array_equal(a[name], b[name]), name
+
+
+def equal_runs(one, other):
+    assert (one / "gauges.csv").read_text() == (other / "gauges.csv").read_text()
+    frames = [Run(folder).frames for folder in (one, other)]
+    assert len(frames[0]) == len(frames[1]) > 0
+    for a, b in zip(*frames, strict=True):
+        x, y = a.air(), b.air()
+        assert list(x.field) == list(y.field)
+        assert all((x.field[name] == y.field[name]).all() for name in x.field)
+    for file in one.glob("solid_*.vtkhdf"):
+        first, second = arrays(file), arrays(other / file.name)
+        assert all(np.array_equal(first[path], second[path]) for path in first)
+    for name in ("bodies.csv", "energy.csv"):
+        a, b = history(one / name), history(other / name)
+        for column in a.dtype.names:
+            scale = np.abs(a[column]).max()
+            if name == "energy.csv":
+                scale = 1 if "error" in column else max(scale, a["energy_scale[J]"].max())
+            assert np.abs(a[column] - b[column]).max() <= 1e-12 * scale, column
+    equal_states(one, other)
+
+
+@needs_mpirun
+@pytest.mark.parametrize(("seed", "n"), itertools.product((1, 2), (2, 3, 4)))
+def test_bodies_in_air_do_not_depend_on_processes(seed, n, alone, tmp_path):
+    (tmp_path / "deck.nml").write_text(pelted(seed))
+    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    equal_runs(alone[seed], tmp_path / "out")
+
+
+@needs_mpirun
+@pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), (4, 2)])
+def test_bodies_in_air_go_on_on_other_processes(n, m, alone, tmp_path):
+    (tmp_path / "deck.nml").write_text(pelted(1))
+    done = start(n, "run", "deck.nml", "--out", "out", "--set", "run.max_steps=25", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    done = start(m, "run", "deck.nml", "--out", "out", "--restart", "latest", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    equal_runs(alone[1], tmp_path / "out")
+
+
+# Scenes of other tests: a blast that starts in one dimension between planes of symmetry, bodies
+# that sleep and are bonded, one that is clamped beside one that stands.
+SHORT = {"struck_fragment": 100, "two_plates": 200, "panel": 60}
+
+
+@needs_mpirun
+@pytest.mark.parametrize("name", SHORT)
+def test_scenes_of_bodies_in_air_give_the_same(name, tmp_path):
+    for n in (0, 3):
+        done = start(n, "run", ROOT / f"tests/scenes/{name}.nml", "--out", tmp_path / str(n),
+                     "--set", f"run.max_steps={SHORT[name]}", "--set", "output.history_every=0",
+                     "--set", "output.dump_every=1e-4")  # fmt: skip
+        assert done.returncode == 0, done.stderr
+    one, other = tmp_path / "0", tmp_path / "3"
+    if (one / "gauges.csv").exists():
+        assert (one / "gauges.csv").read_text() == (other / "gauges.csv").read_text()
+    equal_states(one, other)
+
+
+@needs_mpirun
+@pytest.mark.parametrize(
+    ("deck", "args", "reason"),
+    [
+        ("inputs/demo.nml", ["--set", "coupling.scheme='paper'"], "the coupling scheme='paper'"),
+        ("tests/scenes/blown_disc.nml", [], "bodies in air whose periodic direction 2 is cut"),
+    ],
+)
+def test_what_bodies_in_air_cannot_do_is_refused(deck, args, reason, tmp_path):
+    done = start(3, "run", ROOT / deck, "--out", tmp_path / "out", *args)
+    assert done.returncode == 2
+    assert reason in done.stderr.splitlines()[-1]
+    assert not (tmp_path / "out").exists()
