@@ -105,14 +105,14 @@ contains
         call kernel_sum(solid, i, .false., dt, now, before, freed)
         associate (links => solid%links)
             touch = links%touch(i)
-            if (freed > 0) touch = later_touch(touch, before(link_sum) - freed, freed)
+            if (freed > 0) touch = later_touch(touch, before(link_sum), freed)
             p(1) = link_pressure(now, real(touch, rk))
             p(2:4) = now(link_normal + 1:link_normal + 3)
             p(5) = now(link_stiffness)
             p(6:) = 0
             lost = 0
             if (dt > 0) lost = links%cell(owner_of(links%ends, i))*solid%mass(i)*links%weight(i) &
-                *spring_loss(real(touch, rk), dt, now, before)
+                *spring_loss(real(links%touch(i), rk), real(touch, rk), dt, now, before)
         end associate
     end subroutine press
 

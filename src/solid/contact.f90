@@ -165,24 +165,26 @@ contains
     !>
     !> The leapfrog's work over a step is that of the mean of the forces at both ends.
     !@cuf attributes(host,device) &
-    pure function spring_loss(touch, dt, now, before) result(loss)
-        real(rk), intent(in) :: touch !! sum at which contact begins
+    pure function spring_loss(last, touch, dt, now, before) result(loss)
+        real(rk), intent(in) :: last, touch !! sum at which contact began, and begins from now on
         real(rk), intent(in) :: dt !! step just made [s]
         real(rk), intent(in) :: now(n_link), before(n_link) !! sums after it and before it
         real(rk) :: loss !! [J/m3]
         real(rk) :: p, p0
 
         p = link_pressure(now, touch)
-        p0 = link_pressure(before, touch)
+        p0 = link_pressure(before, last)
         loss = dt/2*(p*now(link_rate) + p0*before(link_rate))
         if (p > 0) loss = loss - p*p/(2*now(link_stiffness))
         if (p0 > 0) loss = loss + p0*p0/(2*before(link_stiffness))
     end function spring_loss
 
-    !> The same of the hard core of a pair [J].
+    !> The same of the hard core of a pair [J]. What a pair that is set free holds at once is taken
+    !> from the heat of what held it apart.
     !@cuf attributes(host,device) &
-    pure function core_loss(m, dt, r, dv) result(loss)
+    pure function core_loss(m, fresh, dt, r, dv) result(loss)
         type(meeting_t), intent(in) :: m
+        logical, intent(in) :: fresh !! set free in this step
         real(rk), intent(in) :: dt !! step just made [s]
         real(rk), intent(in) :: r(3), dv(3) !! x_ij [m], v_ij [m/s]
         real(rk) :: loss
@@ -194,6 +196,10 @@ contains
         call contact_push(m, 0.0_rk, 0.0_rk, sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)), u, energy)
         call contact_push(m, 0.0_rk, 0.0_rk, &
                           sqrt(past(1)*past(1) + past(2)*past(2) + past(3)*past(3)), u0, energy0)
+        if (fresh) then
+            u0 = 0
+            energy0 = 0
+        end if
         loss = -dt/2*(u*(r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)) &
                       + u0*(past(1)*dv(1) + past(2)*dv(2) + past(3)*dv(3))) - (energy - energy0)
     end function core_loss

@@ -97,7 +97,7 @@ contains
         real(real32), intent(in) :: weight(*)
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(out) :: now(n_link), before(n_link) !! see brz_contact
-        real(rk), intent(out) :: freed !! share of particles without contact then, of its sum
+        real(rk), intent(out) :: freed !! sum over particles that had no contact then
         real(rk) :: s(3), r(3), dv(3), w, d
         integer :: a, b, j, k, n, t
         integer(int64) :: at
@@ -121,11 +121,13 @@ contains
             do t = 1, 3
                 r(t) = r(t) - dt*dv(t)
             end do
-            call add_link(table(a, b), w, r, dv, before)
-            if (.not. is_freed(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle
-            d = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
-            freed = freed + w*kernel_value(kernel_slope(table(a, b)%scale, &
-                                           table(a, b)%half_over_h, d), table(a, b)%h, d)
+            if (is_freed(table(a, b), bond(i), bond(j), joined(i), joined(j))) then
+                d = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
+                freed = freed + w*kernel_value(kernel_slope(table(a, b)%scale, &
+                                               table(a, b)%half_over_h, d), table(a, b)%h, d)
+            else
+                call add_link(table(a, b), w, r, dv, before)
+            end if
         end do
         call mean_stiffness(now)
         call mean_stiffness(before)
@@ -155,7 +157,7 @@ contains
         real(rk), intent(inout) :: energy(*)
         real(dp), intent(inout) :: heat(*) !! of contact, of each particle [J]
         real(rk), intent(inout) :: press(n_press, *) !! see links_t
-        real(rk) :: now(n_link), before(n_link), freed, lost
+        real(rk) :: now(n_link), before(n_link), freed, lost, last
         integer :: i, n, r, t
         integer(int64) :: at
 
@@ -164,7 +166,8 @@ contains
         if (n == 0) return
         call sum_links(i, .false., lay, dt, ends, table, cell, x, v, mass, weight, bond, joined, &
                        row, slice, count, list, now, before, freed)
-        if (freed > 0) touch(i) = later_touch(touch(i), before(link_sum) - freed, freed)
+        last = touch(i)
+        if (freed > 0) touch(i) = later_touch(touch(i), before(link_sum), freed)
         press(1, r) = link_pressure(now, real(touch(i), rk))
         do t = 1, 3
             press(1 + t, r) = now(link_normal + t)
@@ -172,7 +175,7 @@ contains
         press(5, r) = now(link_stiffness)
         if (.not. dt > 0) return
         lost = cell(owner_of(ends, i))*mass(i)*weight(i) &
-            *spring_loss(real(touch(i), rk), dt, now, before)
+            *spring_loss(last, real(touch(i), rk), dt, now, before)
         energy(i) = energy(i) + lost/mass(i)
         heat(i) = heat(i) + lost
     end subroutine press_links
@@ -235,8 +238,9 @@ contains
             other = cell(b)*mass(j)*weight(j)
             call add_pair(lay, table(a, b), table(b, a), real(dt, rk), own, other, s, r, dv, d, &
                           vr, press(1, q), press(1, u), pair(1, i), pair(1, j), &
-                          trace_at(lay, stress, i), trace_at(lay, stress, j), f, energy, lost, &
-                          stiffness, damping)
+                          trace_at(lay, stress, i), trace_at(lay, stress, j), &
+                          is_freed(table(a, b), bond(i), bond(j), joined(i), joined(j)), f, &
+                          energy, lost, stiffness, damping)
         end do
         if (stiffness > 0 .and. .not. table(a, a)%rigid) & ! see rigid_step
             limit = min(limit, spring_share*sqrt(real(mass(i), dp)/stiffness))
@@ -267,13 +271,15 @@ contains
     !> What a link adds to the sums of a particle.
     !@cuf attributes(host,device) &
     pure subroutine add_pair(lay, m, back, dt, own, other, s, r, dv, distance, vr, p, q, pair_i, &
-                             pair_j, stress_i, stress_j, f, energy, lost, stiffness, damping)
+                             pair_j, stress_i, stress_j, fresh, f, energy, lost, stiffness, &
+                             damping)
         type(link_layout_t), intent(in) :: lay
         type(meeting_t), intent(in) :: m, back !! law of i with j, of j with i
         real(rk), intent(in) :: dt, own, other !! step just made [s], volumes of the cells [m3]
         real(rk), intent(in) :: s(3), r(3), dv(3), distance, vr
         real(rk), intent(in) :: p(n_press), q(n_press), pair_i(n_pair), pair_j(n_pair)
         real(rk), intent(in) :: stress_i(3), stress_j(3)
+        logical, intent(in) :: fresh !! without contact until this step
         real(rk), intent(inout) :: f(n_terms), energy, lost, stiffness, damping
         real(rk) :: slip(3), n(3), g(3), z(3), spin_i(3), spin_j(3), moment(3), heat(2)
         real(rk) :: cells, slope, u, core, area, toward, share, w
@@ -283,7 +289,7 @@ contains
         cells = own*other/lay%depth
         call contact_push(m, cells*slope, p(1)/m%touch + q(1)/back%touch, distance, u, core)
         energy = energy + core/2
-        lost = lost + core_loss(m, dt, r, dv)/2
+        lost = lost + core_loss(m, fresh, dt, r, dv)/2
         do t = 1, 3
             f(t) = f(t) + u*r(t)
         end do
