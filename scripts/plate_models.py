@@ -1,0 +1,150 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Error against seconds for the plate under blast of the paper, by how much is modelled.
+
+usage: plate_models.py [draw]
+
+168 g of TNT at 0.4 m from a clamped plate of CFRP: a load by Kingery-Bulmash without air; air with
+a charge that is burnt at once, or started along its radius or in a plane; a quarter or the whole
+plate; coarse to fine. Each run has one core. The error is that of the displacement of two points
+after 0.3 ms, before damage decides, against the scene at the resolution of the paper (REFERENCE).
+Records docs/data/plate_models.csv and draws docs/figures/plate_models.png; `draw` only draws.
+"""
+
+from __future__ import annotations
+
+import csv
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+
+sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from post.history import read_history
+
+TABLE = Path("docs/data/plate_models.csv")
+PICTURE = Path("docs/figures/plate_models.png")
+FOLDER = Path("out/plate_models")
+KEYS = ("run", "model", "cells_mm", "spacing_mm", "middle_mm", "quarter_mm", "error", "seconds")
+# [mm] middle and quarter point: inputs/paper/plate.nml, 0.3 mm, cells of 1.2 mm, H200, 054bcf3
+REFERENCE = (5.981, 5.998)
+END = 3e-4
+PLATE = """&run title = 'Plate under blast', t_end = {end}{symmetry} /
+&material id = 'cfrp', preset = 'cfrp_woven' /
+&body
+    id = 'plate', shape = 'box', box = -0.125, 0.125,  -0.125, 0.125,  -0.0042, 0
+    spacing = {spacing}e-3, material = 'cfrp', formulation = 'bending'
+    fix_box = -0.126, -0.1208,  -0.126, 0.126,  -0.005, 0.001
+               0.1208, 0.126,   -0.126, 0.126,  -0.005, 0.001
+              -0.126, 0.126,  -0.126, -0.1208,  -0.005, 0.001
+              -0.126, 0.126,   0.1208, 0.126,   -0.005, 0.001
+/
+&gauge id = 'mid', at = 0, 0, -0.0021, quantity = 'displacement_z', body = 'plate' /
+&gauge id = 'quarter', at = 0.0625, 0, -0.0021, quantity = 'displacement_z', body = 'plate' /
+&output history_every = 1e-6 /
+"""
+LOAD = "&load id = 'tnt', body = 'plate', faces = 'z+', mass = 0.168, at = 0, 0, 0.4 /\n"
+AIR = """&air
+    box = {low}, 0.1368, {low}, 0.1368, -0.0288, 0.5328, cells = {across}, {across}, {up}
+/
+&charge id = 'tnt', mass = 0.168, explosive = 'tnt', {start}, at = 0, 0, 0.4 /
+"""
+AT_ONCE = "eos = 'ideal'"
+ALONG_RADIUS = "eos = 'jwl', start = '1d'"
+IN_PLANE = "eos = 'jwl', start = '2d'"
+MODELS = {  # start of the charge, symmetry
+    "load by Kingery-Bulmash": (None, True),
+    "air, burnt at once": (AT_ONCE, True),
+    "air, 1-D start": (ALONG_RADIUS, True),
+    "air, 2-D start": (IN_PLANE, True),
+    "air, 1-D start, whole plate": (ALONG_RADIUS, False),
+}
+RUNS = [  # model, cells of the air [mm], spacing [mm]
+    ("load by Kingery-Bulmash", None, 2.1),
+    ("load by Kingery-Bulmash", None, 1.4),
+    ("load by Kingery-Bulmash", None, 1.05),
+    ("air, burnt at once", 7.2, 2.1),
+    ("air, burnt at once", 3.6, 1.4),
+    ("air, 1-D start", 7.2, 2.1),
+    ("air, 1-D start", 3.6, 2.1),
+    ("air, 1-D start", 3.6, 1.4),
+    ("air, 2-D start", 7.2, 2.1),
+    ("air, 2-D start", 3.6, 1.4),
+    ("air, 1-D start, whole plate", 7.2, 2.1),
+]
+
+
+def deck(model: str, cells: float | None, spacing: float) -> str:
+    """The deck of a run."""
+    start, mirrored = MODELS[model]
+    symmetry = ", symmetry = 'x', 'y'" if mirrored else ""
+    text = PLATE.format(end=END, symmetry=symmetry, spacing=spacing)
+    if start is None:
+        return text + LOAD
+    across = round(136.8 / cells) * (1 if mirrored else 2)
+    low = "0" if mirrored else "-0.1368"
+    return text + AIR.format(low=low, across=across, up=round(561.6 / cells), start=start)
+
+
+def run(number: int) -> list[str]:
+    """Run one deck on one core; a row of the table."""
+    model, cells, spacing = RUNS[number]
+    path = FOLDER / f"run_{number}.nml"
+    path.write_text(f"{model}.\n{deck(model, cells, spacing)}", encoding="utf-8")
+    command = ["bin/brisance", "run", path, "--backend", "cpu", "--out", FOLDER / f"run_{number}"]
+    done = subprocess.run(
+        [*command, "--replace"],
+        env=os.environ | {"OMP_NUM_THREADS": "1"},
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    seconds = float(re.findall(r"wall clock +([\d.]+) s", done.stdout)[-1])
+    history = read_history(FOLDER / f"run_{number}" / "gauges.csv")
+    moved = [-1e3 * float(history[f"{name}:displacement_z"][-1]) for name in ("mid", "quarter")]
+    error = sum(abs(a / b - 1) for a, b in zip(moved, REFERENCE, strict=True)) / len(moved)
+    numbers = [f"{moved[0]:.3f}", f"{moved[1]:.3f}", f"{error:.4f}", f"{seconds:.1f}"]
+    return [f"run_{number}", model, "" if cells is None else f"{cells:g}", f"{spacing:g}", *numbers]
+
+
+def record() -> None:
+    """Run all and write the table."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for number in range(len(RUNS)):
+        rows.append(run(number))
+        print(", ".join(rows[-1]), flush=True)
+    with TABLE.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerows([KEYS, *rows])
+
+
+def draw() -> None:
+    """Error against wall clock of one core, a curve for each model."""
+    with TABLE.open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    figure, axis = plt.subplots(figsize=(7.5, 4.6), constrained_layout=True)
+    for model in MODELS:
+        own = [row for row in rows if row["model"] == model]
+        seconds, errors = ([float(row[key]) for row in own] for key in ("seconds", "error"))
+        axis.loglog(seconds, [100 * e for e in errors], "o-", ms=5, label=model)
+        for row, x, y in zip(own, seconds, errors, strict=True):
+            sizes = [row["cells_mm"], row["spacing_mm"]] if row["cells_mm"] else [row["spacing_mm"]]
+            axis.annotate(" / ".join(sizes), (x, 100 * y), xytext=(5, 4), fontsize=7,
+                          textcoords="offset points")  # fmt: skip
+    axis.set(xlabel="wall clock, one core [s]", ylabel="error of the displacement at 0.3 ms [%]")
+    axis.grid(alpha=0.3, which="both")
+    axis.legend(fontsize=8)
+    figure.savefig(PICTURE, dpi=110)
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] != ["draw"]:
+        record()
+    draw()
