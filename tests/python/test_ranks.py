@@ -125,6 +125,11 @@ def equal_results(one, other):
     """Histories are the same text, dumps the same numbers."""
     for name in ("gauges.csv", "energy.csv"):
         assert (one / name).read_text() == (other / name).read_text(), name
+    equal_air(one, other)
+
+
+def equal_air(one, other):
+    """All dumps of the air hold the same numbers."""
     frames = [Run(folder).frames for folder in (one, other)]
     assert len(frames[0]) == len(frames[1]) > 0
     for a, b in zip(*frames, strict=True):
