@@ -14,7 +14,7 @@ module brz_axial_step
     use brz_kinds, only: dp
     implicit none
     private
-    public :: advance_axial, prepare_axial
+    public :: advance_axial
 
     integer, parameter :: most_attempts = 14 !! of a step
     integer, parameter :: smooth_attempts = 4 !! of these with the whole step
