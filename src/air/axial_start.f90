@@ -104,11 +104,11 @@ contains
         type(case_t), intent(in) :: case
         type(frame_t), intent(in) :: frame
         type(obstacle_t), allocatable, intent(out) :: obstacles(:)
-        type(obstacle_t), allocatable :: open(:)
+        type(obstacle_t), allocatable :: open (:)
         real(dp) :: lo(3), hi(3), far
         integer :: b, d, s
 
-        allocate (obstacles(0), open(0))
+        allocate (obstacles(0), open (0))
         far = sum(case%air%hi - case%air%lo)
         do b = 1, size(case%bodies)
             call body_box(case%bodies(b), lo, hi)
