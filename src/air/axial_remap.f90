@@ -31,8 +31,8 @@ module brz_axial_remap
 
 contains
 
-    !> Put what lies in the box into the grid, which holds a part of the blast (1/2 for each plane of
-    !> symmetry through the centre).
+    !> Put what lies in the box into the grid, which holds a part of the blast (1/2 for each plane
+    !> of symmetry through the centre).
     subroutine map_axial(blast, frame, inside, part, air, off, ok)
         type(axial_t), intent(in) :: blast !! all of it burnt
         type(frame_t), intent(in) :: frame
