@@ -218,7 +218,8 @@ def draw() -> None:
         ticks.set_major_formatter(StrMethodFormatter("{x:g}"))
         ticks.set_minor_formatter(NullFormatter())
     axis.grid(alpha=0.3)
-    axis.legend(fontsize=8)
+    axis.set_xlim(right=330)
+    axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(0.02, 0.72))
     figure.savefig(PICTURE, dpi=110)
 
 
