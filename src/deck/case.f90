@@ -149,6 +149,7 @@ module brz_case
         real(dp) :: motion_velocity(3, max_motion) = 0 !! [m/s]
         real(dp) :: spin(3) = 0 !! angular velocity about spin_centre [rad/s]
         character(512) :: start_file = '' !! of initial velocities and stresses
+        logical :: start_stress = .false. !! those of a dump too
         logical :: about_point = .false. !! else that is the centre of mass
         real(dp) :: spin_centre(3) = 0 !! [m]
         character(name_len) :: formulation = 'auto' !! see the deck reference
@@ -214,6 +215,8 @@ module brz_case
         real(dp) :: to(3) = 0 !! other end of a strain gauge [m]
         character(name_len) :: body = '' !! for quantities of a solid
         integer :: body_index = 0
+        character(name_len) :: with = '' !! other body of a force or impulse of contact
+        integer :: with_index = 0
     end type gauge_case_t
 
     !> &solid: settings shared by all bodies

@@ -26,6 +26,7 @@ contains
             if (deck%groups(g)%name /= 'gauge') cycle
             k = k + 1
             call find_body(deck, g, case, case%gauges(k))
+            call find_other(deck, g, case, case%gauges(k))
             if (.not. deck%groups(g)%bad) call check_quantity(deck, g, case, case%gauges(k))
             if (.not. deck%groups(g)%bad) call check_points(deck, g, case%gauges(k))
             if (is_radial(case)) cycle
@@ -48,6 +49,27 @@ contains
         call complain(deck, g, 'body', "there is no &body with id='"//trim(gauge%body)//"'"// &
                       reference_hint(trim(gauge%body), case%bodies%id))
     end subroutine find_body
+
+    !> The other body of a force between two.
+    subroutine find_other(deck, g, case, gauge)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(gauge_case_t), intent(inout) :: gauge
+
+        if (.not. is_given(deck%groups(g), 'with')) return
+        gauge%with_index = findloc(case%bodies%id, gauge%with, 1)
+        if (all(index(gauge%quantity, ['contact', 'impulse']) /= 1)) then
+            call complain(deck, g, 'with', "with belongs to quantity='contact_x' or "// &
+                          "'impulse_x', ...; take it out")
+        else if (gauge%with_index == 0) then
+            call complain(deck, g, 'with', "there is no &body with id='"//trim(gauge%with)//"'"// &
+                          reference_hint(trim(gauge%with), case%bodies%id))
+        else if (gauge%with_index == gauge%body_index) then
+            call complain(deck, g, 'with', 'a body does nothing to itself; name another one')
+        end if
+        if (deck%groups(g)%bad) gauge%with_index = 0
+    end subroutine find_other
 
     !> A quantity of the air, of a body, or of both.
     subroutine check_quantity(deck, g, case, gauge)
@@ -91,9 +113,10 @@ contains
         integer :: axis
 
         axis = index('xyz', quantity(len(quantity):))
-        loaded = case%air%present
+        loaded = case%air%present .or. is_given(deck%groups(g), 'with')
         if (allocated(case%loads)) loaded = loaded .or. size(case%loads) > 0
-        if (index(quantity, 'contact') == 1 .and. case%run%symmetry(axis)) then
+        if ((index(quantity, 'contact') == 1 .or. is_given(deck%groups(g), 'with')) &
+            .and. case%run%symmetry(axis)) then
             call complain(deck, g, 'quantity', quantity//' holds what the plane of symmetry '// &
                           'takes up, too; measure along the plane, or take symmetry out')
         else if (index(quantity, 'load') + index(quantity, 'impulse') == 1 .and. .not. loaded) then

@@ -253,7 +253,10 @@ contains
                       meaning='What is measured. The air has the first seven; with body it is '// &
                       'of the body, and from reaction_x on of all of it.'), &
                 key_t(group=g, key='body', kind=kind_text, &
-                      meaning='Id of the body that is measured; absent: the air.')]
+                      meaning='Id of the body that is measured; absent: the air.'), &
+                key_t(group=g, key='with', kind=kind_text, &
+                      meaning='contact_x, ..., impulse_x, ...: what this other body alone does '// &
+                      'to the body.')]
     end subroutine gauge_keys
 
     subroutine settings_keys(keys)

@@ -214,6 +214,7 @@ contains
             call get(group, 'spin', body%spin)
             call get(group, 'spin_centre', body%spin_centre)
             call get_path(deck, g, 'start_file', body%start_file)
+            call get(group, 'start_stress', body%start_stress)
             body%about_point = is_usable(group, 'spin_centre')
             call get(group, 'formulation', body%formulation)
             call get(group, 'alpha', body%alpha)
@@ -298,6 +299,7 @@ contains
         call get(group, 'to', gauge%to)
         call get(group, 'quantity', gauge%quantity)
         call get(group, 'body', gauge%body)
+        call get(group, 'with', gauge%with)
     end subroutine fill_gauge
 
     !> &solid, &coupling and &output; they follow the groups that they depend on.

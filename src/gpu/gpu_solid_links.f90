@@ -48,6 +48,7 @@ contains
             call free_buffer(gpu%extra)
             call allocate_buffer(gpu%extra, n_terms*bytes_of_real*n, err)
             call links%contact%open(device, err)
+            call links%between%open(device, err)
             call links%bonds%open(device, err)
         end associate
     end subroutine open_gpu_links

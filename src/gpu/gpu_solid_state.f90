@@ -7,6 +7,7 @@ module brz_gpu_solid_state
     use brz_buffers, only: doubles_t, from, integers_t, reals_t
     use brz_bond_launches, only: bond_kernels_t
     use brz_cohesive_launches, only: cohesive_kernels_t
+    use brz_between_launches, only: between_kernels_t
     use brz_contact_launches, only: contact_kernels_t
     use brz_device, only: allocate_buffer, buffer_t, clear_buffer, copy_in, device_t, &
         free_buffers, kernel_t
@@ -58,6 +59,7 @@ module brz_gpu_solid_state
         type(integers_t) :: ends, slice, count, list, met
         type(reals_t) :: cell, press
         type(contact_kernels_t) :: contact
+        type(between_kernels_t) :: between
         type(bond_kernels_t) :: bonds
     end type gpu_links_t
 

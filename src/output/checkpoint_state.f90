@@ -19,6 +19,7 @@ module brz_checkpoint_state
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
         is_short, is_single
     use brz_solid_state, only: ledger_t, solid_t
+    use brz_text, only: to_text
     implicit none
     private
     public :: carry_clock, carry_air, carry_solid, carry_coupling
@@ -77,11 +78,43 @@ contains
         call carry(file, 'solid/rebuilds', solid%rebuilds, err)
         call carry_fields(file, solid, err)
         call carry_bodies(file, solid, err)
+        call carry_between(file, solid, err)
         if (.not. solid%cohesive%present) return
         call carry(file, 'solid/interface_damage', solid%cohesive%damage, err)
         call carry(file, 'solid/interface_spent', solid%cohesive%spent, err)
         call carry(file, 'solid/interface_held', solid%cohesive%held, err)
     end subroutine carry_solid
+
+    !> Forces and impulses between two bodies; from zero where the deck asks for them only now.
+    subroutine carry_between(file, solid, err)
+        type(h5_t), intent(in) :: file
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        character(:), allocatable :: name
+        real(dp) :: state(6)
+        integer :: k, m
+
+        if (.not. allocated(solid%between)) return
+        do k = 1, size(solid%between)
+            associate (between => solid%between(k))
+                do m = 1, k
+                    if (all(solid%between(m)%body == between%body)) exit
+                end do
+                if (m < k) then ! another gauge of the same bodies
+                    between = solid%between(m)
+                    cycle
+                end if
+                name = 'solid/between_'//to_text(between%body(1))//'_'//to_text(between%body(2))
+                if (.not. file%writing) then
+                    if (.not. h5_has(file, name)) cycle
+                end if
+                state = [between%force, between%impulse]
+                call carry(file, name, state, err)
+                between%force = state(1:3)
+                between%impulse = state(4:6)
+            end associate
+        end do
+    end subroutine carry_between
 
     !> All fields of the particles that nothing else gives.
     subroutine carry_fields(file, solid, err)

@@ -11,6 +11,7 @@ module brz_gauges
     use brz_air_state, only: air_t, wall_t
     use brz_case, only: case_t, gauge_case_t, label, name_len
     use brz_check_start, only: is_radial
+    use brz_contact, only: law_contact
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_gauge_places, only: choose_particle, find_place
     use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
@@ -39,10 +40,12 @@ module brz_gauges
         real(dp) :: at(3) = 0 !! [m]
         logical :: moves = .false. !! the motion of its particles is all that it needs
         integer :: body = 0 !! 0: the air
+        integer :: with = 0 !! what this other body does to it; 0: whatever acts on it
         integer :: whole = 0 !! of a whole body, see brz_gauge_quantities; 0: of a point
         real(dp) :: force(n_forces) = 0 !! on the whole body, where `whole` asks for one of them
         integer :: particle(2) = 0 !! numbers of its particles; the second one of a strain alone
         integer :: place(2) = 0 !! where those particles were found last
+        integer :: pair = 0 !! place among those of solid%between
         integer :: slot = 0 !! in the history of the material
     end type gauge_t
 
@@ -105,6 +108,7 @@ contains
         gauge%quantity = input%quantity(:len(gauge%quantity))
         gauge%at = input%at
         gauge%body = input%body_index
+        gauge%with = input%with_index
         q = find_quantity(gauge%quantity)
         possible = q > 0
         if (possible) then
@@ -122,6 +126,7 @@ contains
         if (several(solid%ranks) .and. (gauge%whole > 0 .or. gauge%quantity == 'strain')) &
             call raise(err, exit_deck, label('gauge', input%id, input%place)//'several '// &
                        'processes do not measure '//trim(gauge%quantity)//' yet; run as one')
+        if (gauge%with > 0) call find_pair(input, solid, gauge%pair, err)
         if (gauge%whole > 0) then
             if (any(index(gauge%quantity, ['reaction', 'moment  ']) == 1)) &
                 call find_support(input, solid, err)
@@ -131,6 +136,26 @@ contains
         if (gauge%quantity == 'strain') call find_end(input, solid, gauge, err)
         if (any(gauge%quantity == of_history)) call find_slot(input, solid, gauge, err)
     end subroutine set_up_gauge
+
+    !> The two bodies of a force between them: they must meet by contact.
+    subroutine find_pair(input, solid, pair, err)
+        type(gauge_case_t), intent(in) :: input
+        type(solid_t), intent(in) :: solid
+        integer, intent(out) :: pair
+        type(error_t), intent(inout) :: err
+        logical :: meets
+
+        associate (a => input%body_index, b => input%with_index)
+            do pair = 1, size(solid%between)
+                if (all(solid%between(pair)%body == [a, b])) exit
+            end do
+            meets = solid%links%present
+            if (meets) meets = solid%links%table(a, b)%law == law_contact
+            if (.not. meets) call raise(err, exit_deck, label('gauge', input%id, input%place)// &
+                'bodies '//trim(input%body)//' and '//trim(input%with)//" do not meet by "// &
+                "law='contact', and no other force between them is measured; take with out")
+        end associate
+    end subroutine find_pair
 
     !> A force on what holds a body needs that.
     subroutine find_support(input, solid, err)
@@ -288,7 +313,12 @@ contains
         type(gauge_t), intent(inout) :: gauge
         integer :: k
 
-        if (gauge%whole >= from_impulse) then
+        if (gauge%with > 0) then
+            associate (between => solid%between(gauge%pair))
+                value = between%force(axis_of(gauge%quantity))
+                if (gauge%whole >= from_impulse) value = between%impulse(axis_of(gauge%quantity))
+            end associate
+        else if (gauge%whole >= from_impulse) then
             value = solid%bodies(gauge%body)%impulse(gauge%whole - from_impulse + 1)
         else if (gauge%whole > 0) then
             value = gauge%force(gauge%whole)

@@ -23,7 +23,7 @@ module brz_body_setup
     use brz_rigid_setup, only: set_up_rigid
     use brz_start_fields, only: start_from_file
     use brz_solid_arrays, only: allocate_solid
-    use brz_solid_state, only: body_t, solid_t
+    use brz_solid_state, only: between_t, body_t, solid_t
     implicit none
     private
     public :: meeting_speed, outline_solid, set_up_solid
@@ -68,7 +68,13 @@ contains
         integer :: g
 
         if (.not. allocated(case%gauges)) return
+        if (any(case%gauges%with_index > 0)) allocate (solid%between(0))
         do g = 1, size(case%gauges)
+            if (case%gauges(g)%with_index > 0) then
+                solid%between = [solid%between, between_t([case%gauges(g)%body_index, &
+                                                           case%gauges(g)%with_index])]
+                cycle
+            end if
             associate (whole => quantities(find_quantity(trim(case%gauges(g)%quantity)))%whole)
                 if (whole >= from_impulse) solid%impulses = .true.
                 if (whole > 0 .and. whole < from_impulse .and. .not. allocated(solid%grip)) &

@@ -17,6 +17,7 @@ module brz_contact_items
     implicit none
     private
     public :: owner_of, links_of, look_along, sum_links, push_particle, press_links, push_links
+    public :: add_pair, trace_at
     public :: n_kept, kept_energy, kept_heat, kept_rub, kept_early
 
     ! what push_particle keeps in the books of a particle [J]

@@ -21,7 +21,7 @@ module brz_solid_state
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_names, form_total, lanes, worth_threads, links_t
     public :: bond_none, bond_whole, bond_broken, bond_breaks, loose_by, intact_share
-    public :: is_free, is_held, is_gone
+    public :: is_free, is_held, is_gone, between_t
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold, pair_spin, pair_tilt
     public :: at_g, at_x, at_s, at_y, n_moments
@@ -190,6 +190,13 @@ module brz_solid_state
                                             !! moment of drag on what turns [N m]
     end type links_t
 
+    !> What a gauge asks of two bodies.
+    type :: between_t
+        integer :: body(2) = 0
+        real(dp) :: force(3) = 0 !! on the first by the second, at the step [N]
+        real(dp) :: impulse(3) = 0 !! the same from the start to the step [N s]
+    end type between_t
+
     type :: solid_t
         logical :: present = .false.
         type(ranks_t) :: ranks !! the processes that share the particles
@@ -223,6 +230,7 @@ module brz_solid_state
         real(rk), allocatable :: grip(:, :) !! (3, n) force on what holds a particle at the step;
                                             !! only where a gauge asks for it [N]
         logical :: impulses = .false. !! a gauge asks for those of the load
+        type(between_t), allocatable :: between(:) !! pairs of bodies that gauges ask for
         real(rk), allocatable :: mass(:) !! (n) [kg]
         real(rk), allocatable :: mu(:) !! (n) compression rho/rho0 - 1 [-]
         real(rk), allocatable :: energy(:) !! (n) specific internal energy [J/kg]

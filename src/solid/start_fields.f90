@@ -7,6 +7,7 @@ module brz_start_fields
     use brz_case, only: body_case_t, label
     use brz_csv_table, only: read_columns
     use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_hdf5_array, only: h5_read
     use brz_hdf5_file, only: h5_close, h5_open, h5_t
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t
@@ -18,9 +19,10 @@ module brz_start_fields
     private
     public :: start_from_file
 
-    character(10), parameter :: names(12) = [character(10) :: 'x', 'y', 'z', 'velocity_x', &
+    character(10), parameter :: names(18) = [character(10) :: 'x', 'y', 'z', 'velocity_x', &
         'velocity_y', 'velocity_z', 'stress_xx', 'stress_yy', 'stress_zz', 'stress_xy', &
-        'stress_yz', 'stress_xz']
+        'stress_yz', 'stress_xz', 'strain_xx', 'strain_yy', 'strain_zz', 'strain_xy', &
+        'strain_yz', 'strain_xz']
 
 contains
 
@@ -41,21 +43,26 @@ contains
         if (index(input%start_file, '.csv') > 0) then
             call read_columns(trim(input%start_file), names, values, found, err)
         else
-            call read_dump(trim(input%start_file), values, found, err)
+            call read_dump(trim(input%start_file), input%start_stress, values, found, err)
         end if
         if (failed(err)) return
         if (.not. all(found(:n)) .or. .not. any(found(4:))) &
-            call refuse('must have the columns x, y, z and velocity_x, ... or stress_xx, ...')
+            call refuse('must have the columns x, y, z and velocity_x, ..., stress_xx, ... or '// &
+            'strain_xx, ...')
+        if (any(found(7:12)) .and. any(found(13:))) &
+            call refuse('has stresses and strains; take one of them out')
         if (body%formulation == form_rigid) &
             call refuse('is for bodies that deform; give a rigid one velocity and spin')
-        if (any(found(7:)) .and. .not. hooke) call refuse('has stresses, and only a body of '// &
-            "model='linear_elastic' can start with these; take the columns out")
+        if (any(found(7:)) .and. .not. hooke) call refuse('has stresses or strains, and only a '// &
+            "body of model='linear_elastic' can start with these; take them out")
         if (failed(err)) return
         allocate (order(size(values, 2)))
         call order_rows(values(1:1, :), order)
         do i = body%first, body%last
             associate (row => values(:, nearest_point(values(:n, :), order, solid%x(:n, i))))
                 solid%v(:n, i) = solid%v(:n, i) + real(row(4:3 + n), rk)
+                if (any(found(13:))) row(7:12) = hooke_stress(solid%materials(body%material), &
+                                                              row(13:18))
                 if (any(found(7:))) call strain(solid%materials(body%material), row(7:12), &
                     solid%stress(:, i), solid%mu(i), solid%energy(i))
             end associate
@@ -69,6 +76,17 @@ contains
             call raise(err, exit_deck, label('body', input%id, input%place)//'start_file '//why)
         end subroutine refuse
     end subroutine start_from_file
+
+    !> Stress of Hooke's material under a small strain, shear components those of the tensor [Pa].
+    pure function hooke_stress(material, e) result(stress)
+        type(material_t), intent(in) :: material
+        real(dp), intent(in) :: e(6)
+        real(dp) :: stress(6), trace
+
+        trace = sum(e(1:3))
+        stress = 2*material%shear*e
+        stress(1:3) = stress(1:3) + (material%bulk - 2*material%shear/3)*trace
+    end function hooke_stress
 
     !> A point of Hooke's material under a stress: with its compression and its elastic energy.
     pure subroutine strain(material, given, stress, mu, energy)
@@ -87,14 +105,15 @@ contains
             /(4*material%shear)/material%density, rk)
     end subroutine strain
 
-    !> Points, velocity and stress of a dump of particles.
-    subroutine read_dump(path, values, found, err)
+    !> Points, velocity and, if asked for, stress of a dump of particles.
+    subroutine read_dump(path, stress, values, found, err)
         character(*), intent(in) :: path
+        logical, intent(in) :: stress
         real(dp), allocatable, intent(out) :: values(:, :)
         logical, intent(out) :: found(:)
         type(error_t), intent(inout) :: err
         type(h5_t) :: file
-        real(dp), allocatable :: x(:, :), v(:, :)
+        real(dp), allocatable :: x(:, :), v(:, :), s(:, :)
 
         found = .false.
         call h5_open(file, path, err)
@@ -105,6 +124,12 @@ contains
         values(1:3, :) = x
         values(4:6, :) = v
         found(1:6) = .true.
+        found(7:12) = stress
+        if (stress) then
+            allocate (s(6, size(x, 2)))
+            call h5_read(file, 'VTKHDF/PointData/stress', s, err)
+            values(7:12, :) = s
+        end if
         call h5_close(file, err)
     end subroutine read_dump
 end module brz_start_fields

@@ -14,11 +14,13 @@ module brz_backend_step
     use brz_gpu_air_step, only: gpu_air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
+    use brz_gpu_solid_between, only: book_gpu_between
     use brz_gpu_solid_copy, only: open_gpu_solid
     use brz_gpu_solid_load, only: gpu_load_faces
     use brz_gpu_solid_sums, only: book_gpu_impulse
     use brz_gpu_solid_step, only: gpu_solid_step
     use brz_kinds, only: dp
+    use brz_solid_between, only: book_between
     use brz_solid_body_forces, only: book_impulse
     use brz_solid_load, only: load_faces
     use brz_solid_state, only: solid_t
@@ -112,6 +114,7 @@ contains
             call gpu_load_faces(backend%solid, solid, dt, err)
             call book_gpu_impulse(backend%solid, solid, dt, err)
             call gpu_solid_step(backend%solid, solid, dt, err)
+            call book_gpu_between(backend%solid, solid, dt, err)
         else
             call load_faces(solid, dt)
             if (solid%loads%lost > 0) call raise(err, exit_numerical, 'a loaded face is torn '// &
@@ -119,6 +122,7 @@ contains
                 ': run this scene as one process')
             call book_impulse(solid, dt)
             call solid_step(solid, dt, err)
+            call book_between(solid, dt)
         end if
     end subroutine advance_solid
 end module brz_backend_step

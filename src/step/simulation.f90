@@ -16,6 +16,7 @@ module brz_simulation
     use brz_progress, only: progress_t
     use brz_ranks, only: ranks_t, several
     use brz_setup_progress, only: setup_blast, setup_stage
+    use brz_solid_between, only: begin_between
     use brz_solid_home, only: share_out
     use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: put_to_sleep
@@ -77,6 +78,7 @@ contains
         if (sim%solid%present) call setup_stage('neighbours')
         call start_solid(sim%solid, err)
         if (failed(err)) return
+        call begin_between(sim%solid)
         if (sim%air%present .and. sim%solid%present) call setup_stage('coupling')
         call set_up_coupling(sim%case, sim%air, sim%solid, sim%coupling, err)
         if (sim%coupling%present .and. .not. sim%coupling%paper) call put_to_sleep(sim%solid)

@@ -189,6 +189,80 @@ def test_contact_of_two_bodies_is_equal_and_opposite(tmp_path, form):
     assert g["a_contact_x"].min() < -1000 and abs(g["a_contact_y"]).max() > 10
 
 
+def between(body, other):
+    """Gauges of what another body does to a body."""
+    return "".join(
+        f"&gauge id='{body}{other}_{name}_{a}', body='{body}', with='{other}', "
+        f"quantity='{name}_{a}' /\n"
+        for name in ("contact", "impulse")
+        for a in "xyz"
+    )
+
+
+@pytest.mark.parametrize("middle", ["auto", "corrected_hourglass", "rigid"])
+def test_forces_between_three_bodies(tmp_path, middle):
+    """A block is struck and strikes a third: the forces of each pair are equal and opposite and add
+    up to what all others do, and impulses are the momentum that changes hands."""
+    block = "box={0},{1}, 0,0.004, 0,0.004, spacing=1e-3, material='s'"
+    deck = (
+        f"&run t_end=8e-6, dt_max=2e-8 /\n{STEEL}"
+        + f"""\
+&body id='a', {block.format(0, 0.004)}, velocity=20,3,0 /
+&body id='c', {block.format(0.00405, 0.00805)}, formulation='{middle}' /
+&body id='d', {block.format(0.0081, 0.0121)}, velocity=-30,0,-2 /
+&interaction law='contact', friction=0.2 /
+{between("a", "c")}{between("c", "a")}{between("c", "d")}{between("d", "c")}{between("a", "d")}
+{whole("c", "contact")}{END}"""
+    )
+    tables = run(tmp_path, deck)
+    g, b = gauges(tables), tables["bodies"]
+    dt = np.diff(tables["gauges"]["time[s]"])
+    scale = b["a:mass[kg]"][0] * 20
+    worst = 0
+    for axis in "xyz":
+        for one, two in ("ac", "cd"):
+            for name, unit in (("contact", dt[0]), ("impulse", 1)):
+                here, there = g[f"{one}{two}_{name}_{axis}"], g[f"{two}{one}_{name}_{axis}"]
+                assert here == pytest.approx(-there, abs=1e-11 * scale / unit)
+        both = g[f"ca_contact_{axis}"] + g[f"cd_contact_{axis}"]
+        assert both[1:] == pytest.approx(g[f"c_contact_{axis}"][1:], abs=1e-9 * scale / dt[0])
+        for body, given in (("a", g[f"ac_impulse_{axis}"]), ("d", g[f"dc_impulse_{axis}"]),
+                            ("c", g[f"ca_impulse_{axis}"] + g[f"cd_impulse_{axis}"])):  # fmt: skip
+            got = b[f"{body}:mass[kg]"] * b[f"{body}:velocity_{axis}[m/s]"]
+            worst = max(worst, np.abs(got - got[0] - given).max() / scale)
+        assert not g[f"ad_impulse_{axis}"].any()
+    note("gauge_between", worst)
+    assert worst < 1e-10
+    assert g["ca_contact_x"].max() > 1000 and g["cd_contact_x"].min() < -1000
+    assert g["ac_impulse_x"][-1] < -0.1 * scale and abs(g["ac_impulse_y"][-1]) > 1e-3 * scale
+
+
+def test_a_block_bounces(tmp_path):
+    """From an anvil, under gravity: impulse of the anvil = change of momentum + weight times time,
+    and what the anvil is pressed with is what holds it."""
+    deck = (
+        f"&run t_end=2e-5, dt_max=2e-8 /\n{STEEL}"
+        + f"""\
+&body id='b', box=0,0.004, 0,0.003, 0,0.003, spacing=1e-3, material='s', velocity=0,0,-10 /
+&body id='k', box=-0.001,0.005, -0.001,0.004, -0.00305,-0.00005, spacing=1e-3, material='s',
+    formulation='rigid', fix='all' /
+&load body='b', acceleration=0,0,-1e6 /
+&interaction law='contact' /
+{between("b", "k")}{between("k", "b")}{whole("k", "reaction")}{END}"""
+    )
+    tables = run(tmp_path, deck)
+    g, b, time = gauges(tables), tables["bodies"], tables["gauges"]["time[s]"]
+    mass = b["b:mass[kg]"][0]
+    # a constant acceleration counts a step in full: at a step half of the next is missing
+    momentum = mass * (b["b:velocity_z[m/s]"] + 10)
+    given = g["bk_impulse_z"] - mass * 1e6 * time
+    error = np.abs(momentum - given).max() / (mass * 10)
+    note("gauge_bounce", error)
+    assert error < 1e-10
+    assert momentum[-1] > 1.5 * mass * 10 - mass * 1e6 * time[-1]
+    assert g["kb_contact_z"][1:-2] == pytest.approx(g["k_reaction_z"][1:-2], abs=1e-6 * 1e3)
+
+
 def test_stress_and_strain_behind_a_wave(tmp_path):
     """A bar in uniaxial strain is pressed at p: stress -p, strain -p/(lambda + 2 mu), pressure and
     equivalent stress by Hooke's law; a body that turns has no strain."""
@@ -266,6 +340,9 @@ BAD = {
     "quantity='speed', body='b'": "add at = x, y, z",
     "quantity='impulse_x', body='b'": "is that of the air or of a &load",
     "quantity='contact_x'": "add body='...'",
+    "quantity='contact_x', body='b', with='c'": "there is no &body with id='c'",
+    "quantity='contact_x', body='b', with='b'": "a body does nothing to itself",
+    "quantity='reaction_x', body='b', with='b'": "with belongs to quantity='contact_x'",
 }
 
 
@@ -277,6 +354,16 @@ def test_bad_gauges(tmp_path, line):
                           text=True)  # fmt: skip
     assert done.returncode == 2
     assert "bad.nml:5: &gauge" in done.stderr and BAD[line] in done.stderr
+
+
+def test_forces_through_a_bond_are_refused(tmp_path):
+    two = BLOCK.format(dx=1e-3, form="auto")
+    two += "&body id='c', box=0.01,0.02,0,0.006,0,0.004, spacing=1e-3, material='s' /\n"
+    two += "&interaction law='bonded' /\n&gauge id='g', body='b', with='c', quantity='contact_x' /"
+    (tmp_path / "bad.nml").write_text("&run t_end=1e-6 /\n" + two)
+    done = subprocess.run([BRISANCE, "run", "bad.nml"], cwd=tmp_path, capture_output=True,
+                          text=True)  # fmt: skip
+    assert done.returncode == 2 and "do not meet by law='contact'" in done.stderr
 
 
 def test_contact_across_a_plane_of_symmetry_is_refused(tmp_path):

@@ -117,6 +117,8 @@ LOADED = """&run t_end=4e-6 /
 &gauge id='l', body='b', quantity='load_z' /
 &gauge id='c', body='b', quantity='contact_z' /
 &gauge id='d', body='r', quantity='contact_y' /
+&gauge id='w', body='b', with='r', quantity='contact_z' /
+&gauge id='v', body='r', with='b', quantity='impulse_z' /
 &gauge id='i', body='r', quantity='impulse_y' /
 &gauge id='s', body='b', at=0.002,0,0, quantity='stress_xx' /
 &gauge id='e', body='b', at=0.002,0,0, to=0.005,0.004,0.003, quantity='strain' /

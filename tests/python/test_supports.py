@@ -5,6 +5,7 @@ that slide, bodies that turn about a point."""
 import math
 import subprocess
 
+import h5py
 import numpy as np
 import pytest
 from notes import note
@@ -238,17 +239,77 @@ def test_a_bar_that_starts_with_half_of_it_pressed(tmp_path):
     assert energy["solid_internal[J]"][0] == pytest.approx(0.05 * p**2 / 2 / modulus, rel=1e-4)
 
 
+def test_strains_of_a_table_are_its_stresses_and_a_dump_has_them(tmp_path):
+    """Hooke's law at the start; a bar that starts from the dump of another has its stress."""
+    box = [(0, 0.004), (0, 0.003), (0, 0.003)]
+    x = lattice(box, 1e-3)
+    rng = np.random.default_rng(5)
+    e = 1e-5 * rng.standard_normal((len(x), 6))
+    lame, shear = YOUNG * NU / (1 + NU) / (1 - 2 * NU), YOUNG / 2 / (1 + NU)
+    s = 2 * shear * e
+    s[:, :3] += lame * e[:, :3].sum(1, keepdims=True)
+    parts = ("xx", "yy", "zz", "xy", "yz", "xz")
+    for name, values in (("strain", e), ("stress", s)):
+        head = "x,y,z," + ",".join(f"{name}_{part}" for part in parts)
+        np.savetxt(tmp_path / f"{name}.csv", np.hstack([x, values]), fmt="%.17g", delimiter=",",
+                   header=head, comments="")  # fmt: skip
+    body = "&body id='b', box=0,0.004, 0,0.003, 0,0.003, spacing=1e-3, material='s', {} /\n"
+    where = ["start_file='strain.csv'", "start_file='stress.csv'",
+             "start_file='s.vtkhdf', start_stress=.true."]  # fmt: skip
+    found = []
+    for keys in where:
+        run(tmp_path, f"&run t_end=1e-6, max_steps=0 /\n{STEEL}" + body.format(keys))
+        dump = next((tmp_path / "out" / "load").glob("solid_00000.vtkhdf"))
+        with h5py.File(dump) as f:
+            order = np.argsort(np.asarray(f["VTKHDF/PointData/id"]))
+            found.append(np.asarray(f["VTKHDF/PointData/stress"])[order])
+        (tmp_path / "s.vtkhdf").write_bytes(dump.read_bytes())
+    largest = abs(found[1]).max()
+    assert largest > 1e5
+    assert max(abs(other - found[1]).max() for other in (found[0], found[2])) < 1e-6 * largest
+
+
+def test_one_end_held_the_other_driven(tmp_path):
+    """Two bonded bodies with motions of their own: a wave of rho c v passes the bond, doubles at
+    the end that is held, and comes back to the driven end."""
+    deck = f"""\
+&run t_end=1.6e-5, dimension=1 /
+{STEEL}
+&body id='a', box=0,0.02, 0,1, 0,1, spacing=1e-4, material='s', fix='x-' /
+&body id='b', box=0.02,0.04, 0,1, 0,1, spacing=1e-4, material='s', fix='x+',
+    motion_time=0,1e-6, motion_velocity=0,0,0, 5,0,0 /
+&interaction law='bonded' /
+&gauge id='s', body='a', at=0.005,0,0, quantity='stress_xx' /
+&gauge id='t', body='b', at=0.035,0,0, quantity='stress_xx' /
+&gauge id='h', body='a', quantity='reaction_x' /
+&output history_every=1e-7, dump_every=1 /
+"""
+    tables = run(tmp_path, deck)
+    g, time = gauges(tables), tables["gauges"]["time[s]"]
+    modulus = YOUNG * (1 - NU) / (1 + NU) / (1 - 2 * NU)
+    wave = 5 * math.sqrt(RHO * modulus)
+    for name, first, last, exact in (("t", 3e-6, 1.1e-5, 1), ("s", 9.6e-6, 1.6e-5, 2),
+                                     ("h", 9e-6, 1.5e-5, 2)):  # fmt: skip
+        late = g[name][(time > first) & (time < last)] / wave
+        error = abs(late / exact - 1).max()
+        note(f"two_motions_{name}", error)
+        assert error < 2e-3
+    assert abs(g["s"][time < 4e-6]).max() < 1e-6 * wave  # nothing before it arrives
+
+
 @pytest.mark.parametrize(("keys", "why"), [
     ("start_file='none.csv'", "none.csv"),
     ("start_file='bad.nml'", "bad.nml"),
     ("start_file='x.csv'", "must have the columns"),
     ("start_file='v.csv', formulation='rigid'", "give a rigid one velocity and spin"),
+    ("start_file='e.csv'", "has stresses and strains"),
     ("start_file='s.csv'", "only a body of model='linear_elastic'"),
 ])  # fmt: skip
 def test_bad_start_files(tmp_path, keys, why):
     (tmp_path / "x.csv").write_text("x,y,z\n0,0,0\n")
     (tmp_path / "v.csv").write_text("x,y,z,velocity_x\n0,0,0,1\n")
     (tmp_path / "s.csv").write_text("x,y,z,stress_xx\n0,0,0,1\n")
+    (tmp_path / "e.csv").write_text("x,y,z,stress_xx,strain_xx\n0,0,0,1,1\n")
     material = STEEL if "s.csv" not in keys else "&material id='s', preset='ofhc_copper' /\n"
     deck = f"&run t_end=1e-6 /\n{material}&body id='b', box=0,0.01, 0,0.006, 0,0.004, "
     (tmp_path / "bad.nml").write_text(deck + f"spacing=1e-3, material='s', {keys} /\n")
