@@ -175,6 +175,30 @@ def test_decks_of_the_program_give_the_same(name, tmp_path):
             assert f"processes  {n}, the largest box over the mean" in done.stdout
 
 
+BLOWN = """\
+&run t_end = 3e-4 /
+&air box = 0, 0.96,  0, 0.64,  0, 0.76, cells = 24, 16, 19 /
+&inflow face = 'x-', time = 0, 1e-4, 3e-4, overpressure = 4e5, 2e5, 0 /
+&inflow face = 'z+', mach = 1.5, pressure = 2e5, 3e5, time = 1e-4, 2e-4 /
+&gauge id = 'a', at = 0.1, 0.31, 0.4, quantity = 'overpressure' /
+&output dump_every = 1e-4, history_every = 0 /
+"""
+
+
+@needs_mpirun
+def test_what_comes_in_does_not_depend_on_processes_or_pieces(tmp_path):
+    (tmp_path / "deck.nml").write_text(BLOWN)
+    for n in (0, 2, 4):
+        done = start(n, "run", "deck.nml", "--out", str(n), cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        equal_results(tmp_path / "0", tmp_path / str(n))
+    start(3, "run", "deck.nml", "--out", "parts", "--set", "run.max_steps=11", cwd=tmp_path)
+    done = start(0, "run", "deck.nml", "--out", "parts", "--restart", "latest", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    equal_results(tmp_path / "0", tmp_path / "parts")
+    assert history(tmp_path / "0/gauges.csv")["a:overpressure[Pa]"].max() > 2e5
+
+
 @needs_mpirun
 @pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), (2, 3), (4, 2), (3, 4), (2, 2)])
 def test_other_processes_go_on(n, m, alone, tmp_path):
