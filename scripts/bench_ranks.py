@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Several processes: how fast they are, and whether they have the results of one.
 
-usage: bench_ranks.py PROGRAM [N...] [--backend gpu] [--cells N] [--steps N] [--same]
+usage: bench_ranks.py PROGRAM [N...] [--backend gpu] [--cells N] [--steps N] [--same | --bodies N]
 
 N are numbers of processes; 1 2 if none are named. Each run is a burst in a box of 96^3 cells
 (weak: two thirds of that in each direction for each process), 12 steps after a start, with one
@@ -11,8 +11,10 @@ is that of the steps of the air alone, as the run prints it. Efficiency: of stro
 over n times that of one process; of weak scaling the same with the larger box. With threads of one
 process for comparison, on the CPU.
 
---same compares instead: histories of 40 gauges and of all totals, at each of the steps, must be the
-same text on any number of processes, and numbers are written so that no bit is lost.
+--bodies measures a turning cube of steel of N^3 particles in place of the air. --same compares
+instead: histories of 40 gauges at each of the steps, in the burst (there of all totals, too) and in
+a cube of 24^3 particles, must be the same text on any number of processes. Numbers are written so
+that no bit is lost.
 
 Needs Python alone: PROGRAM, PROGRAM.ptx and this file can be carried to a machine without
 compilers. There mpirun is what the variable MPIRUN says (default: that of the PATH, with options as
@@ -34,6 +36,13 @@ DECK = """\
 &gas id = 'hot', box = 0.25, 0.75, 0.25, 0.75, 0.25, 0.75, pressure = 1e6, density = 1.2 /
 &output history_every = {often} /
 """
+CUBE = """\
+&run title = 'cube', t_end = 1, max_steps = {steps}, energy_band = 1 /
+&material id = 's', preset = 'rebar' /
+&body id = 'cube', shape = 'box', box = 0, {side}, 0, {side}, 0, {side}, spacing = 1e-3,
+     material = 's', velocity = 20, -30, 10, spin = {spin}, {spin}, 0 /
+&output history_every = {often} /
+"""
 MPIRUN = "mpirun -q --oversubscribe --mca mpi_yield_when_idle 1"
 AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
@@ -52,9 +61,17 @@ def run(options, folder, deck, processes, threads=1):
     return done.stdout
 
 
+def cube(n, steps, often):
+    """A cube whose faces move apart at 400 m/s."""
+    return CUBE.format(side=n * 1e-3, steps=steps, spin=200 / (n * 1e-3), often=often)
+
+
 def speed(options, processes, threads, cells, layers):
-    """Million cell-steps per second."""
+    """Million cell-steps or, of bodies, particle-steps per second."""
     with tempfile.TemporaryDirectory() as folder:
+        if options.bodies:
+            said = run(options, folder, cube(cells, options.steps, 1), processes, threads)
+            return float(re.search(r"^solid +([\d.]+) Mparticle-steps/s", said, re.M)[1])
         deck = DECK.format(n=cells, m=layers, depth=layers / cells, steps=options.steps,
                            activity=".false.", often=1)  # fmt: skip
         said = run(options, folder, deck, processes, threads)
@@ -63,8 +80,14 @@ def speed(options, processes, threads, cells, layers):
 
 def measure(options):
     """Print strong and weak scaling."""
-    cells, small = options.cells, options.cells * 2 // 3
+    cells, small = options.bodies or options.cells, options.cells * 2 // 3
     one = speed(options, 1, 1, cells, cells)
+    if options.bodies:
+        print("processes   strong Mparticle-steps/s  efficiency")
+        for n in options.counts:
+            strong = speed(options, n, 1, cells, cells)
+            print(f"{n:9} {strong:26.2f} {strong / (n * one):11.2f}", flush=True)
+        return
     small_one = speed(options, 1, 1, small, small)
     on_cpu = options.backend == "cpu"
     threads = "   threads of one process" if on_cpu else ""
@@ -90,15 +113,26 @@ def burst(options):
                                 activity=".true.", often=0)  # fmt: skip
 
 
+def turning(options):
+    """A cube that turns, with gauges everywhere."""
+    gauges = "".join(
+        f"&gauge id = 'g{g}', body = 'cube', at = {0.024 * (g * 0.618034 % 1):.6f}, "
+        f"{0.024 * (g * 0.754878 % 1):.6f}, {0.024 * (g * 0.569840 % 1):.6f}, "
+        f"quantity = '{'stress_xx' if g % 2 else 'speed'}' /\n"
+        for g in range(1, 41)
+    )
+    return gauges + cube(24, options.steps, 0)
+
+
 def compare(options):
     """Are the histories of scenes the same on any number of processes?"""
     bad = 0
-    for name, scene in (("air", burst),):
+    for name, scene, kind in (("air", burst, "*.csv"), ("bodies", turning, "gauges.csv")):
         texts = {}
         for n in options.counts:
             with tempfile.TemporaryDirectory() as folder:
                 run(options, folder, scene(options), n)
-                found = sorted((Path(folder) / "out").glob("*.csv"))
+                found = sorted((Path(folder) / "out").glob(kind))
                 texts[n] = [file.read_text(encoding="utf-8") for file in found]
             first = texts[options.counts[0]]
             same = texts[n] == first
@@ -117,6 +151,7 @@ def main():
     parser.add_argument("--cells", type=int)
     parser.add_argument("--steps", type=int)
     parser.add_argument("--same", action="store_true")
+    parser.add_argument("--bodies", type=int, default=0)
     options = parser.parse_args()
     on_gpu = options.backend == "gpu"
     options.cells = options.cells or (256 if on_gpu else 96)

@@ -16,7 +16,7 @@ module brz_gpu_solid_bodies
     use brz_text, only: to_text
     implicit none
     private
-    public :: open_gpu_bodies, cannot_run_solid
+    public :: open_gpu_bodies, cannot_run_solid, cannot_share_solid
 
 contains
 
@@ -37,6 +37,17 @@ contains
         if (solid%remove) why = "leave='remove'"
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
+
+    !> What of a scene several GPUs cannot share yet; unallocated if they can.
+    subroutine cannot_share_solid(solid, why)
+        type(solid_t), intent(in) :: solid
+        character(:), allocatable, intent(out) :: why
+
+        if (any(solid%bodies%formulation == form_rigid)) why = 'rigid bodies of several processes'
+        if (any(solid%bodies%motion%n > 0)) why = 'driven bodies of several processes'
+        if (solid%links%present) why = 'bodies of several processes that meet'
+        if (allocated(solid%loads%of)) why = 'loads on bodies of several processes'
+    end subroutine cannot_share_solid
 
     !> Memory and kernels of all bodies.
     subroutine open_gpu_bodies(device, solid, gpu, err)
@@ -106,6 +117,7 @@ contains
         params%grip = columns(2)
         gpu%first = params%first
         gpu%last = params%last
+        gpu%rim = solid%bodies(b)%rim
         gpu%slices = (gpu%last - gpu%first)/slice_width + 1
         gpu%total = params%formulation == form_total
         gpu%rigid = params%formulation == form_rigid

@@ -11,7 +11,7 @@ module brz_gpu_solid_copy
     use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, &
-        open_gpu_solid_memory, tags_of
+        open_gpu_solid_memory, tags_of, threads_of
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_materials, only: unloaded_speed
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_built, in_motion, in_place, &
@@ -124,7 +124,7 @@ contains
         real(rk), allocatable :: x(:)
         integer :: b
 
-        allocate (x(solid%n))
+        allocate (x(solid%n), source=0.0_rk)
         do b = 1, size(solid%bodies)
             x(solid%bodies(b)%first:solid%bodies(b)%last) = values(solid%bodies(b)%material)
         end do
@@ -204,18 +204,22 @@ contains
         type(integers_t) :: id_at
         type(doubles_t) :: values_at
         real(dp) :: values(12, size(id))
-        integer :: i, k
+        integer :: b, i, k
 
         if (gpu%fetched .or. size(id) == 0) return
         call put_buffer(id, id_at, 4_int64*size(id), err)
         call allocate_buffer(values_at, 8_int64*size(values), err)
-        call gpu%kernels%find_particles([gpu%n, 1, 1], gpu%n, size(id), id_at, gpu%tag, &
-            gpu%place, gpu%reference, gpu%motion, gpu%state, values_at, err)
+        do b = 1, size(gpu%bodies)
+            call gpu%kernels%find_particles(threads_of(gpu%bodies(b)), gpu%n, &
+                gpu%bodies(b)%first, gpu%bodies(b)%last, size(id), id_at, gpu%tag, gpu%place, &
+                gpu%reference, gpu%motion, gpu%state, values_at, err)
+        end do
         values = 0
         call copy_out(values_at, values, 8_int64*size(values), err)
         call free_buffers(id_at, values_at)
         do k = 1, size(id)
-            i = findloc(solid%id, id(k), dim=1)
+            i = findloc(solid%id(:solid%n), id(k), dim=1)
+            if (i == 0) cycle ! of another process
             solid%x(:, i) = values(1:3, k)
             solid%x_ref(:, i) = values(4:6, k)
             solid%v(:, i) = real(values(7:9, k), rk)

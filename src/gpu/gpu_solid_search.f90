@@ -5,15 +5,19 @@ module brz_gpu_solid_search
     use brz_buffers, only: doubles_t, from
     use brz_device, only: buffer_t, clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_tag, n_total, slice_width
-    use brz_gpu_solid_state, only: column_of, gpu_solid_body_t, gpu_solid_t, sum_threads, threads_of
-    use brz_gpu_solid_sums, only: sums_of_body
+    use brz_drift_items, only: drift_of
+    use brz_gpu_solid_layout, only: at_accel, at_mass, grid_gpu_t, n_tag, slice_width, &
+        tag_id
+    use brz_gpu_solid_state, only: column_of, gpu_solid_body_t, gpu_solid_t, sum_threads, &
+        tags_of, threads_of
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: begin_list
+    use brz_ranks, only: least_of_all, sum_of_all
     use brz_solid_state, only: n_pair, solid_t
+    use brz_tallies, only: tally_threads
     implicit none
     private
-    public :: build_gpu_lists, order_body
+    public :: build_gpu_lists, order_body, begin_body
 
 contains
 
@@ -32,7 +36,7 @@ contains
         do b = 1, size(gpu%bodies)
             if (.not. stale(b)) cycle
             if (sort) call sort_body(gpu, solid, b, err)
-            call find_box(gpu, b, gpu%built, gpu%bodies(b)%box, err)
+            call find_box(gpu, solid, b, gpu%built, gpu%bodies(b)%box, err)
             if (gpu%bodies(b)%rigid) cycle
             place = gpu%built
             if (gpu%bodies(b)%total) place = gpu%reference
@@ -47,16 +51,41 @@ contains
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
-        real(dp) :: sums(n_total + n_book)
+        integer :: cells
 
-        call sums_of_body(gpu, b, solid%dt_last, sums, err)
-        call note_positions(gpu, gpu%bodies(b), err)
-        call order_body(gpu, solid, b, gpu%built, cell_of_groups(solid, b), err)
+        call begin_body(gpu, solid, b, err)
+        call fill_cells(gpu, solid, b, gpu%built, cell_of_groups(solid, b), cells, err)
+        call gpu%common%kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, gpu%start, &
+                                           gpu%order, err)
         if (failed(err)) return
         call reorder(gpu, gpu%bodies(b), err)
         call note_positions(gpu, gpu%bodies(b), err)
-        call begin_list(solid, b, sums(5:7)/max(sums(1), tiny(sums)))
     end subroutine sort_body
+
+    !> The list of body b is about to be built for the places of now.
+    subroutine begin_body(gpu, solid, b, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+        real(dp) :: folded(tally_threads/256, 4), lattice, total(4)
+        integer(int64) :: numbers(4)
+
+        call note_positions(gpu, gpu%bodies(b), err)
+        call clear_buffer(gpu%sums_of_forces, err)
+        lattice = solid%materials(solid%bodies(b)%material)%density &
+            *solid%bodies(b)%spacing**solid%dimension*solid%depth
+        associate (body => gpu%bodies(b))
+            call gpu%drifts%sum_momentum(body%last - body%first + 1, body%first, 4, gpu%n, &
+                real(solid%dt_last/2, rk), 1/lattice, column_of(gpu, at_mass), gpu%motion, &
+                column_of(gpu, at_accel + 1), gpu%sums_of_forces, err)
+        end associate
+        call gpu%common%fold(gpu%sums_of_forces, tally_threads, folded, err)
+        total = sum(folded, 1)
+        numbers = nint(total, int64) ! they are whole
+        call sum_of_all(solid%ranks, numbers)
+        call begin_list(solid, b, drift_of(real(numbers, dp)))
+    end subroutine begin_body
 
     !> Positions that decide on the neighbours: total-Lagrangian bodies that meet no other keep the
     !> unloaded ones.
@@ -73,7 +102,8 @@ contains
                          32_int64*(body%last - body%first + 1), err)
     end subroutine note_positions
 
-    !> Lay cells over body b for given places and put its particles into them, in `order`.
+    !> Lay cells over body b for given places and put its particles and ghosts into them, in
+    !> `order`; those of a cell in the order of their numbers.
     subroutine order_body(gpu, solid, b, place, reach, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -81,23 +111,40 @@ contains
         type(doubles_t), intent(in) :: place
         real(dp), intent(in) :: reach !! side of a cell [m]
         type(error_t), intent(inout) :: err
-        integer :: cells !! along the curve
+        integer :: cells
 
+        call fill_cells(gpu, solid, b, place, reach, cells, err)
+        if (failed(err)) return
+        call gpu%kernels%sort_by_number([cells, 1, 1], cells, gpu%bodies(b)%first, gpu%start, &
+                                        tags_of(gpu, tag_id), gpu%order, err)
+    end subroutine order_body
+
+    !> The same but for the order within a cell.
+    subroutine fill_cells(gpu, solid, b, place, reach, cells, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        type(doubles_t), intent(in) :: place
+        real(dp), intent(in) :: reach !! side of a cell [m]
+        integer, intent(out) :: cells !! along the curve
+        type(error_t), intent(inout) :: err
+        integer :: threads(3)
+
+        cells = 1
         call lay_cells(gpu, solid, b, place, reach, err)
         if (failed(err)) return
         cells = ubound(solid%search%start, 1)
         call clear_buffer(gpu%start, err, 4_int64*(cells + 1))
         associate (k => gpu%kernels, body => gpu%bodies(b))
-            call k%count_cells(threads_of(body), gpu%grid, gpu%code, place, gpu%cell, gpu%start, &
+            threads = [body%rim - body%first + 1, 1, 1]
+            call k%count_cells(threads, gpu%grid, gpu%code, place, gpu%cell, gpu%start, &
                                err)
             call gpu%common%running_sum(gpu%start, cells, err)
-            call k%fill_cells_of(threads_of(body), gpu%grid, gpu%cell, gpu%start, gpu%order, err)
-            call gpu%common%kernels%sort_cells([cells, 1, 1], cells, body%first, gpu%start, &
-                                               gpu%order, err)
+            call k%fill_cells_of(threads, gpu%grid, gpu%cell, gpu%start, gpu%order, err)
         end associate
-    end subroutine order_body
+    end subroutine fill_cells
 
-    !> Choose the cells for body b, and hand them to the GPU.
+    !> Choose the cells for body b, those of all processes, and hand them to the GPU.
     subroutine lay_cells(gpu, solid, b, place, reach, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -108,13 +155,15 @@ contains
         type(grid_gpu_t) :: grid
         real(dp) :: box(3, 2)
 
-        call find_box(gpu, b, place, box, err)
+        call find_box(gpu, solid, b, place, box, err)
         if (failed(err)) return
         grid%first = gpu%bodies(b)%first
-        grid%last = gpu%bodies(b)%last
+        grid%last = gpu%bodies(b)%rim
         grid%reach = reach
         call copy_in(box, gpu%box, 48_int64, err)
-        call choose_cells(solid%search, box(:, 1), box(:, 2), grid%last - grid%first + 1, reach)
+        associate (number => solid%bodies(b)%number)
+            call choose_cells(solid%search, box(:, 1), box(:, 2), number(2) - number(1) + 1, reach)
+        end associate
         grid%cells = solid%search%cells
         grid%stride = size(solid%search%code, 1)
         grid%mirror = merge(1, 0, solid%mirror)
@@ -125,21 +174,23 @@ contains
         call copy_in(solid%search%code, gpu%code, 4_int64*3*grid%stride, err)
     end subroutine lay_cells
 
-    !> Corners of body b for given places.
-    subroutine find_box(gpu, b, place, box, err)
+    !> Corners of body b, of all processes, for given places.
+    subroutine find_box(gpu, solid, b, place, box, err)
         type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         real(dp), intent(out) :: box(3, 2) !! [m]
         type(error_t), intent(inout) :: err
-        real(dp) :: part(sum_threads, 6)
+        real(dp) :: part(sum_threads, 6), least(6)
 
         call gpu%kernels%solid_extent([sum_threads, 1, 1], gpu%bodies(b)%first, &
                                       gpu%bodies(b)%last, sum_threads, place, gpu%part, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)
-        box(:, 1) = minval(part(:, 1:3), 1)
-        box(:, 2) = maxval(part(:, 4:6), 1)
+        least = [minval(part(:, 1:3), 1), -maxval(part(:, 4:6), 1)]
+        call least_of_all(solid%ranks, least)
+        box = reshape([least(:3), -least(4:)], [3, 2])
     end subroutine find_box
 
     !> Bring all arrays of the particles of a body into the order of `order`, by way of `row`.
@@ -203,8 +254,9 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (body => gpu%bodies(b))
-            call gpu%kernels%solid_search(threads_of(body), keep, gpu%grid, gpu%code, gpu%start, &
-                                          gpu%order, place, body%slice, gpu%count, body%list, err)
+            call gpu%kernels%solid_search(threads_of(body), keep, body%last, gpu%grid, gpu%code, &
+                                          gpu%start, gpu%order, place, body%slice, gpu%count, &
+                                          body%list, err)
         end associate
     end subroutine search
 end module brz_gpu_solid_search

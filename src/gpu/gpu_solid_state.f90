@@ -12,9 +12,11 @@ module brz_gpu_solid_state
     use brz_device, only: allocate_buffer, buffer_t, clear_buffer, copy_in, device_t, &
         free_buffers, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_drift_launches, only: drift_kernels_t
     use brz_facet_launches, only: facet_kernels_t
     use brz_force_launches, only: force_kernels_t
     use brz_gpu_common, only: gpu_common_t
+    use brz_gpu_parcels, only: gpu_parcels_t
     use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t
@@ -29,16 +31,19 @@ module brz_gpu_solid_state
     private
     public :: gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, close_gpu_solid, &
               moved_flags, column_of, tags_of, book_of, threads_of, bytes_of_real, &
+              words_of_real, &
               sum_threads, total_threads, most_folded
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
     integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
     integer, parameter :: most_folded = 256 !! rows of partial results that the host adds up
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
+    integer, parameter :: words_of_real = storage_size(1.0_rk)/32 !! of 4 B
     integer, parameter :: neighbours_guess = 100 !! entries per particle, to judge the memory
 
     type :: gpu_solid_body_t
         integer :: first = 1, last = 0 !! particles
+        integer :: rim = 0 !! last of its ghosts, as in body_t
         integer :: slices = 0
         logical :: total = .false. !! total-Lagrangian
         logical :: rigid = .false.
@@ -110,6 +115,9 @@ module brz_gpu_solid_state
         type(motion_kernels_t) :: moves
         type(doubles_t) :: sums_of_forces
         type(gpu_common_t) :: common
+        type(device_t) :: device
+        type(gpu_parcels_t) :: ghosts
+        type(drift_kernels_t) :: drifts
     end type gpu_solid_t
 
 contains
@@ -131,6 +139,10 @@ contains
         call require(device, solid, gpu%n_state, err)
         call gpu%kernels%open(device, err)
         call gpu%forces%open(device, err)
+        call gpu%drifts%open(device, err)
+        gpu%device = device
+        call gpu%ghosts%open(device, solid%ranks, solid%part, words_of_real*(n_pair + n_held) + 6, &
+                             err)
         call gpu%moves%open(device, err)
         call gpu%common%open(device, most_folded*(n_total + n_book), err)
         call allocate_buffer(gpu%place, 32*n, err)
@@ -156,7 +168,8 @@ contains
         call allocate_buffer(gpu%sums_of_forces, 96_int64*tally_threads, err)
         call allocate_buffer(gpu%cell, 4*n, err)
         call allocate_buffer(gpu%order, 4*n, err)
-        call allocate_buffer(gpu%start, 4*(max(512_int64, 2*n) + 2), err)
+        call allocate_buffer(gpu%start, 4*(max(512_int64, 2_int64*maxval( &
+            solid%bodies%number(2) - solid%bodies%number(1) + 1)) + 2), err)
         call allocate_buffer(gpu%grid, int(storage_size(grid_gpu_t(1, 1, 1, 1, 1, 1.0_dp, 1.0_dp, &
                                                                    1.0_dp))/8, int64), err)
         call allocate_buffer(gpu%part, 8_int64*total_threads*(n_total + n_book), err)
@@ -253,6 +266,7 @@ contains
         call free_buffers(gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
             gpu%part, gpu%box)
         call free_buffers(gpu%sums_of_forces)
+        call gpu%ghosts%close()
         call gpu%common%close()
         associate (links => gpu%links, glue => gpu%glue, loads => gpu%loads)
             call free_buffers(links%ends, links%table, links%cell, links%press, links%slice, &

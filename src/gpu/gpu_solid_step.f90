@@ -7,6 +7,7 @@ module brz_gpu_solid_step
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_cohesive, only: place_gpu_nodes
     use brz_gpu_solid_copy, only: faults_of
+    use brz_gpu_solid_ghosts, only: lay_gpu_anew, refresh_gpu_motion, refresh_gpu_rows
     use brz_gpu_solid_layout, only: at_accel, at_mass, at_mu, book_force, book_load, &
         flag_bad, n_book, n_flag, n_total, tag_fixed
     use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass
@@ -19,6 +20,7 @@ module brz_gpu_solid_step
     use brz_list_drift, only: drift_bodies, find_stale, level_unit
     use brz_move_level, only: move_levels
     use brz_motion, only: mean_velocity, velocity_of
+    use brz_ranks, only: agree, most_of_all, several
     use brz_solid_faults, only: report_bad
     use brz_solid_launches, only: launch_advance_point, launch_solid_forces, &
         launch_solid_moments
@@ -37,7 +39,7 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        real(dp) :: impulse(3)
+        real(dp) :: impulse(3), limit(1)
         integer :: flags(n_flag), b, load
         logical :: stale(size(solid%bodies)), relink
 
@@ -48,6 +50,7 @@ contains
         gpu%summed = .false.
         gpu%glue%fetched = .false.
         if (solid%steps == 0) then
+            call refresh_gpu_rows(gpu, solid, err)
             call contact_pass(gpu, 0.0_dp, err)
             load = gpu%load
             gpu%load = 0 ! all of it acts after the half step up to here
@@ -64,17 +67,24 @@ contains
         solid%time = solid%time + dt
         solid%dt_last = dt
         solid%steps = solid%steps + 1
-        call find_stale(solid, moved_levels(gpu, err), stale, relink)
+        call find_stale(solid, moved_levels(gpu, solid, err), stale, relink)
         if (any(stale) .or. relink) then
-            call build_gpu_lists(gpu, solid, .true., stale, err)
-            call build_gpu_links(gpu, solid, .false., err)
-            call place_gpu_nodes(gpu, err)
+            if (several(solid%ranks)) then
+                call lay_gpu_anew(gpu, solid, stale, err)
+            else
+                call build_gpu_lists(gpu, solid, .true., stale, err)
+                call build_gpu_links(gpu, solid, .false., err)
+                call place_gpu_nodes(gpu, err)
+            end if
             if (any(stale)) solid%rebuilds = solid%rebuilds + 1
             call wake_met(solid)
             gpu%bodies%asleep = solid%bodies%asleep
             call end_support(gpu, solid, stale, err)
+        else
+            call refresh_gpu_motion(gpu, err)
         end if
         call gradient_pass(gpu, dt, err)
+        call refresh_gpu_rows(gpu, solid, err)
         call contact_pass(gpu, dt, err)
         call force_pass(gpu, dt, err)
         call balance_drives(gpu, solid, dt, err)
@@ -83,24 +93,33 @@ contains
         if (gpu%glue%present) solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
         flags = 0
         call copy_out(gpu%flags, flags, 4_int64*n_flag, err)
-        if (failed(err) .or. flags(flag_bad) == 0) return
-        call faults_of(gpu, solid, err)
-        call report_bad(solid, err)
+        if (.not. failed(err) .and. flags(flag_bad) /= 0) then
+            call faults_of(gpu, solid, err)
+            call report_bad(solid, err)
+        end if
+        limit = solid%dt_limit
+        call agree(solid%ranks, err, limit)
+        solid%dt_limit = limit(1)
     end subroutine gpu_solid_step
 
     !> How far the particles of each body have moved relative to it since its list was built: the
     !> highest level of brz_list_drift.
-    function moved_levels(gpu, err) result(level)
+    function moved_levels(gpu, solid, err) result(level)
         type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
         integer :: level(size(gpu%bodies))
         integer :: flags(move_levels, size(gpu%bodies)), b
+        integer(int64) :: most(size(gpu%bodies))
 
         flags = 0
         call copy_out(moved_flags(gpu, 1), flags, 4_int64*size(flags), err)
         do b = 1, size(gpu%bodies)
             level(b) = findloc(flags(:, b), 1, dim=1, back=.true.)
         end do
+        most = level
+        call most_of_all(solid%ranks, most)
+        level = int(most)
     end function moved_levels
 
     !> Velocity by the mean of the last and this time step, then position; held particles of driven

@@ -4,6 +4,7 @@ module brz_gpu_solid_sums
     use brz_artificial_stress, only: artificial_none
     use brz_device, only: clear_buffer
     use brz_errors, only: error_t, failed
+    use brz_exact_sum, only: exact_sums
     use brz_gpu_solid_layout, only: at_accel, at_mass, book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
         book_friction, book_hold, book_load, book_plastic, book_rub, book_viscous, n_book, &
@@ -28,14 +29,13 @@ contains
         integer, intent(in) :: b
         type(solid_totals_t), intent(out) :: totals
         type(error_t), intent(inout) :: err
+        real(dp) :: sums(n_total, 1), total(n_total)
 
         call fetch_ledgers(gpu, solid, err)
-        if (failed(err)) return
-        if (b == 0) then
-            call totals_of_sums(solid, b, sum(gpu%sums, dim=2), totals)
-        else
-            call totals_of_sums(solid, b, gpu%sums(:, b), totals)
-        end if
+        sums = reshape(sum(gpu%sums, dim=2), [n_total, 1])
+        if (b > 0) sums(:, 1) = gpu%sums(:, b)
+        call exact_sums(solid%ranks, sums, total)
+        call totals_of_sums(solid, b, total, totals)
     end subroutine gpu_solid_totals
 
     !> Sums of the state of body b, then of its columns of `book`.

@@ -5,10 +5,10 @@
 !> fields (step_p = 1) and rows (step_d = 1). A list may name an element twice; both times the same
 !> numbers come for it.
 module brz_place_items
-    use brz_kinds, only: int64, int8, rk
+    use brz_kinds, only: int32, int64, int8, rk
     implicit none
     private
-    public :: pick_reals, put_reals, pick_bytes, put_bytes
+    public :: pick_reals, put_reals, pick_bytes, put_bytes, pick_words, put_words
 
 contains
 
@@ -71,4 +71,40 @@ contains
 
         array(place(t)) = row(t)
     end subroutine put_bytes
+
+    !> Words of 4 B of a listed particle, into its record, which has those of other arrays, too.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine pick_words(t, words, wide, before, place, array, record)
+        integer, intent(in) :: t !! particles of the list
+        integer, intent(in) :: words !! of each
+        integer, intent(in) :: wide, before !! words of a record, before those of this array
+        integer(int32), intent(in) :: place(*) !! of each particle, from 1
+        integer(int32), intent(in) :: array(*) !! (words, particles)
+        integer(int32), intent(inout) :: record(*) !! (wide, particles of the list)
+        integer :: c
+
+        do c = 1, words
+            record(before + c + (t - 1)*int(wide, int64)) = &
+                array(c + (place(t) - 1)*int(words, int64))
+        end do
+    end subroutine pick_words
+
+    !> The way back.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine put_words(t, words, wide, before, place, record, array)
+        integer, intent(in) :: t !! particles of the list
+        integer, intent(in) :: words !! of each
+        integer, intent(in) :: wide, before !! words of a record, before those of this array
+        integer(int32), intent(in) :: place(*) !! of each particle, from 1
+        integer(int32), intent(in) :: record(*) !! (wide, particles of the list)
+        integer(int32), intent(inout) :: array(*) !! (words, particles)
+        integer :: c
+
+        do c = 1, words
+            array(c + (place(t) - 1)*int(words, int64)) = &
+                record(before + c + (t - 1)*int(wide, int64))
+        end do
+    end subroutine put_words
 end module brz_place_items

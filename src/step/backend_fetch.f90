@@ -22,7 +22,7 @@ module brz_backend_fetch
     use brz_solid_totals, only: solid_totals, solid_totals_t
     implicit none
     private
-    public :: stock_of_air, stock_of_solid, stock_of_forces, stock_of_interfaces
+    public :: stock_of_air, stock_of_books, stock_of_solid, stock_of_forces, stock_of_interfaces
     public :: fetch_state, fetch_followed, fetch_around
 
 contains
@@ -73,6 +73,15 @@ contains
             call solid_totals(solid, b, totals)
         end if
     end subroutine stock_of_solid
+
+    !> Bring the books of the particles of this process up to date, before those of all are opened.
+    subroutine stock_of_books(backend, solid, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (backend%bodies_on_gpu) call fetch_ledgers(backend%solid, solid, err)
+    end subroutine stock_of_books
 
     !> Force and moment of body b on what holds it, force of its load and of other bodies.
     subroutine stock_of_forces(backend, solid, b, at, sums, err)

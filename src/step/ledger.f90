@@ -6,7 +6,8 @@ module brz_ledger
     use brz_air_state, only: air_t
     use brz_air_totals, only: counts_of_all, outflow_of_all
     use brz_backend, only: backend_t
-    use brz_backend_fetch, only: stock_of_air, stock_of_interfaces, stock_of_solid
+    use brz_backend_fetch, only: stock_of_air, stock_of_books, stock_of_interfaces, &
+        stock_of_solid
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
     use brz_coupling_state, only: coupling_t
@@ -125,6 +126,7 @@ contains
             ledger%held_cells = real(cells, dp)
         end if
         if (solid%present) then
+            call stock_of_books(backend, solid, err)
             call open_all_books(solid, books)
             call stock_of_solid(backend, solid, 0, sums, err)
             ledger%solid_kinetic = sums%kinetic
@@ -304,6 +306,7 @@ contains
         integer :: b, first
 
         row(1) = time
+        call stock_of_books(backend, solid, err)
         call open_all_books(solid, books)
         do b = 1, size(solid%bodies)
             call stock_of_solid(backend, solid, b, t, err)

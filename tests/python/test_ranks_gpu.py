@@ -7,8 +7,8 @@ import subprocess
 
 import pytest
 from test_gpu import EMULATOR, stamp
-from test_ranks import AIR, MPIRUN, TOGETHER, equal_air, needs_mpirun, start
-from test_run import BRISANCE, ROOT
+from test_ranks import AIR, MPIRUN, TOGETHER, equal_air, equal_bodies, needs_mpirun, start
+from test_run import BRISANCE
 
 
 @pytest.fixture(name="gpu", scope="module")
@@ -19,8 +19,8 @@ def _gpu(tmp_path_factory):
     return {"LD_LIBRARY_PATH": str(EMULATOR), "BRISANCE_PTX": str(code)}
 
 
-def go(n, folder, gpu, *args, out="out", **more):
-    (folder / "deck.nml").write_text(AIR)
+def go(n, folder, gpu, *args, deck=AIR, out="out", **more):
+    (folder / "deck.nml").write_text(deck)
     return start(n, "run", "deck.nml", "--backend", "gpu", "--out", out, *args, cwd=folder,
                  **gpu, **more)  # fmt: skip
 
@@ -110,9 +110,76 @@ def test_the_cpu_is_taken_where_nothing_is_asked_for(gpu, tmp_path):
     assert "GPU" not in done.stderr
 
 
+# Bodies that do not meet: steel that is drawn until it fails beside two planes of symmetry, a
+# total-Lagrangian plate, a block of variable smoothing length, one with stiff hourglass forces that
+# are summed along its plies, one of plain gradients.
+APART = """\
+&run title = 'apart', t_end = 2e-6, symmetry = 'x', 'z', energy_band = 0.5 /
+&material id = 's', preset = 'rebar' /
+&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 5e9,
+     poisson_ratio = 0.3 /
+&material id = 'p', preset = 'cfrp_ud' /
+&body id = 'bar', shape = 'box', box = 0,0.008, 0,0.005, 0,0.005, spacing = 1e-3, material = 's',
+     fix = 'x+', velocity = -900,10,30 /
+&body id = 'plate', shape = 'box', box = 0,0.009, 0.03,0.032, 0,0.009, spacing = 1e-3,
+     material = 'm', velocity = 20,900,30, formulation = 'total_lagrangian' /
+&body id = 'block', shape = 'box', box = 0,0.007, 0.035,0.039, 0.03,0.037, spacing = 1e-3,
+     material = 's', velocity = 50,400,900, spin = 2e5,1e5,0, variable_h = .true. /
+&body id = 'plies', shape = 'box', box = 0.02,0.028, 0.01,0.013, 0.02,0.027, spacing = 1e-3,
+     material = 'p', plies = '0/90/0', velocity = 900,300,100,
+     spin = 0,2e5,5e4, formulation = 'bending' /
+&body id = 'plain', shape = 'box', box = 0.04,0.046, 0.01,0.014, 0,0.006, spacing = 1e-3,
+     material = 'm', velocity = 40,300,-700, formulation = 'corrected' /
+&interaction law = 'none' /
+&gauge id = 'end', body = 'bar', at = 0.0035,0.001,0.001, quantity = 'displacement_x' /
+&gauge id = 'middle', body = 'block', at = 0.006,0.038,0.036, quantity = 'speed' /
+&gauge id = 'stress', body = 'plies', at = 0.0245,0.0115,0.0235, quantity = 'stress_xx' /
+&output dump_every = 1e-6, history_every = 0 /
+"""
+
+
+@pytest.fixture(name="bodies", scope="module")
+def _bodies(gpu, tmp_path_factory):
+    """The folder of a run of bodies on one GPU."""
+    folder = tmp_path_factory.mktemp("bodies")
+    done = go(0, folder, gpu, deck=APART)
+    assert done.returncode == 0, done.stderr
+    return folder / "out"
+
+
 @needs_mpirun
-def test_bodies_on_several_gpus_are_refused(gpu, tmp_path):
-    done = start(2, "run", ROOT / "inputs/rod_concrete.nml", "--backend", "gpu", "--out",
-                 tmp_path / "out", **gpu)  # fmt: skip
-    assert done.returncode == 2
-    assert "does not have bodies on GPUs on several processes" in done.stderr
+@pytest.mark.parametrize("n", [2, 4])
+def test_bodies_do_not_depend_on_gpus(n, gpu, bodies, tmp_path):
+    done = go(n, tmp_path, gpu, deck=APART, BRISANCE_EMULATOR_DEVICES="4")
+    assert done.returncode == 0, done.stderr
+    assert f", each of {n} processes on one" in done.stderr
+    equal_bodies(bodies, tmp_path / "out")
+
+
+@needs_mpirun
+@pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0)])
+def test_bodies_go_on_on_other_gpus(n, m, gpu, bodies, tmp_path):
+    done = go(n, tmp_path, gpu, "--set", "run.max_steps=15", deck=APART)
+    assert done.returncode == 0, done.stderr
+    done = go(m, tmp_path, gpu, "--restart", "latest", deck=APART)
+    assert done.returncode == 0, done.stderr
+    equal_bodies(bodies, tmp_path / "out")
+
+
+@needs_mpirun
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("&interaction bodies = 'plain', 'bar', law = 'contact' /", "that meet"),
+        ("&load body = 'bar', faces = 'y-', pressure = 1e6 /", "loads on bodies"),
+        ("&body id = 'r', shape = 'box', box = 1,1.002, 1,1.002, 1,1.002, spacing = 1e-3,\n"
+         "material = 'm', formulation = 'rigid' /", "rigid bodies of several processes"),
+        ("&air box = 0,1, 0,1, 0,1, cells = 16,16,16, bc = 'symmetry','outflow',"
+         "'outflow','outflow', 'symmetry','outflow' /", "bodies in air on GPUs"),
+    ],
+)  # fmt: skip
+def test_what_is_not_shared_by_gpus_is_refused(more, words, gpu, tmp_path):
+    done = go(2, tmp_path, gpu, deck=APART + more)
+    assert done.returncode in (2, 5), done.stderr
+    assert words in done.stderr.splitlines()[-1]
+    assert "--backend cpu" in done.stderr.splitlines()[-1]
