@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> The flux through one face of the air, see brz_face_items.
 module brz_air_faces
-    use brz_air_grid, only: grid_of, grid_t, place_of
-    use brz_air_state, only: air_t, bc_periodic, wall_t
+    use brz_air_grid, only: grid_t, place_of
+    use brz_air_state, only: air_t, wall_t
     use brz_face_items, only: face_at
-    use brz_kinds, only: int8, rk
+    use brz_kinds, only: int64, int8, rk
     use brz_scheme, only: max_var, scheme_t
     implicit none
     private
@@ -27,7 +27,15 @@ contains
         integer, parameter :: no_cells(1) = 0
         real(rk), parameter :: no_walls(3) = 0
 
-        grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
+        grid%n = air%n ! what face_at reads: this is called for every face near a wall
+        grid%g = air%g
+        grid%n_var = air%n_var
+        grid%bc = air%bc
+        grid%step(1) = 1
+        grid%step(2) = air%n(1) + 2*air%g(1)
+        grid%step(3) = grid%step(2)*(air%n(2) + 2*air%g(2))
+        grid%apart = int(grid%step(3), int64)*(air%n(3) + 2*air%g(3))
+        grid%walls = 0
         associate (at => place_of(grid, low(1), low(2), low(3)))
             if (wall%present) then
                 grid%walls = 1
