@@ -20,8 +20,8 @@ module brz_solid_gradients
     use brz_solid_lanes, only: group_of, group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
     use brz_solid_state, only: at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
-                               form_total, form_uncorrected, n_terms => n_moments, &
-                               held_affine, held_stiffness, intact_share, is_gone, lanes, pair_stress, &
+                               form_total, form_uncorrected, held_affine, held_stiffness, &
+                               intact_share, is_gone, lanes, n_terms => n_moments, pair_stress, &
                                pair_tilt, solid_t, worth_threads
     use brz_tension_hold, only: deviation, may_be_drawn
     use brz_tilted_arm, only: tilted_correction
