@@ -1,12 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> The flux through one face of the grid, straight from the state of the air, walls included.
+!> The flux through one face of the air, see brz_face_items.
 module brz_air_faces
-    use brz_kinds, only: rk
-    use brz_air_boundary, only: bc_symmetry, bc_wall, beyond_wall
+    use brz_air_grid, only: grid_t, place_of
     use brz_air_state, only: air_t, wall_t
-    use brz_face_flux, only: cut_face, cut_fraction, gas_face
-    use brz_grid_lines, only: turned
-    use brz_scheme, only: max_var, mixture_gamma, scheme_t
+    use brz_face_items, only: face_at
+    use brz_kinds, only: int64, int8, rk
+    use brz_scheme, only: max_var, scheme_t
     implicit none
     private
     public :: flux_at
@@ -23,53 +22,29 @@ contains
         real(rk), intent(out) :: f(max_var) !! flux, normal momentum in slot 2
         real(rk), intent(out) :: p_star !! pressure on the wall, 0 where there is none [Pa]
         real(rk), intent(out) :: speed !! normal velocity of the wall, 0 where there is none [m/s]
-        real(rk) :: q(5, -2:3), v(-2:3), y(-2:3), gamma(-2:3)
-        integer :: c, m, at(3), solid(-2:3)
+        type(grid_t) :: grid
+        integer(int8), parameter :: no_map(1) = 0
+        integer, parameter :: no_cells(1) = 0
+        real(rk), parameter :: no_walls(3) = 0
 
-        at = low
-        solid = 0
-        v = 0
-        y = 0
-        gamma = scheme%gamma
-        do m = -2, 3
-            at(d) = low(d) + m
-            do c = 1, 5
-                q(c, m) = air%u(at(1), at(2), at(3), turned(c, d))
-            end do
-            if (beyond_wall(scheme, air%bc(1, d), air%bc(2, d), air%n(d), at(d))) then
-                solid(m) = 1
-            else if (wall%present) then
-                solid(m) = wall%solid(at(1), at(2), at(3))
-                if (solid(m) == 1) v(m) = wall_speed(air, wall, d, at)
+        grid%n = air%n ! what face_at reads: this is called for every face near a wall
+        grid%g = air%g
+        grid%n_var = air%n_var
+        grid%bc = air%bc
+        grid%step(1) = 1
+        grid%step(2) = air%n(1) + 2*air%g(1)
+        grid%step(3) = grid%step(2)*(air%n(2) + 2*air%g(2))
+        grid%apart = int(grid%step(3), int64)*(air%n(3) + 2*air%g(3))
+        grid%walls = 0
+        associate (at => place_of(grid, low(1), low(2), low(3)))
+            if (wall%present) then
+                grid%walls = 1
+                call face_at(d, grid, scheme, at, low(d), air%u, wall%solid, wall%index, wall%v, &
+                             f, p_star, speed)
+            else
+                call face_at(d, grid, scheme, at, low(d), air%u, no_map, no_cells, no_walls, f, &
+                             p_star, speed)
             end if
-            if (air%n_var < 6 .or. solid(m) == 1) cycle
-            y(m) = air%u(at(1), at(2), at(3), 6)/q(1, m)
-            gamma(m) = mixture_gamma(scheme, y(m))
-        end do
-        p_star = 0
-        speed = 0
-        if (all(solid == 0)) then
-            call gas_face(scheme, gamma, q, f)
-        else
-            call cut_face(scheme, gamma, solid, v, q, f, p_star)
-            if (solid(0) /= solid(1)) speed = v(0)*solid(0) + v(1)*solid(1)
-        end if
-        f(6) = 0
-        if (air%n_var == 6) f(6) = f(1)*cut_fraction(scheme, solid, f(1), y)
+        end associate
     end subroutine flux_at
-
-    !> Normal velocity of a solid cell or of the image of one, which a mirror turns round.
-    pure function wall_speed(air, wall, d, at) result(v)
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(in) :: wall
-        integer, intent(in) :: d !! direction
-        integer, intent(in) :: at(3) !! cell, perhaps a ghost of direction d
-        real(rk) :: v
-        integer :: bc
-
-        v = wall%v(d, wall%index(at(1), at(2), at(3)))
-        if (at(d) >= 1 .and. at(d) <= air%n(d)) return
-        bc = air%bc(merge(1, 2, at(d) < 1), d)
-        if (bc == bc_wall .or. bc == bc_symmetry) v = -v
-    end function wall_speed
 end module brz_air_faces

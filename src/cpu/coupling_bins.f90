@@ -2,8 +2,9 @@
 !> Particles by air cell: which cells hold solid, and which particles a cell holds.
 module brz_coupling_bins
     use brz_air_state, only: air_t
+    use brz_bin_loops, only: each_find_home, each_sort_bin
     use brz_cell_loops, only: each_find_cell, each_mark_cell
-    use brz_cell_shells, only: cell_at, number_of
+    use brz_cell_shells, only: number_of
     use brz_column_loops, only: each_find_above
     use brz_boxes, only: box_t, widened
     use brz_coupling_box, only: is_gas
@@ -142,22 +143,16 @@ contains
         end subroutine list_faces
     end subroutine list_shared_faces
 
-    !> Sort the particles by solid cell: a counting sort, and within a cell by their numbers, so
-    !> that sums over a cell depend neither on where particles are in memory nor on processes.
+    !> Sort the particles by solid cell.
     subroutine fill_bins(solid, coupling)
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
-        integer :: p, c, n, ijk(3)
+        integer :: p, c, n
 
         n = coupling%wall%n_cells
         call at_least(coupling%ends, n + 2)
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(ijk)
-        do p = 1, solid%n
-            coupling%place_of(p) = 0
-            if (coupling%cell_of(p) == 0) cycle
-            ijk = cell_at(coupling%box%n, coupling%cell_of(p)) + coupling%wall%lo - 1
-            coupling%place_of(p) = coupling%wall%index(ijk(1), ijk(2), ijk(3))
-        end do
+        call each_find_home(solid%n, coupling%box, coupling%cell_of, coupling%wall%index, &
+                            coupling%place_of)
         ! ends(c+1) counts cell c, then is its start, which the fill moves to its end
         coupling%ends(1:n + 2) = 0
         do p = 1, solid%n
@@ -171,40 +166,8 @@ contains
             coupling%ends(c + 1) = coupling%ends(c + 1) + 1
             coupling%binned(coupling%ends(c + 1)) = p
         end do
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static)
-        do c = 1, n
-            call sort_by_id(solid%id, coupling%binned(coupling%ends(c) + 1:coupling%ends(c + 1)))
-        end do
+        call each_sort_bin(n, solid%id, coupling%ends, coupling%binned)
     end subroutine fill_bins
-
-    !> Bring a few particles into the order of their numbers; most are in it but for some runs.
-    pure subroutine sort_by_id(id, places)
-        integer(int32), intent(in) :: id(:)
-        integer(int32), intent(inout) :: places(:)
-        integer(int32) :: key, place
-        integer :: gap, i, j
-
-        do i = 2, size(places)
-            if (id(places(i)) < id(places(i - 1))) exit
-        end do
-        if (i > size(places)) return
-        gap = 1
-        do while (9*gap < size(places))
-            gap = 3*gap + 1
-        end do
-        do while (gap > 0)
-            do i = gap + 1, size(places)
-                place = places(i)
-                key = id(place)
-                do j = i - gap, 1, -gap
-                    if (id(places(j)) < key) exit
-                    places(j + gap) = places(j)
-                end do
-                places(j + gap) = place
-            end do
-            gap = gap/3
-        end do
-    end subroutine sort_by_id
 
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
     !> carries them, else as it is kept, half a step before.

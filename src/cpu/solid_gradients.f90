@@ -4,26 +4,26 @@
 !> Reads the neighbours' positions, velocities and volumes; writes the particle's own state and,
 !> for pass 2, its row of `pair`.
 module brz_solid_gradients
-    use brz_algebra, only: multiply3, to_matrix
+    use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
     use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient
-    use brz_kinds, only: dp, int32, int64, rk
+    use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_lone_layer, only: close_layer, face_power, lie_in_layer, open_faces, stay_in_layer, &
                               turn_layer
-    use brz_material, only: point_t, strength_left
+    use brz_material, only: class_elastic, point_t, strength_left
     use brz_materials, only: unloaded_speed, update_material
     use brz_motion_items, only: fill_rigid_row
     use brz_ply_axes, only: axes_matrix
     use brz_rigid_pose, only: n_pose, pose_of
+    use brz_row_items, only: fill_hold, fill_row, rules_of, stiffen_along
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: sum_bending, sum_drawn, sum_plain, sum_tilted
     use brz_solid_lanes, only: group_of, group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
-    use brz_solid_rows, only: fill_hold, fill_row
     use brz_solid_state, only: at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
-                               form_total, form_uncorrected, n_terms => n_moments, &
-                               held_stiffness, intact_share, is_gone, lanes, pair_stress, &
+                               form_total, form_uncorrected, held_affine, held_stiffness, &
+                               intact_share, is_gone, lanes, n_terms => n_moments, pair_stress, &
                                pair_tilt, solid_t, worth_threads
-    use brz_tension_hold, only: may_be_drawn
+    use brz_tension_hold, only: deviation, may_be_drawn
     use brz_tilted_arm, only: tilted_correction
     implicit none
     private
@@ -205,7 +205,7 @@ contains
         real(dp), intent(inout) :: limit
         real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), c_wave, c_bulk, rho
         real(rk) :: shrink, size, normal(3)
-        integer :: weak, weaker, c
+        integer :: weak, weaker, c, cut
 
         do c = solid%dimension + 1, 3
             sums(c) = 1
@@ -256,12 +256,49 @@ contains
         if (body%layer > 0) call stay_in_layer(b, solid%pair(pair_stress + 1, i))
         if (weak /= 0 .and. (body%formulation == form_bending .or. body%tension_hold > 0 .or. &
                              body%formulation == form_total)) solid%cut(i) = 1
-        call fill_row(solid, body, i, h, a, rho, c_bulk)
+        associate (material => solid%materials(body%material))
+            cut = solid%cut(i)
+            call fill_row(rules_of(body, material), h, a, rho, c_bulk, solid%volume(i), 0.0_rk, &
+                          solid%stress(:, i), strength_left(material%fails, solid%damage(i)), cut, &
+                          solid%pair(:, i))
+            solid%cut(i) = int(cut, int8)
+        end associate
+        if (body%directional) call stiffen_along(body%axes(:, :, solid%ply(i)), solid%hold(:, i), &
+                                                 solid%pair(:, i))
         if (.not. body%tension_hold > 0) return
-        call fill_hold(solid, body, i, drawn, a, sums(at_s + 1:at_y), &
-                       sum(sums(:solid%dimension)))
+        call hold_particle(solid, body, i, drawn, a, sums(at_s + 1:at_y), &
+                           sum(sums(:solid%dimension)))
         if (solid%held(held_stiffness, i) > 0) solid%search%drawn(k) = .true.
     end subroutine advance
+
+    !> The hold of particle i: nothing where it was not in tension or has lost its support.
+    subroutine hold_particle(solid, body, i, drawn, a, s, trace)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+        logical, intent(in) :: drawn
+        real(rk), intent(in) :: a(3, 3) !! dX/dx
+        real(rk), intent(in) :: s(6), trace !! see deviation
+        real(rk) :: f(3, 3), q, mu, there
+        logical :: ok
+
+        q = 0
+        f = 0
+        there = 0
+        if (drawn .and. solid%cut(i) == 0) then
+            call inverse3(a, f, ok)
+            if (.not. ok) solid%cut(i) = 1
+        end if
+        if (drawn .and. solid%cut(i) == 0) then
+            q = deviation(solid%dimension, f, s, trace)
+            there = trace
+        end if
+        mu = solid%mu(i)
+        if (solid%materials(body%material)%class == class_elastic) mu = 0
+        call copy_matrix(f, solid%held(held_affine + 1, i))
+        call fill_hold(body%tension_hold, solid%stress(:, i), mu, q, there, solid%volume(i), &
+                       int(solid%cut(i)), solid%held(:, i))
+    end subroutine hold_particle
 
     !> The velocity gradient across a layer: its faces are free of stress at the end of the step.
     pure subroutine turn_faces(solid, body, i, dt, normal, h)

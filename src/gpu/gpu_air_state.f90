@@ -15,6 +15,7 @@ module brz_gpu_air_state
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, &
         device_t, find_kernel, free_buffers, kernel_t, put_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_face_launches, only: face_kernels_t
     use brz_ghost_launches, only: ghost_kernels_t
     use brz_cell_lists, only: places_in
     use brz_gpu_common, only: gpu_common_t
@@ -40,6 +41,7 @@ module brz_gpu_air_state
         type(reals_t) :: v !! (3, n_cells) velocity of the walls
         type(integers_t) :: face_of !! (6, n_cells) wall face on each side
         type(reals_t) :: push, impulse !! (n_faces) impulse of a stage, of the step
+        type(face_kernels_t) :: kernels
     end type gpu_walls_t
 
     !> Which bricks of the air something has reached, and which are computed, as air_t has them.
@@ -213,6 +215,7 @@ contains
         call gpu%kernels%open(device, err)
         call gpu%common%open(device, 1, err)
         call gpu%ghosts%open(device, err)
+        call gpu%walls%kernels%open(device, err)
         call gpu%places%open(device, err)
         call gpu%bricks%wake%open(device, err)
         call find_kernel(device, 'faces_'//name_of(scheme), gpu%faces, err)

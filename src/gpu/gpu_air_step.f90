@@ -59,8 +59,8 @@ contains
             call gpu%kernels%air_outflow([gpu%grid%lines, air%n_var, 2], gpu%grid, stage, &
                                          gpu%edge, gpu%outflow, err)
             if (gpu%walls%n_faces > 0) &
-                call gpu%kernels%wall_impulse([gpu%walls%n_faces, 1, 1], gpu%walls%n_faces, &
-                                              gpu%walls%push, gpu%walls%impulse, err)
+                call gpu%walls%kernels%add_push(gpu%walls%n_faces, gpu%walls%push, &
+                                                gpu%walls%impulse, err)
             states%u = states%new
             states%new = gpu%spare(1 + mod(m, 2))
         end do

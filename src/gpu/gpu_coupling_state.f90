@@ -7,6 +7,7 @@
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: n_push
     use brz_coupling_state, only: coupling_t
+    use brz_bin_launches, only: bin_kernels_t
     use brz_carrier_launches, only: carrier_kernels_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
     use brz_cell_items, only: cells_of_a_chunk
@@ -74,6 +75,7 @@ module brz_gpu_coupling_state
         type(integers_t) :: debt_cell(2) !! the list, and room for the next one
         type(reals_t) :: debt(2)
         integer :: room_debts = 0
+        type(bin_kernels_t) :: bins
         type(carrier_kernels_t) :: carriers
         type(coupling_kernels_t) :: kernels
         type(gpu_common_t) :: common
@@ -101,6 +103,7 @@ contains
         gpu%bodies = size(coupling%carrier)
         call gpu%kernels%open(device, err)
         call gpu%common%open(device, n_push*fold_rows, err)
+        call gpu%bins%open(device, err)
         call gpu%carriers%open(device, err)
         call gpu%cells%open(device, err)
         call gpu%loads%open(device, err)

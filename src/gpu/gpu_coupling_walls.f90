@@ -93,14 +93,14 @@ contains
         type(integers_t) :: ends
 
         call clear_buffer(gpu%ends, err)
-        call gpu%kernels%bin_count([particles%n, 1, 1], particles%n, gpu%box, there%grid, &
-                                   gpu%cell_of, there%walls%cell_of, gpu%home, gpu%ends, err)
+        call gpu%bins%find_home(particles%n, gpu%box, gpu%cell_of, there%walls%cell_of, gpu%home, &
+                                err)
+        call gpu%kernels%bin_count([particles%n, 1, 1], particles%n, gpu%home, gpu%ends, err)
         ends = from(gpu%ends, 2_int64)
         call gpu%common%running_sum(ends, gpu%n_cells, err)
         call gpu%kernels%bin_fill([particles%n, 1, 1], particles%n, gpu%home, gpu%ends, &
                                   gpu%binned, err)
-        call gpu%kernels%sort_bins([gpu%n_cells, 1, 1], gpu%n_cells, &
-                                   tags_of(particles, tag_id), gpu%ends, gpu%binned, err)
+        call gpu%bins%sort_bin(gpu%n_cells, tags_of(particles, tag_id), gpu%ends, gpu%binned, err)
     end subroutine fill_gpu_bins
 
     !> Give each solid cell the mean velocity by mass of its particles, as move_walls does. The

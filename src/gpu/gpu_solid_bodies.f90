@@ -11,6 +11,7 @@ module brz_gpu_solid_bodies
     use brz_material, only: class_elastic, material_t
     use brz_model_list, only: find_kernel_of
     use brz_rigid_pose, only: n_pose, pose_of
+    use brz_row_items, only: rules_of
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
         form_total, solid_t
     use brz_text, only: to_text
@@ -111,6 +112,7 @@ contains
 
         material = solid%materials(solid%bodies(b)%material)
         params = params_of(solid%bodies(b), solid%dimension, axes_before(solid, b))
+        params%rules = rules_of(solid%bodies(b), material)
         params%fails = material%fails
         params%springs = merge(1, 0, material%class == class_elastic)
         params%owed = columns(1)
@@ -154,7 +156,6 @@ contains
         p%dimension = dimension
         p%formulation = body%formulation
         p%artificial = body%artificial
-        p%limiter = body%limiter
         p%directional = merge(1, 0, body%directional)
         p%variable = merge(1, 0, body%variable)
         p%h_range = body%h_range
@@ -170,11 +171,8 @@ contains
         p%half_over_h = 1/(2*body%h)
         p%alpha = body%alpha
         p%beta = body%beta
-        p%zeta = body%zeta
-        p%zeta_viscous = body%zeta_viscous
         p%tension_hold = body%tension_hold
         p%cfl = body%cfl
-        p%artificial_strength = body%artificial_strength
         p%artificial_power = body%artificial_power
         p%shape_at_spacing = body%shape_at_spacing
         p%normal = body%normal

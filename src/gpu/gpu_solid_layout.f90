@@ -15,6 +15,7 @@ module brz_gpu_solid_layout
     use brz_kinds, only: dp, rk
     use brz_link_layout, only: mask_unit
     use brz_particle_sums, only: n_sum
+    use brz_row_items, only: row_rules_t
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, at_wave, n_tag, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_joined, &
         tag_ply, tag_support, tag_touch, tag_weight
@@ -69,7 +70,7 @@ module brz_gpu_solid_layout
     type :: body_gpu_t
         integer :: first, last !! particles
         integer :: dimension, formulation, artificial
-        integer :: limiter !! see brz_gradient
+        type(row_rules_t) :: rules
         integer :: directional !! 1: yes
         integer :: fails !! how the material may fail
         integer :: axes !! place before the axes of ply 0 among those of all bodies
@@ -80,8 +81,8 @@ module brz_gpu_solid_layout
         integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step
         real(rk) :: h_range(2) !! bounds of a smoothing length that varies, over h
         real(rk) :: crack !! width of a smeared crack [m]
-        real(rk) :: h, scale, half_over_h, alpha, beta, zeta, zeta_viscous, cfl, tension_hold
-        real(rk) :: artificial_strength, artificial_power, shape_at_spacing
+        real(rk) :: h, scale, half_over_h, alpha, beta, cfl, tension_hold
+        real(rk) :: artificial_power, shape_at_spacing
         real(rk) :: normal(3) !! of the layers, 0: no tilted gradients
         integer :: layer !! normal of a membrane of one layer, 0: none
         integer :: layer_of_ply !! 1: yes

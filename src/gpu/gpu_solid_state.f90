@@ -22,6 +22,7 @@ module brz_gpu_solid_state
     use brz_link_layout, only: link_layout_t
     use brz_motion_launches, only: motion_kernels_t
     use brz_move_level, only: move_levels
+    use brz_row_launches, only: row_kernels_t
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_launches, only: solid_kernels_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
@@ -113,6 +114,7 @@ module brz_gpu_solid_state
         type(solid_kernels_t) :: kernels
         type(force_kernels_t) :: forces
         type(motion_kernels_t) :: moves
+        type(row_kernels_t) :: rows
         type(doubles_t) :: sums_of_forces
         type(gpu_common_t) :: common
         type(device_t) :: device
@@ -144,6 +146,7 @@ contains
         call gpu%ghosts%open(device, solid%ranks, solid%part, words_of_real*(n_pair + n_held) + 6, &
                              err)
         call gpu%moves%open(device, err)
+        call gpu%rows%open(device, err)
         call gpu%common%open(device, most_folded*(n_total + n_book), err)
         call allocate_buffer(gpu%place, 32*n, err)
         call allocate_buffer(gpu%reference, 32*n, err)

@@ -1,15 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> One time step of the solids on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_solid_step
-    use brz_buffers, only: doubles_t
+    use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer, copy_out
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_cohesive, only: place_gpu_nodes
     use brz_gpu_solid_copy, only: faults_of
     use brz_gpu_solid_ghosts, only: lay_gpu_anew, refresh_gpu_motion, refresh_gpu_rows
-    use brz_gpu_solid_layout, only: at_accel, at_mass, at_mu, book_force, book_load, &
-        flag_bad, n_book, n_flag, n_total, tag_fixed
+    use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, &
+        book_force, book_load, flag_bad, n_book, n_flag, n_total, tag_fixed
     use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass
     use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid
     use brz_gpu_solid_search, only: build_gpu_lists
@@ -225,8 +225,9 @@ contains
         real(rk), intent(in) :: time !! [s]
         type(error_t), intent(inout) :: err
 
-        if (body%layer) call gpu%kernels%solid_faces(threads_of(body), gpu%n, body%params, time, &
-            gpu%row, gpu%grad, gpu%motion, gpu%state, err)
+        if (body%layer) call gpu%rows%free_face(body%last - body%first + 1, body%first, gpu%n, 4, &
+            time, gpu%row, gpu%grad, column_of(gpu, at_stress + 1), from(gpu%motion, 4_int64), &
+            column_of(gpu, at_mass), column_of(gpu, at_energy), err)
     end subroutine free_faces
 
     subroutine update_material(gpu, body, dt, err)

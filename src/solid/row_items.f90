@@ -1,0 +1,166 @@
+! SPDX-License-Identifier: MIT
+!> Between the passes: what pass 2 gathers of a particle, from its gradients and its stress.
+module brz_row_items
+    use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
+    use brz_artificial_stress, only: artificial_none, artificial_stress
+    use brz_gradient, only: shear_limiter
+    use brz_kinds, only: real32, rk
+    use brz_lone_layer, only: face_power
+    use brz_material, only: material_t
+    use brz_pair_force, only: axial_stiffness
+    use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_total, &
+                               held_affine, held_energy, held_stiffness, held_whole, n_held, &
+                               n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
+                               pair_quadratic, pair_stress, pair_tilt, pair_volume
+    use brz_tension_hold, only: hold_stiffness
+    implicit none
+    private
+    public :: row_rules_t, rules_of, fill_row, stiffen_along, fill_hold, free_face
+
+    !> What is the same for all particles of a body.
+    type :: row_rules_t
+        integer :: formulation, limiter, artificial
+        integer :: directional !! 1: the hourglass stiffness has axes
+        real(rk) :: h, alpha, beta !! smoothing length [m], artificial viscosity
+        real(rk) :: stiffness !! of the hourglass force, without axes [Pa]
+        real(rk) :: zeta_viscous, artificial_strength
+    end type row_rules_t
+
+contains
+
+    !> The rules of a body.
+    pure function rules_of(body, material) result(rules)
+        type(body_t), intent(in) :: body
+        type(material_t), intent(in) :: material
+        type(row_rules_t) :: rules
+
+        rules%formulation = body%formulation
+        rules%limiter = body%limiter
+        rules%artificial = body%artificial
+        rules%directional = merge(1, 0, body%directional)
+        rules%h = body%h
+        rules%alpha = body%alpha
+        rules%beta = body%beta
+        rules%stiffness = body%zeta*material%shear
+        rules%zeta_viscous = body%zeta_viscous
+        rules%artificial_strength = body%artificial_strength
+    end function rules_of
+
+    !> The row of a particle but for its stress and its tilt, which is there. Where a body has axes,
+    !> the affine slots hold dx/dX alone, and stiffen_along must follow.
+    !@cuf attributes(host,device) &
+    pure subroutine fill_row(rules, h, a, rho, c_bulk, volume, mass, stress, strength, cut, row)
+        type(row_rules_t), intent(in) :: rules
+        real(rk), intent(in) :: h(3, 3) !! velocity gradient [1/s]
+        real(rk), intent(in) :: a(3, 3) !! 'bending': dX/dx; 'total_lagrangian': dx/dX
+        real(rk), intent(in) :: rho, c_bulk !! [kg/m3], sound speed in the viscosity [m/s]
+        real(rk), intent(in) :: volume, mass !! [m3]; what an artificial stress keeps in its slot
+        real(rk), intent(in) :: stress(6), strength !! [Pa]; share that is left
+        integer, intent(inout) :: cut !! 1: no stiff hourglass force any more
+        real(rk), intent(inout) :: row(n_pair)
+        real(rk) :: q(3, 3), z
+        integer :: c, j
+        logical :: ok
+
+        z = shear_limiter(rules%limiter, h, c_bulk/rules%h)
+        row(pair_volume) = volume
+        row(pair_linear) = z*rules%alpha*rho*c_bulk/2
+        row(pair_quadratic) = z*rules%beta*rho/2
+        row(pair_keep) = strength
+        z = 0
+        call copy_matrix(h, q)
+        if (rules%formulation == form_bending .or. rules%formulation == form_total) then
+            call copy_matrix(a, q)
+            if (rules%formulation == form_bending) then
+                call inverse3(a, q, ok)
+                if (.not. ok) cut = 1
+            end if
+            z = rules%stiffness
+            row(pair_keep) = strength*(1 - cut)
+            if (rules%directional == 0) then
+                do j = 1, 3
+                    do c = 1, 3
+                        q(c, j) = z*q(c, j)
+                    end do
+                end do
+            end if
+        else if (rules%formulation == form_corrected_hourglass) then
+            ! a tilted gradient would exert a torque
+            if (.not. abs(row(pair_tilt)) > 0) z = rules%zeta_viscous*rules%h*rho*c_bulk
+        else if (rules%artificial /= artificial_none) then
+            call artificial_stress(rules%artificial, rules%artificial_strength, rho, stress, q)
+            z = mass
+        end if
+        row(pair_hold) = z
+        call copy_matrix(q, row(pair_affine + 1))
+    end subroutine fill_row
+
+    !> Stiffness of the hourglass force along axes times the deformation dx/dX in the row.
+    !@cuf attributes(host,device) &
+    pure subroutine stiffen_along(axes, hold, row)
+        real(rk), intent(in) :: axes(3, 4) !! of the ply; the last column: stiffness along each [Pa]
+        real(real32), intent(inout) :: hold(6) !! [Pa]
+        real(rk), intent(inout) :: row(n_pair)
+        real(rk) :: along(6), f(3, 3), g(3, 3), k(3, 3)
+        integer :: c
+
+        call copy_matrix(row(pair_affine + 1), f)
+        call axial_stiffness(axes(1, 4), axes, f, along)
+        do c = 1, 6
+            hold(c) = real(along(c), real32)
+            along(c) = hold(c) ! as the pairs see it: no torque
+        end do
+        call to_matrix(along, k)
+        call multiply3(k, f, g)
+        call copy_matrix(g, row(pair_affine + 1))
+    end subroutine stiffen_along
+
+    !> The hold of a particle whose F is in its slots: nothing where it was not in tension or has
+    !> lost its support, where `trace` is 0.
+    !@cuf attributes(host,device) &
+    pure subroutine fill_hold(tension_hold, stress, mu, q, trace, volume, cut, held)
+        real(rk), intent(in) :: tension_hold, stress(6) !! [-], [Pa]
+        real(rk), intent(in) :: mu !! compression, 0 of a material of springs
+        real(rk), intent(in) :: q, trace !! see deviation of brz_tension_hold
+        real(rk), intent(in) :: volume !! [m3]
+        integer, intent(in) :: cut
+        real(rk), intent(inout) :: held(n_held)
+        real(rk) :: k
+        integer :: c
+
+        k = 0
+        if (trace > 0) k = hold_stiffness(tension_hold, stress, mu, q/trace)
+        held(held_stiffness) = k
+        do c = 1, 9
+            held(held_affine + c) = k*held(held_affine + c)
+        end do
+        held(held_energy) = volume*k*q/2
+        held(held_whole) = 1 - cut
+    end subroutine fill_hold
+
+    !> Take out of the energy what the stress does on the faces of a single layer.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine free_face(p, first, rows, step_v, time, row, grad, stress, volume, mass, energy)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: rows, step_v !! of columns; distance of volumes
+        real(rk), intent(in) :: time !! [s]
+        real(rk), intent(in) :: row(n_pair, *), grad(rows, 9), stress(rows, 6), volume(*), mass(*)
+        real(rk), intent(inout) :: energy(*)
+        real(rk) :: b(3, 3), h(3, 3), s(6)
+        integer :: c, i, j
+
+        i = first - 1 + p
+        call copy_matrix(row(pair_stress + 1, i), b)
+        do j = 1, 3
+            do c = 1, 3
+                h(c, j) = grad(i, c + 3*(j - 1))
+            end do
+        end do
+        do c = 1, 6
+            s(c) = stress(i, c)
+        end do
+        energy(i) = energy(i) - time*face_power(b, h, s)*volume(1 + (i - 1)*step_v)/mass(i)
+    end subroutine free_face
+end module brz_row_items
