@@ -38,6 +38,7 @@ contains
             q = a
             if (body%formulation == form_bending) call invert_or_cut(a, q, solid%cut(i))
             call stiffen(solid, body, i, q, z)
+            if (body%formulation == form_total .and. body%directional) z = solid%pair(pair_hold, i)
         case (form_corrected_hourglass)
             z = body%zeta_viscous*body%h*rho*c_bulk
             if (abs(solid%pair(pair_tilt, i)) > 0) z = 0 ! a tilted gradient would exert a torque
