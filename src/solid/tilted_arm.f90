@@ -22,7 +22,8 @@ module brz_tilted_arm
     use brz_pair_force, only: most_bent, overstretched
     implicit none
     private
-    public :: lifted_arm, mirrored_tilt, pack_tilt, ply_arm, tilted_arm, tilted_correction, tilted_force
+    public :: lifted_arm, mirrored_tilt, pack_tilt, ply_arm, tilted_arm, tilted_correction, &
+              tilted_force
 
     real(rk), parameter :: shift = 4096 !! of the first part of a packed tilt
     !> Added and taken away again it leaves the nearest whole number, in vector code too.

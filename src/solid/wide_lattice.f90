@@ -92,8 +92,8 @@ contains
         if (across > n .or. any(abs(wide(:n) - along) > same*along .and. &
                                 [(across, across=1, n)] /= index('xyz', input%ply_axis))) then
             call raise(err, exit_deck, label('body', input%id, input%place)//'particles of '// &
-                       'plies are as wide along x as along y, say, and ply_axis is across them; '// &
-                       'change aspect')
+                       'plies are as wide along x as along y, say, and ply_axis is across '// &
+                       'them; change aspect')
             return
         end if
         across = index('xyz', input%ply_axis)

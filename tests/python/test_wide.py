@@ -18,6 +18,9 @@ REACH = 0.28  # of elastic clamps in two dimensions, 0.27 in three: docs/solid.m
 MATERIAL = f"""\
 &material id='m', model='linear_elastic', density={RHO}, youngs_modulus={YOUNG},
     poisson_ratio={NU} /"""
+PLY = """\
+&material id='m', model='orthotropic_ply', density=1600, e1=140e9, e2=10e9, e3=10e9, nu12=0.3,
+    nu13=0.3, nu23=0.4, g12=5e9, g13=5e9, g23=3.6e9 /"""
 STEEL = """\
 &material id='m', model='bilinear_j2', density=7800, youngs_modulus=200e9, poisson_ratio=0.3,
     yield_stress=350e6, tangent_modulus=1e9 /"""
@@ -119,8 +122,9 @@ PLATE = """\
 """
 
 
-def plate(folder, layers, reach, material, pressure, end):
+def plate(folder, layers, reach, scene):
     """Deflection of the middle of a clamped plate whose particles are about three wide."""
+    material, pressure, end = scene
     dz = HIGH / layers
     columns = round(HALF / (3 * dz) + 2.5 - reach)
     dx = HALF / (columns - 2.5 + reach)
@@ -134,7 +138,7 @@ def plate(folder, layers, reach, material, pressure, end):
 @pytest.mark.parametrize("layers", [3, 4])
 def test_a_plate_swings_as_by_mindlin(tmp_path, layers):
     """P1 of docs/comparison.md: 9.229 um by the modes of Mindlin's plate."""
-    time, move = plate(tmp_path, layers, 0.27, MATERIAL, 1e5, 1.6e-4)
+    time, move = plate(tmp_path, layers, 0.27, (MATERIAL, 1e5, 1.6e-4))
     note(f"wide_plate_{layers}", move.max() / 9.229e-6)
     note(f"wide_plate_{layers}_time", time[move.argmax()] / 133.1e-6)
     assert move.max() == pytest.approx(9.229e-6, rel=0.03)
@@ -144,7 +148,7 @@ def test_a_plate_swings_as_by_mindlin(tmp_path, layers):
 @pytest.mark.parametrize("layers", [3])
 def test_a_plate_that_yields(tmp_path, layers):
     """P3 of docs/comparison.md, the first held layer on the edge: peak of the elements, 18.7 mm."""
-    _, move = plate(tmp_path, layers, 0, STEEL, 1e8, 3.4e-4)
+    _, move = plate(tmp_path, layers, 0, (STEEL, 1e8, 3.4e-4))
     note(f"wide_steel_{layers}", move.max() / 18.7e-3)
     assert move.max() == pytest.approx(18.7e-3, rel=0.03)
 
@@ -200,9 +204,14 @@ def test_a_restart_leaves_the_same_bytes(tmp_path):
             assert values.tobytes() == second[path].tobytes(), path
 
 
-@pytest.mark.parametrize("planes", ["", ", symmetry='x','z'"])
-def test_wide_particles_on_the_gpu(tmp_path, planes):
+@pytest.mark.parametrize(
+    ("planes", "plies"), [("", ""), (", symmetry='x','z'", ""), (", symmetry='y'", "0/90/0")]
+)
+def test_wide_particles_on_the_gpu(tmp_path, planes, plies):
     deck = FREE.format(planes=planes, material=STEEL, spin="0,9e4,0", velocity="0,0,0")
+    deck += "&gauge id='g', body='b', at=0.011,0.008,0.001, quantity='displacement_z' /"
+    if plies:
+        deck = deck.replace(STEEL, PLY).replace("material='m',", f"material='m', plies='{plies}',")
     (tmp_path / "g.nml").write_text(deck.replace("4e-5", "4e-6"))
     (tmp_path / "good.ptx").write_text(f"// {stamp()}\n", encoding="utf-8")
     for backend in ("cpu", "gpu"):
