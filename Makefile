@@ -173,7 +173,7 @@ demo: setup ## a coarse blast on a CFRP plate, with pictures
 	$(PY) -m post report out/demo
 bench: $(BENCH:%.f90=$(B)/%) ## measure the speed on this machine
 	@for program in $^; do $$program || exit 1; done
-bench-ranks: all ## speed of the air on several processes: strong and weak scaling (ARGS: numbers of processes)
+bench-ranks: all ## speed of the air on several processes: strong and weak scaling (ARGS: numbers of processes, --backend gpu)
 	@$(PY) scripts/bench_ranks.py $(BIN) $(or $(ARGS),1 2)
 vectors: $(if $(DEBUG)$(QUICK)$(COVERAGE),,$(LIB)) ## are the pair loops of the solid still vector code?
 	@$(if $(DEBUG)$(QUICK),echo 'skipped: not in this build',$(PY) scripts/vectors.py $(LIB))

@@ -56,7 +56,7 @@ class Document:
         Functions run in `workers` processes (default: one for each core), so all that they change
         but files is lost. A PostError leaves its block out and is told above the page.
         """
-        for blocks, problem in _make_all(makers, workers or len(os.sched_getaffinity(0))):
+        for blocks, problem in _make_all(makers, workers):
             self.add(*blocks)
             self.problems += [problem] if problem else []
 
@@ -85,16 +85,26 @@ class Document:
 _makers: list = []  # of the call that goes on: processes inherit them
 
 
-def _make_all(makers: list, workers: int) -> list[tuple[list, str]]:
+def _make_all(makers: list, workers: int | None) -> list[tuple[list, str]]:
     _makers[:] = makers
     try:
-        if min(workers, len(makers)) < 2:
-            return [_make(number) for number in range(len(makers))]
-        context = multiprocessing.get_context("fork")
-        with ProcessPoolExecutor(min(workers, len(makers)), mp_context=context) as pool:
-            return list(pool.map(_make, range(len(makers))))
+        return side_by_side(_make, range(len(makers)), workers)
     finally:
         _makers.clear()
+
+
+def side_by_side(function, values, workers: int | None = None) -> list:
+    """What a function of a module makes of each value, in order; values and results are pickled.
+
+    It runs in `workers` processes (default: one for each core), for which this one is copied.
+    """
+    values = list(values)
+    workers = min(workers or len(os.sched_getaffinity(0)), len(values))
+    if workers < 2:
+        return [function(value) for value in values]
+    context = multiprocessing.get_context("fork")
+    with ProcessPoolExecutor(workers, mp_context=context) as pool:
+        return list(pool.map(function, values))
 
 
 def _make(number: int) -> tuple[list, str]:

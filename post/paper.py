@@ -12,7 +12,7 @@ from pathlib import Path
 
 from post.comparison import crack_table
 from post.deck import Deck
-from post.document import Document, Heading, View
+from post.document import Document, Heading, View, side_by_side
 from post.errors import USAGE, PostError
 from post.fragments import find_fragments, fragment_table
 from post.hole_picture import draw_perforation, hole_table
@@ -117,29 +117,36 @@ def make_paper_page(
 
 def find_runs(folders: list[Path]) -> tuple[dict[str, list[Run]], list[str]]:
     """Runs of the paper by case, from coarse to fine, incomplete ones first; and what could not be
-    used.
+    used. Every dump is looked at, one process for a run.
     """
-    found: dict[str, list[Run]] = {}
-    problems = []
+    places = []
     for folder in folders:
         if not folder.is_dir():
             raise PostError(f"{folder}: there is no such folder", USAGE)
         inside = sorted(path.parent for path in folder.glob("*/energy.csv"))
-        for place in [folder] if (folder / "energy.csv").is_file() else inside:
-            try:
-                run = Run(place)
-                run.leave_out_damaged()
-            except PostError as error:
-                problems.append(str(error))
-                continue
-            if run.job not in CASES:
-                problems.append(f"{place}: '{run.job}' is no scene of inputs/paper; left out")
-                continue
+        places += [folder] if (folder / "energy.csv").is_file() else inside
+    found: dict[str, list[Run]] = {}
+    problems = []
+    for run, problem in side_by_side(_sound_run, places):
+        problems += [problem] if problem else []
+        if run:
             found.setdefault(run.job, []).append(run)
-            problems += [f"{place.name}: {text}" for text in run.problems]
+            problems += [f"{run.folder.name}: {text}" for text in run.problems]
     for runs in found.values():
         runs.sort(key=lambda run: (not smaller(run), -min(b.spacing for b in run.deck.bodies())))
     return found, problems
+
+
+def _sound_run(place: Path) -> tuple[Run | None, str]:
+    """A run of the paper without its damaged dumps, or why it cannot be used."""
+    try:
+        run = Run(place)
+        run.leave_out_damaged()
+    except PostError as error:
+        return None, str(error)
+    if run.job not in CASES:
+        return None, f"{place}: '{run.job}' is no scene of inputs/paper; left out"
+    return run, ""
 
 
 def _beginning(campaign: Campaign) -> list:

@@ -15,9 +15,11 @@ LINE = re.compile(r"^ *(\w+(?:\(\w+\))?), *(intent\(\w+\)) *::([^!\n]*)(?:!!?(.*
 USE = re.compile(r"^ *use (\w+), only: ((?:[\w, ]|& *\n *&?)+)", re.M)
 BUFFER = {"real(rk)": "reals_t", "real(dp)": "doubles_t", "integer(int8)": "bytes_t"}
 BUFFER |= {"integer": "integers_t", "integer(int32)": "integers_t"}
-TALLY = {"count": "+", "sum": "+", "least": "min", "most": "max"}
+TALLY = {"count": "+", "sum": "+", "least": "min", "most": "max", "exact": ""}
 KNOWN = {"worth_threads": "brz_solid_state", "tally_threads": "brz_tallies", "dp": "brz_kinds"}
 KNOWN |= dict.fromkeys(["find_kernel", "kernel_t", "launch", "device_t"], "brz_device")
+EXACT = ["widen", "open_sums", "add_terms", "close_sums", "scale_t", "limbs"]
+KNOWN |= {"ranks_t": "brz_ranks", "int64": "brz_kinds"} | dict.fromkeys(EXACT, "brz_exact_sum")
 KNOWN |= {"error_t": "brz_errors"} | dict.fromkeys(
     [*BUFFER.values(), "buffer_t", "arguments_t"], "brz_buffers"
 )
@@ -52,6 +54,9 @@ class Item:
         names = re.findall(r"\w+", rest[: rest.index(")")])
         self.index, *self.rest = (found[x] for x in names)
         self.call = fold(f"call {name}({', '.join(names)})")
+        self.exact = [a for a in self.rest if a.tally == "exact"]
+        terms = ["term" if found[x] in self.exact else x for x in names]
+        self.call_for_term = fold(f"call {name}({', '.join(terms)})")
         self.n = "n" + self.index.comment
         self.counts = [a.name for a in self.rest if a.tally == "count"]
         self.sums = [x for a in self.rest if a.tally not in ("", "count") for x in a.elements]
@@ -87,6 +92,28 @@ def loop(item):
     declared = [f"integer, intent(in) :: {item.n}"]
     declared += [f"{a.kind}, {a.intent} :: {a.end}" for a in item.rest] + [f"integer :: {i.name}"]
     names = ["n", *(a.name for a in item.rest)]
+    return procedure(item.doc, f"subroutine each_{item.name}", names, declared, body)
+
+
+def exact_loop(item):
+    """The same where terms are summed over all processes, in any order: brz_exact_sum."""
+    i, total = item.index.name, item.exact[0]
+    size = total.end.split("(")[1].split(")")[0]
+    declared = [f"integer, intent(in) :: {item.n}", "type(ranks_t), intent(in) :: ranks"]
+    kinds = [(a, "intent(out)" if a is total else a.intent) for a in item.rest]
+    declared += [f"{a.kind}, {intent} :: {a.end}" for a, intent in kinds]
+    declared += [f"type(scale_t) :: scales({size})", f"integer(int64) :: limb(limbs, {size})"]
+    declared += [f"real(dp) :: term({size}), largest({size})", f"integer :: {i}"]
+    body = []
+    passes = [("largest", "max", "widen(term, largest)", "open_sums(ranks, largest, scales)")]
+    end = f"close_sums(ranks, scales, limb, {total.name})"
+    passes += [("limb", "+", "add_terms(scales, term, limb)", end)]
+    for found, how, look, close in passes:
+        clauses = f"parallel do {item.clauses} private(term) reduction({how}:{found})"
+        inside = inner(["term = 0", *item.call_for_term, f"call {look}"])
+        body += [f"{found} = 0", *fold(clauses, "!$omp "), f"do {i} = 1, n", *inside, "end do"]
+        body += [f"call {close}"]
+    names = ["n", "ranks", *(a.name for a in item.rest)]
     return procedure(item.doc, f"subroutine each_{item.name}", names, declared, body)
 
 
@@ -171,7 +198,8 @@ def main():
         known |= dict.fromkeys(re.findall(r"\w+", names), owner)
     write(folder / f"{stem}_launches.f90", source, known, *launches(stem, items, launch, "each_"))
     known |= {x.name: f"brz_{source.stem}" for x in items}
-    write(folder / f"{stem}_loops.f90", source, known, [], [loop(x) for x in items])
+    every = [exact_loop(x) if x.exact else loop(x) for x in items]
+    write(folder / f"{stem}_loops.f90", source, known, [], every)
     write(folder / f"{stem}_kernels.CUF", source, known, [], [kernel(x) for x in items])
 
 

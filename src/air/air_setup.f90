@@ -12,7 +12,10 @@ module brz_air_setup
     use brz_charge_shape, only: filled_part, make_shape, shape_t
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_gas, only: to_conserved
+    use brz_gas_box, only: second_gamma
+    use brz_gas_file, only: pour_gas_file
     use brz_grid_lines, only: n_blocks
+    use brz_inflow, only: make_inflow
     use brz_ranks, only: ranks_t, several
     use brz_running_total, only: begin_total
     use brz_scheme, only: max_var, reach_of
@@ -61,10 +64,22 @@ contains
         call make_grid(case%air%lo, case%air%hi, case%air%cells, air)
         if (allocated(case%gas)) then
             do m = 1, size(case%gas)
-                call fill_box(air, case%gas(m))
+                if (case%gas(m)%file == '') then
+                    call fill_box(air, case%gas(m))
+                else
+                    call pour_gas_file(case%gas(m), air, err)
+                end if
             end do
+            if (failed(err)) return
         end if
         call keep_outside(air)
+        if (allocated(case%inflows)) then
+            allocate (air%inflow(size(case%inflows)))
+            do m = 1, size(case%inflows)
+                call make_inflow(case%inflows(m), air%scheme%gamma, air%rho_rest, air%p_rest, &
+                                 air%inflow(m))
+            end do
+        end if
         if (.not. allocated(case%charges)) return
         allocate (air%charge(size(case%charges)))
         do m = 1, size(case%charges)
@@ -90,21 +105,34 @@ contains
                 "unknown reconstruction '" &
                 //trim(case%air%reconstruction)//"' or flux '"//trim(case%air%flux)//"'")
         air%n_stages = merge(2, 3, case%air%integrator == 'ssprk2')
-        if (.not. allocated(case%charges)) return
-        gamma = 0
-        do m = 1, size(case%charges)
-            if (.not. has_own_gas(case, m)) cycle
-            if (air%scheme%mixture .and. abs(case%charges(m)%gamma - gamma) > 0) &
-                call raise(err, exit_deck, label('charge', case%charges(m)%id, &
-                    case%charges(m)%place)// &
-                    "only one gamma besides that of the air can be carried, and another "// &
-                    "charge has a different one")
-            gamma = case%charges(m)%gamma
-            air%scheme%mixture = .true.
-            air%scheme%gamma_products = real(gamma, rk)
-            air%n_var = 6
+        if (allocated(case%charges)) then
+            do m = 1, size(case%charges)
+                if (has_own_gas(case, m)) call carry_gas(case%charges(m)%gamma, label('charge', &
+                    case%charges(m)%id, case%charges(m)%place), air, err)
+            end do
+        end if
+        if (.not. allocated(case%gas)) return
+        do m = 1, size(case%gas)
+            gamma = second_gamma(case%gas(m), err)
+            if (gamma > 1) call carry_gas(gamma, label('gas', case%gas(m)%id, case%gas(m)%place), &
+                                          air, err)
         end do
     end subroutine choose_scheme
+
+    !> Carry products of a ratio of specific heats; there is room for one.
+    subroutine carry_gas(gamma, whose, air, err)
+        real(dp), intent(in) :: gamma
+        character(*), intent(in) :: whose !! begins a message
+        type(air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+
+        if (air%scheme%mixture .and. abs(real(gamma, rk) - air%scheme%gamma_products) > 0) &
+            call raise(err, exit_deck, whose//'only one gamma besides that of the air can be '// &
+                       'carried, and other products have a different one')
+        air%scheme%mixture = .true.
+        air%scheme%gamma_products = real(gamma, rk)
+        air%n_var = 6
+    end subroutine carry_gas
 
     !> True if a charge has a ratio of specific heats other than that of the air.
     pure logical function has_own_gas(case, m)

@@ -4,6 +4,7 @@ module brz_air_state
     use brz_air_boundary, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
     use brz_air_grid, only: brick
     use brz_air_part, only: part_t
+    use brz_inflow, only: inflow_t
     use brz_kinds, only: dp, int8, int64, rk
     use brz_total_state, only: running_total_t
     use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t
@@ -70,6 +71,7 @@ module brz_air_state
         real(rk), allocatable :: outside(:, :, :)
         !! (lines, n_var, low/high) gas beyond open boundaries, see grid_t: that of the cells next
         !! to them before anything happened
+        type(inflow_t), allocatable :: inflow(:) !! gas outside that changes; none if not allocated
         logical :: activity = .false. !! leave out what nothing has reached
         real(rk), allocatable :: u(:, :, :, :) !! conserved variables; in solid cells the ledger
         real(rk), allocatable :: u_start(:, :, :, :) !! u at the start of the step (ghosts unused)

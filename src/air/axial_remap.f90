@@ -9,8 +9,9 @@
 !> does a box of many processes.
 module brz_axial_remap
     use brz_air_state, only: air_t
+    use brz_axial_inside, only: inside_t
     use brz_axial_start, only: frame_t
-    use brz_axial_state, only: axial_t, axial_totals, v_energy, v_products, v_r, v_rho, v_z
+    use brz_axial_state, only: axial_t, v_energy, v_products, v_r, v_rho, v_z
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, rk
     implicit none
@@ -30,11 +31,12 @@ module brz_axial_remap
 
 contains
 
-    !> Put the blast into the grid, of which the box holds a part (1/2 for each plane of symmetry
-    !> through the centre).
-    subroutine map_axial(blast, frame, part, air, off, ok)
+    !> Put what lies in the box into the grid, which holds a part of the blast (1/2 for each plane of
+    !> symmetry through the centre).
+    subroutine map_axial(blast, frame, inside, part, air, off, ok)
         type(axial_t), intent(in) :: blast !! all of it burnt
         type(frame_t), intent(in) :: frame
+        type(inside_t), intent(in) :: inside !! sums that the grid shall have
         real(dp), intent(in) :: part
         type(air_t), intent(inout) :: air !! undisturbed
         real(dp), intent(out) :: off !! largest relative error of the sums of points
@@ -44,7 +46,7 @@ contains
         !! (8, cells) air, momentum, energy, products, radial and amount of axial momentum, over
         !! rest, per volume
         integer, allocatable :: at(:, :) !! (3, cells)
-        real(dp) :: total(n_sums), whole(5), factor(n_sums), push(3), dense(1), share
+        real(dp) :: total(n_sums), factor(n_sums), push(3), dense(1)
         integer :: n
 
         call place_probe(blast, frame, part, air, probe)
@@ -53,37 +55,18 @@ contains
         call exact_sums(air%part%ranks, max(sums(1:1, :n), 0.0_dp), dense)
         total = total*product(air%dx)
         dense = dense*product(air%dx)
-        share = merge(2, 1, blast%below == 0)*part ! it may be half of the blast already
-        whole = share*axial_totals(blast)
         factor = 1
-        factor(s_air) = 1 + (whole(v_rho) - whole(v_products) - total(s_air))/dense(1)
-        factor(s_energy) = whole(v_energy)/total(s_energy)
-        if (total(s_products) > 0) factor(s_products) = whole(v_products)/total(s_products)
-        if (total(s_radial) > 0) factor(s_radial) = whole(v_r)/total(s_radial)
-        if (total(s_axial) > 0) factor(s_axial) = share*axial_amount(blast)/total(s_axial)
+        factor(s_air) = 1 + (inside%mass - inside%products - total(s_air))/dense(1)
+        factor(s_energy) = inside%energy/total(s_energy)
+        if (total(s_products) > 0) factor(s_products) = inside%products/total(s_products)
+        if (total(s_radial) > 0) factor(s_radial) = inside%radial/total(s_radial)
+        if (total(s_axial) > 0) factor(s_axial) = inside%axial/total(s_axial)
         off = maxval(abs(factor - 1))
         factor(1 + frame%across) = factor(s_radial)
         factor(1 + frame%axis) = factor(s_axial)
-        push = 0
-        push(frame%axis) = frame%sense*whole(v_z)
-        push = merge(0.0_dp, push - factor(2:4)*total(2:4), frame%mirrored)
+        push = merge(0.0_dp, inside%momentum - factor(2:4)*total(2:4), frame%mirrored)
         call pour(air, sums(:, :n), at(:, :n), factor, push, ok)
     end subroutine map_axial
-
-    !> Sum of the amounts of axial momentum, of the whole circle.
-    pure real(dp) function axial_amount(blast) result(amount)
-        type(axial_t), intent(in) :: blast
-        real(dp), parameter :: pi = acos(-1.0_dp)
-        integer :: i, j
-
-        amount = 0
-        do j = blast%first, blast%last
-            do i = 1, blast%n
-                amount = amount + (i - 0.5_dp)*abs(blast%u(i, v_z, j))
-            end do
-        end do
-        amount = 2*pi*amount*blast%dr**2*blast%dz
-    end function axial_amount
 
     !> Cells of the box that the front can have reached.
     subroutine place_probe(blast, frame, part, air, probe)

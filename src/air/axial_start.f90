@@ -98,15 +98,17 @@ contains
     end subroutine axial_input
 
     !> All that is not round about the axis: bodies and boxes of gas by their bounding boxes, the
-    !> sides of the box of air but for its floor and planes of symmetry through the axis.
+    !> sides of the box of air but for its floor and planes of symmetry through the axis. Open sides
+    !> count where there is nothing else: a blast is gone behind them.
     subroutine find_obstacles(case, frame, obstacles)
         type(case_t), intent(in) :: case
         type(frame_t), intent(in) :: frame
         type(obstacle_t), allocatable, intent(out) :: obstacles(:)
+        type(obstacle_t), allocatable :: open (:)
         real(dp) :: lo(3), hi(3), far
         integer :: b, d, s
 
-        allocate (obstacles(0))
+        allocate (obstacles(0), open (0))
         far = sum(case%air%hi - case%air%lo)
         do b = 1, size(case%bodies)
             call body_box(case%bodies(b), lo, hi)
@@ -125,9 +127,14 @@ contains
                     frame%floor < far) cycle
                 if (d /= frame%axis .and. case%air%bc(s, d) == 'symmetry' .and. &
                     frame%mirrored(d) .and. is_near(case, frame, d, s)) cycle
-                obstacles = [obstacles, swept(frame, lo, hi)]
+                if (case%air%bc(s, d) == 'outflow') then
+                    open = [open, swept(frame, lo, hi)]
+                else
+                    obstacles = [obstacles, swept(frame, lo, hi)]
+                end if
             end do
         end do
+        if (size(obstacles) == 0) obstacles = open
     end subroutine find_obstacles
 
     !> True for the side of the box that is nearer to the axis.

@@ -19,6 +19,7 @@ module brz_early
         real(dp) :: after(6) = 0 !! the same of the cells; both less the undisturbed air
         real(dp) :: pressure_change = 0 !! largest, of products as ideal gas, relative
         real(dp) :: pressure_mean = 0 !! the same, mean over the mass of the products
+        real(dp) :: beyond = 0 !! energy that open sides let out before, of all of it
         real(dp) :: off = 0 !! of the sums of points in the grid, before they were put right
         integer :: rows = 0
         real(dp), allocatable :: when(:) !! (rows) times of histories [s]

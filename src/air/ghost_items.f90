@@ -6,13 +6,13 @@
 !> across a face are filled; no stencil reaches into edges or corners.
 module brz_ghost_items
     use brz_air_boundary, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall, image_at
-    use brz_air_grid, only: grid_t, line_start, variable_in_slot
+    use brz_air_grid, only: grid_t, line_start, rest_t, variable_in_slot
     use brz_kinds, only: int64, int8, rk
     use brz_outflow, only: open_ghosts
     use brz_scheme, only: max_var, scheme_t
     implicit none
     private
-    public :: fill_end
+    public :: fill_end, change_outside, mark_end
 
 contains
 
@@ -44,6 +44,38 @@ contains
             call image_end(d, side, grid, first, u)
         end if
     end subroutine fill_end
+
+    !> Give the gas outside an open face a new state.
+    !@item if(n > 2000) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine change_outside(t, grid, d, side, gas, outside)
+        integer, intent(in) :: t !! lines along the direction
+        type(grid_t), intent(in) :: grid
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: side !! 1: low, 2: high
+        type(rest_t), intent(in) :: gas
+        real(rk), intent(inout) :: outside(*) !! (lines, n_var, 2)
+        integer :: c
+
+        do c = 1, grid%n_var
+            outside(grid%before(d) + t + (c - 1 + (side - 1)*grid%n_var)*int(grid%lines, int64)) &
+                = gas%u(c)
+        end do
+    end subroutine change_outside
+
+    !> The bricks at a face count as reached.
+    !@item if(n > 2000) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine mark_end(b, grid, d, side, reached)
+        integer, intent(in) :: b !! bricks
+        type(grid_t), intent(in) :: grid
+        integer, intent(in) :: d !! direction
+        integer, intent(in) :: side !! 1: low, 2: high
+        integer(int8), intent(inout) :: reached(*)
+
+        if (mod((b - 1)/grid%brick_step(d), grid%bricks(d)) + 1 &
+            == merge(1, grid%bricks(d), side == 1)) reached(b) = 1
+    end subroutine mark_end
 
     !> Ghosts behind a wall, a symmetry plane or a periodic boundary.
     !@cuf attributes(host,device) &

@@ -3,12 +3,11 @@
 !> not round about the axis, keep what the gauges see meanwhile, and put it into the grid.
 module brz_start_2d
     use brz_air_state, only: air_t, charge_report_t
-    use brz_axial_products, only: gas_state
+    use brz_axial_inside, only: inside_t, sums_inside
     use brz_axial_remap, only: map_axial
     use brz_axial_start, only: axial_at, axial_input, charge_gap, find_obstacles, frame_t, &
         free_gap, make_frame, obstacle_t
-    use brz_axial_state, only: axial_input_t, axial_t, axial_totals, start_axial, v_products, v_r, &
-        v_rho, v_z, v_energy, w_energy, w_p
+    use brz_axial_state, only: axial_input_t, axial_t, start_axial, v_products, v_rho, w_energy, w_p
     use brz_axial_step, only: advance_axial
     use brz_case, only: case_t, label
     use brz_early, only: early_t, grid_totals, keep_row, next_due, watch_blast
@@ -36,6 +35,7 @@ contains
         type(axial_t) :: blast
         type(frame_t) :: frame
         type(obstacle_t), allocatable :: obstacles(:)
+        type(inside_t) :: inside
         character(:), allocatable :: head
         real(dp) :: rest(6), room, part, off
         logical :: ok
@@ -69,14 +69,18 @@ contains
             cells=real(nint(min(input%radius/blast%dr, input%half/blast%dz)*2**blast%merged), dp), &
             mass=part*case%charges(1)%mass)
         call grid_totals(air, rest)
-        call map_axial(blast, frame, part, air, off, ok)
+        inside = sums_inside(blast, frame, air%lo, air%lo + air%whole*air%dx)
+        call map_axial(blast, frame, inside, part, air, off, ok)
         if (.not. ok) call raise(err, exit_numerical, head//'a cell lost its pressure when the '// &
             'blast was put into the grid, whose points miss its sums by '//to_text(off)// &
             '; use smaller cells')
         call grid_totals(air, early%after)
         early%after = early%after - rest
         early%off = off
-        call report(blast, frame, part, air, early)
+        early%before = [inside%mass, inside%momentum, inside%energy, inside%products, &
+            inside%radial]
+        early%beyond = inside%beyond
+        call compare_products(blast, air, early)
     end subroutine start_from_2d
 
     !> Step until the front nears an obstacle, or the run ends.
@@ -118,22 +122,15 @@ contains
         early%steps = blast%cycle
     end subroutine run_free
 
-    !> What the blast held, and how the pressure of its products changes when they become an ideal
-    !> gas of the same density and energy.
-    subroutine report(blast, frame, part, air, early)
+    !> How the pressure of the products changes when they become an ideal gas of the same density
+    !> and energy.
+    subroutine compare_products(blast, air, early)
         type(axial_t), intent(in) :: blast
-        type(frame_t), intent(in) :: frame
-        real(dp), intent(in) :: part
         type(air_t), intent(in) :: air
         type(early_t), intent(inout) :: early
-        real(dp) :: sums(5), gamma, heat, y, change, weight, total
+        real(dp) :: gamma, heat, y, change, weight, total
         integer :: i, j
 
-        sums = part*axial_totals(blast)
-        if (blast%below == 0) sums = 2*sums
-        early%before([1, 5, 6, 7]) = sums([v_rho, v_energy, v_products, v_r])
-        early%before(2:4) = merge(2/acos(-1.0_dp)*sums(v_r), 0.0_dp, frame%mirrored)
-        early%before(1 + frame%axis) = frame%sense*sums(v_z)
         gamma = merge(air%scheme%gamma_products, air%scheme%gamma, air%scheme%mixture)
         total = 0
         do j = blast%first, blast%last
@@ -149,5 +146,5 @@ contains
             end do
         end do
         early%pressure_mean = early%pressure_mean/max(total, tiny(total))
-    end subroutine report
+    end subroutine compare_products
 end module brz_start_2d

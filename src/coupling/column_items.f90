@@ -5,8 +5,6 @@
 !> next gas cell, in proportion to mass and load_weight of their depth. All of this follows from
 !> positions, which do not change while the air takes its step.
 module brz_column_items
-    use brz_carrier_rules, only: add_force, add_yield, carrier_t, n_push
-    use brz_cell_place, only: cell_middle
     use brz_cell_shells, only: index_along, next_along
     use brz_column_rules, only: direction_of, height_of, sign_of
     use brz_coupling_box, only: box_t, is_own, place_at
@@ -17,7 +15,6 @@ module brz_column_items
     private
     public :: find_above, weigh_column, feel_gas, press_face, book_face, load_particle
     public :: depth_weight
-    public :: add_shift, add_push, add_load
 
 contains
 
@@ -222,85 +219,4 @@ contains
             load(1 + (d - 1)*step_d + (p - 1)*step_p) = total
         end do
     end subroutine load_particle
-
-    !> Middle of the cell that holds a particle, from the centre of its body [m].
-    !@cuf attributes(host,device) &
-    pure function arm_of(box, carrier, x) result(arm)
-        type(box_t), intent(in) :: box
-        type(carrier_t), intent(in) :: carrier
-        real(dp), intent(in) :: x(3)
-        real(dp) :: arm(3)
-        integer :: d
-
-        arm = cell_middle(x, box%lo, box%dx)
-        do d = 1, 3
-            arm(d) = arm(d) - carrier%centre(d)
-        end do
-    end function arm_of
-
-    !> Mass times the way from the particle to the middle of its cell.
-    !@cuf attributes(host,device) &
-    pure subroutine add_shift(box, x, mass, sums)
-        type(box_t), intent(in) :: box
-        real(dp), intent(in) :: x(3) !! [m]
-        real(rk), intent(in) :: mass !! [kg]
-        real(dp), intent(inout) :: sums(3) !! [kg m]
-        real(dp) :: middle(3)
-        integer :: d
-
-        middle = cell_middle(x, box%lo, box%dx)
-        do d = 1, 3
-            sums(d) = sums(d) + mass*(middle(d) - x(d))
-        end do
-    end subroutine add_shift
-
-    !> Force and torque on the particle if its body keeps its motion, and how they fall if that
-    !> yields.
-    !@cuf attributes(host,device) &
-    pure subroutine add_push(box, carrier, x, mass, above, gas, surface, weight, force, impedance, &
-                             sums)
-        type(box_t), intent(in) :: box
-        type(carrier_t), intent(in) :: carrier
-        real(dp), intent(in) :: x(3) !! [m]
-        real(rk), intent(in) :: mass !! [kg]
-        integer, intent(in) :: above(6) !! faces that load its cell
-        integer(int32), intent(in) :: gas(*)
-        real(dp), intent(in) :: surface(*)
-        real(rk), intent(in) :: weight(*), force(*), impedance(*)
-        real(dp), intent(inout) :: sums(n_push)
-        real(dp) :: arm(3)
-        real(rk) :: push(3), yield(3), share
-        integer :: d, f, row, side
-
-        do d = 1, 3
-            push(d) = 0
-            yield(d) = 0
-            if (box%n(d) == 1) cycle
-            do side = 0, 1
-                row = 2*d - side
-                f = above(row)
-                if (f == 0) cycle
-                share = depth_weight(box, row, gas(f), surface(f), x(d), mass)/weight(f)
-                push(d) = push(d) + share*force(f)
-                yield(d) = yield(d) + share*impedance(f)
-            end do
-        end do
-        arm = arm_of(box, carrier, x)
-        call add_force(arm, push, sums)
-        call add_yield(arm, yield, sums)
-    end subroutine add_push
-
-    !> Force and torque by the load of the particle.
-    !@cuf attributes(host,device) &
-    pure subroutine add_load(box, carrier, x, load, sums)
-        type(box_t), intent(in) :: box
-        type(carrier_t), intent(in) :: carrier
-        real(dp), intent(in) :: x(3) !! [m]
-        real(rk), intent(in) :: load(3) !! [N]
-        real(dp), intent(inout) :: sums(6)
-        real(dp) :: arm(3)
-
-        arm = arm_of(box, carrier, x)
-        call add_force(arm, load, sums)
-    end subroutine add_load
 end module brz_column_items

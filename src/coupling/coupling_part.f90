@@ -20,6 +20,7 @@ module brz_coupling_part
         type(parcels_t) :: out !! places of them
         logical, allocatable :: theirs(:) !! (out) in a cell of the process that gets it
         type(parcels_t) :: in !! places of the guests that came
+        integer(int32), allocatable :: seat(:) !! 1, 2, 3, ... for as many as there is room for
         integer(int32), allocatable :: cell(:, :) !! (3, particles) cell of the grid, or 0: outside
         ! wall faces: impulses go from who has the gas to who has loads to hand out
         type(parcels_t) :: faces_out, faces_in

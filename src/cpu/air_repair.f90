@@ -7,7 +7,8 @@
 !> replaced for both its cells, on walls too, so nothing is lost.
 module brz_air_repair
     use brz_kinds, only: dp, int8, rk
-    use brz_air_bad_cells, only: anywhere, first_lost, grow, is_beside, is_counted, is_own, join_bad
+    use brz_air_bad_cells, only: anywhere, grow, is_beside, is_counted, is_own, join_bad
+    use brz_air_lost, only: first_lost
     use brz_air_state, only: air_ok, air_t, air_unphysical, bc_inside, bc_periodic, &
         lines_per_block, wall_t
     use brz_air_faces, only: flux_at

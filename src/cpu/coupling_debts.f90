@@ -10,7 +10,7 @@ module brz_coupling_debts
         each_judge_ledger, each_level_ledger, each_open_excess, each_take_excess
     implicit none
     private
-    public :: size_debts, drop_debts, level_ledgers, limit_ledgers, release_debts, settle_covered, &
+    public :: size_debts, drop_paid, level_ledgers, limit_ledgers, release_debts, settle_covered, &
               enter_debts
 
 contains
@@ -83,16 +83,6 @@ contains
                               coupling%wall%solid, air%u, coupling%debt, coupling%start)
         call drop_paid(coupling)
     end subroutine settle_covered
-
-    !> Drop debts.
-    subroutine drop_debts(coupling, stays)
-        type(coupling_t), intent(inout) :: coupling
-        integer(int32), intent(in) :: stays(:) !! (n_debts) 1, or 0: it goes
-
-        call at_least(coupling%start, coupling%n_debts + 1)
-        coupling%start(:size(stays)) = stays
-        call drop_paid(coupling)
-    end subroutine drop_debts
 
     !> Close the gaps in the list that paid debts leave; `start` holds 1 for each that stays.
     subroutine drop_paid(coupling)

@@ -11,7 +11,7 @@ module brz_coupling_guests
     use brz_coupling_state, only: coupling_t
     use brz_fetch, only: fetch
     use brz_kinds, only: dp, int32, int64, rk
-    use brz_mail, only: make_room, post, put_numbers, take_numbers, tell_counts
+    use brz_mail, only: incoming, make_room, outgoing, post, tell_counts
     use brz_solid_fields, only: fields_of, fields_t
     use brz_solid_ghosts, only: for_the_air, send_particles
     use brz_solid_part, only: parcels_t
@@ -188,6 +188,7 @@ contains
     subroutine make_seats(n, coupling)
         integer, intent(in) :: n
         type(coupling_t), intent(inout) :: coupling
+        integer :: p
 
         associate (guests => coupling%guests)
             deallocate (guests%x)
@@ -201,6 +202,7 @@ contains
         if (allocated(coupling%cell_of)) &
             deallocate (coupling%cell_of, coupling%place_of, coupling%binned)
         allocate (coupling%cell_of(n), coupling%place_of(n), coupling%binned(n))
+        coupling%part%seat = [(p, p=1, n)]
     end subroutine make_seats
 
     !> What the coupling must know of the bodies as a whole.
@@ -220,10 +222,10 @@ contains
     subroutine send_loads_home(guests, solid, coupling)
         type(solid_t), intent(in) :: guests
         type(solid_t), intent(inout) :: solid
-        type(coupling_t), intent(inout) :: coupling
+        type(coupling_t), intent(inout), target :: coupling
         integer(int64) :: out(0:solid%ranks%n - 1), in(0:solid%ranks%n - 1)
-        integer :: i, n, r, place
-        real(dp), allocatable :: loads(:, :)
+        real(dp), pointer, contiguous :: loads(:, :)
+        integer :: i, n, r
 
         associate (part => coupling%part)
             do r = 0, solid%ranks%n - 1
@@ -235,21 +237,21 @@ contains
                 end do
             end do
             call make_room(solid%ranks, out, in, part%load_mail)
-            allocate (loads(3, max(maxval(out), maxval(in))/24))
             do r = 0, solid%ranks%n - 1
+                loads => outgoing(part%load_mail, r, 3)
                 n = 0
                 do i = part%in%first(r), part%in%first(r + 1) - 1
-                    place = part%in%place(i)
-                    if (.not. is_own(coupling%box, coupling%cell_of(place))) cycle
-                    n = n + 1
-                    loads(:, n) = guests%load(:, place)
+                    associate (place => part%in%place(i))
+                        if (.not. is_own(coupling%box, coupling%cell_of(place))) cycle
+                        n = n + 1
+                        loads(:, n) = guests%load(:, place)
+                    end associate
                 end do
-                call put_numbers(part%load_mail, r, loads(:, :n))
             end do
             call post(solid%ranks, part%load_mail)
             solid%load(:, :solid%n) = 0
             do r = 0, solid%ranks%n - 1
-                call take_numbers(part%load_mail, r, loads(:, :in(r)/24))
+                loads => incoming(part%load_mail, r, 3)
                 n = 0
                 do i = part%out%first(r), part%out%first(r + 1) - 1
                     if (.not. part%theirs(i)) cycle

@@ -4,11 +4,12 @@ module brz_coupling_shared
     use brz_air_state, only: air_t
     use brz_boxes, only: box_t, widened
     use brz_cell_shells, only: cell_at, number_of
+    use brz_coupling_bins, only: at_least
     use brz_coupling_box, only: is_own
-    use brz_coupling_debts, only: drop_debts, size_debts
+    use brz_coupling_debts, only: drop_paid, size_debts
     use brz_coupling_state, only: coupling_t
-    use brz_kinds, only: dp, int32, int64, rk
-    use brz_mail, only: make_room, post, put_numbers, take_numbers, tell_counts
+    use brz_kinds, only: dp, int64, rk
+    use brz_mail, only: incoming, make_room, outgoing, post, tell_counts
     use brz_ranks, only: ranks_t
     implicit none
     private
@@ -19,31 +20,29 @@ contains
     !> Give every process the impulses of the faces whose columns may reach into its box. Both sides
     !> list them in the order of the grid.
     subroutine share_impulses(coupling, ranks)
-        type(coupling_t), intent(inout) :: coupling
+        type(coupling_t), intent(inout), target :: coupling
         type(ranks_t), intent(in) :: ranks
         integer(int64) :: out(0:ranks%n - 1), in(0:ranks%n - 1)
-        real(dp), allocatable :: numbers(:, :)
-        integer :: r
+        real(dp), pointer, contiguous :: numbers(:, :)
+        integer :: k, r
 
-        associate (part => coupling%part, impulse => coupling%wall%impulse)
+        associate (out_faces => coupling%part%faces_out, in_faces => coupling%part%faces_in, &
+                   mail => coupling%part%face_mail, impulse => coupling%wall%impulse)
+            out = 8*(out_faces%first(1:ranks%n) - out_faces%first(0:ranks%n - 1))
+            in = 8*(in_faces%first(1:ranks%n) - in_faces%first(0:ranks%n - 1))
+            call make_room(ranks, out, in, mail)
             do r = 0, ranks%n - 1
-                out(r) = 8*(part%faces_out%first(r + 1) - part%faces_out%first(r))
-                in(r) = 8*(part%faces_in%first(r + 1) - part%faces_in%first(r))
+                numbers => outgoing(mail, r, 1)
+                do k = 1, size(numbers)
+                    numbers(1, k) = impulse(out_faces%place(out_faces%first(r) - 1 + k))
+                end do
             end do
-            call make_room(ranks, out, in, part%face_mail)
-            allocate (numbers(1, max(maxval(out), maxval(in))/8))
+            call post(ranks, mail)
             do r = 0, ranks%n - 1
-                associate (i => part%faces_out%first(r), j => part%faces_out%first(r + 1) - 1)
-                    numbers(1, :j - i + 1) = impulse(part%faces_out%place(i:j))
-                    call put_numbers(part%face_mail, r, numbers(:, :j - i + 1))
-                end associate
-            end do
-            call post(ranks, part%face_mail)
-            do r = 0, ranks%n - 1
-                associate (i => part%faces_in%first(r), j => part%faces_in%first(r + 1) - 1)
-                    call take_numbers(part%face_mail, r, numbers(:, :j - i + 1))
-                    impulse(part%faces_in%place(i:j)) = real(numbers(1, :j - i + 1), rk)
-                end associate
+                numbers => incoming(mail, r, 1)
+                do k = 1, size(numbers)
+                    impulse(in_faces%place(in_faces%first(r) - 1 + k)) = real(numbers(1, k), rk)
+                end do
             end do
         end associate
     end subroutine share_impulses
@@ -51,25 +50,28 @@ contains
     !> Renew the debts of other processes that this one sees.
     subroutine share_debts(air, coupling)
         type(air_t), intent(in) :: air
-        type(coupling_t), intent(inout) :: coupling
+        type(coupling_t), intent(inout), target :: coupling
         integer(int64) :: out(1, 0:air%part%ranks%n - 1), in(1, 0:air%part%ranks%n - 1)
         integer :: e, r
 
         associate (ranks => air%part%ranks, part => coupling%part, m => coupling%n_var + 1)
             call keep_own(coupling)
+            out = 0
             do r = 0, ranks%n - 1
-                out(1, r) = 0
                 if (r == ranks%rank) cycle
-                out(1, r) = count([(is_seen(coupling, part%windows(r), e), e=1, coupling%n_debts)])
+                do e = 1, coupling%n_debts
+                    if (is_seen(coupling, part%windows(r), e)) out(1, r) = out(1, r) + 1
+                end do
             end do
             call tell_counts(ranks, out, in)
             call make_room(ranks, 8*m*out(1, :), 8*m*in(1, :), part%debt_mail)
             do r = 0, ranks%n - 1
-                call write_debts(coupling, part%windows(r), int(out(1, r)), r)
+                if (out(1, r) > 0) &
+                    call write_debts(coupling, part%windows(r), outgoing(part%debt_mail, r, m))
             end do
             call post(ranks, part%debt_mail)
             do r = 0, ranks%n - 1
-                call read_debts(coupling, int(in(1, r)), r)
+                call read_debts(coupling, incoming(part%debt_mail, r, m))
             end do
         end associate
     end subroutine share_debts
@@ -77,14 +79,14 @@ contains
     !> Drop the debts of cells of others.
     subroutine keep_own(coupling)
         type(coupling_t), intent(inout) :: coupling
-        integer(int32) :: stays(coupling%n_debts)
         integer :: e
 
         if (coupling%n_debts == 0) return
+        call at_least(coupling%start, coupling%n_debts + 1)
         do e = 1, coupling%n_debts
-            stays(e) = merge(1, 0, is_own(coupling%box, coupling%debt_cell(e)))
+            coupling%start(e) = merge(1, 0, is_own(coupling%box, coupling%debt_cell(e)))
         end do
-        call drop_debts(coupling, stays)
+        call drop_paid(coupling)
     end subroutine keep_own
 
     !> Cell of the grid that has a debt.
@@ -108,14 +110,12 @@ contains
     end function is_seen
 
     !> Put the debts in a window into the parcel for its process.
-    subroutine write_debts(coupling, window, n, r)
-        type(coupling_t), intent(inout) :: coupling
+    pure subroutine write_debts(coupling, window, numbers)
+        type(coupling_t), intent(in) :: coupling
         type(box_t), intent(in) :: window
-        integer, intent(in) :: n, r !! their number, process
-        real(dp) :: numbers(coupling%n_var + 1, n)
+        real(dp), intent(inout) :: numbers(:, :) !! (1 + n_var, debts) number of the cell, debt
         integer :: e, k
 
-        if (n == 0) return
         k = 0
         do e = 1, coupling%n_debts
             if (.not. is_seen(coupling, window, e)) cycle
@@ -123,26 +123,23 @@ contains
             numbers(1, k) = number_of(coupling%box%whole, cell_of_debt(coupling, e))
             numbers(2:, k) = coupling%debt(:, e)
         end do
-        call put_numbers(coupling%part%debt_mail, r, numbers)
     end subroutine write_debts
 
     !> Add the debts that came from a process to the list.
-    subroutine read_debts(coupling, n, r)
+    subroutine read_debts(coupling, numbers)
         type(coupling_t), intent(inout) :: coupling
-        integer, intent(in) :: n, r !! their number, process
-        real(dp) :: numbers(coupling%n_var + 1, n)
+        real(dp), intent(in) :: numbers(:, :) !! (1 + n_var, debts)
         integer :: e, k, ijk(3)
 
-        if (n == 0) return
-        call take_numbers(coupling%part%debt_mail, r, numbers)
-        call size_debts(coupling, coupling%n_debts + n)
-        do k = 1, n
+        if (size(numbers, 2) == 0) return
+        call size_debts(coupling, coupling%n_debts + size(numbers, 2))
+        do k = 1, size(numbers, 2)
             e = coupling%n_debts + k
             ijk = cell_at(coupling%box%whole, nint(numbers(1, k))) - coupling%box%before
             coupling%debt_cell(e) = number_of(coupling%box%n, ijk)
             coupling%slot(ijk(1), ijk(2), ijk(3)) = e
             coupling%debt(:, e) = real(numbers(2:, k), rk)
         end do
-        coupling%n_debts = coupling%n_debts + n
+        coupling%n_debts = coupling%n_debts + size(numbers, 2)
     end subroutine read_debts
 end module brz_coupling_shared

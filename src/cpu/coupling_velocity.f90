@@ -24,11 +24,10 @@ contains
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         type(solid_t), allocatable :: guests
-        integer :: p
 
         if (several(solid%ranks)) then
             call move_alloc(coupling%guests, guests)
-            call push_walls(air, guests, coupling, dt, guests%v_before, [(p, p=1, guests%n)])
+            call push_walls(air, guests, coupling, dt, guests%v_before, coupling%part%seat)
             call move_alloc(guests, coupling%guests)
         else
             call push_walls(air, solid, coupling, dt, coupling%v_before, solid%id)

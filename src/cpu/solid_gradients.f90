@@ -11,7 +11,9 @@ module brz_solid_gradients
                               turn_layer
     use brz_material, only: point_t, strength_left
     use brz_materials, only: unloaded_speed, update_material
+    use brz_motion_items, only: fill_rigid_row
     use brz_ply_axes, only: axes_matrix
+    use brz_rigid_pose, only: n_pose, pose_of
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: sum_bending, sum_drawn, sum_plain, sum_tilted
     use brz_solid_lanes, only: group_of, group_t, images_t, in_turn, most_images, place_body, &
@@ -19,8 +21,8 @@ module brz_solid_gradients
     use brz_solid_rows, only: fill_hold, fill_row
     use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
                                form_total, form_uncorrected, n_terms => n_sums, &
-                               held_stiffness, intact_share, is_gone, lanes, pair_hold, pair_spin, &
-                               pair_stress, pair_tilt, pair_volume, solid_t, worth_threads
+                               held_stiffness, intact_share, is_gone, lanes, pair_hold, &
+                               pair_stress, pair_tilt, solid_t, worth_threads
     use brz_tension_hold, only: may_be_drawn
     use brz_solid_wide_sums, only: sum_referred
     use brz_tilted_arm, only: tilted_correction
@@ -83,16 +85,16 @@ contains
         real(dp), intent(inout) :: limit !! smallest time step so far [s]
         type(group_t) :: p
         real(rk) :: group(lanes, n_terms), sums(n_terms)
+        real(dp) :: pose(n_pose)
         integer :: i, first
 
         if (body%formulation == form_rigid) then
-            associate (from => solid%block(2, k), to => solid%block(3, k))
-                solid%pair(:, from:to) = 0 ! contact and bonds read these rows
-                solid%pair(pair_volume, from:to) = solid%volume(from:to)
-                do i = from, to
-                    solid%pair(pair_spin + 1:pair_spin + 3, i) = real(body%rigid%spin, rk)
-                end do
+            associate (r => body%rigid)
+                pose = pose_of(r, [0.0_dp, 0.0_dp, 0.0_dp], r%spin, r%q)
             end associate
+            do i = solid%block(2, k), solid%block(3, k) ! contact and bonds read these rows
+                call fill_rigid_row(1, i, 1, pose, solid%volume, solid%pair)
+            end do
             return ! its time step: rigid_step of brz_rigid_motion
         end if
         call place_body(solid, body, p)

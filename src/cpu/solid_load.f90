@@ -2,12 +2,11 @@
 !> Forces of the pressures on faces and of pushes on bodies, in scenes without air.
 module brz_solid_load
     use brz_face_load, only: mean_pressures, pushes
-    use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
-    use brz_facet_items, only: sum_load
-    use brz_facet_loops, only: each_begin_load, each_load_carrier, each_place_particle
-    use brz_kinds, only: dp, int32, int64
+    use brz_facet_loops, only: each_begin_load, each_load_carrier, each_place_particle, &
+                               each_sum_load
+    use brz_kinds, only: dp, int32
     use brz_ranks, only: several
-    use brz_solid_state, only: body_t, form_rigid, is_gone, solid_t
+    use brz_solid_state, only: form_rigid, is_gone, solid_t
     implicit none
     private
     public :: load_faces
@@ -47,7 +46,10 @@ contains
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
                 if (body%formulation == form_rigid .or. body%motion%n > 0) &
-                    call sum_loads(solid, body)
+                    call each_sum_load(body%last - body%first + 1, solid%ranks, body%first, &
+                        merge(0, 1, body%formulation == form_rigid), 3, 1, 3, body%rigid%x(1), &
+                        body%rigid%x(2), body%rigid%x(3), solid%x, solid%fixed, solid%load, &
+                        body%rigid%load)
             end associate
         end do
     end subroutine load_faces
@@ -91,38 +93,4 @@ contains
             end do
         end do
     end function sees_all
-
-    !> Force and torque of its load on a rigid body, or on what is held of another one: exact sums,
-    !> as they act back.
-    subroutine sum_loads(solid, body)
-        type(solid_t), intent(in) :: solid
-        type(body_t), intent(inout) :: body
-        type(scale_t) :: scales(6)
-        integer(int64) :: limb(limbs, 6)
-        real(dp) :: largest(6)
-        integer :: i
-
-        largest = 0
-        do i = body%first, body%last
-            if (any(abs(solid%load(:, i)) > 0)) call widen(load_on(i), largest)
-        end do
-        call open_sums(solid%ranks, largest, scales)
-        limb = 0
-        do i = body%first, body%last
-            if (any(abs(solid%load(:, i)) > 0)) call add_terms(scales, load_on(i), limb)
-        end do
-        call close_sums(solid%ranks, scales, limb, body%rigid%load)
-
-    contains
-
-        pure function load_on(i) result(push)
-            integer, intent(in) :: i
-            real(dp) :: push(6)
-
-            push = 0
-            call sum_load(1, i, merge(0, 1, body%formulation == form_rigid), 3, 1, 3, &
-                body%rigid%x(1), body%rigid%x(2), body%rigid%x(3), solid%x, solid%fixed, &
-                solid%load, push)
-        end function load_on
-    end subroutine sum_loads
 end module brz_solid_load

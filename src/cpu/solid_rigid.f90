@@ -8,12 +8,14 @@ module brz_solid_rigid
     use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
     use brz_kinds, only: dp, int64, rk
     use brz_motion, only: mean_velocity, velocity_of
+    use brz_motion_loops, only: each_drive_particle, each_follow_drive, each_follow_rigid, &
+        each_place_rigid
     use brz_rigid, only: cross
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
-    use brz_rigid_pose, only: n_pose, place_point, pose_of, velocity_at
+    use brz_rigid_pose, only: pose_of
     use brz_solid_bonds, only: push_rigid_bonds
     use brz_solid_cohesive, only: cohesive_push
-    use brz_solid_state, only: body_t, form_rigid, is_held, ledger_t, solid_t, worth_threads
+    use brz_solid_state, only: body_t, form_rigid, ledger_t, solid_t
     implicit none
     private
     public :: move_rigid, balance_rigid
@@ -39,7 +41,9 @@ contains
                     if (solid%ranks%rank > 0) body%rigid%load = 0 ! the first books it
                     call book_drive(body, solid%time, dt, v)
                     body%rigid%load = load
-                    if (body%formulation /= form_rigid) call drive(solid, body, dt, v)
+                    if (body%formulation /= form_rigid) &
+                        call each_drive_particle(body%last - body%first + 1, body%first, 3, dt, &
+                                                 v(1), v(2), v(3), solid%fixed, solid%x, solid%v)
                     body%rigid%p = body%rigid%mass*v
                 end if
                 if (body%formulation == form_rigid) call move_body(solid, body, dt)
@@ -51,35 +55,16 @@ contains
         end do
     end subroutine move_rigid
 
-    !> Carry the held particles of a body along.
-    subroutine drive(solid, body, dt, v)
-        type(solid_t), intent(inout) :: solid
-        type(body_t), intent(in) :: body
-        real(dp), intent(in) :: dt, v(3)
-        integer :: i
-
-        do i = body%first, body%last
-            if (solid%fixed(i) /= is_held) cycle
-            solid%v(:, i) = real(v, rk)
-            solid%x(:, i) = solid%x(:, i) + dt*v
-        end do
-    end subroutine drive
-
     !> One rigid body: momentum by contact and load, then position, attitude and particles.
     subroutine move_body(solid, body, dt)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt
-        real(dp) :: omega(3), q_mid(4), v(3), pose(n_pose)
-        integer :: i
+        real(dp) :: omega(3), q_mid(4), v(3)
 
         call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
-        pose = pose_of(body%rigid, v, omega, q_mid)
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(v)
-        do i = body%first, body%last
-            call place_point(pose, solid%x_ref(:, i), solid%x(:, i), v)
-            solid%v(:, i) = real(v, rk)
-        end do
+        call each_place_rigid(body%last - body%first + 1, body%first, 3, &
+                              pose_of(body%rigid, v, omega, q_mid), solid%x_ref, solid%x, solid%v)
     end subroutine move_body
 
     !> Forces of contact on rigid and driven bodies at the step, and `a` of their particles.
@@ -104,8 +89,7 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt
-        real(dp) :: v(3), pose(n_pose), reaction(3)
-        integer :: i
+        real(dp) :: v(3), reaction(3)
 
         associate (b => body%rigid)
             b%force = 0
@@ -117,10 +101,8 @@ contains
             body%dt_limit = rigid_step(body, solid%skin)
             solid%dt_limit = min(solid%dt_limit, body%dt_limit)
             if (.not. dt > 0) return
-            pose = pose_of(b, v, b%omega, b%q)
-            do i = body%first, body%last
-                solid%a(:, i) = real(2/dt*(velocity_at(pose, solid%x(:, i)) - solid%v(:, i)), rk)
-            end do
+            call each_follow_rigid(body%last - body%first + 1, body%first, 3, 1, 3, dt, &
+                                   pose_of(b, v, b%omega, b%q), solid%x, solid%v, solid%a)
         end associate
         if (solid%links%present) call settle_drag(solid, body, dt)
     end subroutine balance_body
@@ -194,7 +176,7 @@ contains
         integer, intent(in) :: b
         real(dp), intent(in) :: dt
         real(dp) :: v(3)
-        integer :: i, k
+        integer :: k
 
         if (.not. dt > 0) return
         v = velocity_of(body%motion, solid%time)
@@ -205,10 +187,8 @@ contains
                 if (solid%block(1, k) == b) &
                     body%motion%force = body%motion%force + solid%search%sums(3:5, k)/dt
             end do
-            do i = body%first, body%last
-                if (solid%fixed(i) /= is_held) cycle
-                solid%a(:, i) = real(2/dt*(v - solid%v(:, i)), rk)
-            end do
+            call each_follow_drive(body%last - body%first + 1, body%first, 3, 1, 3, dt, v(1), &
+                                   v(2), v(3), solid%fixed, solid%v, solid%a)
         end if
         if (body%formulation == form_rigid .and. solid%ranks%rank > 0) return ! the first books it
         body%ledger%drive = body%ledger%drive &

@@ -3,11 +3,11 @@
 !> measured by.
 module brz_solid_sort
     use brz_cell_grid, only: cell_of_groups, fill_cells, lay_grid
-    use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
-    use brz_kinds, only: dp, int64, rk
+    use brz_force_loops, only: each_sum_momentum
+    use brz_kinds, only: dp, rk
     use brz_list_drift, only: begin_list
     use brz_particle_order, only: reorder_particles
-    use brz_solid_state, only: body_t, form_total, is_gone, solid_t
+    use brz_solid_state, only: body_t, form_total, solid_t
     implicit none
     private
     public :: note_places, sort_body
@@ -40,35 +40,12 @@ contains
     function mean_velocity(solid, body) result(v)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        real(dp) :: v(3), largest(4), sums(4)
-        type(scale_t) :: scales(4)
-        integer(int64) :: limb(limbs, 4)
-        integer :: i
+        real(dp) :: v(3), sums(4)
 
-        largest = 0
-        do i = body%first, body%last
-            call widen(momentum(i), largest)
-        end do
-        call open_sums(solid%ranks, largest, scales)
-        limb = 0
-        do i = body%first, body%last
-            call add_terms(scales, momentum(i), limb)
-        end do
-        call close_sums(solid%ranks, scales, limb, sums)
+        call each_sum_momentum(body%last - body%first + 1, solid%ranks, body%first, 3, 1, 3, &
+                               real(solid%dt_last/2, rk), solid%mass, solid%fixed, solid%v, &
+                               solid%a, sums)
         v = sums(2:)/max(sums(1), tiny(sums))
-
-    contains
-
-        !> Mass and momentum of a particle, of nothing that is gone.
-        pure function momentum(i) result(p)
-            integer, intent(in) :: i
-            real(dp) :: p(4)
-
-            p = 0
-            if (solid%fixed(i) == is_gone) return
-            p(1) = solid%mass(i)
-            p(2:) = p(1)*(solid%v(:, i) + real(solid%dt_last/2, rk)*solid%a(:, i))
-        end function momentum
     end function mean_velocity
 
     !> Positions that decide on the neighbours of a body: a total-Lagrangian body that meets no

@@ -4,11 +4,11 @@
 !> start_solid once, or resume_solid after a restart; then solid_step again and again.
 module brz_solid_step
     use brz_cell_grid, only: reach_of_lists
-    use brz_air_force, only: air_force
     use brz_errors, only: error_t, exit_numerical, raise
     use brz_kinds, only: dp, int16, int64, int8, rk
     use brz_list_drift, only: drift_bodies, find_stale
     use brz_material, only: strength_left
+    use brz_motion_items, only: kick_and_drift
     use brz_ranks, only: agree, several
     use brz_solid_bonds, only: break_bonds
     use brz_solid_cohesive, only: cohesive_pass
@@ -26,9 +26,7 @@ module brz_solid_step
     use brz_solid_rigid, only: balance_rigid, move_rigid
     use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: wake_met
-    use brz_solid_state, only: form_bending, form_rigid, intact_share, is_free, is_gone, is_held, &
-                               solid_t, worth_threads
-    use brz_support, only: held_share
+    use brz_solid_state, only: form_bending, form_rigid, intact_share, solid_t, worth_threads
     use brz_solid_tilts, only: find_tilts
     use brz_tension_hold, only: may_be_drawn
     implicit none
@@ -126,7 +124,7 @@ contains
         logical :: stale(size(solid%bodies)), relink
 
         if (solid%steps == 0) call force_pass(solid, dt/2)
-        call kick_and_drift(solid, dt)
+        call kick_bodies(solid, dt)
         call move_rigid(solid, dt)
         solid%time = solid%time + dt
         solid%dt_last = dt
@@ -155,38 +153,34 @@ contains
     end subroutine solid_step
 
     !> Velocity by the mean of the last and this time step, then position.
-    subroutine kick_and_drift(solid, dt)
-        type(solid_t), intent(inout) :: solid
+    subroutine kick_bodies(solid, dt)
+        type(solid_t), intent(inout), target :: solid
         real(dp), intent(in) :: dt
-        real(rk) :: mean, v(3), load(3)
+        real(rk), pointer, contiguous :: load(:, :)
         real(dp) :: work
-        integer :: i, k
+        integer :: i, k, loaded
 
-        mean = real((solid%dt_last + dt)/2, rk)
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, v, load, work)
+        loaded = merge(1, 0, allocated(solid%load))
+        load => solid%a ! not read where there is no load
+        if (loaded == 1) load => solid%load
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, work)
         do k = 1, size(solid%block, 2)
-            work = 0
             solid%search%sums(1, k) = 0
             associate (body => solid%bodies(solid%block(1, k)))
                 if (body%formulation == form_rigid .or. body%asleep) cycle
             end associate
             do i = solid%block(2, k), solid%block(3, k)
-                if (solid%fixed(i) == is_held .or. solid%fixed(i) == is_gone) cycle
-                v = solid%v(:, i)
-                load = air_force(solid, i)
-                if (solid%fixed(i) /= is_free) load = (1 - held_share(solid%fixed(i)))*load
-                solid%v(:, i) = v + mean*solid%a(:, i) + real(dt, rk)*load/solid%mass(i)
-                solid%x(:, i) = solid%x(:, i) + dt*solid%v(:, i)
-                work = work + dt*dot_product(load, v + solid%v(:, i))/2
+                call kick_and_drift(i, 3, 1, 3, real((solid%dt_last + dt)/2, rk), dt, loaded, &
+                                    solid%a, load, solid%mass, solid%fixed, solid%x, solid%v, work)
+                solid%search%sums(1, k) = solid%search%sums(1, k) + work
             end do
-            solid%search%sums(1, k) = work
         end do
         do k = 1, size(solid%block, 2)
             associate (ledger => solid%bodies(solid%block(1, k))%ledger)
                 ledger%load = ledger%load + solid%search%sums(1, k)
             end associate
         end do
-    end subroutine kick_and_drift
+    end subroutine kick_bodies
 
     !> Velocity of a particle at the step itself [m/s].
     pure function velocity_at_step(solid, i) result(v)

@@ -5,6 +5,7 @@ module brz_build_case
     use brz_check_aspect, only: check_meeting
     use brz_check_bodies, only: check_bodies
     use brz_check_air, only: check_air, check_charges, check_gas
+    use brz_check_inflow, only: check_inflows
     use brz_check_interactions, only: check_interactions
     use brz_check_loads, only: check_loads
     use brz_check_materials, only: check_materials
@@ -51,6 +52,7 @@ contains
         call check_air(deck, case)
         call check_gas(deck, case)
         call check_charges(deck, case)
+        call check_inflows(deck, case)
         call check_bodies(deck, case)
         call check_interactions(deck, case)
         call check_meeting(deck, case)
@@ -119,7 +121,7 @@ contains
                 call fill_air(deck, g, case)
             case ('gas')
                 gas = gas + 1
-                call fill_gas(deck%groups(g), case%gas(gas))
+                call fill_gas(deck, g, case%gas(gas))
             case ('charge')
                 charges = charges + 1
                 call fill_charge(deck, deck%groups(g), case%charges(charges))

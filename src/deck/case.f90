@@ -11,8 +11,8 @@ module brz_case
     public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
                  body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t, &
                  point_case_t, segment_case_t
-    public :: name_len, max_plies, max_motion, interaction_case_t, load_case_t, is_from_file, &
-              label, means
+    public :: name_len, max_plies, max_motion, interaction_case_t, inflow_case_t, load_case_t, &
+              is_from_file, label, means
 
     integer, parameter :: name_len = 32 !! longest id or option word
     integer, parameter :: max_plies = 256 !! most plies of one body
@@ -59,9 +59,23 @@ module brz_case
     !> &gas: a box of gas with its own initial state
     type :: gas_case_t
         character(name_len) :: id = ''
+        character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
         real(dp) :: lo(3) = 0, hi(3) = 0 !! [m]
         real(dp) :: density = 0, pressure = 0, velocity(3) = 0
+        character(512) :: file = '' !! has the state in place of these; '': none
+        real(dp) :: move(3) = 0, at(3) = 0 !! of a file: shift, centre of a radius [m]
     end type gas_case_t
+
+    !> &inflow: gas outside an open face of the box, which comes in
+    type :: inflow_case_t
+        character(name_len) :: id = ''
+        character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
+        integer :: axis = 0, side = 0 !! of the face; 1: low, 2: high
+        logical :: wave = .false. !! an overpressure is given, no states
+        real(dp), allocatable :: time(:) !! none where nothing changes [s]
+        real(dp), allocatable :: overpressure(:) !! (points) [Pa]
+        real(dp), allocatable :: state(:, :) !! (points, 5) density, velocity, pressure
+    end type inflow_case_t
 
     !> &charge: explosive as a balloon of hot gas; the mass is that of the whole charge
     type :: charge_case_t
@@ -234,6 +248,7 @@ module brz_case
         type(run_case_t) :: run
         type(air_case_t) :: air
         type(gas_case_t), allocatable :: gas(:)
+        type(inflow_case_t), allocatable :: inflows(:)
         type(charge_case_t), allocatable :: charges(:)
         type(material_case_t), allocatable :: materials(:)
         type(body_case_t), allocatable :: bodies(:)

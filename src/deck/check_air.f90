@@ -5,7 +5,8 @@ module brz_check_air
     use brz_check_start, only: check_geometry, check_start, is_radial
     use brz_deck, only: add_warning, complain, deck_t, entry_line, find_group, group_label, &
                         may_be_misspelt
-    use brz_get, only: is_usable
+    use brz_files, only: file_exists
+    use brz_get, only: is_given, is_usable
     use brz_kinds, only: dp, real32
     use brz_text, only: to_text
     implicit none
@@ -67,6 +68,8 @@ contains
                 cycle
             end if
             if (is_radial(case)) cycle
+            call check_kind(deck, g, case, case%gas(k))
+            if (case%gas(k)%file /= '') cycle
             call check_corners(deck, g, case%gas(k)%lo, case%gas(k)%hi)
             if (deck%groups(g)%bad .or. air_bad(deck)) cycle
             if (any(case%gas(k)%hi <= case%air%lo .or. case%gas(k)%lo >= case%air%hi)) then
@@ -76,6 +79,36 @@ contains
             end if
         end do
     end subroutine check_gas
+
+    !> A box of gas has all of its state, gas from a file none of it.
+    subroutine check_kind(deck, g, case, gas)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(gas_case_t), intent(in) :: gas
+        character(8), parameter :: of_box(4) = [character(8) :: 'box', 'density', 'pressure', &
+                                                'velocity']
+        integer :: i
+        logical :: given
+
+        do i = 1, 4
+            given = is_given(deck%groups(g), trim(of_box(i)))
+            if (gas%file /= '' .and. given) call complain(deck, g, trim(of_box(i)), 'a file '// &
+                'has all of the state; take '//trim(of_box(i))//' out')
+            if (gas%file == '' .and. i < 4 .and. .not. given) call complain(deck, g, &
+                trim(of_box(i)), "key '"//trim(of_box(i))//"' is missing; a box of gas needs "// &
+                'box, density and pressure, or a file')
+        end do
+        if (gas%file == '') then
+            if (is_given(deck%groups(g), 'move') .or. is_given(deck%groups(g), 'at')) &
+                call complain(deck, g, 'id', 'move and at belong to a file; take them out')
+            return
+        end if
+        if (.not. file_exists(trim(gas%file))) call complain(deck, g, 'file', &
+            "there is no file '"//trim(gas%file)//"'")
+        if (any(case%charges%start /= '3d')) call complain(deck, g, 'file', 'a charge that '// &
+            "starts in one or two dimensions knows no gas from a file; use start='3d'")
+    end subroutine check_kind
 
     !> A box of gas is whole cells: those whose middle lies in it. Say where that is not the box.
     subroutine judge_box(deck, g, case, gas)

@@ -4,9 +4,9 @@ module brz_check_loads
     use brz_case, only: case_t, load_case_t, name_len
     use brz_check_bodies, only: reference_hint
     use brz_csv_table, only: read_columns
-    use brz_deck, only: complain, deck_t, find_entry, group_label, place
+    use brz_deck, only: complain, deck_t, group_label, place
     use brz_errors, only: error_t, failed
-    use brz_get, only: get, get_path, is_given, is_usable
+    use brz_get, only: get, get_list, get_path, is_given, is_usable
     use brz_key, only: key_t, kind_text, required
     use brz_kinds, only: dp
     use brz_text, only: to_text
@@ -103,14 +103,14 @@ contains
         faces = ''
         call get(deck%groups(g), 'faces', faces, n)
         load%faces = [(any(faces == names(i)), i=1, 6)]
-        call fill_list(deck, g, 'time', load%time)
-        call fill_list(deck, g, 'pressure', load%pressure)
+        call get_list(deck%groups(g), 'time', load%time)
+        call get_list(deck%groups(g), 'pressure', load%pressure)
         call get_path(deck, g, 'patch', load%patch)
         load%in_table = is_given(deck%groups(g), 'table')
         load%on_all = is_given(deck%groups(g), 'acceleration') .or. &
                       is_given(deck%groups(g), 'force')
         if (load%on_all) then
-            call fill_list(deck, g, 'scale', load%pressure)
+            call get_list(deck%groups(g), 'scale', load%pressure)
             if (.not. is_given(deck%groups(g), 'scale')) load%pressure = [1.0_dp]
         end if
         if (load%in_table) call fill_table(deck, g, load)
@@ -155,21 +155,6 @@ contains
             load%pressure = values(2, :)
         end if
     end subroutine fill_table
-
-    !> The values of a key, none if it is absent.
-    subroutine fill_list(deck, g, key, list)
-        type(deck_t), intent(in) :: deck
-        integer, intent(in) :: g
-        character(*), intent(in) :: key
-        real(dp), allocatable, intent(out) :: list(:)
-        integer :: n
-
-        n = 0
-        if (is_given(deck%groups(g), key) .and. is_usable(deck%groups(g), key)) &
-            n = deck%groups(g)%entries(find_entry(deck%groups(g), key))%n
-        allocate (list(n))
-        if (n > 0) call get(deck%groups(g), key, list)
-    end subroutine fill_list
 
     !> One kind of load, and all that it needs.
     subroutine check_keys(deck, g, load)

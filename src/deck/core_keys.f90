@@ -6,6 +6,7 @@
 module brz_core_keys
     use brz_body_keys, only: body_keys
     use brz_explosives, only: explosive_names
+    use brz_check_inflow, only: inflow_keys
     use brz_check_loads, only: load_keys
     use brz_gauge_quantities, only: quantity_choices
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text, none, required
@@ -28,6 +29,7 @@ contains
         call run_keys(keys)
         call air_keys(keys)
         call gas_keys(keys)
+        call inflow_keys(keys)
         call charge_keys(keys)
         call material_group_keys(keys)
         call body_keys(keys)
@@ -129,18 +131,26 @@ contains
 
         keys = [keys, &
                 key_t(group=g, &
-                      meaning='A box of gas with an initial state of its own; later ones '// &
-                      'cover earlier ones.'), &
+                      meaning='A box of gas with an initial state of its own, or gas from a '// &
+                      'file; later ones cover earlier ones.'), &
                 key_t(group=g, key='id', kind=kind_text, default=required, &
                       meaning='Name of the box of gas.'), &
-                key_t(group=g, key='box', n_min=6, n_max=6, unit='m', default=required, &
+                key_t(group=g, key='box', n_min=6, n_max=6, unit='m', &
                       meaning='Corners: x0, x1, y0, y1, z0, z1.'), &
-                key_t(group=g, key='density', unit='kg/m3', default=required, lower=zero, &
+                key_t(group=g, key='density', unit='kg/m3', lower=zero, &
                       open_lower=.true., meaning='Initial density.'), &
-                key_t(group=g, key='pressure', unit='Pa', default=required, lower=zero, &
+                key_t(group=g, key='pressure', unit='Pa', lower=zero, &
                       open_lower=.true., meaning='Initial pressure.'), &
                 key_t(group=g, key='velocity', n_min=3, n_max=3, unit='m/s', &
-                      default='0.0, 0.0, 0.0', meaning='Initial velocity.')]
+                      default='0.0, 0.0, 0.0', meaning='Initial velocity.'), &
+                key_t(group=g, key='file', kind=kind_text, longest=256, &
+                      meaning='In place of these: a dump of the air (other cells are fine), or '// &
+                      'a .csv with density, pressure and x, y, z, velocity_x, ..., or r, '// &
+                      'velocity.'), &
+                key_t(group=g, key='move', n_min=3, n_max=3, unit='m', default='0.0, 0.0, 0.0', &
+                      meaning='file: shift of what it holds.'), &
+                key_t(group=g, key='at', n_min=3, n_max=3, unit='m', default='0.0, 0.0, 0.0', &
+                      meaning='file along a radius r: centre.')]
     end subroutine gas_keys
 
     subroutine charge_keys(keys)

@@ -127,15 +127,22 @@ contains
         end associate
     end subroutine fill_boundaries
 
-    subroutine fill_gas(group, gas)
-        type(group_t), intent(in) :: group
+    subroutine fill_gas(deck, g, gas)
+        type(deck_t), intent(in) :: deck
+        integer, intent(in) :: g
         type(gas_case_t), intent(inout) :: gas
 
-        gas%id = group%id
-        call get_box(group, gas%lo, gas%hi)
-        call get(group, 'density', gas%density)
-        call get(group, 'pressure', gas%pressure)
-        call get(group, 'velocity', gas%velocity)
+        associate (group => deck%groups(g))
+            gas%id = group%id
+            gas%place = place(deck, group%line)
+            call get_box(group, gas%lo, gas%hi)
+            call get(group, 'density', gas%density)
+            call get(group, 'pressure', gas%pressure)
+            call get(group, 'velocity', gas%velocity)
+            call get_path(deck, g, 'file', gas%file)
+            call get(group, 'move', gas%move)
+            call get(group, 'at', gas%at)
+        end associate
     end subroutine fill_gas
 
     subroutine fill_charge(deck, group, charge)

@@ -6,7 +6,7 @@ module brz_get
     use brz_text, only: to_text
     implicit none
     private
-    public :: get, get_boxes, get_path, is_given, is_usable
+    public :: get, get_boxes, get_list, get_path, is_given, is_usable
 
     interface get
         module procedure :: get_real, get_reals, get_integer, get_integers, get_logical
@@ -110,6 +110,20 @@ contains
             values(i) = group%entries(e)%word(i)%s
         end do
     end subroutine get_texts
+
+    !> The values of a key, none if it is absent.
+    subroutine get_list(group, key, list)
+        type(group_t), intent(in) :: group
+        character(*), intent(in) :: key
+        real(dp), allocatable, intent(out) :: list(:)
+        integer :: n
+
+        n = 0
+        if (is_given(group, key) .and. is_usable(group, key)) &
+            n = group%entries(find_entry(group, key))%n
+        allocate (list(n))
+        if (n > 0) call get(group, key, list)
+    end subroutine get_list
 
     !> Path of a file. One that is not absolute is beside the deck.
     subroutine get_path(deck, g, key, path)

@@ -14,7 +14,7 @@ module brz_cuda_driver
     public :: cu_device_attribute, cu_context_retain, cu_context_set, cu_memory_info
     public :: cu_module_load, cu_module_function, cu_allocate, cu_free, cu_to_device, cu_to_host
     public :: cu_copy, cu_fill_bytes, cu_launch, cu_synchronize, cu_event_create, cu_event_record
-    public :: cu_event_synchronize, cu_event_elapsed
+    public :: cu_event_synchronize, cu_event_elapsed, cu_host_register
 
     abstract interface
         integer(c_int) function no_argument_i() bind(c)
@@ -79,6 +79,12 @@ module brz_cuda_driver
             import :: c_int, c_intptr_t
             integer(c_intptr_t), value :: address
         end function free_i
+        integer(c_int) function register_i(host, bytes, flags) bind(c)
+            import :: c_int, c_ptr, c_size_t
+            type(c_ptr), value :: host
+            integer(c_size_t), value :: bytes
+            integer(c_int), value :: flags
+        end function register_i
         integer(c_int) function to_device_i(address, host, bytes) bind(c)
             import :: c_int, c_intptr_t, c_ptr, c_size_t
             integer(c_intptr_t), value :: address
@@ -148,6 +154,7 @@ module brz_cuda_driver
     procedure(function_i), pointer, protected, save :: cu_module_function => null()
     procedure(allocate_i), pointer, protected, save :: cu_allocate => null()
     procedure(free_i), pointer, protected, save :: cu_free => null()
+    procedure(register_i), pointer, protected, save :: cu_host_register => null()
     procedure(to_device_i), pointer, protected, save :: cu_to_device => null()
     procedure(to_host_i), pointer, protected, save :: cu_to_host => null()
     procedure(copy_i), pointer, protected, save :: cu_copy => null()
@@ -184,6 +191,7 @@ contains
         call c_f_procpointer(library%function('cuModuleGetFunction'), cu_module_function)
         call c_f_procpointer(library%function('cuMemAlloc_v2'), cu_allocate)
         call c_f_procpointer(library%function('cuMemFree_v2'), cu_free)
+        call c_f_procpointer(library%function('cuMemHostRegister_v2'), cu_host_register)
         call c_f_procpointer(library%function('cuMemcpyHtoD_v2'), cu_to_device)
         call c_f_procpointer(library%function('cuMemcpyDtoH_v2'), cu_to_host)
         call c_f_procpointer(library%function('cuMemcpyDtoD_v2'), cu_copy)

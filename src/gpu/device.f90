@@ -7,27 +7,28 @@ module brz_device
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_float, &
         c_int, c_int64_t, c_intptr_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_signed_char, c_size_t
     use brz_buffers, only: arguments_t, buffer_t, most_arguments
-    use brz_cuda_driver, only: cu_allocate, cu_context_retain, cu_context_set, cu_copy, cu_device, &
-        cu_device_attribute, cu_device_count, cu_device_name, cu_driver_version, &
-        cu_event_create, cu_event_elapsed, cu_event_record, cu_event_synchronize, &
-        cu_fill_bytes, cu_free, cu_init, cu_launch, cu_memory_info, cu_module_function, &
+    use brz_cuda_driver, only: cu_allocate, cu_context_retain, cu_context_set, cu_copy, &
+        cu_device, cu_device_attribute, cu_device_count, cu_device_name, cu_driver_version, &
+        cu_event_create, cu_event_elapsed, cu_event_record, cu_event_synchronize, cu_fill_bytes, &
+        cu_free, cu_host_register, cu_init, cu_launch, cu_memory_info, cu_module_function, &
         cu_module_load, cu_synchronize, cu_to_device, cu_to_host, driver_message, load_driver
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_kernel_profile, only: book_launch, profiling
-    use brz_kinds, only: dp, int64
+    use brz_kinds, only: dp, int64, int8
     use brz_text, only: to_text
     use brz_timer, only: wall_seconds
     implicit none
     private
     public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
     public :: find_kernel, allocate_buffer, put_buffer, reserve_buffer, free_buffer, &
-              free_buffers, copy_in, copy_out, copy_within, clear_buffer, launch, &
+              free_buffers, copy_in, copy_out, copy_within, clear_buffer, launch, pin, &
               wait_for_device, start_timer, stop_timer
 
     integer, parameter :: threads_per_block = 128 !! all along x
 
     type :: device_t
         logical :: open = .false.
+        integer :: count = 0 !! devices that this process sees
         character(:), allocatable :: name !! with memory and driver, for messages
         integer(c_size_t) :: free_bytes = 0 !! when it was opened or measured last
         type(c_ptr) :: module = c_null_ptr, started = c_null_ptr, ended = c_null_ptr
@@ -50,12 +51,14 @@ contains
                                   driver_message(code)//' (CUDA error '//to_text(int(code))//')')
     end subroutine check
 
-    !> Open the first GPU. Without one `err` says why.
-    subroutine open_device(device, err)
+    !> Open a GPU: of those that the process sees the one with a number, from 0, counted round and
+    !> round. Without one `err` says why.
+    subroutine open_device(device, err, number)
         type(device_t), intent(out) :: device
         type(error_t), intent(inout) :: err
+        integer, intent(in), optional :: number !! else the first
         character(:), allocatable :: why
-        integer(c_int) :: n, handle
+        integer(c_int) :: n, handle, which
         type(c_ptr) :: context
 
         call load_driver(why)
@@ -71,7 +74,10 @@ contains
             call raise(err, exit_device, 'no GPU: the CUDA driver is there but shows no device')
             return
         end if
-        call check(cu_device(handle, 0_c_int), 'opening device 0', err)
+        device%count = n
+        which = 0
+        if (present(number)) which = mod(int(number, c_int), n)
+        call check(cu_device(handle, which), 'opening device '//to_text(int(which)), err)
         call check(cu_context_retain(context, handle), 'making a context', err)
         if (failed(err)) return
         call check(cu_context_set(context), 'using the context', err)
@@ -281,6 +287,16 @@ contains
         call check(cu_to_host(c_loc(x), buffer%address, int(bytes, c_size_t)), &
                    'copying from the GPU (or a kernel before it)', err)
     end subroutine copy_out
+
+    !> Let the GPU copy to and from memory of the host without a detour, for the rest of the run:
+    !> faster, where the driver allows it.
+    subroutine pin(bytes, n)
+        integer(int8), intent(in), target, contiguous :: bytes(:)
+        integer(int64), intent(in) :: n
+        integer(c_int) :: code
+
+        if (n > 0) code = cu_host_register(c_loc(bytes), n, 0_c_int)
+    end subroutine pin
 
     !> Copy from one place on the GPU to another, in turn with the kernels.
     subroutine copy_within(from, to, bytes, err)

@@ -5,24 +5,30 @@
 !> before a dump or a checkpoint, and `fetch_cells` at the places of gauges.
 module brz_gpu_air_state
     use brz_air_boundary, only: beyond_wall
-    use brz_air_grid, only: grid_of, grid_t, place_of
+    use brz_air_grid, only: brick, grid_of, grid_t, layers_around, place_of
     use brz_air_launches, only: air_kernels_t
     use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
+    use brz_boxes, only: box_t
     use brz_brick_launches, only: brick_kernels_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, integers_t, reals_t
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, &
         device_t, find_kernel, free_buffers, kernel_t, put_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_ghost_launches, only: ghost_kernels_t
+    use brz_cell_lists, only: places_in
     use brz_gpu_common, only: gpu_common_t
+    use brz_gpu_fetch, only: gpu_fetch_t
     use brz_kinds, only: dp, int64, int8, rk
-    use brz_scheme, only: first_order, hllc, muscl_cells, scheme_t, weno3_cells
+    use brz_place_launches, only: place_kernels_t
+    use brz_ranks, only: several
+    use brz_scheme, only: first_order, hllc, max_var, muscl_cells, reach_of, scheme_t, weno3_cells
+    use brz_total_state, only: running_total_t
     use brz_text, only: to_text
     implicit none
     private
     public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air, close_gpu_air
-    public :: mark_near_walls, fetch_air, fetch_cells, fetch_map, bytes_of_real
+    public :: mark_near_walls, fetch_air, fetch_cells, fetch_map, bytes_of_real, faces_of_bricks
 
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
 
@@ -41,6 +47,12 @@ module brz_gpu_air_state
         logical :: swept = .false. !! every brick has been computed once
         type(bytes_t) :: reached, awake !! one byte for each brick
         type(brick_kernels_t) :: wake
+        ! on several processes, with the bricks of others that are near
+        type(grid_t) :: grid !! of brick cells in each direction
+        integer :: layers(3) = 0 !! bricks that a step reaches
+        type(bytes_t) :: near_reached, near_awake
+        type(buffer_t) :: own !! (bricks) place of each of this process there
+        type(gpu_fetch_t) :: others
     end type gpu_bricks_t
 
     type :: gpu_air_t
@@ -53,15 +65,17 @@ module brz_gpu_air_state
         type(integers_t) :: found !! 1: a kernel has found a bad cell
         type(reals_t) :: outside !! (lines, n_var, 2) gas beyond open boundaries
         type(reals_t) :: edge !! (lines, n_var, 2) fluxes through the outer faces
-        type(doubles_t) :: outflow !! (lines, n_var) what left since the start
-        type(doubles_t) :: part !! one number for each column along z
+        type(doubles_t) :: outflow !! (lines, n_var, 2) what left since the start
+        type(doubles_t) :: part !! a number for each column along z; sums of bricks and their faces
         type(kernel_t) :: faces, march, last, redo !! of the scheme
         type(air_kernels_t) :: kernels
         type(ghost_kernels_t) :: ghosts
+        type(place_kernels_t) :: places
+        type(gpu_fetch_t) :: halo, beside !! as in part_t: states, marks of bad cells
         type(gpu_common_t) :: common
         type(gpu_walls_t) :: walls
         type(gpu_bricks_t) :: bricks
-        real(dp) :: outflow_before(6) = 0 !! what had left when the GPU took over
+        type(running_total_t) :: left_before(6) !! what had left when the GPU took over
     end type gpu_air_t
 
 contains
@@ -83,20 +97,24 @@ contains
         cells = gpu%grid%apart
         field = cells*air%n_var*bytes_of_real
         ends = int(gpu%grid%lines, int64)*air%n_var
-        call require(device, 4*field + merge(7, 1, held)*cells + ends*(4*bytes_of_real + 8), err)
+        call require(device, 4*field + merge(7, 1, held)*cells + ends*(4*bytes_of_real + 16), err)
         call find_kernels(device, air%scheme, gpu, err)
         call allocate_buffer(gpu%u, field, err)
         call allocate_buffer(gpu%flux, field, err)
         call allocate_buffer(gpu%bad, cells, err)
         call allocate_buffer(gpu%found, 8_int64, err)
         call allocate_buffer(gpu%edge, 2*ends*bytes_of_real, err)
-        call allocate_buffer(gpu%outflow, 8*ends, err)
-        call allocate_buffer(gpu%part, 8_int64*air%n(1)*air%n(2), err)
+        call allocate_buffer(gpu%outflow, 16*ends, err)
+        call allocate_buffer(gpu%part, 8_int64*max(air%n(1)*air%n(2), &
+                             (max_var + 1)*size(air%reached), &
+                             2*max_var*faces_of_bricks(gpu%grid)), err)
         call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, held), err)
         call allocate_buffer(gpu%walls%near, merge(cells, 1_int64, held), err)
         call allocate_buffer(gpu%walls%cell_of, merge(4*cells, 1_int64, held), err)
-        call open_bricks(air, gpu, err)
-        gpu%outflow_before = [air%outflow, air%outflow_products]
+        call open_bricks(device, air, gpu, err)
+        call gpu%halo%open(device, air%part%ranks, air%part%halo, box_of(air), air%n_var, err)
+        call gpu%beside%open(device, air%part%ranks, air%part%beside, box_of(air), 0, err)
+        gpu%left_before = air%left
         call keep_outside(air)
         call set_scale(air)
         call put_buffer(air%outside, gpu%outside, 2*ends*bytes_of_real, err)
@@ -109,6 +127,20 @@ contains
         call clear_buffer(gpu%walls%solid, err)
         call mark_near_walls(gpu, air, err)
     end subroutine open_gpu_air
+
+    !> Cells of the whole grid that the arrays of this process hold.
+    pure type(box_t) function box_of(air) result(box)
+        type(air_t), intent(in) :: air
+
+        box = box_t(air%before + 1 - air%g, air%before + air%n + air%g)
+    end function box_of
+
+    !> Faces of bricks at the two ends of the lines, of one of the ends.
+    pure integer function faces_of_bricks(grid) result(faces)
+        type(grid_t), intent(in) :: grid
+
+        faces = sum(product(grid%bricks)/grid%bricks, grid%n > 1)
+    end function faces_of_bricks
 
     !> True where a boundary is a wall that needs the flux at walls.
     pure logical function has_wall_ends(air) result(has)
@@ -134,7 +166,8 @@ contains
     end subroutine mark_near_walls
 
     !> All bricks are awake at first.
-    subroutine open_bricks(air, gpu, err)
+    subroutine open_bricks(device, air, gpu, err)
+        type(device_t), intent(in) :: device
         type(air_t), intent(in) :: air
         type(gpu_air_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
@@ -145,6 +178,18 @@ contains
         call allocate_buffer(gpu%bricks%awake, size(awake, kind=int64), err)
         call copy_in(air%reached, gpu%bricks%reached, size(awake, kind=int64), err)
         call copy_in(awake, gpu%bricks%awake, size(awake, kind=int64), err)
+        gpu%bricks%layers = layers_around(air%whole, air%outer(1, :) == bc_periodic, &
+                                          air%n_stages*reach_of(air%scheme))
+        if (.not. several(air%part%ranks)) return
+        associate (map => air%part%bricks, bricks => gpu%bricks, first => air%before/brick + 1)
+            bricks%grid = grid_of(brick*(map%whole%hi - map%whole%lo + 1), air%g, air%n_var, &
+                                  real(air%dx, rk), air%bc, bc_periodic)
+            call allocate_buffer(bricks%near_reached, size(air%part%reached, kind=int64), err)
+            call allocate_buffer(bricks%near_awake, size(air%part%reached, kind=int64), err)
+            call put_buffer(places_in(map%whole, box_t(first, first + shape(air%reached) - 1)), &
+                            bricks%own, 8*size(awake, kind=int64), err)
+            call bricks%others%open(device, air%part%ranks, map, map%whole, 0, err)
+        end associate
     end subroutine open_bricks
 
     !> Refuse a scene that does not fit, before anything is reserved.
@@ -168,6 +213,7 @@ contains
         call gpu%kernels%open(device, err)
         call gpu%common%open(device, 1, err)
         call gpu%ghosts%open(device, err)
+        call gpu%places%open(device, err)
         call gpu%bricks%wake%open(device, err)
         call find_kernel(device, 'faces_'//name_of(scheme), gpu%faces, err)
         call find_kernel(device, 'march_'//name_of(scheme), gpu%march, err)
@@ -199,6 +245,10 @@ contains
             gpu%walls%solid, gpu%walls%near, gpu%walls%cell_of, gpu%walls%v)
         call free_buffers(gpu%walls%face_of, gpu%walls%push, gpu%walls%impulse)
         call gpu%common%close()
+        call free_buffers(gpu%bricks%near_reached, gpu%bricks%near_awake, gpu%bricks%own)
+        call gpu%bricks%others%close()
+        call gpu%halo%close()
+        call gpu%beside%close()
     end subroutine close_gpu_air
 
     !> Refresh the host's conserved variables and what it knows of bricks, if the GPU has moved on.
@@ -213,32 +263,34 @@ contains
         gpu%fetched = .not. failed(err)
     end subroutine fetch_air
 
-    !> Refresh the host's conserved variables in a list of cells.
+    !> Refresh the host's conserved variables in a list of cells, of which those of others are left.
     subroutine fetch_cells(gpu, cell, air, err)
         type(gpu_air_t), intent(in) :: gpu
-        integer, intent(in) :: cell(:, :) !! (3, n) indices
+        integer, intent(in) :: cell(:, :) !! (3, n) indices in the whole grid
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
         integer(int64), allocatable :: place(:)
         real(rk), allocatable :: values(:, :)
         type(buffer_t) :: place_at
         type(reals_t) :: values_at
-        integer :: c, n
+        integer :: at(3, size(cell, 2)), c, n
 
-        n = size(cell, 2)
-        if (gpu%fetched .or. n == 0) return
-        allocate (place(n), values(n, air%n_var))
-        do c = 1, n
-            place(c) = place_of(gpu%grid, cell(1, c), cell(2, c), cell(3, c))
+        n = 0
+        do c = 1, size(cell, 2)
+            at(:, n + 1) = cell(:, c) - air%before
+            if (all(at(:, n + 1) >= 1 - air%g .and. at(:, n + 1) <= air%n + air%g)) n = n + 1
         end do
+        if (gpu%fetched .or. n == 0) return
+        place = [(place_of(gpu%grid, at(1, c), at(2, c), at(3, c)), c=1, n)]
+        allocate (values(air%n_var, n), source=0.0_rk)
         call put_buffer(place, place_at, 8_int64*n, err)
         call allocate_buffer(values_at, size(values)*bytes_of_real, err)
-        call gpu%kernels%gather_cells([n, 1, 1], n, gpu%grid, place_at, gpu%u, values_at, err)
+        call gpu%places%pick_reals(n, air%n_var, 1, gpu%grid%apart, place_at, gpu%u, values_at, err)
         call copy_out(values_at, values, size(values)*bytes_of_real, err)
         call free_buffers(place_at, values_at)
         if (failed(err)) return
         do c = 1, n
-            air%u(cell(1, c), cell(2, c), cell(3, c), :) = values(c, :)
+            air%u(at(1, c), at(2, c), at(3, c), :) = values(:, c)
         end do
     end subroutine fetch_cells
 

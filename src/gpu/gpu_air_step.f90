@@ -2,6 +2,7 @@
 !> One time step of the air on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_air_step
     use brz_air_grid, only: faces_of_a_thread, lines_along, stage_t
+    use brz_air_lost, only: first_lost
     use brz_air_launches, only: launch_faces, launch_march, launch_redo
     use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic
     use brz_buffers, only: from, reals_t
@@ -12,6 +13,7 @@ module brz_gpu_air_step
     use brz_gpu_air_sums, only: sum_of
     use brz_kinds, only: dp, int64, rk
     use brz_positivity, only: floors_of, hold_step, lost_mark, most_holds
+    use brz_ranks, only: agree
     use brz_runge_kutta, only: new_weight, repair_passes, share_of
     use brz_scheme, only: first_order
     implicit none
@@ -46,6 +48,7 @@ contains
         states = states_t(gpu%u, gpu%u, gpu%spare(1))
         do m = 1, air%n_stages
             stage = stage_of(air, dt, m)
+            call gpu%halo%reals_of_others(gpu%grid%apart, states%u, err)
             call gpu%ghosts%fill_end(2*gpu%grid%lines, gpu%grid, air%scheme, gpu%outside, &
                                      gpu%walls%solid, states%u, err)
             call sweep(gpu, air, stage, states, err)
@@ -53,7 +56,7 @@ contains
             call repair(gpu, air, states, stage, lost, err)
             if (lost) status = air_unphysical
             if (failed(err) .or. lost) return
-            call gpu%kernels%air_outflow([gpu%grid%lines, air%n_var, 1], gpu%grid, stage, &
+            call gpu%kernels%air_outflow([gpu%grid%lines, air%n_var, 2], gpu%grid, stage, &
                                          gpu%edge, gpu%outflow, err)
             if (gpu%walls%n_faces > 0) &
                 call gpu%kernels%wall_impulse([gpu%walls%n_faces, 1, 1], gpu%walls%n_faces, &
@@ -81,15 +84,20 @@ contains
         where (air%bc(1, :) == bc_periodic) stage%leaves = 0
     end function stage_of
 
-    !> Has a kernel found a bad cell since the last call?
-    logical function found_bad(gpu, err)
+    !> Has a kernel found a bad cell since the last call, in any process? An error of one is then
+    !> that of all.
+    logical function found_bad(gpu, air, err)
         type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
         type(error_t), intent(inout) :: err
         integer, target :: found(1)
+        real(dp) :: none(1)
 
         found = 0
         call copy_out(gpu%found, found, 4_int64, err)
-        found_bad = found(1) /= 0 .and. .not. failed(err)
+        none = merge(1, 0, found(1) == 0)
+        call agree(air%part%ranks, err, none)
+        found_bad = none(1) < 1 .and. .not. failed(err)
         if (found_bad) call clear_buffer(gpu%found, err)
     end function found_bad
 
@@ -123,7 +131,7 @@ contains
 
     !> Give the faces of bad cells the flux of first order. `lost` if that does not help.
     subroutine repair(gpu, air, states, stage, lost, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(gpu_air_t), intent(inout) :: gpu
         type(air_t), intent(inout) :: air
         type(states_t), intent(in) :: states
         type(stage_t), intent(in) :: stage
@@ -132,26 +140,27 @@ contains
         integer :: pass
 
         lost = .false.
-        if (.not. found_bad(gpu, err)) return
+        if (.not. found_bad(gpu, air, err)) return
         pass = 0
         if (air%fallback .and. air%scheme%reconstruction /= first_order) then
             do pass = 1, repair_passes
+                call gpu%beside%bytes_of_others(gpu%bad, err)
                 call redo(gpu, air, states, stage, pass, 0, err)
-                if (.not. found_bad(gpu, err)) exit
+                if (.not. found_bad(gpu, air, err)) exit
             end do
             pass = min(pass, repair_passes)
             call add_count(gpu, air, pass, air%fallback_faces, err)
         end if
         if (air%fallback) call hold_cells(gpu, air, states, stage, pass, err)
         call redo(gpu, air, states, stage, pass, 1, err)
-        lost = found_bad(gpu, err)
-        if (lost) call find_lost_cell(gpu, air, states%new, err)
+        lost = found_bad(gpu, air, err)
+        if (lost) call find_lost_cell(gpu, air, states%new, lost, err)
         call clear_buffer(gpu%bad, err)
     end subroutine repair
 
     !> Close the faces of the cells that no flux of first order saves.
     subroutine hold_cells(gpu, air, states, stage, pass, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(gpu_air_t), intent(inout) :: gpu
         type(air_t), intent(inout) :: air
         type(states_t), intent(in) :: states
         type(stage_t), intent(in) :: stage
@@ -162,10 +171,11 @@ contains
 
         do m = 1, most_holds
             call redo(gpu, air, states, stage, pass, 2, err)
-            if (.not. found_bad(gpu, err)) exit
+            if (.not. found_bad(gpu, air, err)) exit
+            call gpu%beside%bytes_of_others(gpu%bad, err)
             pass = pass + hold_step
             call redo(gpu, air, states, stage, pass, 0, err)
-            bad = found_bad(gpu, err) ! whether cells must be held is asked again
+            bad = found_bad(gpu, air, err) ! whether cells must be held is asked again
         end do
         if (pass >= hold_step) call add_count(gpu, air, pass, air%held_cells, err)
     end subroutine hold_cells
@@ -201,18 +211,19 @@ contains
         total = total + nint(n, int64)
     end subroutine add_count
 
-    !> Where the first lost cell is, and what it would have become.
-    subroutine find_lost_cell(gpu, air, new, err)
+    !> Where the first lost cell of all is, and what it would have become.
+    subroutine find_lost_cell(gpu, air, new, lost, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(inout) :: air
         type(reals_t), intent(in) :: new !! holds the Euler step of lost cells
+        logical, intent(out) :: lost
         type(error_t), intent(inout) :: err
         character, allocatable, target :: marks(:)
         real(rk), target :: value(1)
         integer(int64) :: at, first
         integer :: c, i
 
-        allocate (marks(gpu%grid%apart))
+        allocate (marks(gpu%grid%apart), source=achar(0))
         call copy_out(gpu%bad, marks, gpu%grid%apart, err)
         first = findloc(ichar(marks), lost_mark, dim=1)
         at = first - 1
@@ -222,8 +233,10 @@ contains
         end do
         do c = 1, 5
             value = 0
-            call copy_out(from(new, first + (c - 1)*gpu%grid%apart), value, bytes_of_real, err)
+            if (first > 0) &
+                call copy_out(from(new, first + (c - 1)*gpu%grid%apart), value, bytes_of_real, err)
             air%bad_state(c) = value(1)
         end do
+        lost = first_lost(air, 1, first > 0)
     end subroutine find_lost_cell
 end module brz_gpu_air_step

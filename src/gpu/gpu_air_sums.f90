@@ -1,11 +1,17 @@
 ! SPDX-License-Identifier: MIT
-!> Numbers about all of the air on the GPU: time step, totals, outflow. Folded in a fixed order.
+!> Numbers about all of the air on the GPU, of all processes: time step, totals, outflow. Sums of
+!> bricks, and of faces of bricks, are added exactly: the same bits on any number of processes.
 module brz_gpu_air_sums
     use brz_air_state, only: air_t
-    use brz_buffers, only: doubles_t, from
-    use brz_errors, only: error_t
-    use brz_gpu_air_state, only: gpu_air_t
+    use brz_air_totals, only: show_outflow
+    use brz_buffers, only: doubles_t
+    use brz_device, only: copy_out
+    use brz_errors, only: error_t, failed
+    use brz_exact_sum, only: exact_sums
+    use brz_gpu_air_state, only: faces_of_bricks, gpu_air_t
     use brz_kinds, only: dp, int64
+    use brz_ranks, only: agree
+    use brz_running_total, only: add_to_total
     implicit none
     private
     public :: gpu_air_time_step, gpu_air_totals, gpu_outflow, sum_of
@@ -20,10 +26,13 @@ contains
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: cfl !! Courant number [-]
         type(error_t), intent(inout) :: err
+        real(dp) :: least(1)
 
         call gpu%kernels%air_speed([air%n(1:2), 1], gpu%grid, air%scheme, gpu%u, &
                                    gpu%walls%solid, gpu%bricks%awake, gpu%part, err)
-        dt = cfl/gpu%common%largest(gpu%part, air%n(1)*air%n(2), err)
+        least = cfl/gpu%common%largest(gpu%part, air%n(1)*air%n(2), err)
+        call agree(air%part%ranks, err, least)
+        dt = least(1)
     end function gpu_air_time_step
 
     !> Mass, momentum, energy, mass of products and kinetic energy of the gas [SI].
@@ -32,33 +41,39 @@ contains
         type(air_t), intent(in) :: air
         real(dp), intent(out) :: totals(0:6) !! 0: kinetic energy
         type(error_t), intent(inout) :: err
-        integer :: c
+        real(dp), allocatable :: part(:, :)
 
+        allocate (part(0:air%n_var, size(air%reached)), source=0.0_dp)
+        call gpu%kernels%air_totals([size(part, 2), size(part, 1), 1], gpu%grid, gpu%u, &
+                                    gpu%walls%solid, gpu%part, err)
+        call copy_out(gpu%part, part, 8*size(part, kind=int64), err)
         totals = 0
-        do c = 0, air%n_var
-            call gpu%kernels%air_total([air%n(1:2), 1], gpu%grid, c, gpu%u, gpu%walls%solid, &
-                                       gpu%part, err)
-            call sum_of(gpu, gpu%part, air%n(1)*air%n(2), totals(c), err)
-        end do
+        call exact_sums(air%part%ranks, part, totals(:air%n_var))
         totals = totals*product(air%dx)
     end subroutine gpu_air_totals
 
-    !> What left the box since the start of the run, into air%outflow.
+    !> What left through the boundary of this process since the start of the run, into air%left and
+    !> air%outflow.
     subroutine gpu_outflow(gpu, air, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
-        real(dp) :: left(6), total
-        integer :: c
+        real(dp), allocatable :: part(:, :)
+        integer :: c, f, faces
 
-        left = gpu%outflow_before
-        do c = 1, air%n_var
-            call sum_of(gpu, from(gpu%outflow, int(gpu%grid%lines, int64)*(c - 1) + 1), &
-                        gpu%grid%lines, total, err)
-            left(c) = left(c) + total
+        faces = faces_of_bricks(gpu%grid)
+        allocate (part(air%n_var, 2*faces), source=0.0_dp)
+        call gpu%kernels%outflow_sums([faces, air%n_var, 2], faces, gpu%grid, gpu%outflow, &
+                                      gpu%part, err)
+        call copy_out(gpu%part, part, 8*size(part, kind=int64), err)
+        if (failed(err)) return
+        air%left = gpu%left_before
+        do f = 1, size(part, 2)
+            do c = 1, size(part, 1)
+                call add_to_total(air%left(c), part(c, f))
+            end do
         end do
-        air%outflow = left(1:5)
-        air%outflow_products = left(6)
+        call show_outflow(air)
     end subroutine gpu_outflow
 
     !> Sum of n numbers on the GPU.

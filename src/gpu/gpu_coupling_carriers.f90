@@ -4,12 +4,14 @@ module brz_gpu_coupling_carriers
     use brz_carrier_motion, only: foresee_carriers, read_carriers
     use brz_carrier_rules, only: carrier_t, carries_all, carries_none, n_push
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_launches, only: launch_sum_carriers
-    use brz_device, only: copy_in, kernel_t
+    use brz_device, only: clear_buffer, copy_in
     use brz_errors, only: error_t
-    use brz_gpu_coupling_state, only: fold_rows, gpu_coupling_t, particles_t
+    use brz_gpu_coupling_state, only: column_of, fold_rows, gpu_coupling_t, &
+        particles_t, tags_of
+    use brz_gpu_solid_layout, only: at_mass, tag_fixed
     use brz_kinds, only: dp, int64
     use brz_solid_state, only: solid_t
+    use brz_tallies, only: tally_threads
     implicit none
     private
     public :: put_carriers, see_gpu_carriers, move_gpu_carriers, load_gpu_carriers
@@ -23,15 +25,21 @@ contains
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
-        real(dp) :: shift(3, gpu%bodies)
+        real(dp) :: shift(3)
         integer :: b
 
         call read_carriers(solid, coupling%carrier)
         if (all(coupling%carrier%carries == carries_none)) return
-        call sum_over(gpu, gpu%shift, particles, shift, err)
         do b = 1, gpu%bodies
-            if (coupling%carrier(b)%carries == carries_all) coupling%carrier(b)%centre = &
-                coupling%carrier(b)%centre + shift(:, b)/solid%bodies(b)%rigid%mass
+            associate (carrier => coupling%carrier(b))
+                if (carrier%carries /= carries_all) cycle
+                call clear_buffer(gpu%carrier_part, err)
+                call gpu%carriers%sum_shift(carrier%last - carrier%first + 1, carrier%first, &
+                    gpu%box, 4, particles%place, column_of(particles, at_mass), &
+                    gpu%carrier_part, err)
+                call add_up(gpu, shift, err)
+                carrier%centre = carrier%centre + shift/solid%bodies(b)%rigid%mass
+            end associate
         end do
         call put_carriers(gpu, coupling%carrier, err)
     end subroutine see_gpu_carriers
@@ -53,11 +61,21 @@ contains
         real(dp), intent(in) :: dt !! of the air [s]
         type(error_t), intent(inout) :: err
         real(dp) :: push(n_push, gpu%bodies)
+        integer :: b
 
         if (all(coupling%carrier%carries == carries_none)) return
         push = 0
-        if (any(coupling%carrier%carries == carries_all)) &
-            call sum_over(gpu, gpu%push, particles, push, err)
+        do b = 1, gpu%bodies
+            associate (carrier => coupling%carrier(b))
+                if (carrier%carries /= carries_all) cycle
+                call clear_buffer(gpu%carrier_part, err)
+                call gpu%carriers%sum_push(carrier%last - carrier%first + 1, carrier%first, &
+                    gpu%box, carrier, 4, gpu%cell_of, gpu%home, gpu%above, gpu%gas, gpu%surface, &
+                    gpu%weight, gpu%force, gpu%impedance, particles%place, &
+                    column_of(particles, at_mass), gpu%carrier_part, err)
+                call add_up(gpu, push(:, b), err)
+            end associate
+        end do
         call foresee_carriers(solid, push, dt, coupling%carrier)
         call put_carriers(gpu, coupling%carrier, err)
     end subroutine move_gpu_carriers
@@ -69,30 +87,29 @@ contains
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(in) :: coupling
         type(error_t), intent(inout) :: err
-        real(dp) :: load(6, gpu%bodies)
         integer :: b
 
-        if (all(coupling%carrier%carries == carries_none)) return
-        call sum_over(gpu, gpu%load, particles, load, err)
         do b = 1, gpu%bodies
-            solid%bodies(b)%rigid%load = load(:, b)
+            associate (carrier => coupling%carrier(b))
+                if (carrier%carries == carries_none) cycle
+                call clear_buffer(gpu%carrier_part, err)
+                call gpu%carriers%sum_air_load(carrier%last - carrier%first + 1, carrier%first, &
+                    gpu%box, carrier, 4, particles%n, 1, tags_of(particles, tag_fixed), &
+                    particles%place, column_of(particles, particles%load + 1), &
+                    gpu%carrier_part, err)
+                call add_up(gpu, solid%bodies(b)%rigid%load, err)
+            end associate
         end do
     end subroutine load_gpu_carriers
 
-    !> Sums over the particles of each body, in a fixed order.
-    subroutine sum_over(gpu, kernel, particles, sums, err)
+    !> The sums of an item, in a fixed order.
+    subroutine add_up(gpu, sums, err)
         type(gpu_coupling_t), intent(in) :: gpu
-        type(kernel_t), intent(in) :: kernel !! one of sum_carriers
-        type(particles_t), intent(in) :: particles
-        real(dp), intent(out) :: sums(:, :) !! (sums, bodies)
+        real(dp), intent(out) :: sums(:)
         type(error_t), intent(inout) :: err
-        real(dp) :: part(size(sums, 2)*fold_rows, size(sums, 1))
+        real(dp) :: folded(fold_rows, size(sums))
 
-        call launch_sum_carriers(kernel, [gpu%carrier_threads, gpu%bodies, 1], particles%n, &
-            gpu%bodies, gpu%carrier_threads, particles%load, gpu%box, gpu%carrier, gpu%gas, &
-            gpu%home, gpu%above, particles%place, particles%state, particles%tag, gpu%surface, &
-            gpu%weight, gpu%force, gpu%impedance, gpu%carrier_part, err)
-        call gpu%common%fold(gpu%carrier_part, size(sums, 2)*gpu%carrier_threads, part, err)
-        sums = transpose(sum(reshape(part, [size(sums, 2), fold_rows, size(sums, 1)]), 2))
-    end subroutine sum_over
+        call gpu%common%fold(gpu%carrier_part, tally_threads, folded, err)
+        sums = sum(folded, 1)
+    end subroutine add_up
 end module brz_gpu_coupling_carriers

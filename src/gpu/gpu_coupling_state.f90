@@ -7,6 +7,7 @@
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: n_push
     use brz_coupling_state, only: coupling_t
+    use brz_carrier_launches, only: carrier_kernels_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
     use brz_cell_items, only: cells_of_a_chunk
     use brz_cell_launches, only: cell_kernels_t
@@ -14,8 +15,8 @@ module brz_gpu_coupling_state
     use brz_coupling_box, only: box_t
     use brz_coupling_launches, only: coupling_kernels_t
     use brz_debt_launches, only: debt_kernels_t
-    use brz_device, only: allocate_buffer, device_t, find_kernel, free_buffers, kernel_t, &
-        put_buffer, reserve_buffer
+    use brz_device, only: allocate_buffer, device_t, free_buffers, put_buffer, &
+        reserve_buffer
     use brz_donor_launches, only: donor_kernels_t
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
@@ -25,14 +26,14 @@ module brz_gpu_coupling_state
     use brz_ledger_launches, only: ledger_kernels_t
     use brz_load_launches, only: load_kernels_t
     use brz_scheme, only: max_var
+    use brz_tallies, only: tally_threads
     use brz_velocity_launches, only: velocity_kernels_t
     implicit none
     private
     public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
     public :: size_cells, size_faces, column_of, tags_of, fold_rows
 
-    integer, parameter :: fold_rows = 16 !! partial sums of a body that are left for the host
-    integer, parameter :: most_threads = 65536 !! for the sums over all bodies
+    integer, parameter :: fold_rows = 16 !! partial sums that are left for the host
 
     !> The particles as brz_gpu_solid_layout has them, for the time of a call.
     type :: particles_t
@@ -54,10 +55,9 @@ module brz_gpu_coupling_state
         type(integers_t) :: counts !! see brz_gpu_coupling_layout
         type(doubles_t) :: book, part !! likewise
         integer :: bodies = 0 !! that may carry particles
-        integer :: carrier_threads = 0 !! that add up what the gas does to a body
         type(integers_t) :: felt !! (bodies) particles that feel the air
         type(buffer_t) :: carrier !! (bodies) as in coupling_t
-        type(doubles_t) :: carrier_part !! what the gas does to them
+        type(doubles_t) :: carrier_part !! sums over one of them
         type(integers_t) :: cell_of, home, binned !! (particles) cell, place of it in the list, bins
         type(reals_t) :: before !! (3, particles by id) velocity a step of the air before [m/s]
         type(integers_t) :: ends !! (n_cells + 1) of the bins
@@ -74,7 +74,7 @@ module brz_gpu_coupling_state
         type(integers_t) :: debt_cell(2) !! the list, and room for the next one
         type(reals_t) :: debt(2)
         integer :: room_debts = 0
-        type(kernel_t) :: shift, push, load !! sums of carriers
+        type(carrier_kernels_t) :: carriers
         type(coupling_kernels_t) :: kernels
         type(gpu_common_t) :: common
         type(cell_kernels_t) :: cells
@@ -100,10 +100,8 @@ contains
         gpu%box = coupling%box
         gpu%bodies = size(coupling%carrier)
         call gpu%kernels%open(device, err)
-        call gpu%common%open(device, n_push*gpu%bodies*fold_rows, err)
-        call find_kernel(device, 'carrier_shift', gpu%shift, err)
-        call find_kernel(device, 'carrier_push', gpu%push, err)
-        call find_kernel(device, 'carrier_load', gpu%load, err)
+        call gpu%common%open(device, n_push*fold_rows, err)
+        call gpu%carriers%open(device, err)
         call gpu%cells%open(device, err)
         call gpu%loads%open(device, err)
         call gpu%columns%open(device, err)
@@ -122,10 +120,9 @@ contains
         call allocate_buffer(gpu%home, 4_int64*particles, err)
         call allocate_buffer(gpu%binned, 4_int64*particles, err)
         call allocate_buffer(gpu%before, 3*bytes_of_real*particles, err)
-        gpu%carrier_threads = fold_rows*max(4, most_threads/fold_rows/max(16, gpu%bodies))
         bytes = storage_size(coupling%carrier)/8
         call allocate_buffer(gpu%carrier, gpu%bodies*bytes, err)
-        call allocate_buffer(gpu%carrier_part, 8_int64*n_push*gpu%bodies*gpu%carrier_threads, err)
+        call allocate_buffer(gpu%carrier_part, 8_int64*n_push*tally_threads, err)
     end subroutine open_memory
 
     !> Room for n solid cells.

@@ -1,10 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Rigid bodies on the GPU: the host moves the body, the GPU its particles.
 module brz_gpu_solid_rigid
-    use brz_device, only: copy_in
+    use brz_buffers, only: from
+    use brz_device, only: clear_buffer, copy_in
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_state, only: gpu_solid_t, moved_flags, sum_threads, threads_of
+    use brz_gpu_solid_layout, only: at_accel
+    use brz_gpu_solid_state, only: column_of, gpu_solid_t, moved_flags, sum_threads, threads_of
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: level_unit
     use brz_motion, only: mean_velocity
@@ -34,9 +36,11 @@ contains
             end if
             call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
             call copy_in(pose_of(body%rigid, v, omega, q_mid), there%drive, 8_int64*n_pose, err)
-            call gpu%kernels%solid_rigid_place(threads_of(there), gpu%n, there%params, &
-                level_unit(solid), body%drift(1), body%drift(2), body%drift(3), there%drive, &
-                gpu%reference, gpu%built, gpu%place, gpu%motion, moved_flags(gpu, b), err)
+            call gpu%moves%place_rigid(there%last - there%first + 1, there%first, 4, &
+                there%drive, gpu%reference, gpu%place, gpu%motion, err)
+            call gpu%moves%note_particle(there%last - there%first + 1, there%first, 4, &
+                level_unit(solid), body%drift(1), body%drift(2), body%drift(3), gpu%place, &
+                gpu%built, moved_flags(gpu, b), err)
         end associate
     end subroutine move_rigid
 
@@ -47,8 +51,11 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (there => gpu%bodies(b))
-            call gpu%kernels%solid_rigid_row(threads_of(there), gpu%n, there%params, there%drive, &
-                                             gpu%motion, gpu%row, gpu%rate, err)
+            call gpu%moves%fill_rigid_row(there%last - there%first + 1, there%first, 4, &
+                there%drive, from(gpu%motion, 4_int64), gpu%row, err)
+            ! the host knows its time step
+            call clear_buffer(from(gpu%rate, int(there%first, int64)), err, &
+                              8_int64*(there%last - there%first + 1))
         end associate
     end subroutine fill_rigid
 
@@ -77,9 +84,10 @@ contains
             body%dt_limit = rigid_step(body, solid%skin)
             call copy_in(pose_of(body%rigid, v, body%rigid%omega, body%rigid%q), there%drive, &
                          8_int64*n_pose, err)
-            call gpu%kernels%solid_rigid_accelerate(threads_of(there), gpu%n, &
-                merge(1, 0, gpu%linked), there%params, dt, there%drive, gpu%place, gpu%motion, &
-                gpu%row, gpu%extra, gpu%state, gpu%book, err)
+            call gpu%moves%follow_rigid(there%last - there%first + 1, there%first, 4, gpu%n, 1, &
+                dt, there%drive, gpu%place, gpu%motion, column_of(gpu, at_accel + 1), err)
+            if (gpu%linked) call gpu%kernels%solid_rigid_drag(threads_of(there), gpu%n, &
+                there%params, dt, there%drive, gpu%row, gpu%extra, gpu%state, gpu%book, err)
         end associate
     end subroutine balance_rigid
 end module brz_gpu_solid_rigid

@@ -17,6 +17,7 @@ module brz_gpu_solid_state
     use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_total
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t
+    use brz_motion_launches, only: motion_kernels_t
     use brz_move_level, only: move_levels
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_launches, only: solid_kernels_t
@@ -105,6 +106,7 @@ module brz_gpu_solid_state
         type(buffer_t) :: hold, grid
         type(solid_kernels_t) :: kernels
         type(force_kernels_t) :: forces
+        type(motion_kernels_t) :: moves
         type(doubles_t) :: sums_of_forces
         type(gpu_common_t) :: common
     end type gpu_solid_t
@@ -128,6 +130,7 @@ contains
         call require(device, solid, gpu%n_state, err)
         call gpu%kernels%open(device, err)
         call gpu%forces%open(device, err)
+        call gpu%moves%open(device, err)
         call gpu%common%open(device, most_folded*(n_total + n_book), err)
         call allocate_buffer(gpu%place, 32*n, err)
         call allocate_buffer(gpu%reference, 32*n, err)

@@ -2,16 +2,18 @@
 !> One time step of the solids on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_solid_step
     use brz_buffers, only: doubles_t
-    use brz_device, only: clear_buffer, copy_in, copy_out
+    use brz_device, only: clear_buffer, copy_out
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_cohesive, only: place_gpu_nodes
     use brz_gpu_solid_copy, only: faults_of
-    use brz_gpu_solid_layout, only: book_force, flag_bad, n_book, n_flag, n_total
+    use brz_gpu_solid_layout, only: at_accel, at_mass, at_mu, book_force, book_load, &
+        flag_bad, n_book, n_flag, n_total, tag_fixed
     use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass
     use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid
     use brz_gpu_solid_search, only: build_gpu_lists
-    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, moved_flags, threads_of
+    use brz_gpu_solid_state, only: book_of, column_of, gpu_solid_body_t, gpu_solid_t, &
+        moved_flags, tags_of, threads_of
     use brz_gpu_solid_sums, only: fetch_limit, sums_of_body
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: drift_bodies, find_stale, level_unit
@@ -109,7 +111,7 @@ contains
         real(dp), intent(in) :: dt
         type(error_t), intent(inout) :: err
         real(dp) :: before, unit, v(3)
-        integer :: b
+        integer :: b, n
 
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%asleep) cycle
@@ -118,20 +120,26 @@ contains
                 cycle
             end if
             associate (body => solid%bodies(b), there => gpu%bodies(b))
+                n = there%last - there%first + 1
                 if (body%motion%n > 0) then
                     v = mean_velocity(body%motion, solid%time, dt)
                     before = body%ledger%load
                     call book_drive(body, solid%time, dt, v)
                     ! the work on free particles is in `book`, and added to this
                     gpu%ledger(b)%load = gpu%ledger(b)%load + (body%ledger%load - before)
-                    call copy_in(v, there%drive, 24_int64, err)
+                    call gpu%moves%drive_particle(n, there%first, 4, dt, v(1), v(2), v(3), &
+                        tags_of(gpu, tag_fixed), gpu%place, gpu%motion, err)
                 end if
+                if (body%variable) call gpu%moves%size_particle(n, there%first, solid%dimension, &
+                    body%h, body%h_range(1), body%h_range(2), column_of(gpu, at_mu), gpu%place, err)
                 unit = merge(sqrt(huge(dt))/(2*move_levels), level_unit(solid), &
                              there%total .and. .not. gpu%linked)
-                call gpu%kernels%solid_drift(threads_of(there), gpu%n, there%params, &
-                    real((solid%dt_last + dt)/2, rk), dt, unit, body%drift(1), body%drift(2), &
-                    body%drift(3), gpu%load, there%drive, gpu%place, gpu%motion, gpu%state, &
-                    gpu%tag, gpu%built, gpu%book, moved_flags(gpu, b), err)
+                call gpu%moves%drift_particle(n, there%first, 4, gpu%n, 1, &
+                    real((solid%dt_last + dt)/2, rk), dt, merge(1, 0, gpu%load > 0), unit, &
+                    body%drift(1), body%drift(2), body%drift(3), column_of(gpu, at_accel + 1), &
+                    column_of(gpu, gpu%load + 1), column_of(gpu, at_mass), &
+                    tags_of(gpu, tag_fixed), gpu%built, gpu%place, gpu%motion, &
+                    book_of(gpu, book_load), moved_flags(gpu, b), err)
             end associate
         end do
     end subroutine drift
@@ -296,7 +304,7 @@ contains
         integer, intent(in) :: b
         real(dp), intent(in) :: dt
         type(error_t), intent(inout) :: err
-        real(dp) :: impulse(3)
+        real(dp) :: impulse(3), v(3)
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             body%motion%force = body%rigid%force
@@ -307,9 +315,10 @@ contains
             body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
                 body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
             if (there%rigid) return
-            call copy_in(velocity_of(body%motion, solid%time), there%drive, 24_int64, err)
-            call gpu%kernels%solid_hold_drive(threads_of(there), gpu%n, there%params, dt, &
-                there%drive, gpu%motion, gpu%tag, gpu%state, err)
+            v = velocity_of(body%motion, solid%time)
+            call gpu%moves%follow_drive(there%last - there%first + 1, there%first, 4, gpu%n, 1, &
+                dt, v(1), v(2), v(3), tags_of(gpu, tag_fixed), gpu%motion, &
+                column_of(gpu, at_accel + 1), err)
         end associate
     end subroutine balance_drive
 end module brz_gpu_solid_step

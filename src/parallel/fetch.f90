@@ -13,7 +13,7 @@ module brz_fetch
     use brz_timer, only: lap, wall_seconds
     implicit none
     private
-    public :: fetch_t, plan_fetch, fetch
+    public :: fetch_t, parcel_t, plan_fetch, fetch
 
     integer, parameter :: first_tag = 100 !! and the number of the image behind it
 

@@ -12,7 +12,8 @@ module brz_mail
     use brz_timer, only: lap, wall_seconds
     implicit none
     private
-    public :: mail_t, tell_counts, make_room, post, put_numbers, take_numbers
+    public :: mail_t, tell_counts, make_room, post, put_numbers, take_numbers, &
+              outgoing, incoming
 
     integer, parameter :: tag = 90
     integer, parameter :: unit = 8 !! bytes: parcels are sent as numbers of so many
@@ -97,6 +98,28 @@ contains
         call c_f_pointer(c_loc(mail%in(mail%in_first(r))), there, shape(x))
         x = there
     end subroutine take_numbers
+
+    !> The numbers of the parcel to a process, to be filled in place.
+    function outgoing(mail, r, rows) result(x)
+        type(mail_t), intent(in), target :: mail
+        integer, intent(in) :: r, rows !! process; numbers that go together
+        real(dp), pointer, contiguous :: x(:, :) !! (rows, ...)
+        integer(int64) :: numbers
+
+        numbers = (mail%out_first(r + 1) - mail%out_first(r))/unit
+        call c_f_pointer(c_loc(mail%out(mail%out_first(r))), x, [int(rows, int64), numbers/rows])
+    end function outgoing
+
+    !> The numbers of the parcel from a process, where they have come to.
+    function incoming(mail, r, rows) result(x)
+        type(mail_t), intent(in), target :: mail
+        integer, intent(in) :: r, rows !! process; numbers that go together
+        real(dp), pointer, contiguous :: x(:, :) !! (rows, ...)
+        integer(int64) :: numbers
+
+        numbers = (mail%in_first(r + 1) - mail%in_first(r))/unit
+        call c_f_pointer(c_loc(mail%in(mail%in_first(r))), x, [int(rows, int64), numbers/rows])
+    end function incoming
 
     !> Send all parcels, and wait for those of the others. One to oneself is copied.
     subroutine post(ranks, mail)

@@ -24,6 +24,7 @@ module brz_ranks
         integer :: n = 1 !! processes
         integer :: rank = 0 !! this one, from 0
         integer :: here = 1 !! processes on this machine
+        integer :: place = 0 !! number of this one among them, from 0
         type(c_ptr) :: comm = c_null_ptr !! communicator of MPI
     end type ranks_t
 
@@ -95,6 +96,10 @@ contains
         ranks%n = number
         ranks%here = number_in('OMPI_COMM_WORLD_LOCAL_SIZE')
         if (ranks%here < 1) ranks%here = ranks%n ! as srun starts them: as if all were here
+        ranks%place = ranks%rank
+        if (is_set('SLURM_LOCALID')) ranks%place = number_in('SLURM_LOCALID')
+        if (is_set('OMPI_COMM_WORLD_LOCAL_RANK')) &
+            ranks%place = number_in('OMPI_COMM_WORLD_LOCAL_RANK')
         if (ranks%rank > 0) call be_silent()
     end subroutine start_ranks
 

@@ -8,6 +8,7 @@
 !> Source: docs/blast.md, loads without air
 module brz_face_load
     use brz_kinds, only: dp, int32
+    use brz_time_table, only: mean_over
     implicit none
     private
     public :: loads_t, facets_t, history_t, mean_pressures, pushes, find_places
@@ -85,28 +86,8 @@ contains
         type(history_t), intent(in) :: history
         real(dp), intent(in) :: time, dt !! [s]
 
-        mean = (integral(history, time + dt) - integral(history, time))/dt
+        mean = mean_over(history%time, history%pressure, time, dt, .false.)
     end function mean_of
-
-    !> Integral of a history from the start to a time [Pa s].
-    pure real(dp) function integral(history, time)
-        type(history_t), intent(in) :: history
-        real(dp), intent(in) :: time !! [s]
-        real(dp) :: part
-        integer :: i
-
-        if (size(history%time) == 0) then
-            integral = history%pressure(1)*time
-            return
-        end if
-        integral = 0
-        do i = 1, size(history%time) - 1
-            associate (t => history%time(i:i + 1), p => history%pressure(i:i + 1))
-                part = min(max(time - t(1), 0.0_dp), t(2) - t(1))
-                integral = integral + part*(p(1) + part/(t(2) - t(1))*(p(2) - p(1))/2)
-            end associate
-        end do
-    end function integral
 
     !> Find the particles by their ids, after the lists were sorted.
     pure subroutine find_places(loads, id)

@@ -150,7 +150,7 @@ contains
         real(dp), intent(in) :: x(wide, *)
         integer(int32), intent(in) :: fixed(*)
         real(rk), intent(in) :: load(*) !! [N]
-        real(dp), intent(inout) :: push(6) !@sum force [N], torque [N m]
+        real(dp), intent(inout) :: push(6) !@exact force [N], torque [N m]
         real(dp) :: arm(3), f(3)
         integer :: d, i
 

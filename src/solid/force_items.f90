@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> Forces on a whole body, summed over its particles.
+!> Forces on a whole body and its momentum, summed over its particles.
 module brz_force_items
     use brz_kinds, only: dp, int32, rk
     use brz_solid_state, only: is_gone, is_held
     use brz_support, only: is_kept
     implicit none
     private
-    public :: sum_forces
+    public :: sum_forces, sum_momentum
 
 contains
 
@@ -53,4 +53,30 @@ contains
         total(5) = total(5) + (arm(3)*g(1) - arm(1)*g(3))
         total(6) = total(6) + (arm(1)*g(2) - arm(2)*g(1))
     end subroutine sum_forces
+
+    !> Mass and momentum of a particle at the step; none of one that is gone.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine sum_momentum(p, first, wide, step_d, step_p, half, mass, fixed, v, accel, total)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of v
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in accel
+        real(rk), intent(in) :: half !! half the last step [s]
+        real(rk), intent(in) :: mass(*)
+        integer(int32), intent(in) :: fixed(*)
+        real(rk), intent(in) :: v(wide, *), accel(*) !! [m/s], [m/s2]
+        real(dp), intent(inout) :: total(4) !@exact [kg], [kg m/s]
+        real(dp) :: m
+        integer :: d, i
+
+        i = first - 1 + p
+        if (fixed(i) == is_gone) return
+        m = mass(i)
+        total(1) = total(1) + m
+        do d = 1, 3
+            total(1 + d) = total(1 + d) &
+                + m*(v(d, i) + half*accel(1 + (i - 1)*step_p + (d - 1)*step_d))
+        end do
+    end subroutine sum_momentum
 end module brz_force_items

@@ -10,12 +10,13 @@ module brz_start_fields
     use brz_hdf5_file, only: h5_close, h5_open, h5_t
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t
+    use brz_nearest_point, only: nearest_point
     use brz_particle_file, only: read_triples
     use brz_row_order, only: order_rows
     use brz_solid_state, only: body_t, form_rigid, solid_t
     implicit none
     private
-    public :: start_from_file, nearest_point
+    public :: start_from_file
 
     character(10), parameter :: names(12) = [character(10) :: 'x', 'y', 'z', 'velocity_x', &
         'velocity_y', 'velocity_z', 'stress_xx', 'stress_yy', 'stress_zz', 'stress_xy', &
@@ -106,38 +107,4 @@ contains
         found(1:6) = .true.
         call h5_close(file, err)
     end subroutine read_dump
-
-    !> The point nearest to a place; the first of the file among equals.
-    pure integer function nearest_point(points, order, at) result(nearest)
-        real(dp), intent(in) :: points(:, :) !! (dimension, points) [m]
-        integer, intent(in) :: order(:) !! of the points along the first axis
-        real(dp), intent(in) :: at(:) !! [m]
-        real(dp) :: least, distance
-        integer :: high, k, low, middle, side
-
-        low = 0
-        high = size(order) + 1
-        do while (high - low > 1) ! low: the last point at or before the place
-            middle = (low + high)/2
-            if (points(1, order(middle)) <= at(1)) then
-                low = middle
-            else
-                high = middle
-            end if
-        end do
-        nearest = 0
-        least = huge(least)
-        do side = -1, 1, 2
-            k = merge(low, low + 1, side < 0)
-            do while (k >= 1 .and. k <= size(order))
-                if ((points(1, order(k)) - at(1))**2 > least) exit
-                distance = sum((points(:, order(k)) - at)**2)
-                if (distance < least .or. (distance <= least .and. order(k) < nearest)) then
-                    least = distance
-                    nearest = order(k)
-                end if
-                k = k + side
-            end do
-        end do
-    end function nearest_point
 end module brz_start_fields

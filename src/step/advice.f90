@@ -108,7 +108,8 @@ contains
         real(dp) :: distance, scaled
         integer :: target
 
-        if (.not. case%coupling%present .or. size(case%charges) /= 1 .or. size(case%gas) > 0) return
+        if (.not. case%coupling%present .or. size(case%charges) /= 1 .or. &
+            size(case%gas) + size(case%inflows) > 0) return
         if (case%run%dimension < 3 .or. any(case%air%bc == 'wall')) return
         associate (charge => case%charges(1))
             if (charge%shape /= 'sphere' .or. charge%explosive /= 'tnt') return

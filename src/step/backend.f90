@@ -10,7 +10,9 @@ module brz_backend
     use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
     use brz_gpu_solid_bodies, only: cannot_run_solid
     use brz_gpu_solid_state, only: gpu_solid_t
+    use brz_ranks, only: ranks_t, several
     use brz_solid_state, only: solid_t
+    use brz_text, only: to_text
     use brz_version, only: device_code
     implicit none
     private
@@ -30,9 +32,10 @@ contains
 
     !> Open the GPU if it is wanted and there. 'auto' falls back to the CPU, in silence where there
     !> is no driver; where a GPU is there but cannot be used the note says why.
-    subroutine choose_backend(wanted, has_air, has_solid, backend, note, err)
+    subroutine choose_backend(wanted, has_air, has_solid, ranks, backend, note, err)
         character(*), intent(in) :: wanted !! 'cpu', 'gpu', 'auto'
         logical, intent(in) :: has_air, has_solid !! in the scene
+        type(ranks_t), intent(in) :: ranks !! each has a GPU of its own where there are enough
         type(backend_t), intent(inout) :: backend
         character(:), allocatable, intent(out) :: note !! what the user should know, '' for nothing
         type(error_t), intent(inout) :: err !! exit_device if 'gpu' is not possible
@@ -40,13 +43,14 @@ contains
 
         note = ''
         if (failed(err) .or. wanted == 'cpu') return
-        call open_device(backend%device, trial)
+        call open_device(backend%device, trial, ranks%place)
         if (wanted == 'auto' .and. failed(trial)) return
         call load_kernels(backend%device, kernel_file(), device_code, trial)
         backend%on_gpu = has_air .and. .not. failed(trial)
         backend%bodies_on_gpu = has_solid .and. .not. failed(trial)
         if (.not. failed(trial)) then ! settle_backend has the last word where there are bodies
-            if (.not. has_solid) note = 'the air runs on '//backend%device%name
+            if (.not. has_solid) note = 'the air runs on '//backend%device%name// &
+                shares(ranks, backend)
         else if (wanted == 'gpu') then
             call raise(err, trial%code, trial%text)
         else
@@ -69,8 +73,9 @@ contains
         call cannot_run_solid(solid, why)
         if (coupling%paper) why = "the coupling scheme='paper'"
         if (.not. allocated(why)) then
-            note = 'the bodies run on '//backend%device%name
-            if (backend%on_gpu) note = 'air and bodies run on '//backend%device%name
+            note = 'the bodies run on '
+            if (backend%on_gpu) note = 'air and bodies run on '
+            note = note//backend%device%name//shares(solid%ranks, backend)
             backend%coupling_on_gpu = backend%on_gpu
             return
         end if
@@ -80,6 +85,20 @@ contains
         if (wanted == 'gpu') call raise(err, exit_device, 'this version does not have '//why// &
                                         ' on the GPU: run with --backend cpu')
     end subroutine settle_backend
+
+    !> How several processes have GPUs, '' for one.
+    function shares(ranks, backend) result(text)
+        type(ranks_t), intent(in) :: ranks
+        type(backend_t), intent(in) :: backend
+        character(:), allocatable :: text
+
+        text = ''
+        if (.not. several(ranks)) return
+        text = ', each of '//to_text(ranks%n)//' processes on one'
+        if (ranks%here > backend%device%count) text = ', '//to_text(ranks%here)// &
+            ' processes of a machine share the '//to_text(backend%device%count)// &
+            ' that each of them sees'
+    end function shares
 
     !> The GPU code: where the environment variable BRISANCE_PTX says, beside the program, or in
     !> ../lib/brisance from there (make install).

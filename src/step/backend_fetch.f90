@@ -144,17 +144,28 @@ contains
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
+
+        if (backend%on_gpu) call fetch_from_gpu(backend, points, air, wall, err)
+        if (several(air%part%ranks) .and. .not. wall%present) call gather_cells(points, air)
+    end subroutine fetch_around
+
+    !> The same from the GPU of this process to its host.
+    subroutine fetch_from_gpu(backend, points, air, wall, err)
+        type(backend_t), intent(in) :: backend
+        real(dp), intent(in) :: points(:, :) !! (3, n) [m]
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        type(error_t), intent(inout) :: err
         integer :: cells(3, 8*size(points, 2)), g
 
-        if (several(air%part%ranks) .and. .not. wall%present) call gather_cells(points, air)
-        if (.not. backend%on_gpu .or. failed(err)) return
+        if (failed(err)) return
         do g = 1, size(points, 2)
             call cells_around(air, points(:, g), cells(:, 8*g - 7:8*g))
             if (backend%coupling_on_gpu) &
                 call fetch_wall_around(backend, cells(:, 8*g - 7), cells(:, 8*g), air, wall, err)
         end do
         call fetch_cells(backend%air, cells, air, err)
-    end subroutine fetch_around
+    end subroutine fetch_from_gpu
 
     !> On several processes: give all of them the cells around some points.
     subroutine gather_cells(points, air)

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The operations of a step that differ between CPU and GPU, but for the coupling.
 module brz_backend_step
+    use brz_air_inflow, only: let_in, limit_of_inflow
     use brz_air_state, only: air_t, wall_t
     use brz_air_step, only: air_step
     use brz_air_sums, only: air_time_step
@@ -8,6 +9,7 @@ module brz_backend_step
     use brz_coupling_state, only: coupling_t
     use brz_device, only: measure_memory
     use brz_errors, only: error_t, exit_numerical, failed, raise
+    use brz_gpu_air_inflow, only: gpu_let_in
     use brz_gpu_air_state, only: open_gpu_air
     use brz_gpu_air_step, only: gpu_air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
@@ -24,7 +26,7 @@ module brz_backend_step
     use brz_text, only: to_text
     implicit none
     private
-    public :: start_backend, advance_air, limit_of_air, advance_solid
+    public :: start_backend, let_gas_in, advance_air, limit_of_air, advance_solid
 
 contains
 
@@ -47,6 +49,20 @@ contains
                                backend%coupling, err)
     end subroutine start_backend
 
+    !> The gas outside open faces in a step, where it is a history.
+    subroutine let_gas_in(backend, air, from, dt, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        real(dp), intent(in) :: from, dt !! start of the step, its length [s]
+        type(error_t), intent(inout) :: err
+
+        if (backend%on_gpu) then
+            call gpu_let_in(backend%air, air, from, dt, err)
+        else
+            call let_in(air, from, dt)
+        end if
+    end subroutine let_gas_in
+
     !> One step of the air. `status` as air_step has it.
     subroutine advance_air(backend, air, wall, dt, status, err)
         type(backend_t), intent(inout) :: backend
@@ -64,11 +80,12 @@ contains
     end subroutine advance_air
 
     !> Largest stable time step of the air [s].
-    real(dp) function limit_of_air(backend, air, wall, cfl, err) result(dt)
+    real(dp) function limit_of_air(backend, air, wall, cfl, time, err) result(dt)
         type(backend_t), intent(in) :: backend
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
         real(dp), intent(in) :: cfl !! Courant number [-]
+        real(dp), intent(in) :: time !! start of the step [s]
         type(error_t), intent(inout) :: err
         real(dp) :: fastest
 
@@ -81,6 +98,7 @@ contains
         else
             dt = air_time_step(air, wall, cfl)
         end if
+        dt = limit_of_inflow(air, cfl, time, dt)
     end function limit_of_air
 
     !> One step of the bodies, and before it the loads of scenes without air.

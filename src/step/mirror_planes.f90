@@ -48,8 +48,13 @@ contains
                    air%bc(1, a) == air%bc(2, a) .and. air%bc(1, a) /= 'periodic'
         end associate
         do m = 1, size(case%gas)
-            even = even .and. opposite(case%gas(m)%lo(a), case%gas(m)%hi(a)) &
+            even = even .and. case%gas(m)%file == '' &
+                   .and. opposite(case%gas(m)%lo(a), case%gas(m)%hi(a)) &
                    .and. .not. abs(case%gas(m)%velocity(a)) > 0
+        end do
+        do m = 1, size(case%inflows)
+            even = even .and. case%inflows(m)%axis /= a .and. (case%inflows(m)%wave &
+                   .or. .not. any(abs(case%inflows(m)%state(:, 1 + a)) > 0))
         end do
         do m = 1, size(case%charges)
             even = even .and. .not. abs(case%charges(m)%at(a)) > 0

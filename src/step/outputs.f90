@@ -226,6 +226,7 @@ contains
 
         call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, sim%start, &
                         ledger, err)
+        call agree(sim%ranks, err)
         if (failed(err)) return
         outputs%energy_error = ledger%energy_error
         call append_row(outputs%energy, ledger_row(ledger), err)

@@ -32,6 +32,8 @@ contains
         write (output_unit, '(a, f8.3, a, f8.3, a)') '             pressure of the products as '// &
             'an ideal gas: changes by', 100*early%pressure_mean, ' % in the mean,', &
             100*early%pressure_change, ' % at most'
+        if (early%beyond > 0) write (output_unit, '(a, f8.3, a)') &
+            '             beyond open sides, and gone: ', 100*early%beyond, ' % of the energy'
         if (early%dimensions == 2) write (output_unit, '(a, es9.2, a)') &
             '             the points of the cells missed its sums by', early%off, ' at most'
         if (early%pressure_mean > worth_a_warning) write (error_unit, '(a)') &

@@ -97,6 +97,7 @@ contains
         call open_outputs(options, sim, outputs, err)
         if (failed(err)) return
         call start_backend(sim%backend, sim%air, sim%coupling, sim%solid, err)
+        call agree(sim%ranks, err)
         if (failed(err)) return
         if (options%profile) call profile(sim, err)
         if (failed(err)) return
@@ -110,7 +111,7 @@ contains
         if (.not. failed(err)) err = closing
     end subroutine run_deck
 
-    !> On several processes: refuse what they cannot do; the air is theirs and stays on the CPU.
+    !> On several processes: refuse what they cannot do; they use GPUs only where asked to.
     subroutine plan_ranks(options, ranks, sim, err)
         type(options_t), intent(in) :: options
         type(ranks_t), intent(in) :: ranks
@@ -153,7 +154,7 @@ contains
 
         if (failed(err)) return
         call choose_backend(trim(sim%case%run%backend), sim%case%air%present, &
-                            size(sim%case%bodies) > 0, sim%backend, note, err)
+                            size(sim%case%bodies) > 0, sim%ranks, sim%backend, note, err)
         if (note /= '') write (error_unit, '(a)') note
     end subroutine open_backend
 

@@ -7,7 +7,7 @@ module brz_saves
     use brz_dumps, only: dumps_t, name_dump, write_dump_files
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp
-    use brz_ranks, only: agree
+    use brz_ranks, only: agree, several
     use brz_simulation, only: simulation_t
     use brz_text, only: to_text
     use brz_writer, only: begin_writing, end_writing, has_room, hear_writer, no_dump, writer_t, &
@@ -71,11 +71,12 @@ contains
         if (failed(naming) .and. .not. failed(err)) err = naming
     end subroutine written
 
-    !> True if a GPU computes, so that the host has time to write.
+    !> True if a GPU computes, so that the host has time to write. Several processes write together
+    !> and vote on it, which copies of them cannot.
     pure logical function on_gpu(sim)
         type(simulation_t), intent(in) :: sim
 
-        on_gpu = sim%backend%on_gpu .or. sim%backend%bodies_on_gpu
+        on_gpu = (sim%backend%on_gpu .or. sim%backend%bodies_on_gpu) .and. .not. several(sim%ranks)
     end function on_gpu
 
     !> Write a dump; where a GPU computes, beside the run.
@@ -88,6 +89,7 @@ contains
 
         call make_room(sim, saves, err)
         call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
+        call agree(sim%ranks, err)
         if (failed(err)) return
         beside = on_gpu(sim)
         writer%what = 'the dump of t = '//to_text(sim%clock%time)//' s'
@@ -124,6 +126,7 @@ contains
         end if
         if (saves%saved_cycle == sim%clock%cycle .or. failed(err)) return
         call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
+        call agree(sim%ranks, err)
         if (failed(err)) return
         sums = [sim%start%total, sim%start%mass, sim%start%momentum, sim%start%energy, &
                 sim%start%work, sim%start%supply]

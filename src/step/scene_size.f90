@@ -68,6 +68,7 @@ contains
                                                            + size_of%cells*(1 + 4)
             fastest = speed([0.0_dp, 0.0_dp, 0.0_dp], air%gamma*air%pressure/air%density)
             do m = 1, size(case%gas)
+                if (case%gas(m)%file /= '') cycle
                 fastest = max(fastest, speed(case%gas(m)%velocity, &
                                              air%gamma*case%gas(m)%pressure/case%gas(m)%density))
             end do

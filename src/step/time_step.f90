@@ -4,7 +4,7 @@ module brz_time_step
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok
     use brz_backend_coupling, only: exchange_gas, load_bodies, set_walls
-    use brz_backend_step, only: advance_air, advance_solid, limit_of_air
+    use brz_backend_step, only: advance_air, advance_solid, let_gas_in, limit_of_air
     use brz_coupling_paper, only: move_paper_walls, paper_step
     use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_kinds, only: dp, int64
@@ -68,7 +68,8 @@ contains
         sim%limiter = 'dt_max'
         limit = dt
         if (sim%air%present) then
-            limit = limit_of_air(sim%backend, sim%air, sim%coupling%wall, sim%case%air%cfl, err)* &
+            limit = limit_of_air(sim%backend, sim%air, sim%coupling%wall, sim%case%air%cfl, &
+                                 sim%clock%time, err)* &
                     time_step_ramp(sim%clock%cycle, sim%case%air%ramp_steps)
         else if (sim%solid%present) then
             limit = solid_time_step(sim%solid)
@@ -122,6 +123,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: status
 
+        call let_gas_in(sim%backend, sim%air, sim%clock%time, dt, err)
         if (sim%coupling%paper) then
             call paper_step(sim%air, sim%solid, sim%coupling, dt, status)
         else

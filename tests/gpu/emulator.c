@@ -5,6 +5,7 @@
 //
 // BRISANCE_EMULATOR_FAIL=NAME[:N] makes the N-th call (default: the first) of a function fail.
 // BRISANCE_EMULATOR_MEMORY=BYTES is the memory of the device (default: 8 GiB).
+// BRISANCE_EMULATOR_DEVICES=N devices are there (default: 1), all the same host.
 // BRISANCE_EMULATOR_COUNT=1 has it say at the end what has crossed the bus.
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,11 +51,16 @@ int cuInit(unsigned flags) {
 }
 
 int cuDriverGetVersion(int *v) { *v = 13000; return success; }
-int cuDeviceGetCount(int *n) { *n = fails("cuDeviceGetCount") ? 0 : 1; return success; }
+int cuDeviceGetCount(int *n) {
+    const char *given = getenv("BRISANCE_EMULATOR_DEVICES");
+    *n = fails("cuDeviceGetCount") ? 0 : given ? atoi(given) : 1;
+    return success;
+}
+
 int cuDeviceGet(int *d, int i) { *d = i; return success; }
-int cuDeviceGetName(char *s, int n, int d) { strncpy(s, "Emulated GPU", n); return d; }
-int cuDeviceGetAttribute(int *v, int which, int d) { *v = which == 75 ? 9 : 0; return d; }
-int cuDevicePrimaryCtxRetain(void **c, int d) { *c = (void *)1; return d; }
+int cuDeviceGetName(char *s, int n, int d) { snprintf(s, n, d ? "Emulated GPU %d" : "Emulated GPU", d); return success; }
+int cuDeviceGetAttribute(int *v, int which, int d) { *v = (which == 75 ? 9 : 0) + 0 * d; return success; }
+int cuDevicePrimaryCtxRetain(void **c, int d) { *c = (void *)1; return 0 * d; }
 int cuCtxSetCurrent(void *c) { return c ? success : invalid; }
 int cuCtxSynchronize(void) { return fails("cuCtxSynchronize") ? failed : success; }
 
@@ -96,6 +102,10 @@ int cuMemFree_v2(size_t p) {
     in_use -= *block;
     free(block);
     return success;
+}
+
+int cuMemHostRegister_v2(void *h, size_t n, unsigned flags) {
+    return h && n && !flags && !fails("cuMemHostRegister_v2") ? success : invalid;
 }
 
 int cuMemcpyHtoD_v2(size_t d, const void *h, size_t n) {

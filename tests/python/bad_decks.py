@@ -56,6 +56,61 @@ def pseudo_random_bytes(n):
 PLATE = "box=0.05,0.07, 0.1,0.3, 0.1,0.3"
 
 BAD = [
+    # what comes in
+    swap("no_gas", "&output", "&inflow face='x-' /\n&output", 12, "what comes in?"),
+    swap(
+        "two_kinds",
+        "&output",
+        "&inflow face='x-', overpressure=1e5, mach=2 /\n&output",
+        12,
+        "take one of them out",
+    ),
+    swap(
+        "closed_face",
+        "cells = 20,20,20",
+        "cells = 20,20,20, bc='wall' /\n&inflow face='x-', mach=2",
+        6,
+        "bc='outflow'",
+        "found 'wall'",
+    ),
+    swap(
+        "few_states",
+        "&output",
+        "&inflow face='x-', time=0,1,2, mach=2,3 /\n&output",
+        12,
+        "2 values of mach for 3 times",
+    ),
+    swap(
+        "same_face",
+        "&output",
+        "&inflow face='x-', mach=2 /\n&inflow face='x-', mach=3 /\n&output",
+        13,
+        "another &inflow has this face",
+    ),
+    swap(
+        "below_vacuum", "&output", "&inflow face='y+', overpressure=-2e5 /\n&output", 12, "vacuum"
+    ),
+    swap("no_history", "&output", "&inflow face='y+', table='no.csv' /\n&output", 12, "no.csv"),
+    swap(
+        "inflow_before_the_box",
+        "at=0.2,0.2,0.2 /",
+        "at=0.2,0.2,0.2, start='1d' /\n&inflow face='y+', mach=1 /",
+        8,
+        "start='3d'",
+    ),
+    # gas from a file
+    swap(
+        "gas_twice",
+        "&output",
+        "&gas id='g', file='a.csv', density=1 /\n&output",
+        12,
+        "take density out",
+    ),
+    swap("half_a_gas", "&output", "&gas id='g', density=1 /\n&output", 12, "needs box, density"),
+    swap(
+        "no_gas_file", "&output", "&gas id='g', file='a.vtkhdf' /\n&output", 12, "there is no file"
+    ),
+    swap("moved_box", "&output", "&gas id='g', move=1,0,0 /\n&output", 12, "belong to a file"),
     # type
     swap("word_for_real", "t_end=1e-4", "t_end=abc", 2, "t_end", "a number > 0.0 [s]", "'abc'"),
     swap("text_for_real", "t_end=1e-4", "t_end='1e-4'", 2, "t_end", "take the quotes off"),

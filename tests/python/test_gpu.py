@@ -72,6 +72,37 @@ def test_a_checkpoint_of_one_backend_serves_the_other(deck):
     assert parts[-1] == pytest.approx(whole[-1], rel=1e-9)
 
 
+BLOWN = """&run t_end=4e-4 /
+&air box=0,0.4, 0,0.3, 0,0.2, cells=32,24,16, density=1.2, pressure=1e5 /
+&inflow face='x-', time=5e-5,1e-4,3e-4, overpressure=4e5,2e5,0 /
+&inflow face='z+', table='wind.csv' /
+&gauge id='g', at=0.11,0.13,0.07, quantity='overpressure' /
+&gauge id='h', at=0.31,0.13,0.17, quantity='speed' /
+&output dump_every=1e-4, checkpoint_every=2e-5, history_every=1e-6 /
+"""
+WIND = "time [s],density,pressure,velocity_z\n0,1.2,1e5,0\n1e-4,1.2,1e5,0\n2e-4,3,2e5,-500\n"
+
+
+def test_what_comes_in_is_that_of_the_cpu_after_a_restart_too(deck):
+    (deck / "blown.nml").write_text(BLOWN, encoding="utf-8")
+    (deck / "wind.csv").write_text(WIND, encoding="utf-8")
+    for backend in ("gpu", "cpu"):
+        done = run(deck, "blown.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+        assert ("Emulated GPU" in done.stderr) == (backend == "gpu")
+    first = ("--set", "run.max_steps=33", "--out", "parts")
+    assert run(deck, "blown.nml", "--backend", "cpu", *first).returncode == 0
+    done = run(deck, "blown.nml", "--backend", "gpu", "--restart", "latest", "--out", "parts")
+    assert done.returncode == 0, done.stderr
+    for name in ("gauges", "energy"):
+        whole, here, parts = (rows(deck / x / f"{name}.csv") for x in ("gpu", "cpu", "parts"))
+        for a, b in zip(whole, here, strict=True):
+            assert a == pytest.approx(b, rel=1e-8, abs=1e-8)
+        assert parts[-1] == pytest.approx(whole[-1], rel=1e-8, abs=1e-8)
+    gauges = list(zip(*rows(deck / "gpu" / "gauges.csv"), strict=True))
+    assert min(max(abs(x) for x in column) for column in gauges[1:]) > 100  # both are reached
+
+
 LOADED = """&run t_end=4e-6 /
 &material id='m', model='linear_elastic', density=7800, youngs_modulus=2e11, poisson_ratio=0.3 /
 &body id='b', box=0,0.005, 0,0.004, 0,0.003, spacing=0.001, material='m', fix='x-' /

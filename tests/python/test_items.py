@@ -53,6 +53,18 @@ contains
         high = max(high, x(i))
         if (x(i) > 1) n_big = n_big + 1
     end subroutine look
+
+    !> What threads and processes may sum in any order.
+    !@item if(n >= 2) schedule(dynamic, 1)
+    !@cuf attributes(host,device) &
+    pure subroutine weigh(i, x, total)
+        integer, intent(in) :: i !! numbers
+        real(dp), intent(in) :: x(*)
+        real(dp), intent(inout) :: total(2) !@exact sums of x and -3x
+
+        total(1) = total(1) + x(i)
+        total(2) = total(2) - 3*x(i)
+    end subroutine weigh
 end module brz_twig_items
 """
 STUBS = """module brz_errors
@@ -61,6 +73,20 @@ STUBS = """module brz_errors
 end module
 module brz_solid_state
     integer, parameter :: worth_threads = 10
+end module
+module brz_ranks
+    use brz_kinds
+    type :: ranks_t
+    end type
+contains
+    subroutine most_of_all(ranks, x)
+        type(ranks_t), intent(in) :: ranks
+        integer(int64), intent(inout) :: x(:)
+    end subroutine
+    subroutine sum_of_all(ranks, x)
+        type(ranks_t), intent(in) :: ranks
+        integer(int64), intent(inout) :: x(:)
+    end subroutine
 end module
 module brz_device
     use brz_buffers
@@ -89,6 +115,7 @@ USER = """program user
     use brz_buffers
     use brz_errors
     use brz_kinds
+    use brz_ranks
     use brz_twig_launches
     use brz_twig_loops
     type(twig_kernels_t) :: kernels
@@ -98,11 +125,15 @@ USER = """program user
     type(doubles_t) :: sums
     real(rk) :: a(20) = [(0.5_rk*i, i=1, 20)], low = 9, high = 0
     real(dp) :: total(2) = 0
+    real(dp) :: wide(4) = [1e17_dp, 2.0_dp, -1e17_dp, 1.0_dp], sum_of_wide(2) = 7
+    type(ranks_t) :: ranks
     integer :: big = 0, many = 1, squares(20)
     call each_double_it(20, 2.0_rk, a, big, total, low)
     call each_square(20, a, squares)
     call each_look(20, a, high, many)
-    print '(*(g0,1x))', nint(high), many, big, nint(total), nint(2*low), squares(20)
+    call each_weigh(4, ranks, wide, sum_of_wide)
+    print '(*(g0,1x))', nint(sum_of_wide), nint(high), many, big, nint(total), nint(2*low), &
+        squares(20)
     {launch}
 end program
 """
@@ -123,8 +154,10 @@ def built(folder, launch):
     """The result of the compiler for a program that launches so."""
     (folder / "user.f90").write_text(USER.format(launch=launch))
     base = [ROOT / "src" / x for x in ("base/kinds.F90", "base/tallies.f90", "gpu/buffers.f90")]
-    made = [folder / f"{x}.f90" for x in ("stubs", "twig_items", "twig_loops", "twig_launches")]
-    command = ["gfortran", "-cpp", "-fopenmp", "-J", folder, *base, *made, folder / "user.f90"]
+    stubs = [folder / "stubs.f90", ROOT / "src/parallel/exact_sum.f90"]
+    made = [folder / f"{x}.f90" for x in ("twig_items", "twig_loops", "twig_launches")]
+    command = ["gfortran", "-cpp", "-fopenmp", "-J", folder, *base, *stubs, *made]
+    command += [folder / "user.f90"]
     command += ["-o", folder / "user"]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
@@ -134,8 +167,9 @@ def test_loops_do_all_items_and_sum(twig):
     assert done.returncode == 0, done.stderr
     said = subprocess.run([twig / "user"], capture_output=True, text=True, check=True).stdout
     # the doubled numbers 1, 2, ..., 20: 19 above 1, and the one that was counted before;
-    # 18 of 0.5, 1, ..., 10 are above 1; their sum is 105, that of their squares 717.5
-    assert said.split("\n")[:2] == ["20 20 18 105 718 1 400", "20 1 1 3"]
+    # 18 of 0.5, 1, ..., 10 are above 1; their sum is 105, that of their squares 717.5.
+    # Exact sums have no order: of 1e17, 2, -1e17, 1 that of reals is 1
+    assert said.split("\n")[:2] == ["3 -9 20 20 18 105 718 1 400", "20 1 1 3"]
 
 
 def test_sums_have_a_fixed_number_of_threads(twig):

@@ -58,7 +58,7 @@ contains
         if (failed(scene%err)) error stop scene%err%text
         call set_up_simulation(scene%sim, scene%err)
         if (failed(scene%err)) error stop scene%err%text
-        call solid_totals(scene%sim%solid, 0, sums)
+        if (scene%sim%solid%present) call solid_totals(scene%sim%solid, 0, sums)
         scene%momentum = sums%momentum
         call take_stock(0.0_dp, scene%sim%backend, scene%sim%air, scene%sim%solid, &
             scene%sim%coupling, scene%sim%start, scene%ledger, scene%err)
@@ -74,10 +74,10 @@ contains
             if (failed(scene%err)) error stop scene%err%text
             call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, &
                 sim%start, scene%ledger, scene%err)
-            call solid_totals(sim%solid, 0, sums)
+            if (sim%solid%present) call solid_totals(sim%solid, 0, sums)
             scene%mass_error = max(scene%mass_error, abs(scene%ledger%mass_error))
             scene%momentum_error = max(scene%momentum_error, scene%ledger%momentum_error)
-            scene%stray = max(scene%stray, &
+            if (sim%solid%present) scene%stray = max(scene%stray, &
                 norm2(sums%momentum - scene%momentum - sim%coupling%impulse))
             scene%thrust = max(scene%thrust, sqrt(2*sums%mass*sums%kinetic))
         end associate

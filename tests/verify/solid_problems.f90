@@ -334,7 +334,7 @@ contains
 
     !> About the shape of the first mode of a clamped plate, at x over the side.
     pure real(dp) function clamped(x)
-        real(rk), intent(in) :: x(3)
+        real(dp), intent(in) :: x(3)
 
         clamped = cos(pi*x(1))**2*cos(pi*x(2))**2
     end function clamped

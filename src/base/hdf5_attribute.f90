@@ -23,7 +23,7 @@ module brz_hdf5_attribute
 
     !> Read an attribute.
     interface h5_get
-        module procedure get_text, get_int32
+        module procedure get_text, get_int32, get_real64
     end interface h5_get
 
 contains
@@ -140,26 +140,49 @@ contains
         character(*), intent(in) :: object, name
         integer(int32), intent(out), target, contiguous :: values(:)
         type(error_t), intent(inout) :: err
+
+        values = 0
+        call get_elements(file, object, name, c_loc(values), size(values), &
+                          h5kind_to_type(int32, h5_integer_kind), err)
+    end subroutine get_int32
+
+    subroutine get_real64(file, object, name, values, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: object, name
+        real(real64), intent(out), target, contiguous :: values(:)
+        type(error_t), intent(inout) :: err
+
+        values = 0
+        call get_elements(file, object, name, c_loc(values), size(values), &
+                          h5kind_to_type(real64, h5_real_kind), err)
+    end subroutine get_real64
+
+    subroutine get_elements(file, object, name, data, count, type, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: object, name
+        type(c_ptr), intent(in) :: data
+        integer, intent(in) :: count !! elements
+        integer(hid_t), intent(in) :: type
+        type(error_t), intent(inout) :: err
         integer(hid_t) :: attribute, space
         integer(hsize_t) :: n
         integer :: status
-        type(c_ptr) :: data
+        type(c_ptr) :: place
 
-        values = 0
         call open_attribute(file, object, name, attribute, err)
         if (failed(err)) return
+        place = data
         call h5aget_space_f(attribute, space, status)
         call h5sget_simple_extent_npoints_f(space, n, status)
         call h5sclose_f(space, status)
-        data = c_loc(values)
-        if (n == size(values)) then
-            call h5aread_f(attribute, h5kind_to_type(int32, h5_integer_kind), data, status)
+        if (n == count) then
+            call h5aread_f(attribute, type, place, status)
         else
             status = -1
         end if
         if (status /= 0) call no_attribute(file, name, err)
         call h5aclose_f(attribute, status)
-    end subroutine get_int32
+    end subroutine get_elements
 
     subroutine open_attribute(file, object, name, attribute, err)
         type(h5_t), intent(in) :: file

@@ -1,0 +1,109 @@
+! SPDX-License-Identifier: MIT
+!> Exchanges between the GPUs of several processes, by way of the host, which always works: a kernel
+!> packs, one copy brings all parcels to pinned memory of the host, MPI swaps them, and the same
+!> back. Whoever has an error takes part with what there is, so that nobody waits for ever.
+module brz_gpu_fetch
+    use brz_boxes, only: box_t
+    use brz_buffers, only: buffer_t, bytes_t, reals_t
+    use brz_cell_lists, only: cell_list_t, list_cells
+    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers, pin, &
+        put_buffer
+    use brz_errors, only: error_t
+    use brz_fetch, only: fetch_t
+    use brz_kinds, only: int64, rk
+    use brz_mail, only: post
+    use brz_place_launches, only: place_kernels_t
+    use brz_ranks, only: ranks_t, several
+    implicit none
+    private
+    public :: gpu_fetch_t
+
+    type :: gpu_fetch_t
+        type(ranks_t) :: ranks
+        integer :: n_out = 0, n_in = 0 !! cells
+        integer :: wide = 1 !! numbers of each
+        type(cell_list_t) :: list
+        type(buffer_t) :: out_place, in_place
+        type(reals_t) :: reals !! of parcels to others, then of those from them
+        type(bytes_t) :: bytes !! the same memory
+        type(place_kernels_t) :: kernels
+    contains
+        procedure :: open, close, reals_of_others, bytes_of_others
+    end type gpu_fetch_t
+
+contains
+
+    !> Get ready to fetch into arrays that hold the cells `box` of the whole grid.
+    subroutine open (self, device, ranks, plan, box, numbers, err)
+        class(gpu_fetch_t), intent(inout) :: self
+        type(device_t), intent(in) :: device
+        type(ranks_t), intent(in) :: ranks
+        type(fetch_t), intent(in) :: plan
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: numbers !! of a cell, real(rk); 0: a byte
+        type(error_t), intent(inout) :: err
+        integer :: bytes
+
+        self%ranks = ranks
+        if (.not. several(ranks)) return
+        self%wide = max(numbers, 1)
+        bytes = max(numbers*storage_size(1.0_rk)/8, 1)
+        call list_cells(ranks, plan, box, bytes, self%list)
+        self%n_out = size(self%list%out)
+        self%n_in = size(self%list%in)
+        call self%kernels%open(device, err)
+        call put_buffer(self%list%out, self%out_place, 8_int64*self%n_out, err)
+        call put_buffer(self%list%in, self%in_place, 8_int64*self%n_in, err)
+        call allocate_buffer(self%reals, int(bytes, int64)*max(self%n_out, self%n_in), err)
+        self%bytes%address = self%reals%address
+        call pin(self%list%mail%out, size(self%list%mail%out, kind=int64))
+        call pin(self%list%mail%in, size(self%list%mail%in, kind=int64))
+    end subroutine open
+
+    subroutine close (self)
+        class(gpu_fetch_t), intent(inout) :: self
+
+        call free_buffers(self%out_place, self%in_place, self%reals)
+    end subroutine close
+
+    !> Fill the cells of a field that others own; `apart` numbers lie between those of a cell.
+    subroutine reals_of_others(self, apart, field, err)
+        class(gpu_fetch_t), intent(inout) :: self
+        integer(int64), intent(in) :: apart
+        type(reals_t), intent(in) :: field
+        type(error_t), intent(inout) :: err
+
+        if (.not. several(self%ranks)) return
+        if (self%n_out > 0) call self%kernels%pick_reals(self%n_out, self%wide, 1, apart, &
+            self%out_place, field, self%reals, err)
+        call swap(self, err)
+        if (self%n_in > 0) call self%kernels%put_reals(self%n_in, self%wide, 1, apart, &
+            self%in_place, self%reals, field, err)
+    end subroutine reals_of_others
+
+    !> The same of marks.
+    subroutine bytes_of_others(self, field, err)
+        class(gpu_fetch_t), intent(inout) :: self
+        type(bytes_t), intent(in) :: field
+        type(error_t), intent(inout) :: err
+
+        if (.not. several(self%ranks)) return
+        if (self%n_out > 0) call self%kernels%pick_bytes(self%n_out, self%out_place, field, &
+                                                         self%bytes, err)
+        call swap(self, err)
+        if (self%n_in > 0) call self%kernels%put_bytes(self%n_in, self%in_place, self%bytes, &
+                                                       field, err)
+    end subroutine bytes_of_others
+
+    !> Send what is packed, and bring what has come.
+    subroutine swap(self, err)
+        class(gpu_fetch_t), intent(inout) :: self
+        type(error_t), intent(inout) :: err
+
+        associate (mail => self%list%mail, n => self%ranks%n)
+            call copy_out(self%reals, mail%out, mail%out_first(n) - 1, err)
+            call post(self%ranks, mail)
+            call copy_in(mail%in, self%reals, mail%in_first(n) - 1, err)
+        end associate
+    end subroutine swap
+end module brz_gpu_fetch

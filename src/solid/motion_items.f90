@@ -1,0 +1,242 @@
+! SPDX-License-Identifier: MIT
+!> How particles move, one at a time: kick and drift, those that a motion drives, those of rigid
+!> bodies; and how far they have gone since their lists were built.
+module brz_motion_items
+    use brz_kernel, only: smoothing_length
+    use brz_kinds, only: dp, int32, rk
+    use brz_move_level, only: level_of
+    use brz_rigid_pose, only: n_pose, place_point, spin_at, velocity_at
+    use brz_solid_state, only: is_gone, is_held, n_pair, pair_spin, pair_volume
+    use brz_support, only: is_kept
+    implicit none
+    private
+    public :: drift_particle, size_particle, drive_particle, place_rigid, note_particle
+    public :: follow_drive, follow_rigid, fill_rigid_row
+    public :: kick_and_drift
+
+contains
+
+    !> Velocity of particle i by the mean of the last and this time step, then position. What is
+    !> held does not move by itself.
+    !@cuf attributes(host,device) &
+    pure subroutine kick_and_drift(i, wide, step_d, step_p, mean, dt, loaded, accel, load, mass, &
+                                   fixed, x, v, work)
+        integer, intent(in) :: i
+        integer, intent(in) :: wide !! rows of x and v
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in forces
+        real(rk), intent(in) :: mean !! [s]
+        real(dp), intent(in) :: dt !! [s]
+        integer, intent(in) :: loaded !! 1: `load` is there
+        real(rk), intent(in) :: accel(*), load(*), mass(*) !! [m/s2], [N], [kg]
+        integer(int32), intent(in) :: fixed(*)
+        real(dp), intent(inout) :: x(wide, *)
+        real(rk), intent(inout) :: v(wide, *)
+        real(dp), intent(out) :: work !! of the load [J]
+        real(rk) :: before, push, total
+        integer :: at, d
+
+        work = 0
+        if (fixed(i) == is_held .or. fixed(i) == is_gone) return
+        total = 0
+        do d = 1, 3
+            at = 1 + (i - 1)*step_p + (d - 1)*step_d
+            push = 0
+            if (loaded == 1) then
+                if (.not. is_kept(fixed(i), d)) push = load(at)
+            end if
+            before = v(d, i)
+            v(d, i) = before + mean*accel(at) + real(dt, rk)*push/mass(i)
+            x(d, i) = x(d, i) + dt*v(d, i)
+            total = total + push*(before + v(d, i))
+        end do
+        work = dt*total/2
+    end subroutine kick_and_drift
+
+    !> Kick and drift, the work of the load, and how far the particle has gone.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine drift_particle(p, first, wide, step_d, step_p, mean, dt, loaded, unit, dx, dy, &
+                                   dz, accel, load, mass, fixed, built, x, v, book, moved)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of x and v
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in forces
+        real(rk), intent(in) :: mean !! [s]
+        real(dp), intent(in) :: dt !! [s]
+        integer, intent(in) :: loaded !! 1: `load` is there
+        real(dp), intent(in) :: unit !! of levels of motion [m]
+        real(dp), intent(in) :: dx, dy, dz !! drift of the body [m]
+        real(rk), intent(in) :: accel(*), load(*), mass(*) !! [m/s2], [N], [kg]
+        integer(int32), intent(in) :: fixed(*)
+        real(dp), intent(in) :: built(wide, *)
+        real(dp), intent(inout) :: x(wide, *)
+        real(rk), intent(inout) :: v(wide, *)
+        real(dp), intent(inout) :: book(*) !! work of the load [J]
+        integer, intent(inout) :: moved(*)
+        real(dp) :: work
+        integer :: i
+
+        i = first - 1 + p
+        call kick_and_drift(i, wide, step_d, step_p, mean, dt, loaded, accel, load, mass, fixed, &
+                            x, v, work)
+        if (loaded == 1) book(i) = book(i) + work
+        call note_particle(p, first, wide, unit, dx, dy, dz, x, built, moved)
+    end subroutine drift_particle
+
+    !> Mark how far a particle has moved, relative to its body, from where the lists were built; all
+    !> that are as far write the same.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine note_particle(p, first, wide, unit, dx, dy, dz, x, built, moved)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of x
+        real(dp), intent(in) :: unit !! of levels of motion [m]
+        real(dp), intent(in) :: dx, dy, dz !! drift of the body [m]
+        real(dp), intent(in) :: x(wide, *), built(wide, *)
+        integer, intent(inout) :: moved(*) !! (move_levels) 1: some particle is there
+        real(dp) :: e(3)
+        integer :: i, level
+
+        i = first - 1 + p
+        e(1) = x(1, i) - built(1, i) - dx
+        e(2) = x(2, i) - built(2, i) - dy
+        e(3) = x(3, i) - built(3, i) - dz
+        level = level_of(e(1)*e(1) + e(2)*e(2) + e(3)*e(3), unit)
+        if (level > 0) moved(level) = 1
+    end subroutine note_particle
+
+    !> Smoothing length of a particle of a body where it follows the density.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine size_particle(p, first, dimension, h, low, high, mu, place)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: dimension
+        real(rk), intent(in) :: h, low, high !! unloaded [m], bounds over h
+        real(rk), intent(in) :: mu(*)
+        real(dp), intent(inout) :: place(4, *) !! in its last row [m]
+        real(rk) :: bounds(2)
+
+        bounds(1) = low
+        bounds(2) = high
+        place(4, first - 1 + p) = smoothing_length(h, bounds, dimension, mu(first - 1 + p))
+    end subroutine size_particle
+
+    !> Carry a held particle along.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine drive_particle(p, first, wide, dt, vx, vy, vz, fixed, x, v)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of x and v
+        real(dp), intent(in) :: dt, vx, vy, vz !! step [s], mean velocity in it [m/s]
+        integer(int32), intent(in) :: fixed(*)
+        real(dp), intent(inout) :: x(wide, *)
+        real(rk), intent(inout) :: v(wide, *)
+        real(dp) :: drive(3)
+        integer :: d, i
+
+        i = first - 1 + p
+        if (fixed(i) /= is_held) return
+        drive(1) = vx
+        drive(2) = vy
+        drive(3) = vz
+        do d = 1, 3
+            v(d, i) = real(drive(d), rk)
+            x(d, i) = x(d, i) + dt*drive(d)
+        end do
+    end subroutine drive_particle
+
+    !> Acceleration of a held particle that brings it to the velocity of the step.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine follow_drive(p, first, wide, step_d, step_p, dt, vx, vy, vz, fixed, v, accel)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of v
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in accel
+        real(dp), intent(in) :: dt, vx, vy, vz !! step [s], velocity at its end [m/s]
+        integer(int32), intent(in) :: fixed(*)
+        real(rk), intent(in) :: v(wide, *)
+        real(rk), intent(inout) :: accel(*)
+        real(dp) :: drive(3)
+        integer :: d, i
+
+        i = first - 1 + p
+        if (fixed(i) /= is_held) return
+        drive(1) = vx
+        drive(2) = vy
+        drive(3) = vz
+        do d = 1, 3
+            accel(1 + (i - 1)*step_p + (d - 1)*step_d) = real(2/dt*(drive(d) - v(d, i)), rk)
+        end do
+    end subroutine follow_drive
+
+    !> Position of a particle of a rigid body at the step, and its velocity in the middle.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine place_rigid(p, first, wide, pose, x_ref, x, v)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of x and v
+        real(dp), intent(in) :: pose(n_pose), x_ref(wide, *)
+        real(dp), intent(inout) :: x(wide, *)
+        real(rk), intent(inout) :: v(wide, *)
+        real(dp) :: place(3), speed(3)
+        integer :: d, i
+
+        i = first - 1 + p
+        call place_point(pose, x_ref(1, i), place, speed)
+        do d = 1, 3
+            x(d, i) = place(d)
+            v(d, i) = real(speed(d), rk)
+        end do
+    end subroutine place_rigid
+
+    !> Acceleration of a particle of a rigid body that brings it to the velocity of the step.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine follow_rigid(p, first, wide, step_d, step_p, dt, pose, x, v, accel)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of x and v
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in accel
+        real(dp), intent(in) :: dt, pose(n_pose) !! [s]
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: v(wide, *)
+        real(rk), intent(inout) :: accel(*)
+        real(dp) :: speed(3)
+        integer :: d, i
+
+        i = first - 1 + p
+        speed = velocity_at(pose, x(1, i))
+        do d = 1, 3
+            accel(1 + (i - 1)*step_p + (d - 1)*step_d) = real(2/dt*(speed(d) - v(d, i)), rk)
+        end do
+    end subroutine follow_rigid
+
+    !> What contact gathers of a particle of a rigid body.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine fill_rigid_row(p, first, step_v, pose, volume, row)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: step_v !! distance of volumes
+        real(dp), intent(in) :: pose(n_pose)
+        real(rk), intent(in) :: volume(*)
+        real(rk), intent(inout) :: row(n_pair, *)
+        real(dp) :: spin(3)
+        integer :: d, i
+
+        i = first - 1 + p
+        do d = 1, n_pair
+            row(d, i) = 0
+        end do
+        row(pair_volume, i) = volume(1 + (i - 1)*step_v)
+        spin = spin_at(pose)
+        do d = 1, 3
+            row(pair_spin + d, i) = real(spin(d), rk)
+        end do
+    end subroutine fill_rigid_row
+end module brz_motion_items
