@@ -16,7 +16,8 @@ module brz_solid_forces
     use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
                                body_t, form_bending, form_corrected_hourglass, form_rigid, &
                                form_total, held_energy, held_stiffness, is_free, is_gone, &
-                               lanes, n_held, n_pair, pair_tilt, solid_t, worth_threads
+                               lanes, n_held, n_pair, pair_hold, pair_tilt, solid_t, worth_threads
+    use brz_solid_wide_sums, only: sum_wide
     use brz_support, only: held_share
     use brz_tension_hold, only: kept_work
     use brz_tilted_arm, only: mirrored_tilt
@@ -197,6 +198,8 @@ contains
             rows%pair(:, n) = mirrored_row(s, solid%pair(:, j))
             if (p%held) rows%held(:, n) = mirrored_hold(s, solid%held(:, j))
             rows%pair(pair_tilt, n) = mirrored_tilt(s, p%normal, solid%pair(pair_tilt, j))
+            if (p%directional .and. p%formulation == form_total) &
+                rows%pair(pair_hold, n) = dot_product(s, p%normal)*solid%pair(pair_hold, j)
             if (p%directional) rows%hold(:, n) = real(mirrored(s, solid%hold(:, j)), real32)
         end do
     end subroutine mirror_rows
@@ -232,7 +235,11 @@ contains
                 call sum_stiff(0.0_rk, p, x, v, x_ref, pair, h, list)
             end if
         case (form_total)
-            call sum_stiff(1.0_rk, p, x, v, x_ref, pair, h, list)
+            if (p%directional) then
+                call sum_wide(p, x, v, x_ref, hold, pair, list)
+            else
+                call sum_stiff(1.0_rk, p, x, v, x_ref, pair, h, list)
+            end if
         case (form_corrected_hourglass)
             call sum_viscous(p, x, v, pair, h, list)
         case default

@@ -7,7 +7,7 @@ module brz_solid_gradient_sums
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, rk
     use brz_solid_lanes, only: body_kernel, group_t, kernel_t, pair_kernels
-    use brz_solid_state, only: at_g, at_s, at_x, at_y, lanes, n_terms => n_moments
+    use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, lanes, n_terms => n_sums
     use brz_tilted_arm, only: tilted_arm
     implicit none
     private
@@ -149,12 +149,12 @@ contains
         real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(inout) :: sums(lanes, n_terms)
-        real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), y(3), m(n_moment), g(n_outer)
+        real(rk) :: acc(lanes, at_f), r(3), dv(3), dx(3), y(3), m(n_moment), g(n_outer)
         real(rk) :: a(n_outer), b(n_outer), s(n_moment), w
         type(kernel_t) :: q
         integer :: k, l, j, t
 
-        acc = sums
+        acc = sums(:, :at_f)
         call body_kernel(p, q)
         do k = 1, p%count
             j = list(k)
@@ -185,6 +185,7 @@ contains
                 end do
             end do
         end do
-        sums = acc
+        sums(:, :at_f) = acc
+        sums(:, at_f + 1:) = 0
     end subroutine sum_tilted
 end module brz_solid_gradient_sums

@@ -19,10 +19,11 @@ module brz_solid_gradients
     use brz_solid_gradient_sums, only: sum_bending, sum_drawn, sum_plain, sum_tilted
     use brz_solid_lanes, only: group_of, group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
-    use brz_solid_state, only: at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
+    use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
                                form_total, form_uncorrected, held_affine, held_stiffness, &
-                               intact_share, is_gone, lanes, n_terms => n_moments, pair_stress, &
-                               pair_tilt, solid_t, worth_threads
+                               intact_share, is_gone, lanes, n_terms => n_sums, pair_hold, &
+                               pair_stress, pair_tilt, solid_t, worth_threads
+    use brz_solid_wide_sums, only: sum_referred
     use brz_tension_hold, only: deviation, may_be_drawn
     use brz_tilted_arm, only: tilted_correction
     implicit none
@@ -107,6 +108,7 @@ contains
                 if (solid%fixed(i) == is_gone) cycle
                 sums = group(i - first + 1, :)
                 solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
+                solid%pair(pair_hold, i) = p%lift(i - first + 1)
                 if (solid%links%bonds) call add_bonded_gradients(solid, i, sums)
                 call advance(solid, body, dt, i, k, p%drawn(i - first + 1), sums, limit)
             end do
@@ -121,12 +123,14 @@ contains
         integer :: fails, i, l
 
         p%tilt = 0
+        p%lift = 0
         if (.not. any(body%normal > 0)) return
         fails = solid%materials(body%material)%fails
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)
-            if (solid%cut(i) == 0 .and. strength_left(fails, solid%damage(i)) > intact_share) &
-                p%tilt(l) = solid%tilt(i)
+            if (solid%cut(i) /= 0 .or. strength_left(fails, solid%damage(i)) <= intact_share) cycle
+            p%tilt(l) = solid%tilt(i)
+            if (body%formulation == form_total) p%lift(l) = solid%lift(i)
         end do
     end subroutine tilt_group
 
@@ -178,7 +182,9 @@ contains
         real(rk), intent(inout) :: sums(lanes, n_terms)
         type(group_t) :: q
 
-        if (any(abs(p%tilt) > 0)) then
+        if (any(abs(p%tilt) + abs(p%lift) > 0) .and. p%formulation == form_total) then
+            call sum_referred(p, x, v, x_ref, volume, list, sums)
+        else if (any(abs(p%tilt) > 0)) then
             call sum_tilted(p, x, v, x_ref, volume, h, list, sums)
         else if (p%formulation == form_bending) then
             call sum_bending(p, x, v, x_ref, volume, h, list, sums)
@@ -203,15 +209,17 @@ contains
         logical, intent(in) :: drawn !! it was in tension
         real(rk), intent(inout) :: sums(n_terms)
         real(dp), intent(inout) :: limit
-        real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), c_wave, c_bulk, rho
+        real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), f(3, 3), c_wave, c_bulk, rho
         real(rk) :: shrink, size, normal(3)
         integer :: weak, weaker, c, cut
+        logical :: tilted !! a gradient with arms of their own
 
         do c = solid%dimension + 1, 3
             sums(c) = 1
             sums(at_x + 4*c - 3) = 1
             sums(at_s + c) = 1
             sums(at_y + 4*c - 3) = 1
+            sums(at_f + 4*c - 3) = 1
         end do
         if (body%layer > 0) call close_layer(body%layer, sums, sums(at_x + 1), normal)
         if (body%formulation == form_uncorrected) then
@@ -221,9 +229,13 @@ contains
             call correction(solid%dimension, sums, b, weak)
         end if
         call multiply3(sums(at_x + 1), b, a)
-        if (abs(solid%pair(pair_tilt, i)) > 0) then
+        tilted = abs(solid%pair(pair_tilt, i)) + abs(solid%pair(pair_hold, i)) > 0
+        if (tilted) then
             call tilted_correction(solid%dimension, sums(at_y + 1), b, weaker)
             weak = max(weak, weaker)
+            call multiply3(sums(at_f + 1), b, f)
+        else
+            f = a
         end if
         call multiply3(sums(at_g + 1), b, h)
         if (body%layer > 0) then
@@ -231,7 +243,7 @@ contains
             call turn_faces(solid, body, i, dt, normal, h)
         end if
         shrink = 1
-        if (body%formulation == form_total) call total_gradient(a, h, shrink)
+        if (body%formulation == form_total) call total_gradient(body%at_rest, f, h, shrink)
         c_wave = solid%materials(body%material)%c_wave
         c_bulk = unloaded_speed(solid%materials(body%material))
         if (dt > 0) then
@@ -247,11 +259,11 @@ contains
         rho = solid%materials(body%material)%density*(1 + solid%mu(i))
         call to_matrix(solid%stress(:, i), s)
         if (body%formulation == form_total) then
-            call piola(a, s)
+            call piola(f, s)
         else ! it works on the present volume, while the weights of the pairs have the last one
             s = s*(solid%mass(i)/(rho*solid%volume(i)))
         end if
-        if (abs(solid%pair(pair_tilt, i)) > 0) b = transpose(b)
+        if (tilted) b = transpose(b)
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
         if (body%layer > 0) call stay_in_layer(b, solid%pair(pair_stress + 1, i))
         if (weak /= 0 .and. (body%formulation == form_bending .or. body%tension_hold > 0 .or. &

@@ -33,6 +33,7 @@ module brz_solid_lanes
         integer :: last = 0 !! its last particle
         integer :: formulation = 0 !! of their body
         logical :: directional = .false. !! hourglass stiffness along axes
+        real(rk) :: width(3) = 1 !! unloaded place over x_ref
         logical :: variable = .false. !! smoothing lengths follow the density
         integer :: dimension = 3
         real(rk) :: factor = 0 !! of the kernel's scale, see pair_kernels
@@ -42,6 +43,7 @@ module brz_solid_lanes
         real(dp) :: x(lanes, 3) = 0, x_ref(lanes, 3) = 0 !! [m]
         real(rk) :: v(lanes, 3) = 0 !! [m/s]
         real(rk) :: tilt(lanes) = 0 !! for pass 1 [1/m]
+        real(rk) :: lift(lanes) = 0 !! the same, of total-Lagrangian plates [1/m]
         logical :: drawn(lanes) = .false. !! for pass 1: was in tension
         logical :: held = .false. !! for pass 2: some pair has the hold
         real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_solid_state
@@ -109,6 +111,7 @@ contains
         p%normal = body%normal
         p%formulation = body%formulation
         p%directional = body%directional
+        p%width = real(1/body%stretch, rk)
         p%variable = body%variable
         p%dimension = solid%dimension
         p%factor = p%scale/p%half_over_h**(solid%dimension + 2)

@@ -329,7 +329,7 @@ contains
                                   g)
                 u = viscosity(q%h(l), own, pair(1, j), w, r2, vr)
                 call hourglass_axial(w*own(pair_keep)*pair(pair_keep, j), stiffness, &
-                                     own(pair_affine + 1), pair(pair_affine + 1, j), dx, r, d)
+                                     own(pair_affine + 1), pair(pair_affine + 1, j), dx, dx, r, d)
                 do t = 1, 3
                     acc(l, t) = acc(l, t) + g(t)
                     acc(l, at_drag + t) = acc(l, at_drag + t) + u*r(t)

@@ -8,7 +8,7 @@ module brz_solid_tilts
     use brz_solid_lanes, only: group_of
     use brz_solid_links, only: first_link, is_bonded, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: body_t, solid_t, worth_threads
+    use brz_solid_state, only: body_t, form_total, solid_t, worth_threads
     use brz_tilted_arm, only: pack_tilt
     implicit none
     private
@@ -22,15 +22,18 @@ contains
     !> Tilts of all particles; lists and bonds must be known.
     subroutine find_tilts(solid)
         type(solid_t), intent(inout) :: solid
+        real(rk) :: tilt, lift
         integer :: i, k
 
         if (.not. allocated(solid%tilt)) return
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, tilt, lift)
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)))
                 if (.not. any(body%normal > 0)) cycle
                 do i = solid%block(2, k), solid%block(3, k)
-                    solid%tilt(i) = real(tilt_of(solid, body, i), real32)
+                    call tilt_of(solid, body, i, tilt, lift)
+                    solid%tilt(i) = real(tilt, real32)
+                    if (body%formulation == form_total) solid%lift(i) = real(lift, real32)
                 end do
             end associate
         end do
@@ -39,11 +42,13 @@ contains
     !> c with sum w t^2 (z - d) (1 + c z) = 0 over the neighbours of particle i, t along the layer
     !> and z across it [1/m]: u = t z then has the gradient of a place d from it. d is 0 but at the
     !> faces of plates and bars, which see the strain further out. In bars c and d are vectors.
-    pure real(rk) function tilt_of(solid, body, i) result(tilt)
+    pure subroutine tilt_of(solid, body, i, tilt, lift)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
-        real(rk) :: sums(6), scale
+        real(rk), intent(out) :: tilt !! [1/m], of bars packed
+        real(rk), intent(out) :: lift !! see lifted_arm [1/m]
+        real(rk) :: sums(7), scale
         integer(int64) :: k
         integer :: across(2), g, j
         logical :: glued
@@ -74,12 +79,14 @@ contains
                 end associate
             end do
         end if
+        lift = 0
+        if (sums(7) > 0) lift = -sums(1)/sums(7)
         if (across(2) == 0) then
             tilt = one_way(body, glued, sums(1), sums(3), sums(6))
         else
             tilt = pack_tilt(both_ways(body, glued, sums)/maxval(body%normal))
         end if
-    end function tilt_of
+    end subroutine tilt_of
 
     !> Directions across a body: one of a plate, two of a bar.
     pure function directions(normal) result(across)
@@ -110,7 +117,7 @@ contains
     pure function both_ways(body, glued, sums) result(tilt)
         type(body_t), intent(in) :: body
         logical, intent(in) :: glued !! see one_way
-        real(rk), intent(in) :: sums(6) !! see add
+        real(rk), intent(in) :: sums(7) !! see add
         real(rk) :: tilt(2), d(2), a(2, 2), b(2), det
         integer :: k
 
@@ -132,12 +139,12 @@ contains
     end function both_ways
 
     !> Add a neighbour, or its image in the planes of the mask, to the sums of w t^2 times y, z,
-    !> y^2, z^2, y z and 1, with y and z the directions across; of a plate there is no z.
+    !> y^2, z^2, y z, 1 and t^2, with y and z the directions across; of a plate there is no z.
     pure subroutine add(solid, across, i, j, mask, scale, half_over_h, sums)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: across(2), i, j, mask
         real(rk), intent(in) :: scale, half_over_h !! see brz_kernel
-        real(rk), intent(inout) :: sums(6)
+        real(rk), intent(inout) :: sums(7)
         real(rk) :: r(3), w, y, z
 
         r = real(solid%x_ref(:, i) - signs(mask)*solid%x_ref(:, j), rk)
@@ -146,6 +153,6 @@ contains
         if (across(2) > 0) z = r(across(2))
         w = solid%volume(j)*kernel_slope(scale, half_over_h, norm2(r))
         w = w*(dot_product(r, r) - y*y - z*z)
-        sums = sums + w*[y, z, y*y, z*z, y*z, 1.0_rk]
+        sums = sums + w*[y, z, y*y, z*z, y*z, 1.0_rk, dot_product(r, r) - y*y - z*z]
     end subroutine add
 end module brz_solid_tilts

@@ -67,7 +67,12 @@ contains
                 key_t(group=g, key='cuts', kind=kind_text, n_max=8, &
                       meaning='Ids of bodies that make room for this one where they overlap.'), &
                 key_t(group=g, key='spacing', unit='m', default=required, lower=zero, &
-                      open_lower=.true., meaning='Distance of the particles.')]
+                      open_lower=.true., meaning='Distance of the particles.'), &
+                key_t(group=g, key='aspect', n_min=3, n_max=3, default='1.0, 1.0, 1.0', &
+                      lower=one, upper=6*one, &
+                      meaning='Box, total_lagrangian: width of a particle along x, y, z over '// &
+                      'the spacing, as 3, 3, 1 for a plate across z. Bends as cubes do with '// &
+                      'fewer particles; alone, without air.')]
     end subroutine shape_keys
 
     subroutine state_keys(keys)

@@ -2,6 +2,7 @@
 !> From the deck as read to the validated scene: values, references, what is present.
 module brz_build_case
     use brz_case, only: case_t, material_case_t
+    use brz_check_aspect, only: check_meeting
     use brz_check_bodies, only: check_bodies
     use brz_check_air, only: check_air, check_charges, check_gas
     use brz_check_inflow, only: check_inflows
@@ -54,6 +55,7 @@ contains
         call check_inflows(deck, case)
         call check_bodies(deck, case)
         call check_interactions(deck, case)
+        call check_meeting(deck, case)
         call check_loads(deck, case)
         call check_gauges(deck, case)
         call check_materials(deck, keys)

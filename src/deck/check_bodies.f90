@@ -2,6 +2,7 @@
 !> Bodies: their material, their shape, and where they lie.
 module brz_check_bodies
     use brz_case, only: body_case_t, case_t, means
+    use brz_check_aspect, only: check_aspect
     use brz_check_air, only: box_text, check_corners
     use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
     use brz_files, only: file_exists
@@ -51,6 +52,7 @@ contains
             call check_shape(deck, g, case%bodies(k))
             call check_width(deck, g, case%bodies(k))
             if (deck%groups(g)%bad) cycle
+            call check_aspect(deck, g, case, case%bodies(k))
             call check_gaps(deck, g, case, case%bodies(k))
             if (case%bodies(k)%file /= '') then
                 call check_file(deck, g, case%run%dimension, case%bodies(k))
@@ -166,7 +168,8 @@ contains
 
         call body_box(body, lo, hi)
         n = 1
-        n(:dimension) = (hi(:dimension) - lo(:dimension))/body%spacing
+        n(:dimension) = (hi(:dimension) - lo(:dimension)) &
+                        /(body%spacing*body%aspect(:dimension))
         if (any(n < 1 - slack)) then
             call complain(deck, g, 'spacing', 'spacing '//to_text(body%spacing)// &
                           ' m is larger than the body, which is '// &

@@ -166,7 +166,8 @@ contains
         if (quantities(find_quantity(trim(gauge%quantity)))%whole > 0) return
         if (gauge%body_index > 0) then
             call body_box(case%bodies(gauge%body_index), lo, hi)
-            slack = 1.001_dp*case%bodies(gauge%body_index)%spacing
+            slack = 1.001_dp*case%bodies(gauge%body_index)%spacing &
+                    *case%bodies(gauge%body_index)%aspect
             where = 'the body, which is '
             if (deck%groups(find_group(deck, 'body', trim(gauge%body)))%bad) return
         else

@@ -205,6 +205,7 @@ contains
             call get(group, 'scale', body%scale)
             call get(group, 'move', body%move)
             call get(group, 'spacing', body%spacing)
+            call get(group, 'aspect', body%aspect)
             call get(group, 'material', body%material)
             call get(group, 'ply_axis', body%ply_axis)
             call get(group, 'fix', body%fix, n)

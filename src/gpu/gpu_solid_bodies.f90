@@ -60,7 +60,7 @@ contains
 
         call put_axes(solid, gpu, err)
         do b = 1, size(solid%bodies)
-            call open_body(device, solid, b, [gpu%owed, gpu%grip], gpu%bodies(b), err)
+            call open_body(device, solid, b, [gpu%owed, gpu%grip, gpu%lift], gpu%bodies(b), err)
         end do
     end subroutine open_gpu_bodies
 
@@ -100,7 +100,7 @@ contains
         type(device_t), intent(in) :: device
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
-        integer, intent(in) :: columns(2) !! owed, grip, see body_gpu_t
+        integer, intent(in) :: columns(3) !! owed, grip, lift, see body_gpu_t
         type(gpu_solid_body_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         type(body_gpu_t) :: params
@@ -117,6 +117,7 @@ contains
         params%springs = merge(1, 0, material%class == class_elastic)
         params%owed = columns(1)
         params%grip = columns(2)
+        params%lift = columns(3)
         gpu%first = params%first
         gpu%last = params%last
         gpu%rim = solid%bodies(b)%rim
@@ -176,6 +177,9 @@ contains
         p%artificial_power = body%artificial_power
         p%shape_at_spacing = body%shape_at_spacing
         p%normal = body%normal
+        p%width = real(1/body%stretch, rk)
+        p%at_rest = body%at_rest
+        p%lift = 0
         p%layer = body%layer
         p%layer_of_ply = merge(1, 0, body%layer_of_ply)
         p%layer_stiffness = body%layer_stiffness
@@ -191,6 +195,7 @@ contains
         if (p%formulation == form_bending .or. p%formulation == form_total) name = 'beside'
         if (p%tension_hold > 0) name = 'drawn'
         if (any(p%normal > 0)) name = 'tilted'
+        if (any(p%normal > 0) .and. p%formulation == form_total) name = 'referred'
     end function moment_name
 
     !> Which forces a body has, as the kernels are named.
@@ -202,6 +207,7 @@ contains
         case (form_bending, form_total)
             name = 'stiff'
             if (p%directional == 1) name = 'axial'
+            if (p%directional == 1 .and. p%formulation == form_total) name = 'wide'
         case (form_corrected_hourglass)
             name = 'viscous'
             if (p%tension_hold > 0) name = 'drawn'

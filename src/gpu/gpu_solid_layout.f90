@@ -84,6 +84,8 @@ module brz_gpu_solid_layout
         real(rk) :: h, scale, half_over_h, alpha, beta, cfl, tension_hold
         real(rk) :: artificial_power, shape_at_spacing
         real(rk) :: normal(3) !! of the layers, 0: no tilted gradients
+        real(rk) :: width(3), at_rest !! of the lattice, see brz_wide_lattice
+        integer :: lift !! column of `state` with the lift of total-Lagrangian plates, 0: none
         integer :: layer !! normal of a membrane of one layer, 0: none
         integer :: layer_of_ply !! 1: yes
         real(rk) :: layer_stiffness(9), contraction !! see body_t

@@ -102,6 +102,7 @@ module brz_gpu_solid_state
         ! columns of `state` that not every scene has, 0: none
         integer :: grip = 0 !! + 1..3: force on what holds a particle [N]
         integer :: owed = 0 !! energy that the hold owes [J]
+        integer :: lift = 0 !! of total-Lagrangian plates [1/m]
         integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
@@ -156,7 +157,7 @@ contains
         call allocate_buffer(gpu%tag, 4_int64*n_tag*n, err)
         call allocate_buffer(gpu%book, 8_int64*n_book*n, err)
         call allocate_buffer(gpu%row, n_pair*bytes_of_real*n, err)
-        call allocate_buffer(gpu%grad, 9*bytes_of_real*n, err)
+        call allocate_buffer(gpu%grad, merge(18, 9, allocated(solid%lift))*bytes_of_real*n, err)
         call allocate_buffer(gpu%hold, merge(24*n, 8_int64, allocated(solid%hold) .or. &
                                              allocated(solid%tilt)), err)
         call allocate_buffer(gpu%held, merge(n_held*bytes_of_real*n, 8_int64, &
@@ -191,6 +192,7 @@ contains
         call fields_of(solid, fields)
         gpu%n_state = fields%columns
         gpu%owed = column_of_field(fields, 'owed')
+        gpu%lift = column_of_field(fields, 'lift')
         if (loaded) gpu%load = column_of_field(fields, 'load') - 1
         if (allocated(solid%grip)) gpu%grip = column_of_field(fields, 'grip') - 1
     end subroutine number_columns

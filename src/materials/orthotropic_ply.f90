@@ -77,8 +77,8 @@ contains
         call derive_softening(material%par, material%crack)
         material%density = material%par(p_density)
         material%bulk = material%par(p_bulk)
+        material%fails = merge(fails_by_degrees, 0, any(given(p_xt:p_xt + 7)))
         ! as stiff as an isotropic plate (nu = 0.3) of the stiffer in-plane modulus
-        material%fails = fails_by_degrees
         material%shear = max(material%par(p_e1), material%par(p_e2))/2.6_rk
         material%axial = [material%par(p_e1), material%par(p_e2), material%par(p_e3)]
         material%across = min(material%par(p_g13), material%par(p_g23))

@@ -4,6 +4,7 @@ module brz_gauge_places
     use brz_kinds, only: dp
     use brz_ranks, only: least_of_all, several
     use brz_solid_state, only: solid_t
+    use brz_wide_lattice, only: unloaded_place
     implicit none
     private
     public :: choose_particle, find_place
@@ -23,7 +24,7 @@ contains
         particle = 0
         place = 0
         do i = solid%bodies(body)%first, solid%bodies(body)%last
-            distance = sum((solid%x_ref(:, i) - at)**2)
+            distance = sum((unloaded_place(solid, body, i) - at)**2)
             if (distance > least .or. (distance >= least .and. solid%id(i) > particle)) cycle
             least = distance
             particle = solid%id(i)

@@ -22,6 +22,7 @@ module brz_gauges
     use brz_solid_body_forces, only: n_forces
     use brz_solid_state, only: form_rigid, is_free, solid_t
     use brz_solid_step, only: velocity_at_step
+    use brz_wide_lattice, only: unloaded_place
     implicit none
     private
     public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_points, gauge_particles
@@ -354,7 +355,7 @@ contains
 
         associate (i => gauge%place(1), quantity => gauge%quantity)
             v = velocity_at_step(solid, i)
-            d = solid%x(:, i) - solid%x_ref(:, i)
+            d = solid%x(:, i) - unloaded_place(solid, gauge%body, i)
             s = solid%stress(:, i)
             j = max(gauge%place(2), 1)
             select case (quantity)
@@ -368,7 +369,8 @@ contains
             case ('von_mises'); value = sqrt(((s(1) - s(2))**2 + (s(2) - s(3))**2 &
                 + (s(3) - s(1))**2)/2 + 3*sum(s(4:6)**2))
             case ('strain'); value = norm2(solid%x(:, i) - solid%x(:, j)) &
-                /norm2(solid%x_ref(:, i) - solid%x_ref(:, j)) - 1
+                /norm2(unloaded_place(solid, gauge%body, i) &
+                       - unloaded_place(solid, gauge%body, j)) - 1
             case ('displacement_x', 'displacement_y', 'displacement_z')
                 value = d(axis_of(quantity))
             case ('velocity_x', 'velocity_y', 'velocity_z'); value = v(axis_of(quantity))

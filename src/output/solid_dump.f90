@@ -17,6 +17,7 @@ module brz_solid_dump
     use brz_meta, only: meta_t
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: velocity_at_step
+    use brz_wide_lattice, only: unloaded_place
     use brz_vtkhdf, only: begin_dump, end_dump, root, write_field
     implicit none
     private
@@ -127,15 +128,17 @@ contains
         integer, intent(in) :: order(:)
         type(error_t), intent(inout) :: err
         real(real32), allocatable :: v(:, :), d(:, :)
-        integer :: k
+        integer :: b, i
 
         allocate (v(3, solid%n), d(3, solid%n))
-        do k = 1, solid%n
-            associate (i => order(k))
-                v(:, k) = real(velocity_at_step(solid, i), real32)
-                d(:, k) = real(solid%x(:, i) - solid%x_ref(:, i), real32)
-            end associate
+        do b = 1, size(solid%bodies)
+            do i = solid%bodies(b)%first, solid%bodies(b)%last
+                v(:, i) = real(velocity_at_step(solid, i), real32)
+                d(:, i) = real(solid%x(:, i) - unloaded_place(solid, b, i), real32)
+            end do
         end do
+        v = v(:, order)
+        d = d(:, order)
         call write_field(file, 'PointData/velocity', 'm/s', v, err)
         call write_field(file, 'PointData/displacement', 'm', d, err)
     end subroutine write_motion

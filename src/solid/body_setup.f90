@@ -24,6 +24,7 @@ module brz_body_setup
     use brz_start_fields, only: start_from_file
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: between_t, body_t, solid_t
+    use brz_wide_lattice, only: settle_lattice
     implicit none
     private
     public :: meeting_speed, outline_solid, set_up_solid
@@ -152,6 +153,8 @@ contains
             associate (m => case%bodies(b)%material_index)
                 call settle(case%bodies(b), solid%materials(m), solid%dimension, speed, &
                             solid%bodies(b), err)
+                call settle_lattice(case%bodies(b), solid%materials(m), points(b)%shape, &
+                                    solid%bodies(b), err)
                 call settle_plate(case%bodies(b), speed, points(b)%shape, solid%bodies(b), err)
                 call settle_layer(case, b, points(b)%shape, solid%materials(m), solid%bodies(b))
             end associate
@@ -256,7 +259,7 @@ contains
         do n = body%first, body%last
             solid%id(n) = n
             solid%x(:, n) = points%x(:, n - body%first + 1)
-            solid%x_ref(:, n) = solid%x(:, n)
+            solid%x_ref(:, n) = solid%x(:, n)*body%stretch
             volume = points%volume(n - body%first + 1)
             solid%volume(n) = real(volume, rk)
             solid%mass(n) = real(volume*solid%materials(body%material)%density, rk)

@@ -36,7 +36,7 @@ contains
         real(dp), intent(in) :: depth, middle(3) !! [m]
         type(shape_t), intent(out) :: s
         real(dp), intent(in), optional :: box(3, 2) !! corners of a body from a file [m]
-        real(dp) :: side
+        real(dp) :: apart, side
         integer :: a
 
         s%dimension = dimension
@@ -49,30 +49,31 @@ contains
         s%full_lo = s%lo
         s%full_hi = s%hi
         do a = 1, 3
-            s%spacing(a) = body%spacing
+            apart = body%spacing*body%aspect(a)
+            s%spacing(a) = apart
             if (a > dimension) then
-                s%lo(a) = middle(a) - body%spacing/2
-                s%hi(a) = middle(a) + body%spacing/2
+                s%lo(a) = middle(a) - apart/2
+                s%hi(a) = middle(a) + apart/2
                 s%start(a) = s%lo(a)
                 cycle
             end if
-            s%on_plane(a) = mirror(a) .and. s%lo(a) < body%spacing/4
+            s%on_plane(a) = mirror(a) .and. s%lo(a) < apart/4
             if (s%on_plane(a)) s%lo(a) = 0
             side = s%hi(a) - s%lo(a)
             s%start(a) = s%lo(a)
             if (body%shape == 'box' .or. &
                 (a == axis_of(body) .and. any(body%shape == [character(8) :: 'bars', &
                                                              'cylinder']))) then
-                s%n(a) = max(1, nint(side/body%spacing))
+                s%n(a) = max(1, nint(side/apart))
                 s%spacing(a) = side/s%n(a)
             else if (body%shape == 'bars') then
-                if (.not. s%on_plane(a)) s%start(a) = bar_offset(body, a, body%spacing)
-                s%n(a) = ceiling((s%hi(a) - s%start(a))/body%spacing) + 1
+                if (.not. s%on_plane(a)) s%start(a) = bar_offset(body, a, apart)
+                s%n(a) = ceiling((s%hi(a) - s%start(a))/apart) + 1
             else if (s%on_plane(a)) then
-                s%n(a) = ceiling(side/body%spacing)
+                s%n(a) = ceiling(side/apart)
             else
-                s%n(a) = max(1, 2*ceiling(side/(2*body%spacing)))
-                s%start(a) = (s%lo(a) + s%hi(a) - s%n(a)*body%spacing)/2
+                s%n(a) = max(1, 2*ceiling(side/(2*apart)))
+                s%start(a) = (s%lo(a) + s%hi(a) - s%n(a)*apart)/2
             end if
         end do
     end subroutine lay_shape

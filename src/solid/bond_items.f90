@@ -229,7 +229,8 @@ contains
             do t = 1, 6
                 stiff(t) = real(hold_i(t), rk) + stiff(t)
             end do
-            call hourglass_axial(y, stiff, own(pair_affine + 1), other(pair_affine + 1), dx, r, g)
+            call hourglass_axial(y, stiff, own(pair_affine + 1), other(pair_affine + 1), dx, &
+                                 dx, r, g)
         else
             call hourglass_stiff(most_bent, y, own(pair_hold) + other(pair_hold), &
                                  own(pair_affine + 1), other(pair_affine + 1), dx, r, g)

@@ -36,6 +36,7 @@ contains
         call settle_class(input, int(material%class), speed, body)
         select case (input%formulation)
         case ('auto')
+            if (any(input%aspect > 1)) body%formulation = form_total ! brz_wide_lattice
         case ('corrected')
             body%formulation = form_corrected
         case ('corrected_hourglass')
@@ -44,9 +45,6 @@ contains
             body%formulation = form_bending
         case ('total_lagrangian')
             body%formulation = form_total
-            if (material%fails > 0) call refuse(input, "formulation='total_lagrangian' is for "// &
-                "what never breaks, and its material fails; take 'bending' or "// &
-                "'corrected_hourglass'", err)
         case ('uncorrected', 'paper')
             body%formulation = form_uncorrected
         case ('rigid')
@@ -54,6 +52,9 @@ contains
         case default
             call refuse(input, "unknown formulation '"//trim(input%formulation)//"'", err)
         end select
+        if (body%formulation == form_total .and. material%fails > 0) call refuse(input, &
+            "formulation='total_lagrangian' is for what never breaks, and its material fails; "// &
+            "take 'bending' or 'corrected_hourglass'", err)
         body%crack = real(crack_width(body%formulation, input%spacing), rk)
         call settle_artificial(input, body, err)
         call settle_stiffness(input, material, dimension, body)

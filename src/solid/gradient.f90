@@ -219,17 +219,20 @@ contains
 
     !> Velocity gradient dv/dx from dv/dX, and how much shorter the reference looks to a wave.
     !@cuf attributes(host,device) &
-    pure subroutine total_gradient(f, h, shrink)
+    pure subroutine total_gradient(at_rest, f, h, shrink)
+        real(rk), intent(in) :: at_rest !! sum of the squares of the two smaller stretches of dX
+                                        !! over dx of the unloaded body: 2, see brz_wide_lattice
         real(rk), intent(in) :: f(3, 3) !! deformation dx/dX
         real(rk), intent(inout) :: h(3, 3) !! dv/dX in, dv/dx out [1/s]
-        real(rk), intent(out) :: shrink !! largest ratio of a distance dX to dx, at least 1
+        real(rk), intent(out) :: shrink !! largest ratio of a distance dX to dx, at least 1 or what
+                                        !! it is in the unloaded body
         real(rk) :: a(3, 3), g(3, 3), sum
         logical :: ok
         integer :: i, j
 
         call inverse3(f, a, ok)
         call multiply3(h, a, g)
-        sum = -2
+        sum = -at_rest
         do j = 1, 3
             do i = 1, 3
                 h(i, j) = g(i, j)

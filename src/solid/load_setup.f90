@@ -12,6 +12,7 @@ module brz_load_setup
     use brz_solid_state, only: body_t, solid_t
     use brz_stl, only: mesh_t, read_stl
     use brz_text, only: to_text
+    use brz_wide_lattice, only: unloaded_place
     implicit none
     private
     public :: set_up_loads
@@ -154,7 +155,7 @@ contains
 
         if (load%patch /= '') call read_stl(trim(load%patch), mesh, err, is_patch=.true.)
         if (failed(err)) return
-        call fill_lattice(solid, body, shape%spacing, cell, low, high)
+        call fill_lattice(solid, body, shape%spacing*body%stretch, cell, low, high)
         do pass = 1, 2
             n = 0
             do axis = 1, solid%dimension
@@ -163,14 +164,14 @@ contains
                     steps = 0
                     steps(axis) = side
                     do i = body%first, body%last
-                        at = place_of(solid, i, body%first, shape%spacing)
+                        at = place_of(solid, i, body%first, shape%spacing*body%stretch)
                         if (number_at(cell, low, high, at + steps) /= 0) cycle
                         if (load%patch /= '') then
-                            if (.not. is_under(mesh, solid%x_ref(:, i), axis, &
+                            if (.not. is_under(mesh, solid%x_ref(:, i)/body%stretch, axis, &
                                                2*shape%spacing(axis))) cycle
                         end if
                         if (side < 0 .and. solid%mirror(axis) .and. &
-                            solid%x_ref(axis, i) < shape%spacing(axis)) cycle
+                            solid%x_ref(axis, i) < shape%spacing(axis)*body%stretch(axis)) cycle
                         n = n + 1
                         if (pass == 2) call lay_facet(i, axis, side, n)
                     end do
@@ -201,11 +202,11 @@ contains
                     step = 0
                     step(a) = 1 - 2*up
                     j = number_at(cell, low, high, &
-                                  place_of(solid, i, body%first, shape%spacing) + step)
+                                  place_of(solid, i, body%first, shape%spacing*body%stretch) + step)
                     if (j > 0) then
                         facets%beside(m, k) = solid%id(j)
                     else if (up == 1 .and. solid%mirror(a) .and. &
-                             solid%x_ref(a, i) < shape%spacing(a)) then
+                             solid%x_ref(a, i) < shape%spacing(a)*body%stretch(a)) then
                         facets%mirror(m, k) = a
                     else
                         cycle
@@ -278,7 +279,7 @@ contains
         far = 0
         do k = 1, facets%n
             i = solid%loads%place(facets%id(k))
-            arm = load%at - solid%x_ref(:, i)
+            arm = load%at - unloaded_place(solid, load%body, i)
             arm(solid%dimension + 1:) = 0
             distance = norm2(arm)
             near = min(near, distance/load%mass**(1/3.0_dp))

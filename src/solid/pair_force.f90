@@ -10,7 +10,7 @@ module brz_pair_force
     implicit none
     private
     public :: stress_force, viscous_force, hourglass_viscous, hourglass_stiff, hourglass_axial, &
-              axial_stiffness, overstretched, most_bent, most_drawn
+              axial_stiffness, metric_square, overstretched, most_bent, most_drawn
 
     ! a pair beyond these stretches, or below their inverse, is let go
     real(rk), parameter :: most_bent = 1.6_rk !! by what holds elastic bodies and plies together
@@ -101,16 +101,17 @@ contains
 
     !> Stiff hourglass force with a stiffness along axes: y (P_i X_ij - K_i x_ij), and that of j.
     !@cuf attributes(host,device) &
-    pure subroutine hourglass_axial(y, k, pi, pj, x_ref, r, f)
+    pure subroutine hourglass_axial(y, k, pi, pj, x_ref, unloaded, r, f)
         real(rk), intent(in) :: y !! w times what damage leaves of it
         real(rk), intent(in) :: k(6) !! sum of the stiffnesses K, xx, yy, zz, xy, yz, xz [Pa]
         real(rk), intent(in) :: pi(9), pj(9) !! K dx/dX of the two particles [Pa]
         real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]
+        real(rk), intent(in) :: unloaded(3) !! X_ij, also where x_ref are lattice coordinates [m]
         real(rk), intent(out) :: f(3) !! on i [N]
         real(rk) :: h
 
         h = y
-        if (overstretched(most_bent, x_ref, r)) h = 0
+        if (overstretched(most_bent, unloaded, r)) h = 0
         f(1) = h*((pi(1) + pj(1))*x_ref(1) + (pi(4) + pj(4))*x_ref(2) + (pi(7) + pj(7))*x_ref(3) &
                   - (k(1)*r(1) + k(4)*r(2) + k(6)*r(3)))
         f(2) = h*((pi(2) + pj(2))*x_ref(1) + (pi(5) + pj(5))*x_ref(2) + (pi(8) + pj(8))*x_ref(3) &
@@ -146,6 +147,18 @@ contains
             k(6) = k(6) + c*n(1)*n(3)
         end do
     end subroutine axial_stiffness
+
+    !> Square of the length of a pair in lattice coordinates over that in the unloaded body: by it
+    !> the viscosity has the weight, and by its root the smoothing length, of the direction.
+    !@cuf attributes(host,device) &
+    pure function metric_square(x_ref, unloaded) result(s2)
+        real(rk), intent(in) :: x_ref(3), unloaded(3) !! [m]
+        real(rk) :: s2
+
+        s2 = (x_ref(1)*x_ref(1) + x_ref(2)*x_ref(2) + x_ref(3)*x_ref(3) + tiny(s2)) &
+             /(unloaded(1)*unloaded(1) + unloaded(2)*unloaded(2) + unloaded(3)*unloaded(3) &
+               + tiny(s2))
+    end function metric_square
 
     !> True for a pair that what holds to the unloaded body has let go.
     !@cuf attributes(host,device) &

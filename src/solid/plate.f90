@@ -13,7 +13,7 @@ module brz_plate
     use brz_errors, only: error_t, exit_deck, raise
     use brz_formulation, only: fast
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: body_t
+    use brz_solid_state, only: body_t, form_total
     implicit none
     private
     public :: settle_plate
@@ -38,14 +38,17 @@ contains
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
         integer :: a, along
+        logical :: bends
 
         along = 0
+        bends = body%tension_hold > 0 .or. body%formulation == form_total
         a = index('xyz', trim(input%plate_axis))
         if (a > 0) then
-            if (a > shape%dimension .or. .not. body%tension_hold > 0) then
+            if (a > shape%dimension .or. .not. bends) then
                 call raise(err, exit_deck, label('body', input%id, input%place)// &
                            'plate_axis names a direction that is modelled, in a body with '// &
-                           "formulation='corrected_hourglass' and a tension_hold; leave it out")
+                           "formulation='corrected_hourglass' and a tension_hold, or in "// &
+                           "'total_lagrangian'; leave it out")
                 return
             end if
         else if (input%plate_axis == 'auto') then
@@ -53,6 +56,8 @@ contains
                 a = thin_axis(input, shape)
                 along = bar_axis(input, shape)
             end if
+            if (body%formulation == form_total .and. body%directional .and. &
+                .not. any(body%normal > 0)) a = thin_axis(input, shape)
         end if
         if (a == 0 .and. along > 0) then
             body%normal = real(tilt_unit/maxval(shape%spacing), rk)
@@ -61,7 +66,7 @@ contains
         end if
         if (a == 0) return
         body%normal(a) = 1
-        body%outward = real(further_out*shape%spacing(a), rk)
+        body%outward = real(further_out*shape%spacing(a)*body%stretch(a), rk)
     end subroutine settle_plate
 
     !> Direction of a bar with square edges, thin in both others: a box, or `bars`; 0: it is none.

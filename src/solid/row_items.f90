@@ -46,7 +46,8 @@ contains
         rules%artificial_strength = body%artificial_strength
     end function rules_of
 
-    !> The row of a particle but for its stress and its tilt, which is there. Where a body has axes,
+    !> The row of a particle but for its stress and its tilt, which is there, and its lift in the slot
+    !> of the stiffness, where it stays in total-Lagrangian bodies with axes. Where a body has axes,
     !> the affine slots hold dx/dX alone, and stiffen_along must follow.
     !@cuf attributes(host,device) &
     pure subroutine fill_row(rules, h, a, rho, c_bulk, volume, mass, stress, strength, cut, row)
@@ -76,6 +77,7 @@ contains
                 if (.not. ok) cut = 1
             end if
             z = rules%stiffness
+            if (rules%formulation == form_total .and. rules%directional == 1) z = row(pair_hold)
             row(pair_keep) = strength*(1 - cut)
             if (rules%directional == 0) then
                 do j = 1, 3

@@ -24,7 +24,7 @@ module brz_solid_state
     public :: is_free, is_held, is_gone, between_t
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold, pair_spin, pair_tilt
-    public :: at_g, at_x, at_s, at_y, n_moments
+    public :: at_g, at_x, at_s, at_y, at_f, n_moments, n_sums
     public :: at_heat, at_friction, at_drag, at_hold, at_work, n_terms
     public :: n_held, held_stiffness, held_affine, held_energy, held_whole
 
@@ -47,7 +47,8 @@ module brz_solid_state
     integer, parameter :: pair_volume = 1 !! [m3]
     integer, parameter :: pair_linear = 2 !! linear viscosity, alpha rho c/2 [kg/(m2 s)]
     integer, parameter :: pair_quadratic = 3 !! quadratic viscosity, beta rho/2 [kg/m3]
-    integer, parameter :: pair_hold = 4 !! strength of the hourglass force: zeta h rho c or zeta G
+    integer, parameter :: pair_hold = 4 !! strength of the hourglass force: zeta h rho c or zeta G;
+                                       !! total-Lagrangian plates: their lift [1/m]
     integer, parameter :: pair_stress = 4 !! + 1..9: stress times gradient correction [Pa]
     !> + 1..9: stiff hourglass force: stiffness times dx/dX [Pa]; artificial stress: R; else dv/dx
     integer, parameter :: pair_affine = 13
@@ -65,8 +66,10 @@ module brz_solid_state
 
     ! sums of pass 1: moments of x_ij (x) x_ij, then v_ij (x) x_ij, then X_ij (x) x_ij, then
     ! moments of X_ij (x) X_ij; with a tilt v_ij (x) y_ij in place of the second, and
-    ! x_ij (x) y_ij after all
+    ! x_ij (x) y_ij after all; in total-Lagrangian bodies x and X change places, and with a tilt
+    ! x_ij (x) y_ij comes last
     integer, parameter :: at_g = 6, at_x = 15, at_s = 24, at_y = 30, n_moments = 39
+    integer, parameter :: at_f = 39, n_sums = 48 !! on the CPU
 
     ! sums of pass 2: 1..3 force of the stress [N]
     integer, parameter :: at_heat = 4 !! heat of the viscosity [W]
@@ -108,7 +111,9 @@ module brz_solid_state
         integer :: number(2) = 0 !! first and last number of the particles of all processes
         integer :: material = 0 !! place in solid%materials
         integer :: formulation = form_bending
-        real(dp) :: spacing = 0 !! [m]
+        real(dp) :: spacing = 0 !! of cubes of the volume of its particles [m]
+        real(dp) :: stretch(3) = 1 !! x_ref over the unloaded place, see brz_wide_lattice
+        real(rk) :: at_rest = 2 !! sum of the squares of its two smaller parts
         real(dp) :: volume_scale = 1 !! volume of a particle over that of its lattice cell
         integer :: across = 0 !! bars: particles across the diameter
         real(rk) :: h = 0 !! smoothing length of the unloaded body [m]
@@ -244,6 +249,7 @@ module brz_solid_state
         real(real32), allocatable :: tilt(:) !! (n) of the gradient in the outermost layers of
                                              !! plies and plates, see brz_tilted_arm; only where
                                              !! a body has a normal [1/m]
+        real(real32), allocatable :: lift(:) !! (n) the same, of total-Lagrangian plates [1/m]
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         real(rk), allocatable :: held(:, :) !! (n_held, n) the hold, where a body has it; by pass 1
         real(rk), allocatable :: owed(:) !! (n) where `held` is: energy of the hold, and its work

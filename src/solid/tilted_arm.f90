@@ -22,7 +22,8 @@ module brz_tilted_arm
     use brz_pair_force, only: most_bent, overstretched
     implicit none
     private
-    public :: mirrored_tilt, pack_tilt, ply_arm, tilted_arm, tilted_correction, tilted_force
+    public :: lifted_arm, mirrored_tilt, pack_tilt, ply_arm, tilted_arm, tilted_correction, &
+              tilted_force
 
     real(rk), parameter :: shift = 4096 !! of the first part of a packed tilt
     !> Added and taken away again it leaves the nearest whole number, in vector code too.
@@ -80,6 +81,23 @@ contains
             if (c == 0) y(t) = r(t)
         end do
     end subroutine ply_arm
+
+    !> The same in total-Lagrangian plates, in the unloaded body: no pair leaves it. With a lift the
+    !> gradient across is blind to a displacement t^2 across, by which wide layers bend.
+    !@cuf attributes(host,device) &
+    pure subroutine lifted_arm(c, lift, n, x_ref, y)
+        real(rk), intent(in) :: c, lift !! tilt, lift [1/m]; of j as seen from i: the other sign
+        real(rk), intent(in) :: n(3) !! normal, along an axis
+        real(rk), intent(in) :: x_ref(3) !! X_ij [m]
+        real(rk), intent(out) :: y(3) !! [m]
+        real(rk) :: z, across
+
+        z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
+        across = lift*(x_ref(1)*x_ref(1) + x_ref(2)*x_ref(2) + x_ref(3)*x_ref(3) - z*z) - c*z*z
+        y(1) = (1 + c*z)*x_ref(1) + across*n(1)
+        y(2) = (1 + c*z)*x_ref(2) + across*n(2)
+        y(3) = (1 + c*z)*x_ref(3) + across*n(3)
+    end subroutine lifted_arm
 
     !> 1 where two components of a vector are not zero, as of a bar; else 0.
     !@cuf attributes(host,device) &

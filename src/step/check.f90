@@ -19,7 +19,7 @@ module brz_check
     use brz_screen, only: say
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_solid_state, only: form_names, form_total, solid_t
+    use brz_solid_state, only: body_t, form_bending, form_names, form_total, solid_t
     use brz_solid_step, only: solid_time_step
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
@@ -75,7 +75,7 @@ contains
             associate (body => size_of%solid%bodies(b))
                 write (output_unit, '(7a)') 'body         ', trim(body%id), ': about ', &
                     count_text(size_of%of_body(b)), ' particles at ', &
-                    to_text(real(1e3_dp*body%spacing, real32)), ' mm'
+                    width_of(body), ' mm'
                 call print_settings(case, size_of%solid, b)
             end associate
         end do
@@ -186,7 +186,7 @@ contains
             associate (body => sim%solid%bodies(b), solid => sim%solid)
                 write (output_unit, '(3a, i0, 3a, es10.3, a, f0.4)') 'body         ', &
                     trim(body%id), ': ', body%last - body%first + 1, ' particles at ', &
-                    to_text(real(1e3_dp*body%spacing, real32)), ' mm,', &
+                    width_of(body), ' mm,', &
                     sum(real(solid%mass(body%first:body%last), dp)), ' kg, volume scaled by ', &
                     body%volume_scale
                 call print_settings(sim%case, solid, b)
@@ -239,6 +239,19 @@ contains
         if (text /= '') write (output_unit, '(a)') '             '//text
     end subroutine print_more
 
+    !> Distance of the particles of a body, along each axis where they are wide [mm].
+    function width_of(body) result(text)
+        type(body_t), intent(in) :: body
+        character(:), allocatable :: text
+        integer :: a
+
+        text = to_text(real(1e3_dp*body%spacing/body%stretch(1), real32))
+        if (.not. any(abs(body%stretch - 1) > 0)) return
+        do a = 2, 3
+            text = text//' x '//to_text(real(1e3_dp*body%spacing/body%stretch(a), real32))
+        end do
+    end function width_of
+
     !> Why a body has its formulation, and how it is held.
     function reason(case, solid, b) result(text)
         type(case_t), intent(in) :: case
@@ -253,12 +266,15 @@ contains
 
         text = ''
         associate (body => solid%bodies(b))
-            if (case%bodies(b)%formulation == 'auto') &
+            if (case%bodies(b)%formulation == 'auto' .and. body%formulation == form_total) then
+                text = ' (auto: its particles are wide)'
+            else if (case%bodies(b)%formulation == 'auto') then
                 text = trim(auto(solid%materials(body%material)%class))
+            end if
             if (body%tension_hold > 0) &
                 text = text//', held by '//to_text(real(body%tension_hold, real32))// &
                        ' times its tension'
-            if (body%tension_hold > 0 .and. count(body%normal > 0) == 1) &
+            if (body%formulation /= form_bending .and. count(body%normal > 0) == 1) &
                 text = text//', a plate across '//axis_names(maxloc(body%normal, dim=1))
             if (body%tension_hold > 0 .and. count(body%normal > 0) == 2) &
                 text = text//', a bar along '//axis_names(minloc(body%normal, dim=1))

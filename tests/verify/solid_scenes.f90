@@ -24,6 +24,7 @@ module solid_scenes
         real(dp) :: zeta = -1 !! stiffness of the stiff hourglass force
         character(8) :: limiter = 'auto' !! of the viscosity
         real(dp) :: hold = -1 !! stiffness of the hold over the tension
+        real(dp) :: wide = 1 !! width of a particle along the body over that across it
     end type form_t
 
     !> What was seen.
@@ -43,7 +44,7 @@ module solid_scenes
         real(dp) :: time = 0, dt = 0, start = 0, energy = 0
     end type scene_t
 
-    type(form_t), parameter :: forms(9) = [ &
+    type(form_t), parameter :: forms(10) = [ &
                                form_t('uncorrected', 'uncorrected'), &
                                form_t('paper', 'paper'), &
                                form_t('uncorrected + gray', 'uncorrected', 'gray'), &
@@ -53,7 +54,9 @@ module solid_scenes
                                       hold=0.0_dp), &
                                form_t('corrected_hourglass', 'corrected_hourglass'), &
                                form_t('bending', 'bending'), &
-                               form_t('total_lagrangian', 'total_lagrangian')]
+                               form_t('total_lagrangian', 'total_lagrangian'), &
+                               form_t('total_lagrangian (aspect 3)', 'total_lagrangian', &
+                                      wide=3.0_dp)]
 
 contains
 
@@ -102,6 +105,7 @@ contains
             if (form%zeta >= 0) case%bodies(b)%zeta = form%zeta
             case%bodies(b)%limiter = form%limiter
             case%bodies(b)%tension_hold = form%hold
+            case%bodies(b)%aspect(1) = form%wide
         end do
     end subroutine choose
 
@@ -153,7 +157,7 @@ contains
     subroutine links(solid, longest, shortest)
         type(solid_t), intent(in) :: solid
         real(dp), intent(out) :: longest, shortest
-        real(dp) :: d, far
+        real(dp) :: d, y(3), far
         integer :: b, i, j
 
         longest = 0
@@ -163,8 +167,10 @@ contains
             do i = solid%bodies(b)%first, solid%bodies(b)%last
                 do j = solid%bodies(b)%first, i - 1
                     if (maxval(abs(solid%x_ref(:, i) - solid%x_ref(:, j))) > 1.1_dp*d) cycle
-                    if (norm2(solid%x_ref(:, i) - solid%x_ref(:, j)) > 1.1_dp*d) cycle
-                    far = norm2(solid%x(:, i) - solid%x(:, j))/d
+                    y = solid%x_ref(:, i) - solid%x_ref(:, j)
+                    if (norm2(y) > 1.1_dp*d) cycle
+                    far = norm2(solid%x(:, i) - solid%x(:, j))/d &
+                          *(norm2(y)/norm2(y/solid%bodies(b)%stretch))
                     longest = max(longest, far)
                     shortest = min(shortest, far)
                 end do
