@@ -10,6 +10,7 @@ from notes import note
 from test_gpu import run as on_gpu
 from test_gpu import same, stamp
 from test_loads import BRISANCE
+from test_ranks import needs_mpirun, start
 from test_run import arrays
 
 YOUNG, NU, RHO = 200e9, 0.3, 7800.0
@@ -219,6 +220,18 @@ def test_wide_particles_on_the_gpu(tmp_path, planes, plies):
         assert done.returncode == 0, done.stderr
         assert ("the bodies run on Emulated" in done.stderr) == (backend == "gpu")
     same("gpu", "cpu", tmp_path)
+
+
+@needs_mpirun
+def test_processes_leave_the_bytes_of_one(tmp_path):
+    deck = PLATE.format(end=6e-6, material=STEEL, side=0.03, dz=0.00125, wide=3, p=1e8)
+    (tmp_path / "w.nml").write_text(deck)
+    tables = []
+    for n in (0, 3):
+        done = start(n, "run", "w.nml", "--out", f"out{n}", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        tables.append((tmp_path / f"out{n}" / "gauges.csv").read_bytes())
+    assert tables[0] == tables[1]
 
 
 SECOND = "&body id='c', box=0,0.012, 0,0.009, 0.01,0.0115, spacing=0.0005, material='m' /"
