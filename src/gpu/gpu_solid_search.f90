@@ -76,7 +76,7 @@ contains
         lattice = solid%materials(solid%bodies(b)%material)%density &
             *solid%bodies(b)%spacing**solid%dimension*solid%depth
         associate (body => gpu%bodies(b))
-            call gpu%drifts%sum_momentum(body%last - body%first + 1, body%first, 4, gpu%n, &
+            call gpu%drifts%sum_drift(body%last - body%first + 1, body%first, 4, gpu%n, &
                 real(solid%dt_last/2, rk), 1/lattice, column_of(gpu, at_mass), gpu%motion, &
                 column_of(gpu, at_accel + 1), gpu%sums_of_forces, err)
         end associate

@@ -4,7 +4,7 @@ module brz_drift_items
     use brz_kinds, only: dp, rk
     implicit none
     private
-    public :: sum_momentum, drift_of
+    public :: sum_drift, drift_of
 
     real(dp), parameter :: fine = 2.0_dp**17 !! parts of a mass, and of 1 m/s, that are counted
     real(dp), parameter :: fastest = 2.0_dp**17 !! what is faster does not count [m/s]
@@ -16,7 +16,7 @@ contains
     !> as long as the particles of a process times their speed stay below 2^36 m/s.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_momentum(p, first, wide, step_d, half, per_mass, mass, v, accel, total)
+    pure subroutine sum_drift(p, first, wide, step_d, half, per_mass, mass, v, accel, total)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of v
@@ -40,7 +40,7 @@ contains
         total(2) = total(2) + anint(share*u(1))
         total(3) = total(3) + anint(share*u(2))
         total(4) = total(4) + anint(share*u(3))
-    end subroutine sum_momentum
+    end subroutine sum_drift
 
     !> Mean velocity of what was added up [m/s].
     pure function drift_of(total) result(v)
