@@ -77,12 +77,16 @@ def _answer(document: Document, key: str, question: dict, runs: dict[str, Run], 
     body = question.get("cracks")
     there = {n: r for n, r in runs.items() if any(one.id == body for one in r.deck.bodies())}
     if there:
-        document.add(crack_table(list(there.values()), list(there), body))
+        try:
+            document.add(crack_table(list(there.values()), list(there), body))
+        except PostError as error:
+            document.problems.append(f"cracks are not counted ({key}): {error}")
     document.add(_draw_middle(key, runs, folder))
 
 
 def _draw_middle(key: str, runs: dict[str, Run], folder: Path) -> Picture | None:
     """Displacement of the middle against time, a curve for each run that has it."""
+    runs = {name: run for name, run in runs.items() if run.history("gauges")}
     column = next((c for r in runs.values() for c in r.gauges.names if c == CURVE), None)
     if column is None:
         return None

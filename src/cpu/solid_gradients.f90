@@ -229,13 +229,12 @@ contains
             call correction(solid%dimension, sums, b, weak)
         end if
         call multiply3(sums(at_x + 1), b, a)
+        f = a
         tilted = abs(solid%pair(pair_tilt, i)) + abs(solid%pair(pair_hold, i)) > 0
         if (tilted) then
             call tilted_correction(solid%dimension, sums(at_y + 1), b, weaker)
             weak = max(weak, weaker)
             call multiply3(sums(at_f + 1), b, f)
-        else
-            f = a
         end if
         call multiply3(sums(at_g + 1), b, h)
         if (body%layer > 0) then

@@ -46,9 +46,9 @@ contains
         rules%artificial_strength = body%artificial_strength
     end function rules_of
 
-    !> The row of a particle but for its stress and its tilt, which is there, and its lift in the slot
-    !> of the stiffness, where it stays in total-Lagrangian bodies with axes. Where a body has axes,
-    !> the affine slots hold dx/dX alone, and stiffen_along must follow.
+    !> The row of a particle but for its stress and its tilt, which is there, and its lift in the
+    !> slot of the stiffness, where it stays in total-Lagrangian bodies with axes. Where a body has
+    !> axes, the affine slots hold dx/dX alone, and stiffen_along must follow.
     !@cuf attributes(host,device) &
     pure subroutine fill_row(rules, h, a, rho, c_bulk, volume, mass, stress, strength, cut, row)
         type(row_rules_t), intent(in) :: rules
