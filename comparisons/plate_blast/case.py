@@ -83,7 +83,7 @@ CASE = Case(
         "heat and because the plate has edges (B3); planned: air load at a plate",
         "Brisance, air, JWL, 1-D, 3 layers": "without the jet of a start on the grid in the middle",
         "Brisance, &load, 3 layers": "five times the time of 288 quadratic bricks, as three layers "
-        "are 25,392 particles and short steps; planned: coarse bodies that bend",
+        "are 25,392 particles and short steps; aspect = 3, 3, 1 takes a sixth of it (solid.md)",
         "OpenRadioss /LOAD/PBLAST": "the same load on 6,400 bricks: eight times quicker",
         "CalculiX 12 x 12 x 2, K-B": "the same load on 288 quadratic bricks: five times "
         "quicker than ours; begins when the front is there",

@@ -36,7 +36,7 @@ CASE = Case(
     scales=(1e6, 1e3),
     remarks={
         "Brisance, 3 layers": "within 2 %, but four times the time of 6,400 bricks of 8 points: "
-        "planned: coarse bodies that bend",
+        "aspect = 3, 3, 1 takes a sixth of it (solid.md)",
         "Brisance 592ab95, bending, zeta 0.1": "before plates of metal had tilted gradients",
     },
 )
