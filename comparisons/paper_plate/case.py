@@ -87,8 +87,8 @@ CASE = Case(
         "Brisance, air, breaks, 0.3 mm": "the resolution of the paper, docs/validation.md: the "
         "load of the air is 0.84 of "
         "Kingery-Bulmash's, and the plate breaks through",
-        "Brisance, &load, elastic": "eight times the time of 288 quadratic bricks; aspect = 3, 3, 1 "
-        "takes a sixth of it (solid.md)",
+        "Brisance, &load, elastic": "eight times the time of 288 quadratic bricks; aspect = 3, "
+        "3, 1 takes a sixth of it (solid.md)",
         "CalculiX, K-B, elastic": "eight times quicker; it has no progressive damage of "
         "plies, so it cannot follow the plate further",
         "Chen et al. (paper)": "largest deflection; what is left open there (clamp, load, "
