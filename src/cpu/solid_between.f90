@@ -4,9 +4,10 @@
 !> Velocities change by the mean of two steps times the force at a step: the impulse up to a step
 !> is the sum over trapezoids, and exactly what the momentum at the step shows.
 module brz_solid_between
+    use brz_between_items, only: add_impulse
     use brz_between_loops, only: each_sum_between
     use brz_kinds, only: dp, int32
-    use brz_solid_state, only: between_t, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: begin_between, book_between, force_between
@@ -34,10 +35,7 @@ contains
         if (.not. allocated(solid%between)) return
         do k = 1, size(solid%between)
             call force_between(solid, solid%between(k)%body, force)
-            associate (between => solid%between(k))
-                between%impulse = between%impulse + dt/2*(between%force + force)
-                between%force = force
-            end associate
+            call add_impulse(solid%between(k), force, dt)
         end do
     end subroutine book_between
 

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Forces of contact between two bodies that gauges name, on the GPU: see brz_solid_between.
 module brz_gpu_solid_between
+    use brz_between_items, only: add_impulse
     use brz_device, only: clear_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: at_mass, at_stress, tag_bond, tag_joined, tag_weight
@@ -27,10 +28,7 @@ contains
         do k = 1, size(solid%between)
             call force_between(gpu, solid%between(k)%body, force, err)
             if (failed(err)) return
-            associate (between => solid%between(k))
-                between%impulse = between%impulse + dt/2*(between%force + force)
-                between%force = force
-            end associate
+            call add_impulse(solid%between(k), force, dt)
         end do
     end subroutine book_gpu_between
 

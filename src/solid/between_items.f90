@@ -6,12 +6,21 @@ module brz_between_items
     use brz_contact_release, only: is_tied
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, n_press
-    use brz_solid_state, only: at_drag, n_pair, n_terms
+    use brz_solid_state, only: at_drag, between_t, n_pair, n_terms
     implicit none
     private
-    public :: sum_between
+    public :: sum_between, add_impulse
 
 contains
+
+    !> Give a pair of bodies the force after a step and, by the trapezoid, its impulse in the step.
+    pure subroutine add_impulse(between, force, dt)
+        type(between_t), intent(inout) :: between
+        real(dp), intent(in) :: force(3), dt !! [N], [s]
+
+        between%impulse = between%impulse + dt/2*(between%force + force)
+        between%force = force
+    end subroutine add_impulse
 
     !> Add what body `other` does to a particle: springs and drag, as push_particle has them.
     !@item
