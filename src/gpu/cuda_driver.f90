@@ -14,7 +14,7 @@ module brz_cuda_driver
     public :: cu_device_attribute, cu_context_retain, cu_context_set, cu_memory_info
     public :: cu_module_load, cu_module_function, cu_allocate, cu_free, cu_to_device, cu_to_host
     public :: cu_copy, cu_fill_bytes, cu_launch, cu_synchronize, cu_event_create, cu_event_record
-    public :: cu_event_synchronize, cu_event_elapsed, cu_host_register
+    public :: cu_event_synchronize, cu_event_elapsed, cu_host_register, cu_host_unregister
 
     abstract interface
         integer(c_int) function no_argument_i() bind(c)
@@ -148,7 +148,7 @@ module brz_cuda_driver
     procedure(create_i), pointer, protected, save :: cu_context_retain => null(), &
         cu_event_create => null()
     procedure(handle_i), pointer, protected, save :: cu_context_set => null(), &
-        cu_event_synchronize => null()
+        cu_event_synchronize => null(), cu_host_unregister => null()
     procedure(memory_i), pointer, protected, save :: cu_memory_info => null()
     procedure(load_i), pointer, protected, save :: cu_module_load => null()
     procedure(function_i), pointer, protected, save :: cu_module_function => null()
@@ -192,6 +192,7 @@ contains
         call c_f_procpointer(library%function('cuMemAlloc_v2'), cu_allocate)
         call c_f_procpointer(library%function('cuMemFree_v2'), cu_free)
         call c_f_procpointer(library%function('cuMemHostRegister_v2'), cu_host_register)
+        call c_f_procpointer(library%function('cuMemHostUnregister'), cu_host_unregister)
         call c_f_procpointer(library%function('cuMemcpyHtoD_v2'), cu_to_device)
         call c_f_procpointer(library%function('cuMemcpyDtoH_v2'), cu_to_host)
         call c_f_procpointer(library%function('cuMemcpyDtoD_v2'), cu_copy)

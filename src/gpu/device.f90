@@ -10,8 +10,9 @@ module brz_device
     use brz_cuda_driver, only: cu_allocate, cu_context_retain, cu_context_set, cu_copy, &
         cu_device, cu_device_attribute, cu_device_count, cu_device_name, cu_driver_version, &
         cu_event_create, cu_event_elapsed, cu_event_record, cu_event_synchronize, cu_fill_bytes, &
-        cu_free, cu_host_register, cu_init, cu_launch, cu_memory_info, cu_module_function, &
-        cu_module_load, cu_synchronize, cu_to_device, cu_to_host, driver_message, load_driver
+        cu_free, cu_host_register, cu_host_unregister, cu_init, cu_launch, cu_memory_info, &
+        cu_module_function, cu_module_load, cu_synchronize, cu_to_device, cu_to_host, &
+        driver_message, load_driver
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_kernel_profile, only: book_launch, profiling
     use brz_kinds, only: dp, int64, int8
@@ -21,7 +22,7 @@ module brz_device
     private
     public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
     public :: find_kernel, allocate_buffer, put_buffer, reserve_buffer, free_buffer, &
-              free_buffers, copy_in, copy_out, copy_within, clear_buffer, launch, pin, &
+              free_buffers, copy_in, copy_out, copy_within, clear_buffer, launch, pin, unpin, &
               wait_for_device, start_timer, stop_timer
 
     integer, parameter :: threads_per_block = 128 !! all along x
@@ -288,8 +289,8 @@ contains
                    'copying from the GPU (or a kernel before it)', err)
     end subroutine copy_out
 
-    !> Let the GPU copy to and from memory of the host without a detour, for the rest of the run:
-    !> faster, where the driver allows it.
+    !> Let the GPU copy to and from memory of the host without a detour, until `unpin`: faster, where
+    !> the driver allows it.
     subroutine pin(bytes, n)
         integer(int8), intent(in), target, contiguous :: bytes(:)
         integer(int64), intent(in) :: n
@@ -297,6 +298,16 @@ contains
 
         if (n > 0) code = cu_host_register(c_loc(bytes), n, 0_c_int)
     end subroutine pin
+
+    !> Before pinned memory is given back: the driver refuses to copy from what comes to lie half in
+    !> a range that is still pinned.
+    subroutine unpin(bytes, n)
+        integer(int8), intent(in), target, contiguous :: bytes(:)
+        integer(int64), intent(in) :: n
+        integer(c_int) :: code
+
+        if (n > 0) code = cu_host_unregister(c_loc(bytes))
+    end subroutine unpin
 
     !> Copy from one place on the GPU to another, in turn with the kernels.
     subroutine copy_within(from, to, bytes, err)

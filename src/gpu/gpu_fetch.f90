@@ -7,7 +7,7 @@ module brz_gpu_fetch
     use brz_buffers, only: buffer_t, bytes_t, reals_t
     use brz_cell_lists, only: cell_list_t, list_cells
     use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers, pin, &
-        put_buffer
+        put_buffer, unpin
     use brz_errors, only: error_t
     use brz_fetch, only: fetch_t
     use brz_kinds, only: int64, rk
@@ -64,6 +64,9 @@ contains
         class(gpu_fetch_t), intent(inout) :: self
 
         call free_buffers(self%out_place, self%in_place, self%reals)
+        if (.not. several(self%ranks) .or. .not. allocated(self%list%mail%out)) return
+        call unpin(self%list%mail%out, size(self%list%mail%out, kind=int64))
+        call unpin(self%list%mail%in, size(self%list%mail%in, kind=int64))
     end subroutine close
 
     !> Fill the cells of a field that others own; `apart` numbers lie between those of a cell.

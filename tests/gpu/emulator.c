@@ -22,7 +22,8 @@ extern void set_grid(int, int, int, int, int, int);
 extern void set_block(int, int, int);
 extern void set_thread(int, int, int);
 
-enum { success = 0, invalid = 1, out_of_memory = 2, no_device = 100, not_found = 500, failed = 719 };
+enum { success = 0, invalid = 1, out_of_memory = 2, no_device = 100, not_found = 500,
+       already_pinned = 712, not_pinned = 713, failed = 719 };
 
 static size_t in_use = 0;
 static size_t to_device = 0, to_host = 0, launches = 0;
@@ -104,17 +105,53 @@ int cuMemFree_v2(size_t p) {
     return success;
 }
 
+// Memory of the host that the device reads without a detour. As the true driver does, a copy is
+// refused whose host side lies in such a range only in part: its memory was given back while pinned.
+enum { most_pinned = 1000 };
+static struct { const char *start; size_t n; } pinned[most_pinned];
+
+static int half_pinned(const void *h, size_t n) {
+    const char *from = h;
+    for (int i = 0; i < most_pinned; i++) {
+        const char *start = pinned[i].start, *end = start + pinned[i].n;
+        if (start && from < end && from + n > start && (from < start || from + n > end)) return 1;
+    }
+    return 0;
+}
+
 int cuMemHostRegister_v2(void *h, size_t n, unsigned flags) {
-    return h && n && !flags && !fails("cuMemHostRegister_v2") ? success : invalid;
+    if (!h || !n || flags || fails("cuMemHostRegister_v2")) return invalid;
+    for (int i = 0; i < most_pinned; i++) {
+        const char *start = pinned[i].start;
+        if (start && start < (char *)h + n && start + pinned[i].n > (char *)h) return already_pinned;
+    }
+    for (int i = 0; i < most_pinned; i++)
+        if (!pinned[i].start) {
+            pinned[i].start = h;
+            pinned[i].n = n;
+            return success;
+        }
+    return out_of_memory;
+}
+
+int cuMemHostUnregister(void *h) {
+    for (int i = 0; i < most_pinned; i++)
+        if (h && pinned[i].start == h) {
+            pinned[i].start = 0;
+            return success;
+        }
+    return not_pinned;
 }
 
 int cuMemcpyHtoD_v2(size_t d, const void *h, size_t n) {
+    if (half_pinned(h, n)) return invalid;
     memcpy((void *)d, h, n);
     to_device += n;
     return fails("cuMemcpyHtoD_v2") ? failed : success;
 }
 
 int cuMemcpyDtoH_v2(void *h, size_t d, size_t n) {
+    if (half_pinned(h, n)) return invalid;
     if (fails("cuMemcpyDtoH_v2")) return failed;
     memcpy(h, (void *)d, n);
     to_host += n;
