@@ -5,7 +5,7 @@
 !> says what is missing. Every function returns 0 for success.
 module brz_cuda_driver
     use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_f_procpointer, c_float, c_int, &
-        c_intptr_t, c_ptr, c_signed_char, c_size_t
+        c_int64_t, c_intptr_t, c_ptr, c_signed_char, c_size_t
     use brz_shared_library, only: library_t
     implicit none
     private
@@ -15,6 +15,13 @@ module brz_cuda_driver
     public :: cu_module_load, cu_module_function, cu_allocate, cu_free, cu_to_device, cu_to_host
     public :: cu_copy, cu_fill_bytes, cu_launch, cu_synchronize, cu_event_create, cu_event_record
     public :: cu_event_synchronize, cu_event_elapsed, cu_host_register, cu_host_unregister
+    public :: ipc_handle_t, ipc_lazily, cu_ipc_export, cu_ipc_open, cu_ipc_close
+
+    !> What another process needs to see memory of this one, CUipcMemHandle.
+    type, bind(c) :: ipc_handle_t
+        integer(c_int64_t) :: word(8) = 0
+    end type ipc_handle_t
+    integer(c_int), parameter :: ipc_lazily = 1 !! CU_IPC_MEM_LAZY_ENABLE_PEER_ACCESS
 
     abstract interface
         integer(c_int) function no_argument_i() bind(c)
@@ -85,6 +92,17 @@ module brz_cuda_driver
             integer(c_size_t), value :: bytes
             integer(c_int), value :: flags
         end function register_i
+        integer(c_int) function ipc_export_i(handle, address) bind(c)
+            import :: c_int, c_intptr_t, ipc_handle_t
+            type(ipc_handle_t), intent(out) :: handle
+            integer(c_intptr_t), value :: address
+        end function ipc_export_i
+        integer(c_int) function ipc_open_i(address, handle, flags) bind(c)
+            import :: c_int, c_intptr_t, ipc_handle_t
+            integer(c_intptr_t), intent(out) :: address
+            type(ipc_handle_t), value :: handle
+            integer(c_int), value :: flags
+        end function ipc_open_i
         integer(c_int) function to_device_i(address, host, bytes) bind(c)
             import :: c_int, c_intptr_t, c_ptr, c_size_t
             integer(c_intptr_t), value :: address
@@ -153,7 +171,9 @@ module brz_cuda_driver
     procedure(load_i), pointer, protected, save :: cu_module_load => null()
     procedure(function_i), pointer, protected, save :: cu_module_function => null()
     procedure(allocate_i), pointer, protected, save :: cu_allocate => null()
-    procedure(free_i), pointer, protected, save :: cu_free => null()
+    procedure(free_i), pointer, protected, save :: cu_free => null(), cu_ipc_close => null()
+    procedure(ipc_export_i), pointer, protected, save :: cu_ipc_export => null()
+    procedure(ipc_open_i), pointer, protected, save :: cu_ipc_open => null()
     procedure(register_i), pointer, protected, save :: cu_host_register => null()
     procedure(to_device_i), pointer, protected, save :: cu_to_device => null()
     procedure(to_host_i), pointer, protected, save :: cu_to_host => null()
@@ -193,6 +213,9 @@ contains
         call c_f_procpointer(library%function('cuMemFree_v2'), cu_free)
         call c_f_procpointer(library%function('cuMemHostRegister_v2'), cu_host_register)
         call c_f_procpointer(library%function('cuMemHostUnregister'), cu_host_unregister)
+        call c_f_procpointer(library%function('cuIpcGetMemHandle'), cu_ipc_export)
+        call c_f_procpointer(library%function('cuIpcOpenMemHandle_v2'), cu_ipc_open)
+        call c_f_procpointer(library%function('cuIpcCloseMemHandle'), cu_ipc_close)
         call c_f_procpointer(library%function('cuMemcpyHtoD_v2'), cu_to_device)
         call c_f_procpointer(library%function('cuMemcpyDtoH_v2'), cu_to_host)
         call c_f_procpointer(library%function('cuMemcpyDtoD_v2'), cu_copy)

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
-!> Exchanges between the GPUs of several processes, by way of the host, which always works: a kernel
-!> packs, one copy brings all parcels to pinned memory of the host, MPI swaps them, and the same
-!> back. Whoever has an error takes part with what there is, so that nobody waits for ever.
+!> Exchanges of fields between the GPUs of several processes: a kernel packs, parcels go straight
+!> into the memory of the other GPUs (brz_gpu_peers), or by pinned memory of the host and MPI, which
+!> always works, and a kernel unpacks. Whoever has an error takes part with what there is, so that
+!> nobody waits for ever.
 module brz_gpu_fetch
     use brz_boxes, only: box_t
     use brz_buffers, only: buffer_t, bytes_t, reals_t
@@ -10,6 +11,7 @@ module brz_gpu_fetch
         put_buffer, unpin
     use brz_errors, only: error_t
     use brz_fetch, only: fetch_t
+    use brz_gpu_peers, only: peers_t
     use brz_kinds, only: int64, rk
     use brz_mail, only: post
     use brz_place_launches, only: place_kernels_t
@@ -22,10 +24,14 @@ module brz_gpu_fetch
         type(ranks_t) :: ranks
         integer :: n_out = 0, n_in = 0 !! cells
         integer :: wide = 1 !! numbers of each
+        integer :: of_cell = 1 !! bytes of each
         type(cell_list_t) :: list
         type(buffer_t) :: out_place, in_place
-        type(reals_t) :: reals !! of parcels to others, then of those from them
+        type(reals_t) :: reals !! of parcels to others
         type(bytes_t) :: bytes !! the same memory
+        type(reals_t) :: came !! of parcels from others
+        type(bytes_t) :: bytes_came !! the same memory
+        type(peers_t) :: peers
         type(place_kernels_t) :: kernels
     contains
         procedure :: open, close, reals_of_others, bytes_of_others
@@ -42,31 +48,38 @@ contains
         type(box_t), intent(in) :: box
         integer, intent(in) :: numbers !! of a cell, real(rk); 0: a byte
         type(error_t), intent(inout) :: err
-        integer :: bytes
 
         self%ranks = ranks
         if (.not. several(ranks)) return
         self%wide = max(numbers, 1)
-        bytes = max(numbers*storage_size(1.0_rk)/8, 1)
-        call list_cells(ranks, plan, box, bytes, self%list)
+        self%of_cell = max(numbers*storage_size(1.0_rk)/8, 1)
+        call list_cells(ranks, plan, box, self%of_cell, self%list)
         self%n_out = size(self%list%out)
         self%n_in = size(self%list%in)
         call self%kernels%open(device, err)
         call put_buffer(self%list%out, self%out_place, 8_int64*self%n_out, err)
         call put_buffer(self%list%in, self%in_place, 8_int64*self%n_in, err)
-        call allocate_buffer(self%reals, int(bytes, int64)*max(self%n_out, self%n_in), err)
+        call allocate_buffer(self%reals, int(self%of_cell, int64)*max(self%n_out, self%n_in), err)
         self%bytes%address = self%reals%address
-        call pin(self%list%mail%out, size(self%list%mail%out, kind=int64))
-        call pin(self%list%mail%in, size(self%list%mail%in, kind=int64))
+        associate (mail => self%list%mail)
+            call self%peers%open(ranks, (mail%out_first - 1)/self%of_cell + 1, &
+                                 (mail%in_first - 1)/self%of_cell + 1, self%of_cell, err)
+            if (self%peers%linked) return
+            call pin(mail%out, size(mail%out, kind=int64))
+            call pin(mail%in, size(mail%in, kind=int64))
+        end associate
     end subroutine open
 
     subroutine close (self)
         class(gpu_fetch_t), intent(inout) :: self
 
         call free_buffers(self%out_place, self%in_place, self%reals)
-        if (.not. several(self%ranks) .or. .not. allocated(self%list%mail%out)) return
-        call unpin(self%list%mail%out, size(self%list%mail%out, kind=int64))
-        call unpin(self%list%mail%in, size(self%list%mail%in, kind=int64))
+        if (self%peers%linked) then
+            call self%peers%close(self%ranks)
+        else if (allocated(self%list%mail%out)) then
+            call unpin(self%list%mail%out, size(self%list%mail%out, kind=int64))
+            call unpin(self%list%mail%in, size(self%list%mail%in, kind=int64))
+        end if
     end subroutine close
 
     !> Fill the cells of a field that others own; `apart` numbers lie between those of a cell.
@@ -81,7 +94,7 @@ contains
             self%out_place, field, self%reals, err)
         call swap(self, err)
         if (self%n_in > 0) call self%kernels%put_reals(self%n_in, self%wide, 1, apart, &
-            self%in_place, self%reals, field, err)
+            self%in_place, self%came, field, err)
     end subroutine reals_of_others
 
     !> The same of marks.
@@ -94,19 +107,25 @@ contains
         if (self%n_out > 0) call self%kernels%pick_bytes(self%n_out, self%out_place, field, &
                                                          self%bytes, err)
         call swap(self, err)
-        if (self%n_in > 0) call self%kernels%put_bytes(self%n_in, self%in_place, self%bytes, &
-                                                       field, err)
+        if (self%n_in > 0) call self%kernels%put_bytes(self%n_in, self%in_place, &
+                                                       self%bytes_came, field, err)
     end subroutine bytes_of_others
 
-    !> Send what is packed, and bring what has come.
+    !> Send what is packed, and tell where the parcels of others have come to.
     subroutine swap(self, err)
         class(gpu_fetch_t), intent(inout) :: self
         type(error_t), intent(inout) :: err
 
         associate (mail => self%list%mail, n => self%ranks%n)
-            call copy_out(self%reals, mail%out, mail%out_first(n) - 1, err)
-            call post(self%ranks, mail)
-            call copy_in(mail%in, self%reals, mail%in_first(n) - 1, err)
+            if (self%peers%linked) then
+                call self%peers%swap(self%ranks, mail, self%of_cell, self%reals, self%came, err)
+            else
+                call copy_out(self%reals, mail%out, mail%out_first(n) - 1, err)
+                call post(self%ranks, mail)
+                call copy_in(mail%in, self%reals, mail%in_first(n) - 1, err)
+                self%came%address = self%reals%address
+            end if
         end associate
+        self%bytes_came%address = self%came%address
     end subroutine swap
 end module brz_gpu_fetch

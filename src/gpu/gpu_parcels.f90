@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> What particles need of those of other processes, between GPUs by way of the host: as
-!> brz_gpu_fetch, for lists of places that change whenever neighbours are looked for anew.
+!> What particles need of those of other processes, between GPUs: as brz_gpu_fetch, for lists of
+!> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t
     use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers, put_buffer
     use brz_errors, only: error_t
+    use brz_gpu_peers, only: peers_t
     use brz_kinds, only: int64
     use brz_mail, only: mail_t, make_room, post
     use brz_place_launches, only: place_kernels_t
@@ -19,7 +20,9 @@ module brz_gpu_parcels
         integer, allocatable :: out_first(:), in_first(:) !! (0:processes)
         type(mail_t) :: mail
         type(integers_t) :: out, in !! places of particles, and of their ghosts
-        type(integers_t) :: words !! of parcels to others, then of those from them
+        type(integers_t) :: words !! of parcels to others
+        type(integers_t) :: came !! of parcels from others
+        type(peers_t) :: peers
         type(place_kernels_t) :: kernels
     contains
         procedure :: open, close, refresh
@@ -47,12 +50,15 @@ contains
         n = max(size(part%out%place), size(part%in%place))
         call allocate_buffer(self%words, 4*most*n, err)
         call lengths(self, most) ! later ones are no longer
+        call self%peers%open(ranks, int(self%out_first, int64), int(self%in_first, int64), &
+                             4*most, err)
     end subroutine open
 
     subroutine close (self)
         class(gpu_parcels_t), intent(inout) :: self
 
         call free_buffers(self%out, self%in, self%words)
+        call self%peers%close(self%ranks)
     end subroutine close
 
     !> An array of particles as rows of words of 4 B.
@@ -88,12 +94,17 @@ contains
             if (self%out_first(n) > 1) call self%kernels%pick_words(self%out_first(n) - 1, &
                 words(k), sum(words), sum(words(:k - 1)), self%out, arrays(k), self%words, err)
         end do
-        call copy_out(self%words, self%mail%out, self%mail%out_first(n) - 1, err)
-        call post(self%ranks, self%mail)
-        call copy_in(self%mail%in, self%words, self%mail%in_first(n) - 1, err)
+        if (self%peers%linked) then
+            call self%peers%swap(self%ranks, self%mail, 4*sum(words), self%words, self%came, err)
+        else
+            call copy_out(self%words, self%mail%out, self%mail%out_first(n) - 1, err)
+            call post(self%ranks, self%mail)
+            call copy_in(self%mail%in, self%words, self%mail%in_first(n) - 1, err)
+            self%came%address = self%words%address
+        end if
         do k = 1, size(arrays)
             if (self%in_first(n) > 1) call self%kernels%put_words(self%in_first(n) - 1, words(k), &
-                sum(words), sum(words(:k - 1)), self%in, self%words, arrays(k), err)
+                sum(words), sum(words(:k - 1)), self%in, self%came, arrays(k), err)
         end do
     end subroutine refresh
 end module brz_gpu_parcels

@@ -12,7 +12,7 @@ module brz_mail
     use brz_timer, only: lap, wall_seconds
     implicit none
     private
-    public :: mail_t, tell_counts, make_room, post, put_numbers, take_numbers, &
+    public :: mail_t, tell_counts, make_room, post, greet, put_numbers, take_numbers, &
               outgoing, incoming
 
     integer, parameter :: tag = 90
@@ -156,4 +156,29 @@ contains
         traffic%fetches = traffic%fetches + 1
         call lap(mark, traffic%seconds)
     end subroutine post
+
+    !> An empty message to and from every process that a parcel goes to or comes from: afterwards all
+    !> of them have come as far as this.
+    subroutine greet(ranks, mail)
+        type(ranks_t), intent(in) :: ranks
+        type(mail_t), intent(inout) :: mail
+        integer(c_int) :: status
+        integer :: n, r
+        real(dp) :: mark
+
+        mark = wall_seconds()
+        n = 0
+        do r = 0, ranks%n - 1
+            if (r == ranks%rank .or. (mail%in_first(r + 1) == mail%in_first(r) .and. &
+                                      mail%out_first(r + 1) == mail%out_first(r))) cycle
+            status = mpi_irecv(c_null_ptr, 0_c_int, mpi_double, int(r, c_int), int(tag, c_int), &
+                               ranks%comm, mail%requests(n + 1))
+            status = mpi_isend(c_null_ptr, 0_c_int, mpi_double, int(r, c_int), int(tag, c_int), &
+                               ranks%comm, mail%requests(n + 2))
+            n = n + 2
+        end do
+        status = mpi_waitall(int(n, c_int), mail%requests, c_null_ptr)
+        traffic%fetches = traffic%fetches + 1
+        call lap(mark, traffic%seconds)
+    end subroutine greet
 end module brz_mail

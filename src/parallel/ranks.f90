@@ -131,6 +131,8 @@ contains
         ranks%rank = number
         status = mpi_comm_size(ranks%comm, number)
         ranks%n = number
+        ranks%here = number ! as if all were here
+        ranks%place = ranks%rank
     end subroutine join_ranks
 
     !> True if there is anybody to talk to.

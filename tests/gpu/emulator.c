@@ -7,9 +7,13 @@
 // BRISANCE_EMULATOR_MEMORY=BYTES is the memory of the device (default: 8 GiB).
 // BRISANCE_EMULATOR_DEVICES=N devices are there (default: 1), all the same host.
 // BRISANCE_EMULATOR_COUNT=1 has it say at the end what has crossed the bus.
+#define _GNU_SOURCE
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 typedef void (*kernel_code)();
 struct kernel {
@@ -87,22 +91,64 @@ int cuModuleGetFunction(void **f, void *m, const char *name) {
     return not_found;
 }
 
+// A block of device memory begins with its size and, where another process may see it, the file
+// that it lies in: whole blocks of 2 MiB, as the true driver shares no less.
+struct block { size_t n; int file; };
+enum { before = 4096, shared_block = 2 << 20 };
+
+static struct block *block_of(size_t p) { return (struct block *)(p - before); }
+
 int cuMemAlloc_v2(size_t *p, size_t n) {
     if (fails("cuMemAlloc_v2") || in_use + n > memory()) return out_of_memory;
-    size_t *block = malloc(n + 64);
-    if (!block) return out_of_memory;
-    memset(block, 0xa5, n + 64); // what is not cleared is no zero
-    *block = n;
+    int file = n % shared_block ? -1 : memfd_create("device", 0);
+    if (file >= 0 && ftruncate(file, n + before)) return out_of_memory;
+    char *start = file < 0 ? malloc(n + before)
+                           : mmap(0, n + before, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    if (!start || start == MAP_FAILED) return out_of_memory;
+    memset(start, 0xa5, n + before); // what is not cleared is no zero
+    *p = (size_t)start + before;
+    block_of(*p)->n = n;
+    block_of(*p)->file = file;
     in_use += n;
-    *p = (size_t)block + 64;
     return success;
 }
 
 int cuMemFree_v2(size_t p) {
-    size_t *block = (size_t *)(p - 64);
-    in_use -= *block;
-    free(block);
+    struct block *block = block_of(p);
+    in_use -= block->n;
+    if (block->file < 0) {
+        free(block);
+    } else {
+        close(block->file);
+        memset((void *)p, 0xa5, block->n); // who still sees it must not read it
+        munmap(block, block->n + before);
+    }
     return success;
+}
+
+struct handle { long process, file, n, unused[5]; };
+
+int cuIpcGetMemHandle(struct handle *handle, size_t p) {
+    const struct handle found = {getpid(), block_of(p)->file, block_of(p)->n, {0}};
+    *handle = found;
+    return found.file < 0 || fails("cuIpcGetMemHandle") ? invalid : success;
+}
+
+int cuIpcOpenMemHandle_v2(size_t *p, struct handle handle, unsigned flags) {
+    char name[64];
+    if (handle.process == getpid() || flags != 1 || fails("cuIpcOpenMemHandle_v2")) return invalid;
+    snprintf(name, sizeof name, "/proc/%ld/fd/%ld", handle.process, handle.file);
+    const int file = open(name, O_RDWR);
+    if (file < 0) return invalid;
+    char *start = mmap(0, handle.n + before, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    close(file);
+    if (start == MAP_FAILED) return invalid;
+    *p = (size_t)start + before;
+    return success;
+}
+
+int cuIpcCloseMemHandle(size_t p) {
+    return munmap(block_of(p), block_of(p)->n + before) ? invalid : success;
 }
 
 // Memory of the host that the device reads without a detour. As the true driver does, a copy is
