@@ -157,8 +157,8 @@ contains
         call lap(mark, traffic%seconds)
     end subroutine post
 
-    !> An empty message to and from every process that a parcel goes to or comes from: afterwards all
-    !> of them have come as far as this.
+    !> An empty message to and from every process that a parcel goes to or comes from: afterwards
+    !> all of them have come as far as this.
     subroutine greet(ranks, mail)
         type(ranks_t), intent(in) :: ranks
         type(mail_t), intent(inout) :: mail
@@ -169,8 +169,9 @@ contains
         mark = wall_seconds()
         n = 0
         do r = 0, ranks%n - 1
-            if (r == ranks%rank .or. (mail%in_first(r + 1) == mail%in_first(r) .and. &
-                                      mail%out_first(r + 1) == mail%out_first(r))) cycle
+            if (r == ranks%rank) cycle
+            if (mail%in_first(r + 1) == mail%in_first(r) .and. &
+                mail%out_first(r + 1) == mail%out_first(r)) cycle
             status = mpi_irecv(c_null_ptr, 0_c_int, mpi_double, int(r, c_int), int(tag, c_int), &
                                ranks%comm, mail%requests(n + 1))
             status = mpi_isend(c_null_ptr, 0_c_int, mpi_double, int(r, c_int), int(tag, c_int), &

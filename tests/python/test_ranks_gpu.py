@@ -3,6 +3,7 @@
 number, errors of one process, what is refused."""
 
 import csv
+import re
 import subprocess
 
 import pytest
@@ -97,9 +98,28 @@ def test_what_goes_wrong_in_one_ends_all(fault, words, gpu, tmp_path):
 
 @needs_mpirun
 def test_a_driver_that_cannot_pin_memory_serves(gpu, alone, tmp_path):
-    done = go(2, tmp_path, gpu, BRISANCE_EMULATOR_FAIL="cuMemHostRegister_v2")
+    done = go(2, tmp_path, gpu, BRISANCE_EMULATOR_FAIL="cuMemHostRegister_v2",
+              BRISANCE_TRANSPORT="mpi")  # fmt: skip
     assert done.returncode == 0, done.stderr
     equal_air(alone, tmp_path / "out")
+
+
+def through_the_bus(stderr):
+    """Bytes from the device of all processes."""
+    return sum(int(n) for n in re.findall(r"bus: .* (\d+) to the host", stderr))
+
+
+@needs_mpirun
+@pytest.mark.parametrize("fault", ["cuIpcGetMemHandle", "cuIpcOpenMemHandle_v2:2"])
+def test_gpus_that_do_not_see_each_other_serve(fault, gpu, bodies, tmp_path):
+    """Parcels go by the host then, and only then."""
+    said = []
+    for k, more in enumerate(({}, {"BRISANCE_EMULATOR_FAIL": fault})):
+        done = go(2, tmp_path, gpu, deck=APART, out=f"out{k}", BRISANCE_EMULATOR_COUNT="1", **more)
+        assert done.returncode == 0, done.stderr
+        equal_bodies(bodies, tmp_path / f"out{k}")
+        said.append(through_the_bus(done.stderr))
+    assert said[0] < said[1]
 
 
 @needs_mpirun
