@@ -50,7 +50,8 @@ CUDA := $(sort $(wildcard cuda/*.CUF))
 FAMILIES := $(sort $(foreach f,$(CUDA),$(firstword $(subst _, ,$(basename $(notdir $f))))))
 VARIED := $(foreach f,$(FAMILIES),$(if $(shell grep -lsE '^ *!@kernel [^*]+$$' cuda/$f*.CUF),$f))
 VARIANTS := $(shell grep -ls '^ *!@variant' $(SRC))
-LOOPS := $(VARIANTS:src/cpu/%=$(MADE)/%) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
+STEPS := $(filter %_steps.f90,$(SRC))
+LOOPS := $(VARIANTS:src/cpu/%=$(MADE)/%) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(VARIANTS),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
@@ -95,6 +96,8 @@ $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED
     @mkdir -p $(MADE) && scripts/kernels.py $f $(MADE) $(wildcard cuda/$f*.CUF)))
 $(VARIANTS:src/cpu/%=$(MADE)/%): $(MADE)/%: src/cpu/% scripts/variants.py
 	@mkdir -p $(MADE) && scripts/variants.py $< $@
+$(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(wildcard $(dir $f)*_items.f90) scripts/steps.py scripts/items.py ; \
+    @mkdir -p $(MADE) && scripts/steps.py $$< $$@))
 $(MADE)/model_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)
 $(B)/obj/%.o: %.f90 $(B)/command
