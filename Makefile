@@ -49,9 +49,13 @@ MODELS := $(wildcard src/materials/*.f90)
 CUDA := $(sort $(wildcard cuda/*.CUF))
 FAMILIES := $(sort $(foreach f,$(CUDA),$(firstword $(subst _, ,$(basename $(notdir $f))))))
 VARIED := $(foreach f,$(FAMILIES),$(if $(shell grep -lsE '^ *!@kernel [^*]+$$' cuda/$f*.CUF),$f))
-LOOPS := $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
+VARIANTS := $(shell grep -ls '^ *!@variant' $(SRC))
+FOREIGN := $(shell grep -ls '^ *!@foreign' $(SRC))
+REWRITTEN := $(VARIANTS) $(FOREIGN)
+STEPS := $(filter %_steps.f90,$(SRC))
+LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90)
-OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
+OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
 LIB  := $(B)/brisance.o
 KERNELS := $(CUDA) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF) $(VARIED:%=$(MADE)/%_variants.CUF) \
@@ -92,6 +96,10 @@ $(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels
 $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED)),$(MADE)/$f_variants.CUF) &: \
     $(wildcard cuda/$f*.CUF) scripts/kernels.py scripts/items.py ; \
     @mkdir -p $(MADE) && scripts/kernels.py $f $(MADE) $(wildcard cuda/$f*.CUF)))
+$(foreach f,$(VARIANTS),$(eval $(MADE)/$(notdir $f): $f scripts/variants.py ; @mkdir -p $(MADE) && scripts/variants.py $$< $$@))
+$(foreach f,$(FOREIGN),$(eval $(MADE)/$(notdir $f): $f scripts/foreign.py ; @mkdir -p $(MADE) && scripts/foreign.py $$< $$@))
+$(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(wildcard $(dir $f)*_items.f90) scripts/steps.py scripts/items.py ; \
+    @mkdir -p $(MADE) && scripts/steps.py $$< $$@))
 $(MADE)/model_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)
 $(B)/obj/%.o: %.f90 $(B)/command
@@ -215,7 +223,7 @@ gpu-check: $(MADE)/model_list.f90 ## compile all point physics as CUDA Fortran f
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC) $<
 
 # Files that change when the command or the list of sources does, and the rules of dependence.
-SCANNED = $(SRC) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
+SCANNED = $(filter-out $(REWRITTEN),$(SRC)) $(LOOPS) $(wildcard tests/gpu/bench_*.f90) $(B)/version.f90 $(B)/presets.f90 $(PF) $(PF_HELP) $(BENCH) \
           $(FLOORS) $(STUDY)
 $(B)/command: FORCE
 	@command -v $(FC) >/dev/null || { echo 'gfortran is missing: run make setup' >&2; exit 1; }

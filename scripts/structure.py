@@ -9,7 +9,8 @@ Layers: base < parallel < deck < materials < {air, solid} < coupling < {cpu, gpu
 uses only base, plain data and other point physics; a material model may describe itself to the deck
 as well. Sizes: files 400 lines, procedures 80, lines of kernels (cuda/*.CUF) 100 columns (fortitude
 sees to those of the rest), arguments 8, which kernels, items and what these call in their file
-(`*_items.f90`, below a `!@cuf` line) may exceed: they take arrays.
+(`*_items.f90`, below a `!@cuf` line), and procedures in a file with `!@variant` may exceed: they
+take arrays.
 Also: the licence line, the module name, `use` with `only`. Lines of *.md files have at most 120
 columns, rows of tables excepted.
 """
@@ -57,7 +58,7 @@ class Source:
         text = path.read_text(encoding="utf-8")
         self.lines = text.splitlines()
         self.items = set()
-        if path.suffix == ".CUF":
+        if path.suffix == ".CUF" or re.search(r"^ *!@variant", text, re.M):
             self.items |= set(re.findall(r"\b(?:subroutine|function) (\w+)", text))
         if path.stem.endswith("_items"):
             self.items |= set(re.findall(r"!@cuf.*\n +pure (?:subroutine|function) (\w+)", text))

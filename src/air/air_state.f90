@@ -137,6 +137,8 @@ module brz_air_state
         integer, allocatable :: face(:, :)
         !! (5, n_faces): i, j, k of the gas cell, direction 1..3, side (+1: solid above, -1: below)
         integer, allocatable :: face_cell(:) !! (n_faces) place of the solid cell in the list
+        integer, allocatable :: face_of(:, :)
+        !! (6, n_cells) wall face by side_of, or 0; where there is a coupling
         real(rk), allocatable :: impulse(:)
         !! (n_faces) integral of p* A dt over the step, along the side [N s]
         type(cut_t) :: cut(3) !! for the sweeps, one for each direction

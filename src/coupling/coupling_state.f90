@@ -41,17 +41,16 @@ module brz_coupling_state
         integer(int32), allocatable :: binned(:) !! (particles) particles, cell by cell
         integer :: outside = 0 !! particles outside the box
         integer(int64) :: rebuilds = -1 !! of the bodies' lists when the particles were sorted
-        integer(int32), allocatable :: face_of(:, :) !! (6, n_cells) wall face by side_of, or 0
         integer(int32), allocatable :: above(:, :)
         !! (6, n_cells) face that begins the column of a cell and is near enough to load it, or 0
         ! cells that changed hands in this step, by number of the cell
         integer :: n_covered = 0, n_uncovered = 0
         integer(int32), allocatable :: uncovered(:)
         ! donors: cells whose gas goes to ledgers nearby; the uncovered first, then the buried
-        integer :: n_donors = 0, n_buried = 0
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0
         real(rk), allocatable :: donation(:, :) !! (max_var, n_donors) share of each receiver
+        real(rk) :: level = 0 !! part of a difference that neighbouring ledgers exchange
         real(rk), allocatable :: ledger(:, :) !! (max_var, n_cells) copy; or what a face hands over
         real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
         ! debts of gas cells
@@ -63,6 +62,7 @@ module brz_coupling_state
         real(rk), allocatable :: next_debt(:, :)
         integer(int32), allocatable :: start(:) !! counts that become places in lists
         ! loads
+        integer :: bodies = 0 !! that may carry particles
         type(carrier_t), allocatable :: carrier(:) !! (bodies) how those move that carry particles
         real(dp), allocatable :: shift(:, :) !! (3, bodies) mass times the way to middles of cells,
                                              !! summed over the particles of a rigid body [kg m]

@@ -3,22 +3,21 @@
 module brz_coupling_bins
     use brz_air_state, only: air_t
     use brz_bin_loops, only: each_find_home, each_sort_bin
+    use brz_carrier_steps, only: see_carriers
     use brz_cell_loops, only: each_find_cell, each_mark_cell
     use brz_cell_shells, only: number_of
     use brz_column_loops, only: each_find_above
     use brz_boxes, only: box_t, widened
     use brz_coupling_box, only: is_gas
-    use brz_coupling_carriers, only: see_carriers
     use brz_coupling_state, only: coupling_t, side_of
-    use brz_kinds, only: int32
+    use brz_lists, only: at_least, running_sum
     use brz_ranks, only: several
     use brz_solid_part, only: parcels_t
     use brz_solid_state, only: solid_t, worth_threads
-    use brz_velocity_loops, only: each_mean_velocity_of
+    use brz_wall_steps, only: find_mean_velocity
     implicit none
     private
-    public :: find_cells, mark_cells, index_faces, fill_bins, move_walls, &
-              at_least, running_sum
+    public :: find_cells, mark_cells, index_faces, fill_bins, move_walls
 
 contains
 
@@ -63,26 +62,26 @@ contains
         call at_least(coupling%cell, n)
         call at_least(coupling%gas, coupling%wall%n_faces)
         call at_least(coupling%rows, coupling%wall%n_faces)
-        if (allocated(coupling%face_of)) then
-            if (size(coupling%face_of, 2) < n) deallocate (coupling%face_of, coupling%above)
+        if (allocated(coupling%above)) then
+            if (size(coupling%above, 2) < n) deallocate (coupling%wall%face_of, coupling%above)
         end if
-        if (.not. allocated(coupling%face_of)) &
-            allocate (coupling%face_of(6, n + n/4), coupling%above(6, n + n/4))
+        if (.not. allocated(coupling%above)) &
+            allocate (coupling%wall%face_of(6, n + n/4), coupling%above(6, n + n/4))
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do c = 1, n
             coupling%cell(c) = number_of(coupling%box%n, in_window(coupling, &
                                                                    coupling%wall%cell(:, c)))
-            coupling%face_of(:, c) = 0
+            coupling%wall%face_of(:, c) = 0
         end do
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do f = 1, coupling%wall%n_faces
             coupling%gas(f) = number_of(coupling%box%n, in_window(coupling, &
                                                                   coupling%wall%face(1:3, f)))
             coupling%rows(f) = side_of(coupling%wall%face(4, f), coupling%wall%face(5, f))
-            coupling%face_of(coupling%rows(f), coupling%wall%face_cell(f)) = f
+            coupling%wall%face_of(coupling%rows(f), coupling%wall%face_cell(f)) = f
         end do
         call each_find_above(n, coupling%box, coupling%cell, coupling%wall%solid, &
-                             coupling%wall%index, coupling%face_of, coupling%above)
+                             coupling%wall%index, coupling%wall%face_of, coupling%above)
         if (several(air%part%ranks)) call list_shared_faces(air, coupling)
     end subroutine index_faces
 
@@ -175,38 +174,7 @@ contains
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
 
-        call see_carriers(solid, coupling)
-        call each_mean_velocity_of(coupling%wall%n_cells, coupling%box, size(solid%x, 1), &
-                                   size(coupling%carrier), coupling%carrier, coupling%ends, &
-                                   coupling%binned, solid%x, solid%v, solid%mass, solid%fixed, &
-                                   coupling%wall%v)
+        call see_carriers(solid, solid, coupling)
+        call find_mean_velocity(solid, coupling)
     end subroutine move_walls
-
-    !> Make room for n entries; what was there is lost.
-    subroutine at_least(a, n)
-        integer(int32), allocatable, intent(inout) :: a(:)
-        integer, intent(in) :: n
-
-        if (allocated(a)) then
-            if (size(a) >= n) return
-            deallocate (a)
-        end if
-        allocate (a(n + n/4))
-    end subroutine at_least
-
-    !> Every one of n integers becomes the sum of those before it, one more behind them that of all.
-    pure subroutine running_sum(x, n, total)
-        integer(int32), intent(inout) :: x(*) !! (n + 1)
-        integer, intent(in) :: n
-        integer, intent(out) :: total
-        integer :: i, more
-
-        total = 0
-        do i = 1, n
-            more = x(i)
-            x(i) = total
-            total = total + more
-        end do
-        x(n + 1) = total
-    end subroutine running_sum
 end module brz_coupling_bins

@@ -8,15 +8,15 @@ module brz_coupling_events
     use brz_air_walls, only: build_walls
     use brz_cell_items, only: cells_of_a_chunk, change_of
     use brz_cell_loops, only: each_count_kind, each_list_kind
-    use brz_coupling_bins, only: at_least, fill_bins, find_cells, index_faces, mark_cells, &
-                                 move_walls, running_sum
+    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, move_walls
     use brz_coupling_box, only: box_t, is_left, is_solid
-    use brz_coupling_debts, only: level_ledgers, limit_ledgers, release_debts, settle_covered
-    use brz_coupling_donors, only: donate, fill_uncovered
     use brz_coupling_guests, only: invite_guests, see_window
     use brz_coupling_shared, only: share_debts
     use brz_coupling_state, only: coupling_t
+    use brz_debt_steps, only: donate, fill_uncovered, level_ledgers, limit_ledgers, release_debts, &
+        settle_covered
     use brz_kinds, only: int8
+    use brz_lists, only: at_least, running_sum
     use brz_ranks, only: several
     use brz_scheme, only: max_var
     use brz_solid_state, only: solid_t, worth_threads
@@ -159,21 +159,12 @@ contains
         integer :: n
 
         n = coupling%wall%n_cells
-        if (allocated(coupling%excess)) then
-            if (size(coupling%excess) < n) deallocate (coupling%excess, coupling%ledger)
-        end if
-        if (.not. allocated(coupling%excess)) then
-            allocate (coupling%excess(n + n/4), coupling%ledger(max_var, n + n/4))
-        end if
+        call at_least(coupling%excess, n)
+        call at_least(coupling%ledger, max_var, n)
         n = coupling%wall%n_faces
-        if (allocated(coupling%surface)) then
-            if (size(coupling%surface) < n) &
-                deallocate (coupling%surface, coupling%weight, coupling%force, coupling%impedance)
-        end if
-        if (.not. allocated(coupling%surface)) then
-            n = n + n/4
-            allocate (coupling%surface(n), coupling%weight(n), coupling%force(n))
-            allocate (coupling%impedance(n))
-        end if
+        call at_least(coupling%surface, n)
+        call at_least(coupling%weight, n)
+        call at_least(coupling%force, n)
+        call at_least(coupling%impedance, n)
     end subroutine size_walls
 end module brz_coupling_events

@@ -3,9 +3,9 @@
 module brz_coupling_gather
     use brz_cell_shells, only: cell_at, number_of
     use brz_coupling_box, only: is_own
-    use brz_coupling_debts, only: size_debts
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: books_of_all, coupling_books_t
+    use brz_debt_steps, only: size_debts
     use brz_kinds, only: dp, int64, rk
     use brz_mail, only: mail_t, make_room, post, put_numbers, take_numbers, tell_counts
     use brz_ranks, only: ranks_t

@@ -7,7 +7,7 @@ module brz_coupling_guests
     use brz_cell_place, only: cell_number
     use brz_cell_shells, only: cell_at
     use brz_coupling_box, only: is_own
-    use brz_coupling_carriers, only: sum_shifts
+    use brz_carrier_steps, only: sum_shifts
     use brz_coupling_state, only: coupling_t
     use brz_fetch, only: fetch
     use brz_kinds, only: dp, int32, int64, rk
@@ -66,7 +66,7 @@ contains
                                 part%guest_mail)
         end associate
         call introduce(solid, coupling%guests)
-        call sum_shifts(solid, coupling)
+        call sum_shifts(solid, solid, coupling)
     end subroutine invite_guests
 
     !> Cell of the grid in which each particle of this process is.

@@ -1,8 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Loads on the particles from the impulses that the air has given to the walls.
 module brz_coupling_load
-    use brz_coupling_carriers, only: load_carriers
-    use brz_column_loops, only: each_book_face, each_load_particle, each_press_face
+    use brz_carrier_steps, only: sum_loads
     use brz_coupling_box, only: is_own
     use brz_coupling_guests, only: send_loads_home
     use brz_coupling_shared, only: share_impulses
@@ -13,9 +12,10 @@ module brz_coupling_load
     use brz_ranks, only: several, sum_of_all
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: body_t, solid_t
+    use brz_wall_steps, only: press_bodies
     implicit none
     private
-    public :: spread_load, wake_loaded
+    public :: spread_load, load_carriers, wake_loaded
 
 contains
 
@@ -32,40 +32,29 @@ contains
         if (several(solid%ranks)) then
             call share_impulses(coupling, solid%ranks)
             call move_alloc(coupling%guests, guests)
-            call press_particles(guests, coupling, dt)
+            call press_bodies(guests, coupling, dt)
             call send_loads_home(guests, solid, coupling)
             call move_alloc(guests, coupling%guests)
             solid%v_before(:, :solid%n) = solid%v(:, :solid%n) ! the guests have kept theirs
         else
-            call press_particles(solid, coupling, dt)
+            call press_bodies(solid, coupling, dt)
         end if
         call load_carriers(solid, coupling)
     end subroutine spread_load
 
-    !> Loads of the particles, and the books of the walls.
-    subroutine press_particles(solid, coupling, dt)
+    !> Force and torque of the air on the bodies that carry particles.
+    subroutine load_carriers(solid, coupling)
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
-        real(dp), intent(in) :: dt !! step of the air [s]
-        real(dp) :: work(2), given(3), taken(3)
+        real(dp) :: load(6, coupling%bodies)
+        integer :: b
 
-        work = 0
-        given = 0
-        taken = 0
-        associate (wall => coupling%wall, box => coupling%box)
-            call each_press_face(wall%n_faces, box, dt, coupling%rows, wall%impulse, coupling%force)
-            call each_book_face(wall%n_faces, box, dt, coupling%gas, coupling%rows, &
-                                wall%face_cell, wall%impulse, wall%v, work, given, taken)
-            call each_load_particle(solid%n, box, size(solid%x, 1), 1, size(solid%load, 1), &
-                                    coupling%place_of, coupling%above, coupling%gas, &
-                                    coupling%surface, coupling%weight, coupling%force, solid%x, &
-                                    solid%mass, solid%load)
-        end associate
-        coupling%work = coupling%work + work(1)
-        coupling%work_reference = coupling%work_reference + work(2)
-        coupling%impulse = coupling%impulse + given
-        coupling%impulse_reference = coupling%impulse_reference + taken
-    end subroutine press_particles
+        if (.not. allocated(solid%bodies)) return
+        call sum_loads(solid, solid, coupling, load)
+        do b = 1, coupling%bodies
+            solid%bodies(b)%rigid%load = load(:, b)
+        end do
+    end subroutine load_carriers
 
     !> Wake the bodies with a load beyond rounding on one of their particles, and what they meet.
     subroutine wake_loaded(solid, coupling, dt)

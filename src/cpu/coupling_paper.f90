@@ -10,7 +10,7 @@ module brz_coupling_paper
     use brz_air_walls, only: build_walls
     use brz_cell_shells, only: neighbour
     use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, move_walls
-    use brz_coupling_carriers, only: load_carriers
+    use brz_coupling_load, only: load_carriers
     use brz_coupling_state, only: coupling_t
     use brz_gas, only: to_conserved
     use brz_kinds, only: dp, rk
@@ -61,7 +61,7 @@ contains
             ijk = coupling%wall%cell(:, c)
             v = coupling%wall%v(:, c)
             u(6) = 0
-            if (any(coupling%face_of(:, c) > 0)) then
+            if (any(coupling%wall%face_of(:, c) > 0)) then
                 call blend(air, coupling, ijk, v, u)
             else
                 call to_conserved(air%scheme%gamma, [air%rho_rest, v, air%p_rest], u)

@@ -10,10 +10,10 @@ module brz_coupling_setup
     use brz_cell_shells, only: make_shells
     use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, &
                                  move_walls
-    use brz_coupling_debts, only: enter_debts
     use brz_coupling_events, only: size_walls
     use brz_coupling_guests, only: invite_guests, open_windows, see_window
     use brz_coupling_state, only: coupling_t
+    use brz_debt_steps, only: enter_debts
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int32, rk
     use brz_positivity, only: floors_of
@@ -62,6 +62,8 @@ contains
         coupling%wraps = air%bc(1, :) == bc_periodic .and. air%n > 1
         call make_box(air, coupling)
         call make_shells(coupling%box%whole, coupling%shells)
+        if (coupling%shells%n >= 3 .and. count(coupling%box%whole > 1) > 1) &
+            coupling%level = 1/3.0_rk**count(coupling%box%whole > 1)
         n = coupling%box%n
         allocate (coupling%mark(n(1), n(2), n(3)), coupling%slot(n(1), n(2), n(3)))
         call set_up_walls(air, coupling%wall)
@@ -141,7 +143,7 @@ contains
         integer :: i
 
         empty_part = 0
-        if (.not. any(coupling%face_of(:, c) > 0)) return
+        if (.not. any(coupling%wall%face_of(:, c) > 0)) return
         full = 0
         do i = coupling%ends(c) + 1, coupling%ends(c + 1)
             full = full + solid%volume(coupling%binned(i))
@@ -184,6 +186,7 @@ contains
         call size_walls(coupling)
         call fill_bins(solid, coupling)
         call move_walls(solid, coupling)
+        coupling%slot = 0
         call enter_debts(coupling)
     end subroutine put_up_walls
 end module brz_coupling_setup

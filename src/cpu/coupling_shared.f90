@@ -4,11 +4,11 @@ module brz_coupling_shared
     use brz_air_state, only: air_t
     use brz_boxes, only: box_t, widened
     use brz_cell_shells, only: cell_at, number_of
-    use brz_coupling_bins, only: at_least
     use brz_coupling_box, only: is_own
-    use brz_coupling_debts, only: drop_paid, size_debts
     use brz_coupling_state, only: coupling_t
+    use brz_debt_steps, only: drop_paid, size_debts
     use brz_kinds, only: dp, int64, rk
+    use brz_lists, only: at_least
     use brz_mail, only: incoming, make_room, outgoing, post, tell_counts
     use brz_ranks, only: ranks_t
     implicit none

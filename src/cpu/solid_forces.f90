@@ -4,20 +4,18 @@ module brz_solid_forces
     use brz_air_force, only: air_force
     use brz_artificial_stress, only: artificial_none
     use brz_kernel, only: smoothing_length
-    use brz_kinds, only: dp, int32, int64, real32, rk
+    use brz_kinds, only: dp, int64, real32, rk
     use brz_solid_bonds, only: add_bonded_forces
     use brz_solid_cohesive, only: cohesive_push
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
                                place_body, place_group, place_images
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
-    use brz_solid_pair_sums, only: sum_axial, sum_held, sum_plain, sum_plate, sum_stiff, &
-                                   sum_viscous
+    use brz_solid_pair_sums, only: add_pairs
     use brz_solid_artificial, only: add_artificial
     use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
-                               body_t, form_bending, form_corrected_hourglass, form_rigid, &
+                               body_t, form_rigid, &
                                form_total, held_energy, held_stiffness, is_free, is_gone, &
                                lanes, n_held, n_pair, pair_hold, pair_tilt, solid_t, worth_threads
-    use brz_solid_wide_sums, only: sum_wide
     use brz_support, only: held_share
     use brz_tension_hold, only: kept_work
     use brz_tilted_arm, only: mirrored_tilt
@@ -118,13 +116,8 @@ contains
 
         call take_rows(solid, body, p)
         p%sums = 0
-        if (p%held) then
-            call sum_hold(p, solid%x, solid%v, solid%x_ref, solid%held, solid%pair, &
-                          solid%h, solid%list(p%list))
-        else
-            call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%pair, solid%h, &
-                            solid%list(p%list), solid%hold)
-        end if
+        call add_pairs(p, solid%x, solid%v, solid%x_ref, solid%pair, solid%h, solid%list(p%list), &
+                       solid%hold, solid%held)
         if (.not. any(solid%mirror)) return
         g = group_of(body, p%i)
         do k = solid%image_first(g), solid%image_first(g + 1) - 1, most_images
@@ -132,13 +125,8 @@ contains
             call place_images(solid, k, last, images)
             call mirror_rows(solid, p, k, last, rows)
             p%count = int(last - k) + 1
-            if (p%held) then
-                call sum_hold(p, images%x, images%v, images%x_ref, rows%held, rows%pair, &
-                              images%h, in_turn)
-            else
-                call sum_direct(p, images%x, images%v, images%x_ref, rows%pair, images%h, &
-                                in_turn, rows%hold)
-            end if
+            call add_pairs(p, images%x, images%v, images%x_ref, rows%pair, images%h, in_turn, &
+                           rows%hold, rows%held)
         end do
     end subroutine sum_group
 
@@ -203,49 +191,6 @@ contains
             if (p%directional) rows%hold(:, n) = real(mirrored(s, solid%hold(:, j)), real32)
         end do
     end subroutine mirror_rows
-
-    !> Sum over particles of a list with the hold, and with tilts where the body has a normal.
-    subroutine sum_hold(p, x, v, x_ref, held, pair, h, list)
-        type(group_t), intent(inout) :: p
-        real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), held(n_held, *), pair(n_pair, *), h(*)
-        integer(int32), intent(in) :: list(*)
-
-        if (any(p%normal > 0)) then
-            call sum_plate(p, x, v, x_ref, held, pair, h, list)
-        else
-            call sum_held(p, x, v, x_ref, held, pair, h, list)
-        end if
-    end subroutine sum_hold
-
-    !> Sum over particles of a list without the hold, in the loop that has just the forces of this
-    !> body.
-    subroutine sum_direct(p, x, v, x_ref, pair, h, list, hold)
-        type(group_t), intent(inout) :: p
-        real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
-        integer(int32), intent(in) :: list(*)
-        real(real32), intent(in), optional :: hold(6, *) !! only with a stiffness along axes
-
-        select case (p%formulation)
-        case (form_bending)
-            if (p%directional) then
-                call sum_axial(p, x, v, x_ref, hold, pair, h, list)
-            else
-                call sum_stiff(0.0_rk, p, x, v, x_ref, pair, h, list)
-            end if
-        case (form_total)
-            if (p%directional) then
-                call sum_wide(p, x, v, x_ref, hold, pair, list)
-            else
-                call sum_stiff(1.0_rk, p, x, v, x_ref, pair, h, list)
-            end if
-        case (form_corrected_hourglass)
-            call sum_viscous(p, x, v, pair, h, list)
-        case default
-            call sum_plain(p, x, v, pair, h, list)
-        end select
-    end subroutine sum_direct
 
     !> Add what the loops over the lanes leave out: other bodies, artificial stress.
     subroutine add_rest(solid, body, i, p, f)

@@ -6,7 +6,7 @@
 module brz_solid_gradients
     use brz_algebra, only: copy_matrix, inverse3, multiply3, to_matrix
     use brz_gradient, only: correction, midstep_gradient, piola, stable_step, total_gradient
-    use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_kinds, only: dp, int64, int8, rk
     use brz_lone_layer, only: close_layer, face_power, lie_in_layer, open_faces, stay_in_layer, &
                               turn_layer
     use brz_material, only: class_elastic, point_t, strength_left
@@ -16,14 +16,13 @@ module brz_solid_gradients
     use brz_rigid_pose, only: n_pose, pose_of
     use brz_row_items, only: fill_hold, fill_row, rules_of, stiffen_along
     use brz_solid_bonds, only: add_bonded_gradients
-    use brz_solid_gradient_sums, only: sum_bending, sum_drawn, sum_plain, sum_tilted
+    use brz_solid_gradient_sums, only: add_neighbours
     use brz_solid_lanes, only: group_of, group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
     use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
                                form_total, form_uncorrected, held_affine, held_stiffness, &
                                intact_share, is_gone, lanes, n_terms => n_sums, pair_hold, &
                                pair_stress, pair_tilt, solid_t, worth_threads
-    use brz_solid_wide_sums, only: sum_referred
     use brz_tension_hold, only: deviation, may_be_drawn
     use brz_tilted_arm, only: tilted_correction
     implicit none
@@ -159,46 +158,18 @@ contains
         integer :: g
 
         sums = 0
-        call sum_direct(p, solid%x, solid%v, solid%x_ref, solid%volume, solid%h, &
-                        solid%list(p%list), sums)
+        call add_neighbours(p, solid%x, solid%v, solid%x_ref, solid%volume, solid%h, &
+                            solid%list(p%list), sums)
         if (.not. any(solid%mirror)) return
         g = group_of(body, p%i)
         do k = solid%image_first(g), solid%image_first(g + 1) - 1, most_images
             last = min(k + most_images, solid%image_first(g + 1)) - 1
             call place_images(solid, k, last, images)
             p%count = int(last - k) + 1
-            call sum_direct(p, images%x, images%v, images%x_ref, images%volume, images%h, &
-                            in_turn, sums)
+            call add_neighbours(p, images%x, images%v, images%x_ref, images%volume, images%h, &
+                                in_turn, sums)
         end do
     end subroutine sum_group
-
-    !> Add particles of a list to the sums. A total-Lagrangian body weighs its pairs by X_ij, and x
-    !> takes the place of the reference position: the sums then lead to dx/dX.
-    subroutine sum_direct(p, x, v, x_ref, volume, h, list, sums)
-        type(group_t), intent(in) :: p
-        real(dp), intent(in) :: x(3, *), x_ref(3, *)
-        real(rk), intent(in) :: v(3, *), volume(*), h(*)
-        integer(int32), intent(in) :: list(*)
-        real(rk), intent(inout) :: sums(lanes, n_terms)
-        type(group_t) :: q
-
-        if (any(abs(p%tilt) + abs(p%lift) > 0) .and. p%formulation == form_total) then
-            call sum_referred(p, x, v, x_ref, volume, list, sums)
-        else if (any(abs(p%tilt) > 0)) then
-            call sum_tilted(p, x, v, x_ref, volume, h, list, sums)
-        else if (p%formulation == form_bending) then
-            call sum_bending(p, x, v, x_ref, volume, h, list, sums)
-        else if (p%formulation == form_total) then
-            q = p
-            q%x = p%x_ref
-            q%x_ref = p%x
-            call sum_bending(q, x_ref, v, x, volume, h, list, sums)
-        else if (any(p%drawn)) then
-            call sum_drawn(p, x, v, x_ref, volume, h, list, sums)
-        else
-            call sum_plain(p, x, v, volume, h, list, sums)
-        end if
-    end subroutine sum_direct
 
     !> From the sums to the new state of particle i and its row of `pair`.
     subroutine advance(solid, body, dt, i, k, drawn, sums, limit)

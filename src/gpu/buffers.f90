@@ -40,9 +40,9 @@ module brz_buffers
         integer :: first(most_arguments + 1) = 1 !! word of each argument
         integer(c_int64_t) :: value(most_words) = 0
     contains
-        procedure :: add_structure, add_all
-        procedure, private :: add_integer, add_long, add_single, add_double, add_buffer, add_buffers
-        generic :: add => add_integer, add_long, add_single, add_double, add_buffer, add_buffers
+        procedure :: add_structure
+        procedure, private :: add_integer, add_long, add_single, add_double, add_buffer
+        generic :: add => add_integer, add_long, add_single, add_double, add_buffer
     end type arguments_t
 
 contains
@@ -99,30 +99,6 @@ contains
 
         call self%add_long(int(x%address, c_int64_t))
     end subroutine add_buffer
-
-    subroutine add_buffers(self, x)
-        class(arguments_t), intent(inout) :: self
-        class(buffer_t), intent(in) :: x(:)
-        integer :: i
-
-        do i = 1, size(x)
-            call self%add_buffer(x(i))
-        end do
-    end subroutine add_buffers
-
-    !> Add buffers that may hold different kinds of numbers.
-    subroutine add_all(self, b1, b2, b3, b4, b5, b6, b7)
-        class(arguments_t), intent(inout) :: self
-        class(buffer_t), intent(in), optional :: b1, b2, b3, b4, b5, b6, b7
-
-        if (present(b1)) call self%add(b1)
-        if (present(b2)) call self%add(b2)
-        if (present(b3)) call self%add(b3)
-        if (present(b4)) call self%add(b4)
-        if (present(b5)) call self%add(b5)
-        if (present(b6)) call self%add(b6)
-        if (present(b7)) call self%add(b7)
-    end subroutine add_all
 
     pure type(reals_t) function from_real(whole, first) result(part)
         type(reals_t), intent(in) :: whole

@@ -37,9 +37,10 @@ module brz_gpu_air_state
     type :: gpu_walls_t
         integer :: n_cells = 0, n_faces = 0
         type(bytes_t) :: solid, near !! see air_near
-        type(integers_t) :: cell_of !! place of each cell in the list of solid cells
+        type(integers_t) :: index !! place of each cell in the list of solid cells
         type(reals_t) :: v !! (3, n_cells) velocity of the walls
         type(integers_t) :: face_of !! (6, n_cells) wall face on each side
+        type(integers_t) :: face_cell !! (n_faces) place of the solid cell in the list
         type(reals_t) :: push, impulse !! (n_faces) impulse of a stage, of the step
         type(face_kernels_t) :: kernels
     end type gpu_walls_t
@@ -60,6 +61,8 @@ module brz_gpu_air_state
     type :: gpu_air_t
         type(grid_t) :: grid
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
+        type(scheme_t) :: scheme
+        real(rk) :: rho_rest = 0, p_rest = 0 !! as in air_t
         type(reals_t) :: u !! conserved variables, as in air_t
         type(reals_t) :: spare(2) !! the same of the stages of a step
         type(reals_t) :: flux !! through the faces of direction x above each cell
@@ -112,13 +115,16 @@ contains
                              2*max_var*faces_of_bricks(gpu%grid)), err)
         call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, held), err)
         call allocate_buffer(gpu%walls%near, merge(cells, 1_int64, held), err)
-        call allocate_buffer(gpu%walls%cell_of, merge(4*cells, 1_int64, held), err)
+        call allocate_buffer(gpu%walls%index, merge(4*cells, 1_int64, held), err)
         call open_bricks(device, air, gpu, err)
         call gpu%halo%open(device, air%part%ranks, air%part%halo, box_of(air), air%n_var, err)
         call gpu%beside%open(device, air%part%ranks, air%part%beside, box_of(air), 0, err)
         gpu%left_before = air%left
         call keep_outside(air)
         call set_scale(air)
+        gpu%scheme = air%scheme
+        gpu%rho_rest = air%rho_rest
+        gpu%p_rest = air%p_rest
         call put_buffer(air%outside, gpu%outside, 2*ends*bytes_of_real, err)
         call copy_in(air%u, gpu%u, field, err)
         do m = 1, 2
@@ -245,8 +251,8 @@ contains
         call free_buffers(gpu%u, gpu%spare(1), gpu%spare(2), gpu%flux, gpu%bad, gpu%found, &
             gpu%outside, gpu%edge)
         call free_buffers(gpu%outflow, gpu%part, gpu%bricks%reached, gpu%bricks%awake, &
-            gpu%walls%solid, gpu%walls%near, gpu%walls%cell_of, gpu%walls%v)
-        call free_buffers(gpu%walls%face_of, gpu%walls%push, gpu%walls%impulse)
+            gpu%walls%solid, gpu%walls%near, gpu%walls%index, gpu%walls%v)
+        call free_buffers(gpu%walls%face_of, gpu%walls%face_cell, gpu%walls%push, gpu%walls%impulse)
         call gpu%common%close()
         call free_buffers(gpu%bricks%near_reached, gpu%bricks%near_awake, gpu%bricks%own)
         call gpu%bricks%others%close()

@@ -193,7 +193,7 @@ contains
         associate (walls => gpu%walls)
             call launch_redo(gpu%redo, air%n, pass, judge, gpu%grid, air%scheme, stage, states%u, &
                              states%start, states%new, gpu%bad, gpu%found, gpu%edge, walls%near, &
-                             walls%solid, walls%cell_of, walls%v, walls%face_of, walls%push, err)
+                             walls%solid, walls%index, walls%v, walls%face_of, walls%push, err)
         end associate
     end subroutine redo
 

@@ -5,17 +5,17 @@ module brz_gpu_coupling_copy
     use brz_air_walls, only: build_walls
     use brz_coupling_box, only: is_solid
     use brz_coupling_state, only: coupling_t
-    use brz_debt_loops, only: each_enter_debt
+    use brz_debt_steps, only: enter_host_debts => enter_debts
     use brz_device, only: clear_buffer, copy_in, copy_out, device_t
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
-    use brz_gpu_coupling_carriers, only: put_carriers
-    use brz_gpu_coupling_debts, only: make_room
     use brz_gpu_coupling_layout, only: book_given, book_high, book_low, book_taken, &
         book_taken_work, book_threads, book_work, n_book, n_count
-    use brz_gpu_coupling_state, only: gpu_coupling_t, open_memory, particles_t
+    use brz_gpu_coupling_state, only: gpu_coupling_t, open_memory, particles_t, seen
     use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
-        look_at_particles, move_gpu_walls
+        look_at_particles
+    use brz_gpu_debt_steps, only: enter_debts, size_debts
+    use brz_gpu_wall_steps, only: find_mean_velocity
     use brz_kinds, only: dp, int64, rk
     use brz_scheme, only: max_var
     implicit none
@@ -43,9 +43,8 @@ contains
         call list_cells_of_kind(gpu, is_solid, err, total=n)
         call build_gpu_walls(gpu, there, air, n, err)
         call fill_gpu_bins(gpu, there, particles, err)
-        call put_carriers(gpu, coupling%carrier, err)
-        call move_gpu_walls(gpu, there, particles, err)
-        call copy_in(coupling%v_before, gpu%before, 3*bytes_of_real*particles%n, err)
+        call find_mean_velocity(seen(particles), gpu, err)
+        call copy_in(coupling%v_before, gpu%v_before, 3*bytes_of_real*particles%n, err)
         call put_debts(gpu, coupling, err)
         call put_books(gpu, coupling, err)
     end subroutine open_gpu_coupling
@@ -55,12 +54,12 @@ contains
         type(coupling_t), intent(in) :: coupling
         type(error_t), intent(inout) :: err
 
-        call make_room(gpu, max(coupling%n_debts, 1), err)
+        call size_debts(gpu, coupling%n_debts, err)
         gpu%n_debts = coupling%n_debts
         if (gpu%n_debts == 0) return
-        call copy_in(coupling%debt_cell, gpu%debt_cell(1), 4_int64*gpu%n_debts, err)
-        call copy_in(coupling%debt, gpu%debt(1), gpu%box%n_var*bytes_of_real*gpu%n_debts, err)
-        call gpu%debts%enter_debt(gpu%n_debts, gpu%debt_cell(1), gpu%slot, err)
+        call copy_in(coupling%debt_cell, gpu%debt_cell, 4_int64*gpu%n_debts, err)
+        call copy_in(coupling%debt, gpu%debt, gpu%box%n_var*bytes_of_real*gpu%n_debts, err)
+        call enter_debts(gpu, err)
     end subroutine put_debts
 
     subroutine put_books(gpu, coupling, err)
@@ -116,8 +115,8 @@ contains
             call build_walls(air, coupling%wall)
             gpu%fetched_changes = changes
         end if
-        call copy_out(there%walls%v, coupling%wall%v, 3*bytes_of_real*gpu%n_cells, err)
-        call copy_out(gpu%before, coupling%v_before, &
+        call copy_out(there%walls%v, coupling%wall%v, 3*bytes_of_real*gpu%wall%n_cells, err)
+        call copy_out(gpu%v_before, coupling%v_before, &
                       size(coupling%v_before, kind=int64)*bytes_of_real, err)
         call fetch_debts(gpu, coupling, err)
         call fetch_books(gpu, coupling, err)
@@ -131,12 +130,11 @@ contains
         coupling%n_debts = gpu%n_debts
         if (allocated(coupling%debt_cell)) deallocate (coupling%debt_cell, coupling%debt)
         allocate (coupling%debt_cell(gpu%n_debts), coupling%debt(gpu%box%n_var, gpu%n_debts))
-        call copy_out(gpu%debt_cell(1), coupling%debt_cell, 4_int64*gpu%n_debts, err)
-        call copy_out(gpu%debt(1), coupling%debt, gpu%box%n_var*bytes_of_real*gpu%n_debts, err)
+        call copy_out(gpu%debt_cell, coupling%debt_cell, 4_int64*gpu%n_debts, err)
+        call copy_out(gpu%debt, coupling%debt, gpu%box%n_var*bytes_of_real*gpu%n_debts, err)
         if (failed(err)) return
         coupling%slot = 0
-        if (coupling%n_debts > 0) &
-            call each_enter_debt(coupling%n_debts, coupling%debt_cell, coupling%slot)
+        call enter_host_debts(coupling)
     end subroutine fetch_debts
 
     !> Totals of ledgers and debts, as ledger_totals has them.
@@ -150,8 +148,9 @@ contains
         real(dp) :: part(book_threads, max_var)
 
         call clear_buffer(gpu%part, err)
-        call gpu%ledgers%total_ledger(gpu%n_cells, gpu%box, gpu%cell, there%u, gpu%part, err)
-        call gpu%debts%total_debt(gpu%n_debts, gpu%box%n_var, gpu%debt(1), gpu%part, err)
+        call gpu%ledger_kernels%total_ledger(gpu%wall%n_cells, gpu%box, gpu%cell, there%u, &
+                                             gpu%part, err)
+        call gpu%debt_kernels%total_debt(gpu%n_debts, gpu%box%n_var, gpu%debt, gpu%part, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)
         kept = sum(part(:, 1:5), 1)*product(air%dx)
@@ -166,7 +165,7 @@ contains
         real(dp) :: part(book_threads)
 
         call clear_buffer(gpu%part, err)
-        call gpu%loads%wall_speed(gpu%n_cells, there%grid, there%walls%v, gpu%part, err)
+        call gpu%load_kernels%wall_speed(gpu%wall%n_cells, there%grid, there%walls%v, gpu%part, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)
         fastest = maxval(part)

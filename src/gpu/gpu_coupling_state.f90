@@ -5,7 +5,7 @@
 !> Cells of the air go by their number in memory order, ghosts left out; solid cells and wall faces
 !> by their places in lists, in the order of the CPU.
 module brz_gpu_coupling_state
-    use brz_carrier_rules, only: n_push
+    use brz_carrier_rules, only: carrier_t, n_push
     use brz_coupling_state, only: coupling_t
     use brz_bin_launches, only: bin_kernels_t
     use brz_carrier_launches, only: carrier_kernels_t
@@ -16,14 +16,15 @@ module brz_gpu_coupling_state
     use brz_coupling_box, only: box_t
     use brz_coupling_launches, only: coupling_kernels_t
     use brz_debt_launches, only: debt_kernels_t
-    use brz_device, only: allocate_buffer, device_t, free_buffers, put_buffer, &
+    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers, put_buffer, &
         reserve_buffer
     use brz_donor_launches, only: donor_kernels_t
     use brz_errors, only: error_t
-    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, gpu_walls_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_coupling_layout, only: book_threads, n_book, n_count
-    use brz_kinds, only: int64
+    use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
+    use brz_kinds, only: dp, int64, rk
     use brz_ledger_launches, only: ledger_kernels_t
     use brz_load_launches, only: load_kernels_t
     use brz_scheme, only: max_var
@@ -32,7 +33,8 @@ module brz_gpu_coupling_state
     implicit none
     private
     public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
-    public :: size_cells, size_faces, column_of, tags_of, fold_rows
+    public :: size_cells, size_faces, column_of, tags_of
+    public :: seen_t, seen, book_at, count_at, read_count, put_carriers, add_up
 
     integer, parameter :: fold_rows = 16 !! partial sums that are left for the host
 
@@ -45,9 +47,22 @@ module brz_gpu_coupling_state
         integer :: load = 0 !! columns of `state` before those of the load of the air
     end type particles_t
 
+    !> The same as the steps have them, array by array, see solid_t.
+    type :: seen_t
+        integer :: n = 0, wide = 4, step_d = 0, step_p = 1
+        type(doubles_t) :: x
+        type(reals_t) :: v, mass, load
+        type(integers_t) :: fixed, id
+    end type seen_t
+
+    !> Names are those of coupling_t where there is such an array.
     type :: gpu_coupling_t
         type(box_t) :: box
-        integer :: n_cells = 0, n_faces = 0, n_debts = 0
+        type(gpu_walls_t) :: wall !! those of the air, as they were put up last
+        integer :: n_var = 5, n_debts = 0, n_covered = 0, n_uncovered = 0
+        integer(int64) :: kept = 0
+        real(rk) :: level = 0
+        real(dp) :: dt_before = 0
         integer(int64) :: fetched_changes = -1 !! cells that had changed hands at the last fetch
         type(buffer_t) :: shells !! shells_t
         type(bytes_t) :: mark !! (cells) what the particles make of a cell
@@ -57,35 +72,36 @@ module brz_gpu_coupling_state
         type(doubles_t) :: book, part !! likewise
         integer :: bodies = 0 !! that may carry particles
         type(integers_t) :: felt !! (bodies) particles that feel the air
-        type(buffer_t) :: carrier !! (bodies) as in coupling_t
+        type(carrier_t), allocatable :: carrier(:) !! on the host
+        type(buffer_t) :: carrier_there !! the same
+        real(dp), allocatable :: shift(:, :) !! on the host
         type(doubles_t) :: carrier_part !! sums over one of them
-        type(integers_t) :: cell_of, home, binned !! (particles) cell, place of it in the list, bins
-        type(reals_t) :: before !! (3, particles by id) velocity a step of the air before [m/s]
+        type(integers_t) :: cell_of, place_of, binned !! (particles) cell, its place, bins
+        type(reals_t) :: v_before !! (3, particles by id) velocity a step of the air before [m/s]
         type(integers_t) :: ends !! (n_cells + 1) of the bins
         type(integers_t) :: cell !! (n_cells) number of each solid cell
         type(integers_t) :: above !! (6, n_cells) face that loads the column of a cell, or 0
         type(reals_t) :: ledger, excess !! (max_var, n_cells), (n_cells)
-        type(integers_t) :: gas, rows, owner !! (n_faces) gas cell, side, place of the solid cell
+        type(integers_t) :: gas, rows !! (n_faces) gas cell, side
         type(doubles_t) :: surface !! (n_faces) as in coupling_t
         type(reals_t) :: weight, force, impedance !! (n_faces) likewise
         type(integers_t) :: start !! counts that become places in lists
-        type(integers_t) :: left !! cells that the solid has left
-        type(integers_t) :: donor, shell !! as in coupling_t
+        type(integers_t) :: uncovered !! cells that the solid has left
+        type(integers_t) :: donor, donor_shell !! as in coupling_t
         type(reals_t) :: donation !! likewise
-        type(integers_t) :: debt_cell(2) !! the list, and room for the next one
-        type(reals_t) :: debt(2)
-        integer :: room_debts = 0
-        type(bin_kernels_t) :: bins
-        type(carrier_kernels_t) :: carriers
+        type(integers_t) :: debt_cell, next_cell !! the list, and room for the next one
+        type(reals_t) :: debt, next_debt
+        type(bin_kernels_t) :: bin_kernels
+        type(carrier_kernels_t) :: carrier_kernels
         type(coupling_kernels_t) :: kernels
         type(gpu_common_t) :: common
-        type(cell_kernels_t) :: cells
-        type(load_kernels_t) :: loads
-        type(column_kernels_t) :: columns
-        type(velocity_kernels_t) :: velocities
-        type(ledger_kernels_t) :: ledgers
-        type(debt_kernels_t) :: debts
-        type(donor_kernels_t) :: donors
+        type(cell_kernels_t) :: cell_kernels
+        type(load_kernels_t) :: load_kernels
+        type(column_kernels_t) :: column_kernels
+        type(velocity_kernels_t) :: velocity_kernels
+        type(ledger_kernels_t) :: ledger_kernels
+        type(debt_kernels_t) :: debt_kernels
+        type(donor_kernels_t) :: donor_kernels
     end type gpu_coupling_t
 
 contains
@@ -100,18 +116,21 @@ contains
         integer(int64) :: bytes
 
         gpu%box = coupling%box
+        gpu%n_var = coupling%n_var
+        gpu%level = coupling%level
+        gpu%kept = coupling%kept
         gpu%bodies = size(coupling%carrier)
         call gpu%kernels%open(device, err)
         call gpu%common%open(device, n_push*fold_rows, err)
-        call gpu%bins%open(device, err)
-        call gpu%carriers%open(device, err)
-        call gpu%cells%open(device, err)
-        call gpu%loads%open(device, err)
-        call gpu%columns%open(device, err)
-        call gpu%velocities%open(device, err)
-        call gpu%ledgers%open(device, err)
-        call gpu%debts%open(device, err)
-        call gpu%donors%open(device, err)
+        call gpu%bin_kernels%open(device, err)
+        call gpu%carrier_kernels%open(device, err)
+        call gpu%cell_kernels%open(device, err)
+        call gpu%load_kernels%open(device, err)
+        call gpu%column_kernels%open(device, err)
+        call gpu%velocity_kernels%open(device, err)
+        call gpu%ledger_kernels%open(device, err)
+        call gpu%debt_kernels%open(device, err)
+        call gpu%donor_kernels%open(device, err)
         call put_buffer(coupling%shells, gpu%shells, storage_size(coupling%shells)/8_int64, err)
         call allocate_buffer(gpu%mark, int(gpu%box%cells, int64), err)
         call allocate_buffer(gpu%top, 4_int64*(gpu%box%cells/cells_of_a_chunk + 2), err)
@@ -120,11 +139,12 @@ contains
         call allocate_buffer(gpu%book, 8_int64*book_threads*n_book, err)
         call allocate_buffer(gpu%part, 8_int64*book_threads*max_var, err)
         call allocate_buffer(gpu%cell_of, 4_int64*particles, err)
-        call allocate_buffer(gpu%home, 4_int64*particles, err)
+        call allocate_buffer(gpu%place_of, 4_int64*particles, err)
         call allocate_buffer(gpu%binned, 4_int64*particles, err)
-        call allocate_buffer(gpu%before, 3*bytes_of_real*particles, err)
+        call allocate_buffer(gpu%v_before, 3*bytes_of_real*particles, err)
+        gpu%carrier = coupling%carrier
         bytes = storage_size(coupling%carrier)/8
-        call allocate_buffer(gpu%carrier, gpu%bodies*bytes, err)
+        call put_buffer(gpu%carrier, gpu%carrier_there, gpu%bodies*bytes, err)
         call allocate_buffer(gpu%carrier_part, 8_int64*n_push*tally_threads, err)
     end subroutine open_memory
 
@@ -135,7 +155,6 @@ contains
         integer, intent(in) :: n
         type(error_t), intent(inout) :: err
 
-        gpu%n_cells = n
         there%walls%n_cells = n
         call reserve_buffer(gpu%cell, 4_int64*n, err)
         call reserve_buffer(gpu%ends, 4_int64*(n + 2), err)
@@ -154,11 +173,10 @@ contains
         integer, intent(in) :: n
         type(error_t), intent(inout) :: err
 
-        gpu%n_faces = n
         there%walls%n_faces = n
         call reserve_buffer(gpu%gas, 4_int64*n, err)
         call reserve_buffer(gpu%rows, 4_int64*n, err)
-        call reserve_buffer(gpu%owner, 4_int64*n, err)
+        call reserve_buffer(there%walls%face_cell, 4_int64*n, err)
         call reserve_buffer(gpu%surface, 8_int64*n, err)
         call reserve_buffer(gpu%weight, bytes_of_real*n, err)
         call reserve_buffer(gpu%force, bytes_of_real*n, err)
@@ -182,19 +200,82 @@ contains
         tags_of = from(particles%tag, (number - 1_int64)*particles%n + 1)
     end function tags_of
 
+    !> The particles, array by array.
+    pure function seen(particles) result(p)
+        type(particles_t), intent(in) :: particles
+        type(seen_t) :: p
+
+        p%n = particles%n
+        p%step_d = particles%n
+        p%x = particles%place
+        p%v = particles%motion
+        p%mass = column_of(particles, at_mass)
+        p%load = column_of(particles, particles%load + 1)
+        p%fixed = tags_of(particles, tag_fixed)
+        p%id = tags_of(particles, tag_id)
+    end function seen
+
+    !> A column of the books, as an item adds to it and to those behind.
+    pure type(doubles_t) function book_at(gpu, column)
+        type(gpu_coupling_t), intent(in) :: gpu
+        integer, intent(in) :: column
+
+        book_at = from(gpu%book, book_threads*(column - 1_int64) + 1)
+    end function book_at
+
+    pure type(integers_t) function count_at(gpu, number)
+        type(gpu_coupling_t), intent(in) :: gpu
+        integer, intent(in) :: number
+
+        count_at = from(gpu%counts, int(number, int64))
+    end function count_at
+
+    !> What the kernels have counted; 0 where the GPU fails.
+    subroutine read_count(gpu, number, n, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        integer, intent(in) :: number
+        integer, intent(out) :: n
+        type(error_t), intent(inout) :: err
+        integer :: word(1)
+
+        word = 0
+        call copy_out(count_at(gpu, number), word, 4_int64, err)
+        n = word(1)
+    end subroutine read_count
+
+    !> The carriers of the host.
+    subroutine put_carriers(gpu, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+
+        call copy_in(gpu%carrier, gpu%carrier_there, &
+                     gpu%bodies*(storage_size(gpu%carrier)/8_int64), err)
+    end subroutine put_carriers
+
+    !> The sums of an item over the particles of a carrier, in a fixed order.
+    subroutine add_up(gpu, sums, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        real(dp), intent(out) :: sums(:)
+        type(error_t), intent(inout) :: err
+        real(dp) :: folded(fold_rows, size(sums))
+
+        call gpu%common%fold(gpu%carrier_part, tally_threads, folded, err)
+        sums = sum(folded, 1)
+    end subroutine add_up
+
     !> Give the memory back.
     subroutine close_gpu_coupling(gpu)
         type(gpu_coupling_t), intent(inout) :: gpu
 
         call free_buffers(gpu%shells, gpu%mark, gpu%top, gpu%slot, gpu%counts, gpu%book, gpu%part, &
             gpu%felt)
-        call free_buffers(gpu%cell_of, gpu%home, gpu%binned, gpu%before, gpu%ends, gpu%cell, &
+        call free_buffers(gpu%cell_of, gpu%place_of, gpu%binned, gpu%v_before, gpu%ends, gpu%cell, &
             gpu%above, gpu%ledger)
-        call free_buffers(gpu%excess, gpu%gas, gpu%rows, gpu%owner, gpu%surface, gpu%weight, &
-            gpu%force, gpu%impedance)
-        call free_buffers(gpu%start, gpu%left, gpu%donor, gpu%shell, gpu%donation, &
-            gpu%debt_cell(1), gpu%debt_cell(2), gpu%debt(1))
-        call free_buffers(gpu%debt(2), gpu%carrier, gpu%carrier_part)
+        call free_buffers(gpu%excess, gpu%gas, gpu%rows, gpu%surface, gpu%weight, gpu%force, &
+            gpu%impedance)
+        call free_buffers(gpu%start, gpu%uncovered, gpu%donor, gpu%donor_shell, gpu%donation, &
+            gpu%debt_cell, gpu%next_cell, gpu%debt)
+        call free_buffers(gpu%next_debt, gpu%carrier_there, gpu%carrier_part)
         call gpu%common%close()
     end subroutine close_gpu_coupling
 end module brz_gpu_coupling_state

@@ -5,21 +5,24 @@
 !> and have their counters and dt_before brought up to date.
 module brz_gpu_coupling_step
     use brz_air_state, only: air_t
-    use brz_coupling_state, only: coupling_t
     use brz_buffers, only: from
+    use brz_coupling_box, only: is_left
+    use brz_coupling_state, only: coupling_t
     use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: gpu_air_t
-    use brz_gpu_coupling_carriers, only: load_gpu_carriers, move_gpu_carriers, &
-        see_gpu_carriers
-    use brz_gpu_coupling_debts, only: level_gpu_ledgers, limit_gpu_ledgers, release_gpu_debts
-    use brz_gpu_coupling_events, only: change_gpu_hands
+    use brz_gpu_carrier_steps, only: move_carriers, see_carriers, sum_loads
     use brz_gpu_coupling_layout, only: count_covered, count_moved, count_outside, &
         count_uncovered, n_count
-    use brz_gpu_coupling_state, only: column_of, gpu_coupling_t, particles_t, tags_of
-    use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles, move_gpu_walls
-    use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
-    use brz_kinds, only: dp, int64, rk
+    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t, seen, seen_t
+    use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
+        look_at_particles
+    use brz_gpu_debt_steps, only: donate, fill_uncovered, level_ledgers, limit_ledgers, &
+        release_debts, settle_covered
+    use brz_gpu_lists, only: at_least
+    use brz_gpu_wall_steps, only: feel_gas, find_mean_velocity, keep_velocities, press_bodies, &
+        push_walls, weigh_columns
+    use brz_kinds, only: dp, int64
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -28,57 +31,47 @@ module brz_gpu_coupling_step
 contains
 
     !> Velocities of the walls in the middle of the coming step, as set_wall_velocity has them.
-    subroutine gpu_set_wall_velocity(gpu, there, particles, air, solid, coupling, dt, err)
-        type(gpu_coupling_t), intent(in) :: gpu
+    subroutine gpu_set_wall_velocity(gpu, there, particles, solid, coupling, dt, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
         type(gpu_air_t), intent(in) :: there
         type(particles_t), intent(in) :: particles
-        type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid !! its bodies
         type(coupling_t), intent(inout) :: coupling !! dt_before and the carriers are set
         real(dp), intent(in) :: dt !! of the coming step of the air [s]
         type(error_t), intent(inout) :: err
+        type(seen_t) :: p
 
-        call see_gpu_carriers(gpu, particles, solid, coupling, err)
-        call move_gpu_walls(gpu, there, particles, err)
-        call gpu%columns%weigh_column(gpu%n_faces, gpu%box, 4, gpu%gas, gpu%rows, gpu%owner, &
-                                      gpu%cell, there%walls%solid, there%walls%cell_of, gpu%ends, &
-                                      gpu%binned, particles%place, column_of(particles, at_mass), &
-                                      gpu%surface, gpu%weight, err)
-        call gpu%columns%feel_gas(gpu%n_faces, gpu%box, air%scheme, gpu%gas, gpu%rows, gpu%owner, &
-                                  there%u, there%walls%v, gpu%force, gpu%impedance, err)
-        call move_gpu_carriers(gpu, particles, solid, coupling, dt, err)
-        call gpu%velocities%push_wall( &
-            gpu%n_cells, gpu%box, 4, particles%n, 1, gpu%bodies, real(dt, rk), &
-            real(coupling%dt_before, rk), gpu%carrier, gpu%gas, gpu%owner, there%walls%face_of, &
-            gpu%above, gpu%ends, gpu%binned, particles%place, particles%motion, &
-            column_of(particles, at_mass), column_of(particles, particles%load + 1), gpu%before, &
-            tags_of(particles, tag_id), tags_of(particles, tag_fixed), gpu%surface, gpu%weight, &
-            gpu%force, gpu%impedance, there%walls%v, err)
-        call gpu%velocities%keep_velocity(particles%n, 4, particles%motion, &
-                                          tags_of(particles, tag_id), gpu%before, err)
+        p = seen(particles)
+        gpu%dt_before = coupling%dt_before
+        call see_carriers(solid, p, gpu, err)
+        call find_mean_velocity(p, gpu, err)
+        call weigh_columns(p, gpu, err)
+        call feel_gas(there, gpu, err)
+        call move_carriers(solid, p, gpu, dt, err)
+        call push_walls(p, gpu, dt, gpu%v_before, p%id, err)
+        call keep_velocities(p, gpu, err)
         coupling%dt_before = dt
     end subroutine gpu_set_wall_velocity
 
     !> Loads on the particles from the impulses of the step, and the books of work and impulse, as
     !> spread_load has them.
-    subroutine gpu_spread_load(gpu, there, particles, solid, coupling, dt, err)
-        type(gpu_coupling_t), intent(in) :: gpu
-        type(gpu_air_t), intent(in) :: there
+    subroutine gpu_spread_load(gpu, particles, solid, dt, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
         type(particles_t), intent(in) :: particles
         type(solid_t), intent(inout) :: solid !! its rigid bodies get their loads
-        type(coupling_t), intent(in) :: coupling
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
         type(error_t), intent(inout) :: err
+        real(dp) :: load(6, gpu%bodies)
+        type(seen_t) :: p
+        integer :: b
 
-        call gpu%columns%press_face(gpu%n_faces, gpu%box, dt, gpu%rows, there%walls%impulse, &
-                                    gpu%force, err)
-        call gpu%columns%book_face(gpu%n_faces, gpu%box, dt, gpu%gas, gpu%rows, gpu%owner, &
-                                   there%walls%impulse, there%walls%v, gpu%book, err)
-        call gpu%columns%load_particle(particles%n, gpu%box, 4, particles%n, 1, gpu%home, &
-                                       gpu%above, gpu%gas, gpu%surface, gpu%weight, gpu%force, &
-                                       particles%place, column_of(particles, at_mass), &
-                                       column_of(particles, particles%load + 1), err)
-        call load_gpu_carriers(gpu, particles, solid, coupling, err)
+        p = seen(particles)
+        call press_bodies(p, gpu, dt, err)
+        if (.not. allocated(solid%bodies)) return
+        call sum_loads(solid, p, gpu, load, err)
+        do b = 1, gpu%bodies
+            solid%bodies(b)%rigid%load = load(:, b)
+        end do
     end subroutine gpu_spread_load
 
     !> Which bodies feel more than rounding, as wake_loaded asks. After gpu_spread_load.
@@ -94,9 +87,9 @@ contains
         call reserve_buffer(gpu%felt, 4_int64*size(first), err)
         call clear_buffer(gpu%felt, err)
         do b = 1, size(first)
-            call gpu%loads%feel_load(last(b) - first(b) + 1, first(b), gpu%box, dt, gpu%home, &
-                                     gpu%above, there%walls%impulse, &
-                                     from(gpu%felt, int(b, int64)), err)
+            call gpu%load_kernels%feel_load(last(b) - first(b) + 1, first(b), gpu%box, dt, &
+                                            gpu%place_of, gpu%above, there%walls%impulse, &
+                                            from(gpu%felt, int(b, int64)), err)
         end do
         marks = 0
         call copy_out(gpu%felt, marks, 4_int64*size(marks), err)
@@ -119,16 +112,41 @@ contains
         coupling%outside = counts(count_outside)
         if (counts(count_moved) > 0 .or. solid%rebuilds /= coupling%rebuilds) then
             if (counts(count_covered) + counts(count_uncovered) > 0) &
-                call change_gpu_hands(gpu, there, air, coupling, counts, err)
+                call change_hands(gpu, there, air, coupling, counts, err)
             call fill_gpu_bins(gpu, there, particles, err)
         end if
         coupling%rebuilds = solid%rebuilds ! where they were sorted anew, so are those of a cell
-        call level_gpu_ledgers(gpu, there, air, coupling, err)
-        call limit_gpu_ledgers(gpu, there, err)
-        call release_gpu_debts(gpu, there, err)
-        call see_gpu_carriers(gpu, particles, solid, coupling, err)
-        call move_gpu_walls(gpu, there, particles, err)
+        call level_ledgers(there, gpu, err)
+        call limit_ledgers(there, gpu, err)
+        call release_debts(there, gpu, err)
+        call see_carriers(solid, seen(particles), gpu, err)
+        call find_mean_velocity(seen(particles), gpu, err)
         there%fetched = .false.
         coupling%n_debts = gpu%n_debts
+        coupling%kept = gpu%kept
     end subroutine gpu_reclassify
+
+    !> The map has changed: fill what the solid left, put the new walls up, pass the rest on.
+    subroutine change_hands(gpu, there, air, coupling, counts, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(inout) :: there
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: coupling
+        integer, intent(in) :: counts(n_count) !! from look_at_particles
+        type(error_t), intent(inout) :: err
+
+        gpu%n_covered = counts(count_covered)
+        gpu%n_uncovered = counts(count_uncovered)
+        coupling%n_covered = gpu%n_covered
+        coupling%n_uncovered = gpu%n_uncovered
+        coupling%covered_total = coupling%covered_total + gpu%n_covered
+        coupling%uncovered_total = coupling%uncovered_total + gpu%n_uncovered
+        call at_least(gpu%uncovered, gpu%n_uncovered, err)
+        call list_cells_of_kind(gpu, is_left, err, list=gpu%uncovered)
+        call fill_uncovered(there, gpu, err)
+        call build_gpu_walls(gpu, there, air, gpu%wall%n_cells + gpu%n_covered &
+                             - gpu%n_uncovered, err)
+        call settle_covered(there, gpu, err)
+        call donate(there, gpu, err)
+    end subroutine change_hands
 end module brz_gpu_coupling_step

@@ -10,13 +10,12 @@ module brz_gpu_coupling_walls
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: gpu_air_t, mark_near_walls
     use brz_gpu_coupling_layout, only: count_covered, count_moved, n_count
-    use brz_gpu_coupling_state, only: column_of, gpu_coupling_t, particles_t, &
-        size_cells, size_faces, tags_of
-    use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
+    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t, size_cells, size_faces, tags_of
+    use brz_gpu_solid_layout, only: tag_fixed, tag_id
     use brz_kinds, only: int64, int8
     implicit none
     private
-    public :: look_at_particles, list_cells_of_kind, build_gpu_walls, fill_gpu_bins, move_gpu_walls
+    public :: look_at_particles, list_cells_of_kind, build_gpu_walls, fill_gpu_bins
 
 contains
 
@@ -30,11 +29,11 @@ contains
 
         call clear_buffer(gpu%counts, err)
         call clear_buffer(gpu%mark, err)
-        call gpu%cells%find_cell(particles%n, gpu%box, 4, particles%place, &
+        call gpu%cell_kernels%find_cell(particles%n, gpu%box, 4, particles%place, &
                                  tags_of(particles, tag_fixed), gpu%cell_of, &
                                  from(gpu%counts, int(count_moved, int64)), err)
-        call gpu%cells%mark_cell(particles%n, gpu%cell_of, gpu%mark, err)
-        call gpu%cells%compare_cell(gpu%box%cells, gpu%box, there%walls%solid, gpu%mark, &
+        call gpu%cell_kernels%mark_cell(particles%n, gpu%cell_of, gpu%mark, err)
+        call gpu%cell_kernels%compare_cell(gpu%box%cells, gpu%box, there%walls%solid, gpu%mark, &
                                     from(gpu%counts, int(count_covered, int64)), err)
         counts = 0
         call copy_out(gpu%counts, counts, 4_int64*n_count, err)
@@ -50,10 +49,11 @@ contains
         integer :: chunks
 
         chunks = (gpu%box%cells - 1)/cells_of_a_chunk + 1
-        call gpu%cells%count_kind(chunks, gpu%box%cells, int(kind_of), gpu%mark, gpu%top, err)
+        call gpu%cell_kernels%count_kind(chunks, gpu%box%cells, int(kind_of), gpu%mark, gpu%top, &
+                                         err)
         call gpu%common%running_sum(gpu%top, chunks, err, total)
-        if (present(list)) call gpu%cells%list_kind(chunks, gpu%box%cells, int(kind_of), &
-                                                    gpu%mark, gpu%top, list, err)
+        if (present(list)) call gpu%cell_kernels%list_kind( &
+            chunks, gpu%box%cells, int(kind_of), gpu%mark, gpu%top, list, err)
     end subroutine list_cells_of_kind
 
     !> Put the walls up where `mark` says; there are n solid cells. Velocities are not set.
@@ -69,19 +69,20 @@ contains
         call list_cells_of_kind(gpu, is_solid, err, list=gpu%cell)
         associate (k => gpu%kernels, grid => there%grid, walls => there%walls)
             call clear_buffer(walls%solid, err)
-            call clear_buffer(walls%cell_of, err)
-            call k%wall_index([n, 1, 1], n, gpu%box, grid, gpu%cell, walls%solid, walls%cell_of, &
+            call clear_buffer(walls%index, err)
+            call k%wall_index([n, 1, 1], n, gpu%box, grid, gpu%cell, walls%solid, walls%index, &
                               err)
-            call k%wall_images(air%n + 2*air%g, gpu%box, grid, walls%solid, walls%cell_of, err)
+            call k%wall_images(air%n + 2*air%g, gpu%box, grid, walls%solid, walls%index, err)
             call mark_near_walls(there, air, err)
             call k%wall_count([n, 1, 1], n, gpu%box, grid, gpu%cell, walls%solid, gpu%start, err)
             call gpu%common%running_sum(gpu%start, n, err, faces)
             call size_faces(gpu, there, faces, err)
             call k%wall_list([n, 1, 1], n, gpu%box, grid, gpu%cell, walls%solid, gpu%start, &
-                             walls%face_of, gpu%gas, gpu%rows, gpu%owner, err)
+                             walls%face_of, gpu%gas, gpu%rows, walls%face_cell, err)
+            call gpu%column_kernels%find_above(n, gpu%box, gpu%cell, walls%solid, walls%index, &
+                                               walls%face_of, gpu%above, err)
+            gpu%wall = walls
         end associate
-        call gpu%columns%find_above(n, gpu%box, gpu%cell, there%walls%solid, there%walls%cell_of, &
-                                    there%walls%face_of, gpu%above, err)
     end subroutine build_gpu_walls
 
     !> Sort the particles by solid cell.
@@ -93,27 +94,14 @@ contains
         type(integers_t) :: ends
 
         call clear_buffer(gpu%ends, err)
-        call gpu%bins%find_home(particles%n, gpu%box, gpu%cell_of, there%walls%cell_of, gpu%home, &
-                                err)
-        call gpu%kernels%bin_count([particles%n, 1, 1], particles%n, gpu%home, gpu%ends, err)
+        call gpu%bin_kernels%find_home(particles%n, gpu%box, gpu%cell_of, there%walls%index, &
+                                       gpu%place_of, err)
+        call gpu%kernels%bin_count([particles%n, 1, 1], particles%n, gpu%place_of, gpu%ends, err)
         ends = from(gpu%ends, 2_int64)
-        call gpu%common%running_sum(ends, gpu%n_cells, err)
-        call gpu%kernels%bin_fill([particles%n, 1, 1], particles%n, gpu%home, gpu%ends, &
+        call gpu%common%running_sum(ends, gpu%wall%n_cells, err)
+        call gpu%kernels%bin_fill([particles%n, 1, 1], particles%n, gpu%place_of, gpu%ends, &
                                   gpu%binned, err)
-        call gpu%bins%sort_bin(gpu%n_cells, tags_of(particles, tag_id), gpu%ends, gpu%binned, err)
+        call gpu%bin_kernels%sort_bin(gpu%wall%n_cells, tags_of(particles, tag_id), gpu%ends, &
+                                      gpu%binned, err)
     end subroutine fill_gpu_bins
-
-    !> Give each solid cell the mean velocity by mass of its particles, as move_walls does. The
-    !> carriers must be there.
-    subroutine move_gpu_walls(gpu, there, particles, err)
-        type(gpu_coupling_t), intent(in) :: gpu
-        type(gpu_air_t), intent(in) :: there
-        type(particles_t), intent(in) :: particles
-        type(error_t), intent(inout) :: err
-
-        call gpu%velocities%mean_velocity_of(gpu%n_cells, gpu%box, 4, gpu%bodies, gpu%carrier, &
-                                             gpu%ends, gpu%binned, particles%place, &
-                                             particles%motion, column_of(particles, at_mass), &
-                                             tags_of(particles, tag_fixed), there%walls%v, err)
-    end subroutine move_gpu_walls
 end module brz_gpu_coupling_walls

@@ -207,6 +207,8 @@ module brz_solid_state
         type(ranks_t) :: ranks !! the processes that share the particles
         type(part_t) :: part !! what this one has to do with others
         integer :: n = 0 !! particles, with the ghosts of those of other processes
+        integer :: wide = 3 !! rows of x and v; on a GPU there are four
+        integer :: step_d = 1, step_p = 3 !! distances in `load` of directions, of particles
         integer :: n_hist = 0 !! history variables kept per particle
         integer :: dimension = 3 !! 3, or 2 (plane strain), or 1
         logical :: mirror(3) = .false. !! symmetry plane through the origin normal to each axis

@@ -31,7 +31,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (backend%coupling_on_gpu) then
-            call gpu_set_wall_velocity(backend%coupling, backend%air, particles_of(backend), air, &
+            call gpu_set_wall_velocity(backend%coupling, backend%air, particles_of(backend), &
                                        solid, coupling, dt, err)
             call wait_for_device(err)
         else
@@ -48,8 +48,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (backend%coupling_on_gpu) then
-            call gpu_spread_load(backend%coupling, backend%air, particles_of(backend), solid, &
-                                 coupling, dt, err)
+            call gpu_spread_load(backend%coupling, particles_of(backend), solid, dt, err)
             call wait_for_device(err)
             backend%solid%fetched = .false.
             if (any(solid%bodies%asleep)) call wake_on_gpu(backend, solid, dt, err)

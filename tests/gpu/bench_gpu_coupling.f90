@@ -44,8 +44,8 @@ program bench_gpu_coupling
     side = argument(2, 3)
     call get_device(device, err)
     call set_up()
-    write (output_unit, '(4(i0, a))') particles%n, ' particles, ', gpu%n_cells, &
-        ' solid cells, ', gpu%n_faces, ' wall faces, ', product(air%n), ' cells of air'
+    write (output_unit, '(4(i0, a))') particles%n, ' particles, ', gpu%wall%n_cells, &
+        ' solid cells, ', gpu%wall%n_faces, ' wall faces, ', product(air%n), ' cells of air'
     call time_step('at rest', 0.0_dp)
     call time_step('dishing, 0.02 cells a step', 0.02_dp)
     call time_step('dishing, 0.1 cells a step', 0.1_dp)
@@ -143,11 +143,11 @@ contains
             call copy_in(place, particles%place, 32_int64*particles%n, err)
             call clear_buffer(there%walls%impulse, err)
             call start_timer(device, err)
-            call gpu_set_wall_velocity(gpu, there, particles, air, solid, coupling, &
+            call gpu_set_wall_velocity(gpu, there, particles, solid, coupling, &
                 1e-6_dp, err)
             ms(1) = ms(1) + 1e3_dp*stop_timer(device, err)/steps
             call start_timer(device, err)
-            call gpu_spread_load(gpu, there, particles, solid, coupling, 1e-6_dp, err)
+            call gpu_spread_load(gpu, particles, solid, 1e-6_dp, err)
             ms(2) = ms(2) + 1e3_dp*stop_timer(device, err)/steps
             call start_timer(device, err)
             call gpu_reclassify(gpu, there, particles, air, solid, coupling, err)

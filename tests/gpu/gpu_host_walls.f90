@@ -29,7 +29,7 @@ contains
             call reserve_buffer(walls%push, bytes_of_real*wall%n_faces, err)
             call reserve_buffer(walls%impulse, bytes_of_real*wall%n_faces, err)
             call copy_in(wall%solid, walls%solid, size(wall%solid, kind=int64), err)
-            call copy_in(wall%index, walls%cell_of, 4*size(wall%index, kind=int64), err)
+            call copy_in(wall%index, walls%index, 4*size(wall%index, kind=int64), err)
             call copy_in(face_of, walls%face_of, 24_int64*wall%n_cells, err)
             call copy_in(wall%v, walls%v, 3*bytes_of_real*wall%n_cells, err)
         end associate

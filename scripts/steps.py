@@ -1,0 +1,151 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: MIT
+"""Write the steps of the GPU from those of the CPU: lists of operations that stand once.
+
+usage: steps.py NAME_steps.f90 GPU_NAME_steps.f90
+
+A file of steps calls items, loop by loop, and helpers. What it names lies under the same names on
+the GPU: `air`, `c` and `p` are then a gpu_air_t, a gpu_coupling_t and a seen_t, with buffers for
+arrays. A call of an item becomes a launch of its kernel, and every call also hands on the error. An
+item that sums or counts says behind its call what holds that on the GPU: `!@gpu book_low
+count_over`, a column of the books and a count, which is then read. Statements for the CPU alone end
+in `!@cpu`, those for the GPU alone are comments that begin with `!@gpu call`. `!@host` says that a
+procedure runs on the host for both.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+from items import BUFFER, ITEM, Item, fold
+
+CALL = re.compile(r"^(.*?)\bcall (\w+)\((.*)\)$")
+HEAD = re.compile(r"^subroutine (\w+)\((.*)\)$")
+ARRAY = re.compile(r"^([\w()]+), intent\(\w+\) :: (\w+)\(:.*\)$")
+TAGS = re.compile(r"!@gpu (?!call)(.*)")
+CHANGES = [(r"\bmodule brz_(\w+)", r"module brz_gpu_\1"), (r", running_sum\b", "")]
+CHANGES += [
+    (r"use brz_(air|coupling)_state, only: (\w+_t)$", r"use brz_gpu_\1_state, only: gpu_\2")
+]
+CHANGES += [(r"type\((air|coupling)_t\)", r"type(gpu_\1_t)")]
+CHANGES += [("type.solid_t.", "type(seen_t)"), (r"use brz_(lists|\w+_steps)\b", r"use brz_gpu_\1")]
+
+
+def statements(text):
+    """(indent, statement, comment) with continued lines joined."""
+    whole, begin = "", 0
+    for line in text.splitlines():
+        bare, mark, comment = line.partition("!")
+        begin = begin if whole else len(line) - len(line.lstrip())
+        whole += bare.strip().removesuffix("&") + " "
+        if not bare.rstrip().endswith("&"):
+            yield begin, " ".join(whole.split()), mark + comment
+            whole = ""
+
+
+def arguments(text):
+    """What stands between the commas outside brackets."""
+    depth, parts = 0, [""]
+    for letter in text:
+        depth += (letter == "(") - (letter == ")")
+        if letter == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return [x.strip() for x in parts]
+
+
+def launch(family, item, given, comment):
+    """A launch in place of the loop over an item, and the count that it leaves."""
+    tags = comment.partition("!@gpu")[2].split()
+    pairs = list(zip(given[2 if item.exact else 1 :], item.rest, strict=True))
+    kept = [given[0], *(re.sub("^c%carrier$", r"\g<0>_there", x) for x, a in pairs if not a.tally)]
+    if item.exact:
+        return [
+            "call clear_buffer(c%carrier_part, err)",
+            f"call c%{family}_kernels%{item.name}({', '.join([*kept, 'c%carrier_part', 'err'])})",
+            f"call add_up(c, {given[-1]}, err)",
+        ]
+    counted = [x for x, a in pairs if a.tally == "count"]
+    if item.sums:
+        kept.append(f"book_at(c, {tags[0]})")
+    if counted:
+        kept.append(f"count_at(c, {tags[-1]})")
+    made = [f"call c%{family}_kernels%{item.name}({', '.join([*kept, 'err'])})"]
+    return made + [f"call read_count(c, {tags[-1]}, {x}, err)" for x in counted]
+
+
+def called(code, comment, items):
+    """Statements in place of one, which may be a call."""
+    if not code and comment.startswith("!@gpu call"):
+        return [comment.removeprefix("!@gpu ").replace(")", ", err)")]
+    if comment.startswith("!@host") or not (found := CALL.match(code)):
+        return [code]
+    before, name, given = found.groups()
+    if name.startswith("each_"):
+        first, *more = launch(*items[name[5:]], arguments(given), comment)
+        return [before + first, *more]
+    if name == "running_sum":
+        x, n, total = arguments(given)
+        return [f"{before}call c%common%running_sum({x}, {n}, err, {total})"]
+    return [f"{before}call {name}({given}, err)"]
+
+
+def uses(text):
+    """Modules that the GPU needs besides."""
+    tags = sorted({x for line in TAGS.findall(text) for x in line.split()})
+    if "(:" in text:
+        yield f"use brz_buffers, only: {', '.join(sorted(set(BUFFER.values())))}"
+    yield "use brz_errors, only: error_t"
+    yield "use brz_device, only: clear_buffer"
+    names = "add_up, book_at, count_at, put_carriers, read_count, seen_t"
+    yield f"use brz_gpu_coupling_state, only: {names}"
+    if tags:
+        yield f"use brz_gpu_coupling_layout, only: {', '.join(tags)}"
+
+
+def changed(code):
+    """A statement with the names of the GPU."""
+    if (array := ARRAY.match(code)) and array[1] in BUFFER:
+        code = f"type({BUFFER[array[1]]}), intent(in) :: {array[2]}"
+    for old, new in CHANGES:
+        code = re.sub(old, new, code)
+    return HEAD.sub(r"subroutine \1(\2, err)", code)
+
+
+def translated(text, items):
+    """(indent, statement, comment) of the module for the GPU."""
+    opened = False
+    for indent, code, comment in statements(text):
+        if re.match(r"use brz_\w+_loops", code) or comment.startswith("!@cpu"):
+            continue
+        if code == "implicit none":
+            yield from ((indent, x, "") for x in uses(text))
+        if opened and "intent(" not in code and not comment:
+            yield 8, "type(error_t), intent(inout) :: err", ""
+        if "intent(" not in code and not comment:
+            opened = False
+        opened = opened or bool(HEAD.match(code))
+        for one in called(changed(code), comment, items):
+            yield indent, one, "" if comment.startswith("!@") else comment
+
+
+def main():
+    source, target = Path(sys.argv[1]), Path(sys.argv[2])
+    items = {}
+    for path in source.parent.glob("*_items.f90"):
+        text = path.read_text(encoding="utf-8")
+        for m in ITEM.finditer(text):
+            family = path.stem.removesuffix("_items")
+            items[m[3]] = family, Item(*m.groups(), text[m.end() :])
+    lines = []
+    for indent, code, comment in translated(source.read_text(encoding="utf-8"), items):
+        every = fold(code) if code else [""]
+        every[-1] += f" {comment}" if code else comment
+        lines += [(" " * indent + x).rstrip() for x in every]
+    lines.insert(1, f"!> Written by scripts/steps.py from {source}.")
+    target.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

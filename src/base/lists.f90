@@ -1,0 +1,127 @@
+! SPDX-License-Identifier: MIT
+!> Lists that grow: room for entries, running sums, and a list that takes the place of another.
+module brz_lists
+    use brz_kinds, only: int32, real32, real64, rk
+    implicit none
+    private
+    public :: at_least, copy_first, room_of, running_sum, swap
+
+    !> Make room for n entries, or n columns of some rows; what was there is lost where it grows.
+    interface at_least
+        module procedure integers_at_least, singles_at_least, doubles_at_least, columns_at_least
+    end interface at_least
+
+    !> Copy the first n entries, or columns.
+    interface copy_first
+        module procedure copy_integers, copy_columns
+    end interface copy_first
+
+    !> Two lists change places.
+    interface swap
+        module procedure swap_integers, swap_columns
+    end interface swap
+
+contains
+
+    subroutine integers_at_least(a, n)
+        integer(int32), allocatable, intent(inout) :: a(:)
+        integer, intent(in) :: n
+
+        if (allocated(a)) then
+            if (size(a) >= n) return
+            deallocate (a)
+        end if
+        allocate (a(n + n/4))
+    end subroutine integers_at_least
+
+    subroutine singles_at_least(a, n)
+        real(real32), allocatable, intent(inout) :: a(:)
+        integer, intent(in) :: n
+
+        if (allocated(a)) then
+            if (size(a) >= n) return
+            deallocate (a)
+        end if
+        allocate (a(n + n/4))
+    end subroutine singles_at_least
+
+    subroutine doubles_at_least(a, n)
+        real(real64), allocatable, intent(inout) :: a(:)
+        integer, intent(in) :: n
+
+        if (allocated(a)) then
+            if (size(a) >= n) return
+            deallocate (a)
+        end if
+        allocate (a(n + n/4))
+    end subroutine doubles_at_least
+
+    subroutine columns_at_least(a, rows, n)
+        real(rk), allocatable, intent(inout) :: a(:, :)
+        integer, intent(in) :: rows, n
+
+        if (allocated(a)) then
+            if (size(a, 2) >= n) return
+            deallocate (a)
+        end if
+        allocate (a(rows, n + n/4))
+    end subroutine columns_at_least
+
+    !> Entries that a list has room for.
+    pure integer function room_of(a) result(n)
+        integer(int32), allocatable, intent(in) :: a(:)
+
+        n = 0
+        if (allocated(a)) n = size(a)
+    end function room_of
+
+    subroutine copy_integers(n, from, to)
+        integer, intent(in) :: n
+        integer(int32), allocatable, intent(in) :: from(:)
+        integer(int32), intent(inout) :: to(:)
+
+        if (n > 0) to(:n) = from(:n)
+    end subroutine copy_integers
+
+    subroutine copy_columns(n, rows, from, to)
+        integer, intent(in) :: n, rows
+        real(rk), allocatable, intent(in) :: from(:, :)
+        real(rk), intent(inout) :: to(:, :)
+
+        if (n > 0) to(:rows, :n) = from(:rows, :n)
+    end subroutine copy_columns
+
+    subroutine swap_integers(a, b)
+        integer(int32), allocatable, intent(inout) :: a(:), b(:)
+        integer(int32), allocatable :: c(:)
+
+        call move_alloc(a, c)
+        call move_alloc(b, a)
+        call move_alloc(c, b)
+    end subroutine swap_integers
+
+    subroutine swap_columns(a, b)
+        real(rk), allocatable, intent(inout) :: a(:, :), b(:, :)
+        real(rk), allocatable :: c(:, :)
+
+        call move_alloc(a, c)
+        call move_alloc(b, a)
+        call move_alloc(c, b)
+    end subroutine swap_columns
+
+    !> Every one of n integers becomes the sum of those before it, one more behind them that of all.
+    pure subroutine running_sum(x, n, total)
+        integer(int32), intent(inout) :: x(*) !! (n + 1)
+        integer, intent(in) :: n
+        integer, intent(out) :: total
+        integer :: i, more
+
+        total = 0
+        do i = 1, n
+            more = x(i)
+            x(i) = total
+            total = total + more
+        end do
+        x(n + 1) = total
+    end subroutine running_sum
+end module brz_lists

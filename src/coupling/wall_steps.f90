@@ -1,0 +1,91 @@
+! SPDX-License-Identifier: MIT
+!> Velocities of the walls in a step, and the loads of the particles behind them: the operations in
+!> their order. scripts/steps.py writes the same for the GPU.
+module brz_wall_steps
+    use brz_air_state, only: air_t
+    use brz_column_loops, only: each_book_face, each_feel_gas, each_load_particle, &
+        each_press_face, each_weigh_column
+    use brz_coupling_state, only: coupling_t
+    use brz_kinds, only: dp, int32, rk
+    use brz_solid_state, only: solid_t
+    use brz_velocity_loops, only: each_keep_velocity, each_mean_velocity_of, each_push_wall
+    implicit none
+    private
+    public :: find_mean_velocity, weigh_columns, feel_gas, push_walls, keep_velocities, press_bodies
+
+contains
+
+    !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
+    !> carries them, else as it is kept, half a step before. The carriers must be there.
+    subroutine find_mean_velocity(p, c)
+        type(solid_t), intent(in) :: p !! particles
+        type(coupling_t), intent(inout) :: c
+
+        call each_mean_velocity_of(c%wall%n_cells, c%box, p%wide, c%bodies, c%carrier, c%ends, &
+                                   c%binned, p%x, p%v, p%mass, p%fixed, c%wall%v)
+    end subroutine find_mean_velocity
+
+    !> Surface of the column behind each face, and the sum of the weights in it.
+    subroutine weigh_columns(p, c)
+        type(solid_t), intent(in) :: p
+        type(coupling_t), intent(inout) :: c
+
+        call each_weigh_column(c%wall%n_faces, c%box, p%wide, c%gas, c%rows, c%wall%face_cell, &
+                               c%cell, c%wall%solid, c%wall%index, c%ends, c%binned, p%x, p%mass, &
+                               c%surface, c%weight)
+    end subroutine weigh_columns
+
+    !> What the gas would do to the walls.
+    subroutine feel_gas(air, c)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: c
+
+        call each_feel_gas(c%wall%n_faces, c%box, air%scheme, c%gas, c%rows, c%wall%face_cell, &
+                           air%u, c%wall%v, c%force, c%impedance)
+    end subroutine feel_gas
+
+    !> Velocities of the walls in the middle of the coming step, where that of a particle a step
+    !> ago is a column of v_before.
+    subroutine push_walls(p, c, dt, v_before, column)
+        type(solid_t), intent(in) :: p
+        type(coupling_t), intent(inout) :: c
+        real(dp), intent(in) :: dt !! of the coming step of the air [s]
+        real(rk), intent(in) :: v_before(:, :) !! [m/s]
+        integer(int32), intent(in) :: column(:) !! of each particle in it
+
+        call each_push_wall(c%wall%n_cells, c%box, p%wide, p%step_d, p%step_p, c%bodies, &
+                            real(dt, rk), real(c%dt_before, rk), c%carrier, c%gas, &
+                            c%wall%face_cell, c%wall%face_of, c%above, c%ends, c%binned, p%x, &
+                            p%v, p%mass, p%load, v_before, column, p%fixed, c%surface, c%weight, &
+                            c%force, c%impedance, c%wall%v)
+    end subroutine push_walls
+
+    !> Keep the velocities for the coming step.
+    subroutine keep_velocities(p, c)
+        type(solid_t), intent(in) :: p
+        type(coupling_t), intent(inout) :: c
+
+        call each_keep_velocity(p%n, p%wide, p%v, p%id, c%v_before)
+    end subroutine keep_velocities
+
+    !> Loads of the particles, and the books of the walls. The columns are those of before the step.
+    subroutine press_bodies(p, c, dt)
+        type(solid_t), intent(inout) :: p
+        type(coupling_t), intent(inout) :: c
+        real(dp), intent(in) :: dt !! step of the air [s]
+        real(dp) :: work(2), given(3), taken(3) !@cpu
+
+        work = 0 !@cpu
+        given = 0 !@cpu
+        taken = 0 !@cpu
+        call each_press_face(c%wall%n_faces, c%box, dt, c%rows, c%wall%impulse, c%force)
+        call each_book_face(c%wall%n_faces, c%box, dt, c%gas, c%rows, c%wall%face_cell, &
+                            c%wall%impulse, c%wall%v, work, given, taken) !@gpu book_work
+        call each_load_particle(p%n, c%box, p%wide, p%step_d, p%step_p, c%place_of, c%above, &
+                                c%gas, c%surface, c%weight, c%force, p%x, p%mass, p%load)
+        c%work = c%work + work(1) !@cpu
+        c%work_reference = c%work_reference + work(2) !@cpu
+        c%impulse = c%impulse + given !@cpu
+        c%impulse_reference = c%impulse_reference + taken !@cpu
+    end subroutine press_bodies
+end module brz_wall_steps

@@ -1,0 +1,88 @@
+! SPDX-License-Identifier: MIT
+!> Lists that grow, on the GPU: as brz_lists has them, for steps that stand once.
+module brz_gpu_lists
+    use brz_buffers, only: buffer_t, integers_t, reals_t
+    use brz_device, only: copy_within, reserve_buffer
+    use brz_errors, only: error_t, failed
+    use brz_kinds, only: int64, rk
+    implicit none
+    private
+    public :: at_least, copy_first, room_of, swap
+
+    !> Make room for n entries, or n columns of some rows; what was there is lost where it grows.
+    interface at_least
+        module procedure integers_at_least, reals_at_least, columns_at_least
+    end interface at_least
+
+    !> Copy the first n entries, or columns.
+    interface copy_first
+        module procedure copy_integers, copy_columns
+    end interface copy_first
+
+    integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
+
+contains
+
+    subroutine integers_at_least(a, n, err)
+        type(integers_t), intent(inout) :: a
+        integer, intent(in) :: n
+        type(error_t), intent(inout) :: err
+
+        call reserve_buffer(a, 4_int64*n, err)
+    end subroutine integers_at_least
+
+    subroutine reals_at_least(a, n, err)
+        type(reals_t), intent(inout) :: a
+        integer, intent(in) :: n
+        type(error_t), intent(inout) :: err
+
+        call reserve_buffer(a, bytes_of_real*n, err)
+    end subroutine reals_at_least
+
+    subroutine columns_at_least(a, rows, n, err)
+        type(reals_t), intent(inout) :: a
+        integer, intent(in) :: rows, n
+        type(error_t), intent(inout) :: err
+
+        call reserve_buffer(a, bytes_of_real*rows*n, err)
+    end subroutine columns_at_least
+
+    !> Entries that a list has room for.
+    pure integer function room_of(a) result(n)
+        type(integers_t), intent(in) :: a
+
+        n = 0
+        if (a%address /= 0) n = int(a%bytes/4)
+    end function room_of
+
+    subroutine copy_integers(n, from, to, err)
+        integer, intent(in) :: n
+        type(integers_t), intent(in) :: from, to
+        type(error_t), intent(inout) :: err
+
+        call copy_within(from, to, 4_int64*n, err)
+    end subroutine copy_integers
+
+    subroutine copy_columns(n, rows, from, to, err)
+        integer, intent(in) :: n, rows
+        type(reals_t), intent(in) :: from, to
+        type(error_t), intent(inout) :: err
+
+        call copy_within(from, to, bytes_of_real*rows*n, err)
+    end subroutine copy_columns
+
+    !> Two lists change places.
+    subroutine swap(a, b, err)
+        class(buffer_t), intent(inout) :: a, b
+        type(error_t), intent(inout) :: err
+        type(buffer_t) :: c
+
+        if (failed(err)) return
+        c%address = a%address
+        c%bytes = a%bytes
+        a%address = b%address
+        a%bytes = b%bytes
+        b%address = c%address
+        b%bytes = c%bytes
+    end subroutine swap
+end module brz_gpu_lists
