@@ -30,7 +30,7 @@ import matplotlib.pyplot as plt
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from post.history import read_history
+from post.history import History, read_history
 
 TABLE = Path("docs/data/plate_models.csv")
 PICTURE = Path("docs/figures/plate_models.png")
@@ -126,23 +126,28 @@ def loaded_deck(number: int, spacing: float) -> str:
     """The plate alone under the mean pressures that the air had on the tiles."""
     history = read_history(FOLDER / f"run_{number}_wall" / "gauges.csv")
     text = PLATE.format(end=END, symmetry=", symmetry = 'x', 'y'", spacing=spacing)
-    time = [float(t) for t in history["time"]]
     for tile, x, y in tiles():
         impulse = [-float(value) / SIDE**2 for value in history[f"{tile}:impulse_z"]]
-        lines = ["time,pressure"]
-        for k in range(1, len(time)):
-            pressure = (impulse[k] - impulse[k - 1]) / (time[k] - time[k - 1])
-            lines.append(f"{(time[k] + time[k - 1]) / 2:.9e},{pressure:.9e}")
         name = f"run_{number}_{tile}"
-        (FOLDER / f"{name}.csv").write_text("\n".join(lines), encoding="utf-8")
-        (FOLDER / f"{name}.stl").write_text(square(x, y), encoding="utf-8")
+        (FOLDER / f"{name}.csv").write_text(load_table(history, impulse), encoding="utf-8")
+        (FOLDER / f"{name}.stl").write_text(square(x, y, SIDE), encoding="utf-8")
         text += WALL_LOAD.format(name=name)
     return text
 
 
-def square(x: float, y: float) -> str:
+def load_table(history: History, impulse: list[float]) -> str:
+    """The table of a &load from an impulse per area [Pa s]: means between its rows."""
+    time = [float(t) for t in history["time"]]
+    lines = ["time,pressure"]
+    for k in range(1, len(time)):
+        pressure = (impulse[k] - impulse[k - 1]) / (time[k] - time[k - 1])
+        lines.append(f"{(time[k] + time[k - 1]) / 2:.9e},{pressure:.9e}")
+    return "\n".join(lines)
+
+
+def square(x: float, y: float, side: float) -> str:
     """A square of the face z = 0 as an STL surface, by its low corner."""
-    corners = [(x, y), (x + SIDE, y), (x + SIDE, y + SIDE), (x, y + SIDE)]
+    corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side)]
     text = "solid square\n"
     for three in ((0, 1, 2), (0, 2, 3)):
         text += "facet normal 0 0 1\nouter loop\n"
@@ -156,11 +161,11 @@ def run(number: int) -> list[str]:
     model, cells, spacing = RUNS[number]
     seconds = 0.0
     if model == ON_WALL:
-        seconds = compute(f"run_{number}_wall", f"{model}.\n{wall_deck(cells, spacing)}")
+        seconds = compute(FOLDER, f"run_{number}_wall", f"{model}.\n{wall_deck(cells, spacing)}")
         text = loaded_deck(number, spacing)
     else:
         text = deck(model, cells, spacing)
-    seconds += compute(f"run_{number}", f"{model}.\n{text}")
+    seconds += compute(FOLDER, f"run_{number}", f"{model}.\n{text}")
     history = read_history(FOLDER / f"run_{number}" / "gauges.csv")
     moved = [-1e3 * float(history[f"{name}:displacement_z"][-1]) for name in ("mid", "quarter")]
     error = sum(abs(a / b - 1) for a, b in zip(moved, REFERENCE, strict=True)) / len(moved)
@@ -169,12 +174,12 @@ def run(number: int) -> list[str]:
     return [f"run_{number}", model, "" if cells is None else f"{cells:g}", f"{spacing:g}", *numbers]
 
 
-def compute(name: str, text: str) -> float:
+def compute(folder: Path, name: str, text: str) -> float:
     """Run one deck on one core; the seconds of that core, whatever else the machine does."""
-    path = FOLDER / f"{name}.nml"
+    path = folder / f"{name}.nml"
     path.write_text(text, encoding="utf-8")
-    command = ["bin/brisance", "run", path, "--backend", "cpu", "--out", FOLDER / name]
-    with (FOLDER / f"{name}.log").open("w", encoding="utf-8") as log:
+    command = ["bin/brisance", "run", path, "--backend", "cpu", "--out", folder / name]
+    with (folder / f"{name}.log").open("w", encoding="utf-8") as log:
         process = subprocess.Popen(
             [*command, "--replace"],
             env=os.environ | {"OMP_NUM_THREADS": "1"},

@@ -3,6 +3,7 @@
 module brz_air_probe
     use brz_kinds, only: dp, rk
     use brz_air_state, only: air_t, bc_wall, cell_gamma, wall_t
+    use brz_face_flux, only: speed_at_wall
     use brz_gas, only: to_primitive
     use brz_scheme, only: mixture_gamma
     use brz_wall_riemann, only: wall_star
@@ -17,9 +18,11 @@ contains
     !> Density, velocity and pressure at a point, trilinear between the gas cells around it.
     !>
     !> Solid cells are left out and the weights of the others made to sum to one. Where all eight
-    !> are solid the nearest gas cell within three counts; zero if there is none. Within half a cell
-    !> of the boundary, and beyond it, the value of the last cell continues; towards a wall it goes
-    !> over to the state at the wall, which bears what the gas that hits it brings.
+    !> are solid the nearest gas cell within three counts; zero if there is none. A cell that
+    !> touches solid counts with the state at its walls, so that within half a cell of them and in
+    !> the solid a gauge has the pressure that the body feels. Within half a cell of the boundary,
+    !> and beyond it, the value of the last cell continues; towards a wall it goes over to the state
+    !> at the wall, which bears what the gas that hits it brings.
     !>
     !> On several processes `around` holds the eight cells, which may be those of others. Without it
     !> this one must have the point (has_point).
@@ -49,7 +52,7 @@ contains
             else
                 cell = cell - air%before
                 if (holds_solid(wall, cell)) cycle
-                state = state + weight*primitive_of(air, air%u(cell(1), cell(2), cell(3), :))
+                state = state + weight*gas_of(air, wall, cell)
             end if
             total = total + weight
         end do
@@ -141,6 +144,75 @@ contains
         if (wall%present) holds_solid = wall%solid(cell(1), cell(2), cell(3)) /= 0
     end function holds_solid
 
+    !> Primitive state of a gas cell; where it touches solid, that at its walls.
+    function gas_of(air, wall, cell) result(state)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: cell(3)
+        real(dp) :: state(5)
+        integer :: d
+
+        state = primitive_of(air, air%u(cell(1), cell(2), cell(3), :))
+        if (.not. (wall%present .and. wall%stops)) return
+        do d = 1, 3
+            if (air%n(d) > 1) call meet_solid(air, wall, cell, d, state)
+        end do
+    end function gas_of
+
+    !> Put what stands at the walls of a gas cell across a direction in the place of its state:
+    !> pressure, density and normal velocity, as the flux there has them. Between two walls a mean.
+    subroutine meet_solid(air, wall, cell, d, state)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: cell(3), d !! direction
+        real(dp), intent(inout) :: state(5) !! density, velocity, pressure
+        real(dp) :: at_walls(3), far(5)
+        real(rk) :: u, v, p_star, rho_star
+        integer :: next(3), s, n
+
+        n = 0
+        at_walls = 0
+        do s = -1, 1, 2
+            next = cell
+            next(d) = cell(d) + s
+            if (.not. holds_solid(wall, next)) cycle
+            v = normal_velocity(wall, next, d)
+            next(d) = cell(d) - s
+            far = state
+            if (holds_solid(wall, next)) then
+                far(1 + d) = 2*normal_velocity(wall, next, d) - state(1 + d)
+            else if (next(d) > -air%before(d) .and. next(d) <= air%whole(d) - air%before(d)) then
+                far = primitive_of(air, air%u(next(1), next(2), next(3), :))
+            end if
+            u = speed_at_wall(air%scheme, real(far([1 + d, 5]), rk), v, real(state(5), rk), &
+                              real(state(1 + d), rk))
+            call wall_star(cell_gamma(air, cell(1), cell(2), cell(3)), real(state(1), rk), &
+                           real(state(5), rk), s*(u - v), p_star, rho_star)
+            n = n + 1
+            at_walls = at_walls + [rho_star, v, p_star]
+        end do
+        if (n > 0) state([1, 1 + d, 5]) = at_walls/n
+    end subroutine meet_solid
+
+    !> Velocity of the solid in a cell along direction d [m/s].
+    pure real(rk) function normal_velocity(wall, cell, d) result(v)
+        type(wall_t), intent(in) :: wall
+        integer, intent(in) :: cell(3), d
+        integer :: c
+
+        v = 0
+        if (allocated(wall%seen)) then
+            do c = 1, size(wall%seen, 2)
+                if (any(wall%seen(:, c) /= cell)) cycle
+                v = wall%seen_v(d, c)
+                return
+            end do
+        else
+            c = wall%index(cell(1), cell(2), cell(3))
+            if (c > 0) v = wall%v(d, c)
+        end if
+    end function normal_velocity
+
     !> Primitive state of a cell.
     pure function primitive_of(air, u) result(state)
         type(air_t), intent(in) :: air
@@ -183,7 +255,7 @@ contains
                     distance = sum(((cell - centre)*air%dx)**2)
                     if (distance >= least) cycle
                     least = distance
-                    state = primitive_of(air, air%u(i, j, k, :))
+                    state = gas_of(air, wall, cell)
                 end do
             end do
         end do

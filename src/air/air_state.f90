@@ -125,6 +125,7 @@ module brz_air_state
     !> `v`; the lists are derived by `build_walls`; the air step adds up `impulse`.
     type :: wall_t
         logical :: present = .false.
+        logical :: stops = .true. !! the gas; false: fluxes run through it, as in the paper
         integer(int8), allocatable :: solid(:, :, :) !! 1 in cells that hold solid, ghosts included
         integer, allocatable :: index(:, :, :)
         !! place of a solid cell in the list, 0 for gas; ghosts hold that of their image
@@ -142,6 +143,9 @@ module brz_air_state
         real(rk), allocatable :: impulse(:)
         !! (n_faces) integral of p* A dt over the step, along the side [N s]
         type(cut_t) :: cut(3) !! for the sweeps, one for each direction
+        integer, allocatable :: seen(:, :)
+        !! (3, n) where the walls are on a GPU: cells near gauges that hold solid, for a row
+        real(rk), allocatable :: seen_v(:, :) !! (3, n) their velocities [m/s]
     end type wall_t
 
 contains

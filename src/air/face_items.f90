@@ -9,7 +9,7 @@ module brz_face_items
     use brz_scheme, only: max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: face_at, add_push
+    public :: face_at, add_push, see_wall
 
 contains
 
@@ -88,4 +88,23 @@ contains
 
         impulse(f) = impulse(f) + push(f)
     end subroutine add_push
+
+    !> Whether a listed cell holds solid, and the velocity of that.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine see_wall(t, place, solid, cell_of, wall_v, row)
+        integer, intent(in) :: t !! cells of the list
+        integer(int64), intent(in) :: place(*) !! of each cell, from 1
+        integer(int8), intent(in) :: solid(*) !! 1 in cells that hold solid
+        integer, intent(in) :: cell_of(*) !! place of each cell in the list of solid cells
+        real(rk), intent(in) :: wall_v(3, *) !! velocity of these [m/s]
+        real(rk), intent(inout) :: row(4, *) !! 1 where a cell holds solid, its velocity
+        integer :: d
+
+        row(1, t) = solid(place(t))
+        do d = 1, 3
+            row(1 + d, t) = 0
+            if (cell_of(place(t)) > 0) row(1 + d, t) = wall_v(d, cell_of(place(t)))
+        end do
+    end subroutine see_wall
 end module brz_face_items

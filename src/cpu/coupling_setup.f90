@@ -67,6 +67,7 @@ contains
         n = coupling%box%n
         allocate (coupling%mark(n(1), n(2), n(3)), coupling%slot(n(1), n(2), n(3)))
         call set_up_walls(air, coupling%wall)
+        coupling%wall%stops = .not. coupling%paper
         coupling%wall%lo = 1 - (air%before - coupling%box%before)
         coupling%wall%hi = coupling%wall%lo + n - 1
         if (several(solid%ranks)) then

@@ -39,7 +39,7 @@ contains
         end do
     end subroutine book_between
 
-    !> Force on the first of two bodies by the second [N].
+    !> Force on the first of two bodies by the second, on all processes the same bits [N].
     subroutine force_between(solid, body, force)
         type(solid_t), intent(in), target :: solid
         integer, intent(in) :: body(2)
@@ -51,9 +51,9 @@ contains
         joined => solid%links%bond ! not read without an interface
         if (allocated(solid%links%joined)) joined => solid%links%joined
         associate (s => solid, l => solid%links, own => solid%bodies(body(1)))
-            call each_sum_between(own%last - own%first + 1, own%first, body(2), l%lay, l%ends, &
-                                  l%table, l%cell, s%x, s%v, s%mass, l%weight, s%stress, s%pair, &
-                                  l%press(:, 1:), l%bond, joined, l%row, l%slice(1:), &
+            call each_sum_between(own%last - own%first + 1, s%ranks, own%first, body(2), l%lay, &
+                                  l%ends, l%table, l%cell, s%x, s%v, s%mass, l%weight, s%stress, &
+                                  s%pair, l%press(:, 1:), l%bond, joined, l%row, l%slice(1:), &
                                   l%count(1:), l%list, force)
         end associate
     end subroutine force_between

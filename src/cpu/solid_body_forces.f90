@@ -13,7 +13,8 @@ module brz_solid_body_forces
 
 contains
 
-    !> Force and moment of body b on what holds it, force of its load and of other bodies.
+    !> Force and moment of body b on what holds it, force of its load and of other bodies; on all
+    !> processes the same bits.
     subroutine forces_on_body(solid, b, at, sums)
         type(solid_t), intent(in), target :: solid
         integer, intent(in) :: b
@@ -31,7 +32,7 @@ contains
                 sums = rigid_forces(body, at)
                 return
             end if
-            call each_sum_forces(body%last - body%first + 1, body%first, 3, 1, 3, &
+            call each_sum_forces(body%last - body%first + 1, solid%ranks, body%first, 3, 1, 3, &
                 merge(1, 0, allocated(solid%load)), merge(1, 0, allocated(solid%grip)), at(1), &
                 at(2), at(3), solid%x, solid%mass, solid%fixed, solid%a, load, grip, sums)
         end associate

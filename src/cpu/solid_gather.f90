@@ -92,6 +92,7 @@ contains
         whole%bodies = solid%bodies
         call close_all_books(solid, books)
         whole%materials = solid%materials
+        if (allocated(solid%between)) whole%between = solid%between
         do b = 1, size(whole%bodies)
             associate (body => whole%bodies(b))
                 body%first = body%number(1)

@@ -289,8 +289,8 @@ contains
                    'copying from the GPU (or a kernel before it)', err)
     end subroutine copy_out
 
-    !> Let the GPU copy to and from memory of the host without a detour, until `unpin`: faster, where
-    !> the driver allows it.
+    !> Let the GPU copy to and from memory of the host without a detour, until `unpin`: faster,
+    !> where the driver allows it.
     subroutine pin(bytes, n)
         integer(int8), intent(in), target, contiguous :: bytes(:)
         integer(int64), intent(in) :: n

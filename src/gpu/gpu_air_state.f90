@@ -29,7 +29,7 @@ module brz_gpu_air_state
     implicit none
     private
     public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air, close_gpu_air
-    public :: mark_near_walls, fetch_air, fetch_cells, fetch_map, bytes_of_real, faces_of_bricks
+    public :: mark_near_walls, fetch_air, fetch_cells, fetch_walls, bytes_of_real, faces_of_bricks
 
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
 
@@ -303,24 +303,34 @@ contains
         end do
     end subroutine fetch_cells
 
-    !> Refresh the host's map of solid cells in a box.
-    subroutine fetch_map(gpu, low, high, wall, err)
+    !> Refresh the host's map of solid cells in some places, and keep the velocities of these.
+    subroutine fetch_walls(gpu, cell, wall, err)
         type(gpu_air_t), intent(in) :: gpu
-        integer, intent(in) :: low(3), high(3) !! corners
+        integer, intent(in) :: cell(:, :) !! (3, n) indices, ghosts among them
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
-        type(bytes_t) :: row
-        integer(int8) :: marks(high(1) - low(1) + 1)
-        integer :: j, k
+        integer(int64), allocatable :: place(:)
+        integer, allocatable :: held(:)
+        real(rk), allocatable :: row(:, :)
+        type(buffer_t) :: place_at
+        type(reals_t) :: row_at
+        integer :: c, n
 
-        do k = low(3), high(3)
-            do j = low(2), high(2)
-                row = gpu%walls%solid
-                row%address = row%address + place_of(gpu%grid, low(1), j, k) - 1
-                marks = 0
-                call copy_out(row, marks, size(marks, kind=int64), err)
-                wall%solid(low(1):high(1), j, k) = marks
-            end do
+        n = size(cell, 2)
+        place = [(place_of(gpu%grid, cell(1, c), cell(2, c), cell(3, c)), c=1, n)]
+        allocate (row(4, n), source=0.0_rk)
+        call put_buffer(place, place_at, 8_int64*n, err)
+        call allocate_buffer(row_at, size(row)*bytes_of_real, err)
+        call gpu%walls%kernels%see_wall(n, place_at, gpu%walls%solid, gpu%walls%index, &
+                                        gpu%walls%v, row_at, err)
+        call copy_out(row_at, row, size(row)*bytes_of_real, err)
+        call free_buffers(place_at, row_at)
+        if (failed(err)) return
+        do c = 1, n
+            wall%solid(cell(1, c), cell(2, c), cell(3, c)) = int(row(1, c), int8)
         end do
-    end subroutine fetch_map
+        held = pack([(c, c=1, n)], row(1, :) > 0)
+        wall%seen = cell(:, held)
+        wall%seen_v = row(2:4, held)
+    end subroutine fetch_walls
 end module brz_gpu_air_state

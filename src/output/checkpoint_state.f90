@@ -92,18 +92,11 @@ contains
         type(error_t), intent(inout) :: err
         character(:), allocatable :: name
         real(dp) :: state(6)
-        integer :: k, m
+        integer :: k
 
         if (.not. allocated(solid%between)) return
         do k = 1, size(solid%between)
             associate (between => solid%between(k))
-                do m = 1, k
-                    if (all(solid%between(m)%body == between%body)) exit
-                end do
-                if (m < k) then ! another gauge of the same bodies
-                    between = solid%between(m)
-                    cycle
-                end if
                 name = 'solid/between_'//to_text(between%body(1))//'_'//to_text(between%body(2))
                 if (.not. file%writing) then
                     if (.not. h5_has(file, name)) cycle

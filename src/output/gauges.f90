@@ -15,10 +15,10 @@ module brz_gauges
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_gauge_places, only: choose_particle, find_place
     use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64
     use brz_material, only: n_hist
     use brz_materials, only: history_names
-    use brz_ranks, only: bits_of_all, several
+    use brz_ranks, only: bits_of_all, several, sum_of_all
     use brz_solid_body_forces, only: n_forces
     use brz_solid_state, only: form_rigid, is_free, solid_t
     use brz_solid_step, only: velocity_at_step
@@ -124,9 +124,9 @@ contains
                                        "' to measure here; there is "// &
                                        known_quantities(gauge%body > 0, with_air))
         if (failed(err) .or. gauge%body == 0) return
-        if (several(solid%ranks) .and. (gauge%whole > 0 .or. gauge%quantity == 'strain')) &
+        if (several(solid%ranks) .and. gauge%quantity == 'strain') &
             call raise(err, exit_deck, label('gauge', input%id, input%place)//'several '// &
-                       'processes do not measure '//trim(gauge%quantity)//' yet; run as one')
+                       'processes do not measure strain yet; run as one')
         if (gauge%with > 0) call find_pair(input, solid, gauge%pair, err)
         if (gauge%whole > 0) then
             if (any(index(gauge%quantity, ['reaction', 'moment  ']) == 1)) &
@@ -163,13 +163,16 @@ contains
         type(gauge_case_t), intent(in) :: input
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
+        integer(int64) :: held(1)
 
         associate (body => solid%bodies(input%body_index))
             if (body%motion%n > 0) return
             if (body%formulation == form_rigid) then
                 if (any([body%rigid%moves, body%rigid%turns] < 1)) return
-            else if (any(solid%fixed(body%first:body%last) /= is_free)) then
-                return
+            else
+                held = count(solid%fixed(body%first:body%last) /= is_free)
+                call sum_of_all(solid%ranks, held)
+                if (held(1) > 0) return
             end if
         end associate
         call raise(err, exit_deck, label('gauge', input%id, input%place)//'nothing holds body '// &

@@ -39,7 +39,7 @@ contains
         real(real32), intent(in) :: weight(*)
         real(rk), intent(in) :: pair(n_pair, *), press(n_press, *)
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
-        real(dp), intent(inout) :: total(3) !@sum [N]
+        real(dp), intent(inout) :: total(3) !@exact [N]
         real(rk) :: f(n_terms), s(3), r(3), dv(3), own, theirs, d, energy, lost, stiffness, damping
         integer :: a, b, i, j, m, n, q, t, u
         integer(int64) :: at

@@ -66,14 +66,15 @@ contains
     subroutine set_up_watch(case, solid)
         type(case_t), intent(in) :: case
         type(solid_t), intent(inout) :: solid
-        integer :: g
+        integer :: g, k, pair(2)
 
         if (.not. allocated(case%gauges)) return
         if (any(case%gauges%with_index > 0)) allocate (solid%between(0))
         do g = 1, size(case%gauges)
             if (case%gauges(g)%with_index > 0) then
-                solid%between = [solid%between, between_t([case%gauges(g)%body_index, &
-                                                           case%gauges(g)%with_index])]
+                pair = [case%gauges(g)%body_index, case%gauges(g)%with_index]
+                if (any([(all(solid%between(k)%body == pair), k=1, size(solid%between))])) cycle
+                solid%between = [solid%between, between_t(pair)]
                 cycle
             end if
             associate (whole => quantities(find_quantity(trim(case%gauges(g)%quantity)))%whole)

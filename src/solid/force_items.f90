@@ -27,7 +27,7 @@ contains
         real(rk), intent(in) :: mass(*)
         integer(int32), intent(in) :: fixed(*)
         real(rk), intent(in) :: accel(*), load(*), grip(*) !! [m/s2], [N], [N]
-        real(dp), intent(inout) :: total(12) !@sum [N], [N m], [N], [N]
+        real(dp), intent(inout) :: total(12) !@exact [N], [N m], [N], [N]
         real(dp) :: arm(3), f, g(3), push
         integer :: at, d, i
 

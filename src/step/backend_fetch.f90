@@ -9,7 +9,7 @@ module brz_backend_fetch
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_products, coupling_totals
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_map
+    use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
     use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, gpu_ledger_totals
     use brz_gpu_solid_cohesive, only: fetch_gpu_points
@@ -158,23 +158,51 @@ contains
         if (several(air%part%ranks) .and. .not. wall%present) call gather_cells(points, air)
     end subroutine fetch_around
 
-    !> The same from the GPU of this process to its host.
+    !> The same from the GPU of this process to its host; where there are walls, the cells beside
+    !> those around a point, and where all of these hold solid, the gas in reach as well.
     subroutine fetch_from_gpu(backend, points, air, wall, err)
         type(backend_t), intent(in) :: backend
         real(dp), intent(in) :: points(:, :) !! (3, n) [m]
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
-        integer :: cells(3, 8*size(points, 2)), g
+        integer :: around(3, 0:7, size(points, 2)), g, known
+        integer, allocatable :: cells(:, :)
 
-        if (failed(err)) return
+        if (failed(err) .or. size(points, 2) == 0) return
         do g = 1, size(points, 2)
-            call cells_around(air, points(:, g), cells(:, 8*g - 7:8*g))
-            if (backend%coupling_on_gpu) &
-                call fetch_wall_around(backend, cells(:, 8*g - 7), cells(:, 8*g), air, wall, err)
+            call cells_around(air, points(:, g), around(:, :, g))
         end do
+        cells = reshape(around, [3, 8*size(points, 2)])
+        if (backend%coupling_on_gpu) then
+            do g = 1, size(points, 2)
+                call add_block(air, around(:, 0, g) - 1, around(:, 7, g) + 1, cells)
+            end do
+            known = size(cells, 2)
+            call fetch_walls(backend%air, cells, wall, err)
+            do g = 1, size(points, 2)
+                associate (low => around(:, 0, g), high => around(:, 7, g))
+                    if (all(wall%solid(low(1):high(1), low(2):high(2), low(3):high(3)) /= 0)) &
+                        call add_block(air, low - reach - 1, high + reach + 1, cells)
+                end associate
+            end do
+            if (size(cells, 2) > known) call fetch_walls(backend%air, cells, wall, err)
+        end if
         call fetch_cells(backend%air, cells, air, err)
     end subroutine fetch_from_gpu
+
+    !> Add the cells low..high, as far as the arrays have them, to a list.
+    subroutine add_block(air, low, high, cells)
+        type(air_t), intent(in) :: air
+        integer, intent(in) :: low(3), high(3)
+        integer, allocatable, intent(inout) :: cells(:, :) !! (3, n)
+        integer :: lo(3), hi(3), i, j, k
+
+        lo = max(low, 1 - air%g)
+        hi = min(high, air%n + air%g)
+        cells = reshape([cells, [(((([i, j, k]), i=lo(1), hi(1)), j=lo(2), hi(2)), &
+                                  k=lo(3), hi(3))]], [3, size(cells, 2) + product(hi - lo + 1)])
+    end subroutine add_block
 
     !> On several processes: give all of them the cells around some points.
     subroutine gather_cells(points, air)
@@ -198,23 +226,4 @@ contains
             allocate (air%part%seen(air%n_var, 0:7, size(points, 2)))
         air%part%seen = real(reshape(row, shape(seen)), rk)
     end subroutine gather_cells
-
-    !> Which of the cells low..high hold solid; where all of them do, the gas in reach as well.
-    subroutine fetch_wall_around(backend, low, high, air, wall, err)
-        type(backend_t), intent(in) :: backend
-        integer, intent(in) :: low(3), high(3)
-        type(air_t), intent(inout) :: air
-        type(wall_t), intent(inout) :: wall
-        type(error_t), intent(inout) :: err
-        integer :: lo(3), hi(3), i, j, k
-
-        call fetch_map(backend%air, low, high, wall, err)
-        if (any(wall%solid(low(1):high(1), low(2):high(2), low(3):high(3)) == 0)) return
-        lo = max(low - reach, 1)
-        hi = min(high + reach, air%n)
-        call fetch_map(backend%air, lo, hi, wall, err)
-        call fetch_cells(backend%air, reshape([(((([i, j, k]), i=lo(1), hi(1)), j=lo(2), hi(2)), &
-                                                k=lo(3), hi(3))], [3, product(hi - lo + 1)]), air, &
-                         err)
-    end subroutine fetch_wall_around
 end module brz_backend_fetch

@@ -64,3 +64,64 @@ def test_loaded_bodies_go_on_on_other_processes(n, m, alone, tmp_path):
     done = start(m, "run", "deck.nml", "--out", "out", "--restart", "latest", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     equal_bodies(alone, tmp_path / "out")
+
+
+# Three blocks that meet with friction, one of them rigid, one held; what each pair does, and what
+# holds and loads them.
+MET = """\
+&run title = 'met', t_end = 6e-6, dt_max = 2e-8 /
+&material id = 's', model = 'linear_elastic', density = 7800, youngs_modulus = 200e9,
+     poisson_ratio = 0.3 /
+&body id = 'a', box = 0,0.005, 0,0.004, 0,0.004, spacing = 1e-3, material = 's',
+     velocity = 40, 3, 0 /
+&body id = 'c', box = 0.00505,0.01005, 0,0.004, 0,0.004, spacing = 1e-3, material = 's' /
+&body id = 'd', box = 0.0101,0.0151, 0,0.004, 0,0.004, spacing = 1e-3, material = 's',
+     velocity = -30, 0, -2, formulation = 'rigid' /
+&body id = 'e', box = 0,0.015, -0.00505,-0.00005, 0,0.004, spacing = 1e-3, material = 's',
+     fix = 'y-' /
+&interaction law = 'contact', friction = 0.2 /
+&load body = 'a', acceleration = 0, -1e7, 0 /
+&gauge id = 'ac', body = 'a', with = 'c', quantity = 'contact_x' /
+&gauge id = 'ca', body = 'c', with = 'a', quantity = 'impulse_x' /
+&gauge id = 'cd', body = 'c', with = 'd', quantity = 'impulse_x' /
+&gauge id = 'dc', body = 'd', with = 'c', quantity = 'contact_z' /
+&gauge id = 'ea', body = 'e', with = 'a', quantity = 'impulse_y' /
+&gauge id = 'c', body = 'c', quantity = 'contact_x' /
+&gauge id = 'd', body = 'd', quantity = 'contact_x' /
+&gauge id = 'e', body = 'e', quantity = 'reaction_y' /
+&gauge id = 'm', body = 'e', quantity = 'moment_x', at = 0.007, 0, 0.001 /
+&gauge id = 'l', body = 'a', quantity = 'load_y' /
+&gauge id = 'i', body = 'a', quantity = 'impulse_y' /
+&output history_every = 0, checkpoint_every = 1e-6 /
+"""
+
+
+@pytest.fixture(scope="module")
+def met(tmp_path_factory):
+    """Gauges of these blocks on one process, as text."""
+    folder = tmp_path_factory.mktemp("met")
+    (folder / "deck.nml").write_text(MET)
+    done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    gauges = history(folder / "out/gauges.csv")
+    assert all(np.abs(gauges[name]).max() > 0 for name in gauges.dtype.names)
+    return (folder / "out/gauges.csv").read_text()
+
+
+@needs_mpirun
+@pytest.mark.parametrize("n", [1, 2, 4])
+def test_forces_on_bodies_do_not_depend_on_processes(n, met, tmp_path):
+    (tmp_path / "deck.nml").write_text(MET)
+    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out/gauges.csv").read_text() == met
+
+
+@needs_mpirun
+@pytest.mark.parametrize(("n", "m"), [(0, 2), (4, 0)])
+def test_forces_on_bodies_go_on_on_other_processes(n, m, met, tmp_path):
+    (tmp_path / "deck.nml").write_text(MET)
+    for k, more in ((n, ("--set", "run.max_steps=150")), (m, ("--restart", "latest"))):
+        done = start(k, "run", "deck.nml", "--out", "out", *more, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out/gauges.csv").read_text() == met
