@@ -14,7 +14,7 @@ module brz_solid_gradients
     use brz_motion_items, only: fill_rigid_row
     use brz_ply_axes, only: axes_matrix
     use brz_rigid_pose, only: n_pose, pose_of
-    use brz_row_items, only: fill_hold, fill_row, rules_of, stiffen_along
+    use brz_row_items, only: fill_hold, fill_row, row_rules_t, rules_of, stiffen_along
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: add_neighbours
     use brz_solid_lanes, only: group_of, group_t, images_t, in_turn, most_images, place_body, &
@@ -47,7 +47,7 @@ contains
                 if (body%asleep .and. dt > 0) cycle
                 solid%search%limit(k) = huge(dt)
                 solid%search%drawn(k) = .false.
-                call gradient_block(solid, body, dt, k, solid%search%limit(k))
+                call gradient_block(solid, body, dt, k)
             end associate
         end do
         solid%bodies%dt_limit = huge(dt)
@@ -76,13 +76,13 @@ contains
         end do
     end subroutine book_work
 
-    subroutine gradient_block(solid, body, dt, k, limit)
+    subroutine gradient_block(solid, body, dt, k)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: dt
         integer, intent(in) :: k !! block
-        real(dp), intent(inout) :: limit !! smallest time step so far [s]
         type(group_t) :: p
+        type(row_rules_t) :: rules
         real(rk) :: group(lanes, n_terms), sums(n_terms)
         real(dp) :: pose(n_pose)
         integer :: i, first
@@ -97,6 +97,7 @@ contains
             return ! its time step: rigid_step of brz_rigid_motion
         end if
         call place_body(solid, body, p)
+        rules = rules_of(body, solid%materials(body%material))
         do first = solid%block(2, k), solid%block(3, k), lanes
             if (solid%fixed(first) == is_gone) exit ! and so are all that follow
             call place_group(solid, body, first, p)
@@ -109,7 +110,7 @@ contains
                 solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
                 solid%pair(pair_hold, i) = p%lift(i - first + 1)
                 if (solid%links%bonds) call add_bonded_gradients(solid, i, sums)
-                call advance(solid, body, dt, i, k, p%drawn(i - first + 1), sums, limit)
+                call advance(solid, body, rules, dt, i, k, p%drawn(i - first + 1), sums)
             end do
         end do
     end subroutine gradient_block
@@ -172,14 +173,14 @@ contains
     end subroutine sum_group
 
     !> From the sums to the new state of particle i and its row of `pair`.
-    subroutine advance(solid, body, dt, i, k, drawn, sums, limit)
+    subroutine advance(solid, body, rules, dt, i, k, drawn, sums)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
+        type(row_rules_t), intent(in) :: rules !! of the body
         real(dp), intent(in) :: dt
         integer, intent(in) :: i, k !! particle and its block
         logical, intent(in) :: drawn !! it was in tension
         real(rk), intent(inout) :: sums(n_terms)
-        real(dp), intent(inout) :: limit
         real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), f(3, 3), c_wave, c_bulk, rho
         real(rk) :: shrink, size, normal(3)
         integer :: weak, weaker, c, cut
@@ -224,8 +225,9 @@ contains
         end if
         size = body%h
         if (body%variable) size = solid%h(i)
-        limit = min(limit, real(stable_step(body%cfl, size, shrink*c_wave, shrink*c_bulk, &
-                                            body%alpha, body%beta, h), dp))
+        solid%search%limit(k) = min(solid%search%limit(k), &
+                                    real(stable_step(body%cfl, size, shrink*c_wave, shrink*c_bulk, &
+                                                     body%alpha, body%beta, h), dp))
         rho = solid%materials(body%material)%density*(1 + solid%mu(i))
         call to_matrix(solid%stress(:, i), s)
         if (body%formulation == form_total) then
@@ -238,13 +240,11 @@ contains
         if (body%layer > 0) call stay_in_layer(b, solid%pair(pair_stress + 1, i))
         if (weak /= 0 .and. (body%formulation == form_bending .or. body%tension_hold > 0 .or. &
                              body%formulation == form_total)) solid%cut(i) = 1
-        associate (material => solid%materials(body%material))
-            cut = solid%cut(i)
-            call fill_row(rules_of(body, material), h, a, rho, c_bulk, solid%volume(i), 0.0_rk, &
-                          solid%stress(:, i), strength_left(material%fails, solid%damage(i)), cut, &
-                          solid%pair(:, i))
-            solid%cut(i) = int(cut, int8)
-        end associate
+        cut = solid%cut(i)
+        call fill_row(rules, h, a, rho, c_bulk, solid%volume(i), 0.0_rk, solid%stress(:, i), &
+                      strength_left(solid%materials(body%material)%fails, solid%damage(i)), cut, &
+                      solid%pair(:, i))
+        solid%cut(i) = int(cut, int8)
         if (body%directional) call stiffen_along(body%axes(:, :, solid%ply(i)), solid%hold(:, i), &
                                                  solid%pair(:, i))
         if (.not. body%tension_hold > 0) return

@@ -66,9 +66,9 @@ contains
             u = j
             if (lay%compact == 1) u = row(j)
             theirs = cell(b)*mass(j)*weight(j)
-            call add_pair(lay, table(a, b), table(b, a), 0.0_rk, own, theirs, s, r, dv, d, &
-                          r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3), press(1, q), press(1, u), &
-                          pair(1, i), pair(1, j), trace_at(lay, stress, i), &
+            call add_pair(lay, table(a, b), table(b, a), 0.0_rk, own, theirs, mass(i), mass(j), &
+                          s, r, dv, d, r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3), press(1, q), &
+                          press(1, u), pair(1, i), pair(1, j), trace_at(lay, stress, i), &
                           trace_at(lay, stress, j), .false., f, energy, lost, stiffness, damping)
         end do
         do t = 1, 3

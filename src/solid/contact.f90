@@ -17,7 +17,7 @@ module brz_contact
     public :: contact_normal, contact_push, contact_drag, drag_stiffness, bond_effort, in_core
     public :: spring_loss, core_loss, surface_velocity, add_moment
     public :: add_link, mean_stiffness, link_pressure
-    public :: joins, takes_part
+    public :: joins, takes_part, shared_volume
     public :: n_link, link_sum, link_stiffness, link_rate, link_normal
 
     integer, parameter :: law_none = 0, law_contact = 1, law_bonded = 2, law_shared = 3, &
@@ -84,6 +84,19 @@ contains
         yes = vr < 0 .or. m%rest(1)*mass_i/volume_i + m%rest(2)*mass_j/volume_j &
               > 2 + 64*epsilon(vr)
     end function takes_part
+
+    !> Product of the volumes with which the particles of a pair share pressure and viscosity.
+    !>
+    !> Each counts with its volume, but with no more than it had unloaded: what is torn counts the
+    !> voids between its pieces as its volume, which is many times that of the matter that meets.
+    !@cuf attributes(host,device) &
+    pure function shared_volume(m, mass_i, volume_i, mass_j, volume_j) result(product)
+        type(meeting_t), intent(in) :: m
+        real(rk), intent(in) :: mass_i, volume_i, mass_j, volume_j !! [kg], [m3]
+        real(rk) :: product !! [m6]
+
+        product = min(volume_i, m%rest(1)*mass_i)*min(volume_j, m%rest(2)*mass_j)
+    end function shared_volume
 
     !> Common normal of a pair, from j to i: that of the surfaces that press, or along the pair
     !> where only hard cores meet.

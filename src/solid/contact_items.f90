@@ -5,8 +5,8 @@
 module brz_contact_items
     use brz_contact, only: add_link, add_moment, contact_drag, contact_normal, contact_push, &
         core_loss, crossing_share, drag_stiffness, law_shared, link_normal, link_pressure, &
-        link_stiffness, link_sum, mean_stiffness, meeting_t, n_link, spring_loss, spring_share, &
-        surface_velocity
+        link_stiffness, link_sum, mean_stiffness, meeting_t, n_link, shared_volume, spring_loss, &
+        spring_share, surface_velocity
     use brz_contact_release, only: is_freed, is_tied, later_touch
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int32, int64, real32, rk
@@ -237,9 +237,9 @@ contains
             u = j
             if (lay%compact == 1) u = row(j)
             other = cell(b)*mass(j)*weight(j)
-            call add_pair(lay, table(a, b), table(b, a), real(dt, rk), own, other, s, r, dv, d, &
-                          vr, press(1, q), press(1, u), pair(1, i), pair(1, j), &
-                          trace_at(lay, stress, i), trace_at(lay, stress, j), &
+            call add_pair(lay, table(a, b), table(b, a), real(dt, rk), own, other, mass(i), &
+                          mass(j), s, r, dv, d, vr, press(1, q), press(1, u), pair(1, i), &
+                          pair(1, j), trace_at(lay, stress, i), trace_at(lay, stress, j), &
                           is_freed(table(a, b), bond(i), bond(j), joined(i), joined(j)), f, &
                           energy, lost, stiffness, damping)
         end do
@@ -271,12 +271,13 @@ contains
 
     !> What a link adds to the sums of a particle.
     !@cuf attributes(host,device) &
-    pure subroutine add_pair(lay, m, back, dt, own, other, s, r, dv, distance, vr, p, q, pair_i, &
-                             pair_j, stress_i, stress_j, fresh, f, energy, lost, stiffness, &
-                             damping)
+    pure subroutine add_pair(lay, m, back, dt, own, other, mass_i, mass_j, s, r, dv, distance, &
+                             vr, p, q, pair_i, pair_j, stress_i, stress_j, fresh, f, energy, &
+                             lost, stiffness, damping)
         type(link_layout_t), intent(in) :: lay
         type(meeting_t), intent(in) :: m, back !! law of i with j, of j with i
         real(rk), intent(in) :: dt, own, other !! step just made [s], volumes of the cells [m3]
+        real(rk), intent(in) :: mass_i, mass_j !! [kg]
         real(rk), intent(in) :: s(3), r(3), dv(3), distance, vr
         real(rk), intent(in) :: p(n_press), q(n_press), pair_i(n_pair), pair_j(n_pair)
         real(rk), intent(in) :: stress_i(3), stress_j(3)
@@ -296,7 +297,8 @@ contains
         end do
         share = 0
         if (m%shared) then ! its limit ahead of the first touch
-            w = pair_i(pair_volume)*pair_j(pair_volume)*slope/lay%depth
+            w = shared_volume(m, mass_i, pair_i(pair_volume), mass_j, pair_j(pair_volume)) &
+                *slope/lay%depth
             share = viscous_force(w, m%h, distance*distance, vr, &
                                   pair_i(pair_linear) + pair_j(pair_linear), &
                                   pair_i(pair_quadratic) + pair_j(pair_quadratic))
