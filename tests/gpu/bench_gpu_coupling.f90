@@ -80,6 +80,7 @@ contains
         coupling%reference_pressure = 1e5_rk
         call make_box(air, coupling)
         call make_shells(air%n, coupling%shells)
+        coupling%level = 1/27.0_rk
         particles%n = along*along*layers*side**3
         solid%n = particles%n
         call read_carriers(solid, coupling%carrier)
