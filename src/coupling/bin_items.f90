@@ -32,12 +32,17 @@ contains
         integer, intent(in) :: c !! solid cells
         integer(int32), intent(in) :: id(*), ends(*)
         integer(int32), intent(inout) :: binned(*)
+        integer(int32) :: before, number
         integer :: first, gap, i, j, last, place
 
         first = ends(c) + 1
         last = ends(c + 1)
+        if (last <= first) return
+        number = id(binned(first)) ! in a register: a GPU would read it again for every test
         do i = first + 1, last
-            if (id(binned(i)) < id(binned(i - 1))) exit
+            before = number
+            number = id(binned(i))
+            if (number < before) exit
         end do
         if (i > last) return
         gap = 1
@@ -47,9 +52,10 @@ contains
         do while (gap > 0)
             do i = first + gap, last
                 place = binned(i)
+                number = id(place)
                 j = i - gap
                 do while (j >= first)
-                    if (id(binned(j)) < id(place)) exit
+                    if (id(binned(j)) < number) exit
                     binned(j + gap) = binned(j)
                     j = j - gap
                 end do

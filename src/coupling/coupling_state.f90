@@ -15,7 +15,19 @@ module brz_coupling_state
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: coupling_t, side_of
+    public :: coupling_t, coupling_books_t, side_of
+
+    !> What the air has given to the bodies, and other sums over all steps.
+    type :: coupling_books_t
+        real(dp) :: work = 0 !! sum of J.v_w: energy that the air spent on moving walls [J]
+        real(dp) :: work_reference = 0 !! part of it that the reference pressure did [J]
+        real(dp) :: impulse(3) = 0 !! given to the solid, reference pressure taken off [N s]
+        real(dp) :: impulse_reference(3) = 0 !! what was taken off [N s]
+        integer(int64) :: covered = 0, uncovered = 0 !! cells
+        integer(int64) :: kept = 0 !! buried ledgers that found no taker (counted each step)
+        real(rk) :: ledger_low = 0 !! least ledger so far, in units of the gas beside it
+        real(rk) :: ledger_high = 0 !! largest, likewise
+    end type coupling_books_t
 
     type :: coupling_t
         logical :: present = .false.
@@ -72,14 +84,6 @@ module brz_coupling_state
         real(rk), allocatable :: weight(:) !! (n_faces) sum of the weights in the column [kg]
         real(rk), allocatable :: force(:) !! (n_faces) on the solid, along the axis, gauge [N]
         real(rk), allocatable :: impedance(:) !! (n_faces) loss of force per velocity [N s/m]
-        ! diagnostics, all steps unless said otherwise
-        integer(int64) :: covered_total = 0, uncovered_total = 0
-        integer(int64) :: kept = 0 !! buried ledgers that found no taker (counted each step)
-        real(rk) :: ledger_low = 0 !! least ledger so far, in units of the gas beside it
-        real(rk) :: ledger_high = 0 !! largest, likewise
-        real(dp) :: work = 0 !! sum of J.v_w: energy that the air spent on moving walls [J]
-        real(dp) :: work_reference = 0 !! part of it that the reference pressure did [J]
-        real(dp) :: impulse(3) = 0 !! given to the solid, reference pressure taken off [N s]
-        real(dp) :: impulse_reference(3) = 0 !! what was taken off [N s]
+        type(coupling_books_t) :: books
     end type coupling_t
 end module brz_coupling_state

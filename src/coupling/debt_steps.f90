@@ -37,7 +37,7 @@ contains
 
         over = 0
         call each_judge_ledger(c%wall%n_cells, c%box, c%cell, c%gas, c%wall%face_of, air%u, &
-                               c%excess, c%ledger_low, c%ledger_high, &
+                               c%excess, c%books%ledger_low, c%books%ledger_high, &
                                over) !@gpu book_low count_over
         if (over == 0) return
         call each_take_excess(c%wall%n_cells, c%box, c%cell, c%wall%face_of, c%excess, air%u, &
@@ -149,7 +149,7 @@ contains
         call each_choose_shell(donors, left, c%box, c%shells, c%donor, c%wall%solid, c%wall%index, &
                                c%wall%face_of, air%u, c%donor_shell, c%donation, c%start, &
                                kept) !@gpu count_kept
-        c%kept = c%kept + kept
+        c%books%kept = c%books%kept + kept
         call running_sum(c%start, donors, opened)
         call size_debts(c, c%n_debts + opened)
         if (opened > 0) call each_owe_donation(left, c%n_var, c%n_debts, c%start, c%donor, &

@@ -83,9 +83,9 @@ contains
                             c%wall%impulse, c%wall%v, work, given, taken) !@gpu book_work
         call each_load_particle(p%n, c%box, p%wide, p%step_d, p%step_p, c%place_of, c%above, &
                                 c%gas, c%surface, c%weight, c%force, p%x, p%mass, p%load)
-        c%work = c%work + work(1) !@cpu
-        c%work_reference = c%work_reference + work(2) !@cpu
-        c%impulse = c%impulse + given !@cpu
-        c%impulse_reference = c%impulse_reference + taken !@cpu
+        c%books%work = c%books%work + work(1) !@cpu
+        c%books%work_reference = c%books%work_reference + work(2) !@cpu
+        c%books%impulse = c%books%impulse + given !@cpu
+        c%books%impulse_reference = c%books%impulse_reference + taken !@cpu
     end subroutine press_bodies
 end module brz_wall_steps

@@ -92,8 +92,8 @@ contains
         end associate
         coupling%n_covered = covered
         coupling%n_uncovered = uncovered
-        coupling%covered_total = coupling%covered_total + own(1)
-        coupling%uncovered_total = coupling%uncovered_total + own(2)
+        coupling%books%covered = coupling%books%covered + own(1)
+        coupling%books%uncovered = coupling%books%uncovered + own(2)
         call at_least(coupling%uncovered, uncovered)
         if (uncovered == 0) return
         associate (cells => coupling%box%cells)

@@ -4,7 +4,7 @@ module brz_coupling_gather
     use brz_cell_shells, only: cell_at, number_of
     use brz_coupling_box, only: is_own
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_totals, only: books_of_all, coupling_books_t
+    use brz_coupling_totals, only: books_of_all
     use brz_debt_steps, only: size_debts
     use brz_kinds, only: dp, int64, rk
     use brz_mail, only: mail_t, make_room, post, put_numbers, take_numbers, tell_counts
@@ -23,24 +23,14 @@ contains
         type(coupling_t), intent(in) :: coupling
         type(solid_t), intent(in) :: whole !! all particles, in the first process
         type(coupling_t), intent(inout) :: all
-        type(coupling_books_t) :: books
         integer :: i
 
         all%n_var = coupling%n_var
         all%dt_before = coupling%dt_before
         associate (ranks => coupling%guests%ranks)
-            call books_of_all(ranks, coupling, books)
+            call books_of_all(ranks, coupling, all%books)
             call gather_debts(ranks, coupling, all)
         end associate
-        all%work = books%work
-        all%work_reference = books%work_reference
-        all%impulse = books%impulse
-        all%impulse_reference = books%impulse_reference
-        all%covered_total = books%covered
-        all%uncovered_total = books%uncovered
-        all%kept = books%kept
-        all%ledger_low = books%ledger_low
-        all%ledger_high = books%ledger_high
         allocate (all%v_before(3, whole%n))
         do i = 1, whole%n
             all%v_before(:, whole%id(i)) = whole%v_before(:, i)
@@ -120,15 +110,8 @@ contains
             coupling%debt_cell(coupling%n_debts) = number_of(coupling%box%n, ijk)
             coupling%debt(:, coupling%n_debts) = all%debt(:, e)
         end do
-        coupling%ledger_low = all%ledger_low
-        coupling%ledger_high = all%ledger_high
-        if (solid%ranks%rank > 0) return
-        coupling%work = all%work
-        coupling%work_reference = all%work_reference
-        coupling%impulse = all%impulse
-        coupling%impulse_reference = all%impulse_reference
-        coupling%covered_total = all%covered_total
-        coupling%uncovered_total = all%uncovered_total
-        coupling%kept = all%kept
+        if (solid%ranks%rank == 0) coupling%books = all%books
+        coupling%books%ledger_low = all%books%ledger_low
+        coupling%books%ledger_high = all%books%ledger_high
     end subroutine share_coupling
 end module brz_coupling_gather

@@ -113,8 +113,8 @@ contains
                 solid%load(:, p) = solid%load(:, p) &
                                    + force/(coupling%ends(c + 1) - coupling%ends(c))
             end do
-            coupling%impulse = coupling%impulse + force*dt
-            coupling%work = coupling%work + dt*dot_product(force, coupling%wall%v(:, c))
+            coupling%books%impulse = coupling%books%impulse + force*dt
+            coupling%books%work = coupling%books%work + dt*dot_product(force, coupling%wall%v(:, c))
         end do
     end subroutine add_forces
 

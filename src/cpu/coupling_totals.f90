@@ -4,7 +4,7 @@ module brz_coupling_totals
     use brz_air_state, only: air_t
     use brz_air_sums, only: air_totals, products_mass
     use brz_coupling_box, only: is_own
-    use brz_coupling_state, only: coupling_t
+    use brz_coupling_state, only: coupling_books_t, coupling_t
     use brz_debt_loops, only: each_total_debt
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, rk
@@ -12,15 +12,7 @@ module brz_coupling_totals
     use brz_ranks, only: least_of_all, ranks_t, several, sum_of_all
     implicit none
     private
-    public :: coupling_totals, coupling_products, ledger_totals, coupling_books_t, books_of_all
-
-    !> What the air has given to the bodies.
-    type :: coupling_books_t
-        real(dp) :: work = 0, work_reference = 0 !! see coupling_t [J]
-        real(dp) :: impulse(3) = 0, impulse_reference(3) = 0 !! see coupling_t [N s]
-        integer(int64) :: covered = 0, uncovered = 0, kept = 0 !! cells
-        real(rk) :: ledger_low = 0, ledger_high = 0 !! see coupling_t
-    end type coupling_books_t
+    public :: coupling_totals, coupling_products, ledger_totals, books_of_all
 
 contains
 
@@ -74,10 +66,7 @@ contains
         real(dp) :: sums(8), least(2)
         integer(int64) :: counts(3)
 
-        books = coupling_books_t(coupling%work, coupling%work_reference, coupling%impulse, &
-                        coupling%impulse_reference, coupling%covered_total, &
-                        coupling%uncovered_total, coupling%kept, coupling%ledger_low, &
-                        coupling%ledger_high)
+        books = coupling%books
         if (.not. several(ranks)) return
         call exact_sums(ranks, reshape([books%work, books%work_reference, books%impulse, &
                                         books%impulse_reference], [8, 1]), sums)

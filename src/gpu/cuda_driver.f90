@@ -46,8 +46,7 @@ module brz_cuda_driver
     !@foreign cuEventCreate cu_event_create(out pointer event, int flags)
     !@foreign cuEventRecord cu_event_record(pointer event, pointer stream)
     !@foreign cuEventSynchronize cu_event_synchronize(pointer event)
-    !@foreign cuEventElapsedTime cu_event_elapsed(out float milliseconds, pointer start, &
-    !@      pointer end)
+    !@foreign cuEventElapsedTime cu_event_elapsed(out float elapsed, pointer start, pointer end)
     !@foreign cuGetErrorString cu_message(int error, out pointer text)
 
     interface

@@ -69,12 +69,12 @@ contains
         real(dp) :: book(book_threads, n_book)
 
         book = 0
-        book(1, book_work) = coupling%work
-        book(1, book_taken_work) = coupling%work_reference
-        book(1, book_given + 1:book_given + 3) = coupling%impulse
-        book(1, book_taken + 1:book_taken + 3) = coupling%impulse_reference
-        book(:, book_low) = coupling%ledger_low
-        book(:, book_high) = coupling%ledger_high
+        book(1, book_work) = coupling%books%work
+        book(1, book_taken_work) = coupling%books%work_reference
+        book(1, book_given + 1:book_given + 3) = coupling%books%impulse
+        book(1, book_taken + 1:book_taken + 3) = coupling%books%impulse_reference
+        book(:, book_low) = coupling%books%ledger_low
+        book(:, book_high) = coupling%books%ledger_high
         call copy_in(book, gpu%book, 8_int64*size(book), err)
     end subroutine put_books
 
@@ -89,12 +89,12 @@ contains
         call copy_out(gpu%book, book, 8_int64*size(book), err)
         if (failed(err)) return
         sums = sum(book, 1)
-        coupling%work = sums(book_work)
-        coupling%work_reference = sums(book_taken_work)
-        coupling%impulse = sums(book_given + 1:book_given + 3)
-        coupling%impulse_reference = sums(book_taken + 1:book_taken + 3)
-        coupling%ledger_low = real(minval(book(:, book_low)), rk)
-        coupling%ledger_high = real(maxval(book(:, book_high)), rk)
+        coupling%books%work = sums(book_work)
+        coupling%books%work_reference = sums(book_taken_work)
+        coupling%books%impulse = sums(book_given + 1:book_given + 3)
+        coupling%books%impulse_reference = sums(book_taken + 1:book_taken + 3)
+        coupling%books%ledger_low = real(minval(book(:, book_low)), rk)
+        coupling%books%ledger_high = real(maxval(book(:, book_high)), rk)
     end subroutine fetch_books
 
     !> Bring walls, debts and books to the host, for a dump or a checkpoint. What else the host has
@@ -107,7 +107,7 @@ contains
         type(error_t), intent(inout) :: err
         integer(int64) :: changes
 
-        changes = coupling%covered_total + coupling%uncovered_total
+        changes = coupling%books%covered + coupling%books%uncovered
         if (changes /= gpu%fetched_changes) then
             call copy_out(there%walls%solid, coupling%wall%solid, &
                           size(coupling%wall%solid, kind=int64), err)

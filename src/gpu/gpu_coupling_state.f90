@@ -6,7 +6,7 @@
 !> by their places in lists, in the order of the CPU.
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: carrier_t, n_push
-    use brz_coupling_state, only: coupling_t
+    use brz_coupling_state, only: coupling_books_t, coupling_t
     use brz_bin_launches, only: bin_kernels_t
     use brz_carrier_launches, only: carrier_kernels_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
@@ -60,7 +60,7 @@ module brz_gpu_coupling_state
         type(box_t) :: box
         type(gpu_walls_t) :: wall !! those of the air, as they were put up last
         integer :: n_var = 5, n_debts = 0, n_covered = 0, n_uncovered = 0
-        integer(int64) :: kept = 0
+        type(coupling_books_t) :: books !! what the host has counted
         real(rk) :: level = 0
         real(dp) :: dt_before = 0
         integer(int64) :: fetched_changes = -1 !! cells that had changed hands at the last fetch
@@ -118,7 +118,7 @@ contains
         gpu%box = coupling%box
         gpu%n_var = coupling%n_var
         gpu%level = coupling%level
-        gpu%kept = coupling%kept
+        gpu%books = coupling%books
         gpu%bodies = size(coupling%carrier)
         call gpu%kernels%open(device, err)
         call gpu%common%open(device, n_push*fold_rows, err)

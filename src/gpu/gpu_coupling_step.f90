@@ -123,7 +123,7 @@ contains
         call find_mean_velocity(seen(particles), gpu, err)
         there%fetched = .false.
         coupling%n_debts = gpu%n_debts
-        coupling%kept = gpu%kept
+        coupling%books%kept = gpu%books%kept
     end subroutine gpu_reclassify
 
     !> The map has changed: fill what the solid left, put the new walls up, pass the rest on.
@@ -139,8 +139,8 @@ contains
         gpu%n_uncovered = counts(count_uncovered)
         coupling%n_covered = gpu%n_covered
         coupling%n_uncovered = gpu%n_uncovered
-        coupling%covered_total = coupling%covered_total + gpu%n_covered
-        coupling%uncovered_total = coupling%uncovered_total + gpu%n_uncovered
+        coupling%books%covered = coupling%books%covered + gpu%n_covered
+        coupling%books%uncovered = coupling%books%uncovered + gpu%n_uncovered
         call at_least(gpu%uncovered, gpu%n_uncovered, err)
         call list_cells_of_kind(gpu, is_left, err, list=gpu%uncovered)
         call fill_uncovered(there, gpu, err)

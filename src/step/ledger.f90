@@ -10,8 +10,8 @@ module brz_ledger
         stock_of_solid
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
-    use brz_coupling_state, only: coupling_t
-    use brz_coupling_totals, only: books_of_all, coupling_books_t
+    use brz_coupling_state, only: coupling_books_t, coupling_t
+    use brz_coupling_totals, only: books_of_all
     use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, rk
     use brz_solid_books, only: books_t, close_all_books, open_all_books

@@ -80,6 +80,7 @@ contains
         coupling%reference_pressure = 1e5_rk
         call make_box(air, coupling)
         call make_shells(air%n, coupling%shells)
+        coupling%level = 1/27.0_rk
         particles%n = along*along*layers*side**3
         solid%n = particles%n
         call read_carriers(solid, coupling%carrier)
@@ -162,7 +163,7 @@ contains
             call fill_gpu_bins(gpu, there, particles, err)
             ms(6) = ms(6) + 1e3_dp*stop_timer(device, err)/steps
         end do
-        changed = coupling%covered_total + coupling%uncovered_total
+        changed = coupling%books%covered + coupling%books%uncovered
         write (output_unit, '(a, a, i0, a, i0, a)') what, ': ', changed, ' changes so far, ', &
             gpu%n_debts, ' debts; ms each step'
         write (output_unit, '(6(a, f8.3))') '  wall velocity', ms(1), ', load', ms(2), &

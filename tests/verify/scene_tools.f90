@@ -78,7 +78,7 @@ contains
             scene%mass_error = max(scene%mass_error, abs(scene%ledger%mass_error))
             scene%momentum_error = max(scene%momentum_error, scene%ledger%momentum_error)
             if (sim%solid%present) scene%stray = max(scene%stray, &
-                norm2(sums%momentum - scene%momentum - sim%coupling%impulse))
+                norm2(sums%momentum - scene%momentum - sim%coupling%books%impulse))
             scene%thrust = max(scene%thrust, sqrt(2*sums%mass*sums%kinetic))
         end associate
     end subroutine step_scene

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""Steps that stand once, and variants of a loop: what the scripts write."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+SCRIPTS = Path(__file__).parents[2] / "scripts"
+
+ITEM = """\
+module brz_debt_items
+contains
+    !> Pay.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine pay_debt(e, cell, low, over)
+        integer, intent(in) :: e !! debts
+        integer(int32), intent(in) :: cell(*)
+        real(rk), intent(inout) :: low !@least of all
+        integer, intent(inout) :: over !@count of them
+    end subroutine pay_debt
+end module brz_debt_items
+"""
+STEPS = """\
+! SPDX-License-Identifier: MIT
+module brz_debt_steps
+    use brz_coupling_state, only: coupling_t
+    use brz_debt_loops, only: each_pay_debt
+    implicit none
+contains
+    !> Pay all.
+    subroutine pay_all(c, n)
+        type(coupling_t), intent(inout) :: c
+        integer, intent(in) :: n
+        integer :: over
+
+        over = 0 !@cpu
+        call each_pay_debt(n, c%cell, c%low, &
+                           over) !@gpu book_low count_over
+        if (over > 0) call drop(c)
+    end subroutine pay_all
+end module brz_debt_steps
+"""
+LOOP = """\
+! SPDX-License-Identifier: MIT
+    !> Add.
+    !@variant sum_one: one
+    !@variant sum_two: two
+    subroutine sum_all(kind, x)
+        integer, intent(in) :: kind !! known
+        call help(kind, x)
+    end subroutine sum_all
+    !> Help.
+    !@variant
+    subroutine help(kind, x)
+        integer, intent(in) :: kind
+    end subroutine help
+"""
+
+
+def written(folder, script, source, text):
+    (folder / source).write_text(text)
+    command = [sys.executable, SCRIPTS / script, folder / source, folder / "out.f90"]
+    subprocess.run(command, check=True)
+    return (folder / "out.f90").read_text()
+
+
+def test_steps_of_the_gpu_launch_and_hand_on_the_error(tmp_path):
+    (tmp_path / "debt_items.f90").write_text(ITEM)
+    text = written(tmp_path, "steps.py", "debt_steps.f90", STEPS)
+    assert "module brz_gpu_debt_steps" in text
+    assert "subroutine pay_all(c, n, err)" in text
+    assert "type(gpu_coupling_t), intent(inout) :: c" in text
+    assert text.index("type(error_t), intent(inout) :: err") < text.index("integer :: over")
+    joined = " ".join(text.replace("&", "").split())
+    tallies = "book_at(c, book_low), count_at(c, count_over), err)"
+    assert f"call c%debt_kernels%pay_debt(n, c%cell, {tallies}" in joined
+    assert "call read_count(c, count_over, over, err)" in text
+    assert "if (over > 0) call drop(c, err)" in text
+    assert "over = 0" not in text and "each_pay_debt" not in text
+
+
+def test_variants_are_copies_with_a_constant(tmp_path):
+    text = written(tmp_path, "variants.py", "loop.f90", LOOP)
+    for name in ("one", "two"):
+        assert f"subroutine sum_{name}(x)" in text
+        assert f"integer, parameter :: kind = {name} !! known" in text
+        assert f"call help_{name}(x)" in text
+        assert f"subroutine help_{name}(x)" in text
+    assert "intent(in) :: kind" not in text
