@@ -23,6 +23,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 from plate_models import compute, load_table, square
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
@@ -167,10 +168,12 @@ def draw() -> None:
     figure, axes = plt.subplots(1, 2, figsize=(9.5, 4.2), constrained_layout=True, sharex=True)
     for model in MODELS:
         own = [row for row in rows if row["model"] == model]
+        if not own:
+            continue
         seconds = [float(row["seconds"]) for row in own]
         for axis, key in zip(axes, ("error", "impulse_error"), strict=True):
             errors = [100 * float(row[key]) for row in own]
-            axis.loglog(seconds, errors, "o-", ms=5, label=model)
+            axis.semilogy(seconds, errors, "o-", ms=5, label=model)
             for row, x, y in zip(own, seconds, errors, strict=True):
                 sizes = [row["cells_mm"]] if row["cells_mm"] else []
                 axis.annotate(" / ".join([*sizes, row["spacing_mm"]]), (x, y), xytext=(5, 4),
@@ -178,9 +181,15 @@ def draw() -> None:
     axes[0].set(ylabel="error of the CFRP's displacement at 1.2 ms [%]")
     axes[1].set(ylabel="error of the impulse on the slab [%]")
     for axis in axes:
-        axis.set(xlabel="seconds of one core")
+        axis.set(
+            xlabel="seconds of one core",
+            xlim=(0, 1.25 * max(float(row["seconds"]) for row in rows)),
+        )
+        axis.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.yaxis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axis.yaxis.set_minor_formatter(NullFormatter())
         axis.grid(alpha=0.3, which="both")
-    axes[0].legend(fontsize=8)
+    axes[0].legend(fontsize=8, loc="center left")
     figure.savefig(PICTURE, dpi=110)
 
 
