@@ -12,7 +12,7 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	$(Q)$(LINK) -o $@ $(filter-out $(B)/obj/tests/study/study_%,$^) \
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
-.PHONY: start-2d plate-models charts charts-air charts-solid charts-coupling charts-scenes taylor stability stability-air validate compare
+.PHONY: start-2d plate-models slab-models charts charts-air charts-solid charts-coupling charts-scenes taylor stability stability-air validate compare
 .PHONY: point-blast point-blast-gpu paper paper-coarse paper-questions
 paper: all ## every scene of the paper at its resolution: exact quarters, on a GPU; goes on where it stopped
 	@$(PY) scripts/paper.py full hvi_0600 hvi_0300 hvi_0150 hvi_0075; $(PY) scripts/paper.py quarter
@@ -64,3 +64,5 @@ start-2d: all ## a cylinder before a slab by every way to start it (docs/blast.m
 	OMP_NUM_THREADS=1 $(PY) scripts/start_2d.py
 plate-models: all ## the plate of the paper by load, starts, quarter and whole: error against seconds (ten minutes)
 	$(PY) scripts/plate_models.py $(ARGS)
+slab-models: all ## slab 2 of the paper, coarse, by load, starts and charge: error against seconds (an hour of one core)
+	$(PY) scripts/slab_models.py $(ARGS)

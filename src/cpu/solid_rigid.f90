@@ -4,7 +4,8 @@
 !> The particles of a rigid body carry its mass to contact, air and output. Their velocity is kept
 !> at half steps like that of all others, and `a` is what brings it to the step.
 module brz_solid_rigid
-    use brz_drive, only: book_drive
+    use brz_drive, only: begin_region, book_drive, end_region
+    use brz_force_loops, only: each_sum_region
     use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
     use brz_kinds, only: dp, int64, rk
     use brz_motion, only: mean_velocity, velocity_of
@@ -42,10 +43,11 @@ contains
                     call book_drive(body, solid%time, dt, v)
                     body%rigid%load = load
                     if (body%formulation /= form_rigid) &
-                        call each_drive_particle(body%last - body%first + 1, body%first, 3, dt, &
+                        call each_drive_particle(body%last - body%first + 1, body%first, 3, 0, dt, &
                                                  v(1), v(2), v(3), solid%fixed, solid%x, solid%v)
                     body%rigid%p = body%rigid%mass*v
                 end if
+                if (allocated(body%regions)) call move_regions(solid, body, dt)
                 if (body%formulation == form_rigid) call move_body(solid, body, dt)
                 if (body%formulation == form_rigid .and. solid%ranks%rank > 0) then
                     body%ledger = ledger ! all processes move the body, the first books it
@@ -81,6 +83,7 @@ contains
                     call balance_body(solid, body, dt)
                 end if
                 if (body%motion%n > 0) call balance_drive(solid, body, b, dt)
+                if (allocated(body%regions)) call balance_regions(solid, body, dt)
             end associate
         end do
     end subroutine balance_rigid
@@ -187,11 +190,57 @@ contains
                 if (solid%block(1, k) == b) &
                     body%motion%force = body%motion%force + solid%search%sums(3:5, k)/dt
             end do
-            call each_follow_drive(body%last - body%first + 1, body%first, 3, 1, 3, dt, v(1), &
+            call each_follow_drive(body%last - body%first + 1, body%first, 3, 0, 1, 3, dt, v(1), &
                                    v(2), v(3), solid%fixed, solid%v, solid%a)
         end if
         if (body%formulation == form_rigid .and. solid%ranks%rank > 0) return ! the first books it
         body%ledger%drive = body%ledger%drive &
             - dt/2*dot_product(body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
     end subroutine balance_drive
+
+    !> Carry the regions of a body along that are moved; the first process books the work.
+    subroutine move_regions(solid, body, dt)
+        type(solid_t), intent(inout) :: solid
+        type(body_t), intent(inout) :: body
+        real(dp), intent(in) :: dt !! [s]
+        type(ledger_t) :: ledger
+        real(dp) :: v(3)
+        integer :: m
+
+        do m = 1, size(body%regions)
+            ledger = body%ledger
+            call begin_region(body%regions(m), solid%time, dt, v, ledger)
+            if (solid%ranks%rank == 0) body%ledger = ledger
+            call each_drive_particle(body%last - body%first + 1, body%first, 3, m, dt, v(1), v(2), &
+                                     v(3), solid%fixed, solid%x, solid%v)
+        end do
+    end subroutine move_regions
+
+    !> Forces of a body on the regions of it that are moved, the work of the half step up to now,
+    !> and their velocities.
+    subroutine balance_regions(solid, body, dt)
+        type(solid_t), intent(inout), target :: solid
+        type(body_t), intent(inout) :: body
+        real(dp), intent(in) :: dt !! [s]
+        real(rk), pointer, contiguous :: load(:, :)
+        type(ledger_t) :: ledger
+        real(dp) :: sums(6), v(3), work
+        integer :: m, n
+
+        n = body%last - body%first + 1
+        load => solid%a ! not read where there is no load
+        if (allocated(solid%load)) load => solid%load
+        do m = 1, size(body%regions)
+            if (.not. dt > 0) cycle
+            call each_sum_region(n, solid%ranks, body%first, m, 1, 3, &
+                                 merge(1, 0, allocated(solid%load)), solid%fixed, load, &
+                                 solid%grip, sums)
+            ledger = body%ledger
+            call end_region(body%regions(m), solid%time, dt, sums, ledger, work)
+            if (solid%ranks%rank == 0) body%ledger = ledger
+            v = velocity_of(body%regions(m), solid%time)
+            call each_follow_drive(n, body%first, 3, m, 1, 3, dt, v(1), v(2), v(3), solid%fixed, &
+                                   solid%v, solid%a)
+        end do
+    end subroutine balance_regions
 end module brz_solid_rigid

@@ -8,6 +8,7 @@ module brz_build_case
     use brz_check_inflow, only: check_inflows
     use brz_check_interactions, only: check_interactions
     use brz_check_loads, only: check_loads
+    use brz_check_motions, only: check_motions
     use brz_check_materials, only: check_materials
     use brz_check_gauges, only: check_gauges
     use brz_complete, only: ensure_group, parse_defaults
@@ -57,6 +58,7 @@ contains
         call check_interactions(deck, case)
         call check_meeting(deck, case)
         call check_loads(deck, case)
+        call check_motions(deck, case)
         call check_gauges(deck, case)
         call check_materials(deck, keys)
         call check_use(deck, case)

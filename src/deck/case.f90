@@ -11,7 +11,8 @@ module brz_case
     public :: case_t, run_case_t, air_case_t, gas_case_t, charge_case_t, material_case_t, &
                  body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t, &
                  point_case_t, segment_case_t
-    public :: name_len, max_plies, max_motion, interaction_case_t, inflow_case_t, load_case_t, &
+    public :: name_len, max_plies, max_motion, region_case_t, interaction_case_t, inflow_case_t, &
+              load_case_t, &
               is_from_file, label, means
 
     integer, parameter :: name_len = 32 !! longest id or option word
@@ -115,6 +116,16 @@ module brz_case
         logical, allocatable :: given(:) !! false where the value is the default (n)
     end type material_case_t
 
+    !> &motion: a velocity that is prescribed for regions of a body
+    type :: region_case_t
+        character(name_len) :: id = ''
+        character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
+        integer :: n_boxes = 0
+        real(dp) :: box(6, 8) = 0 !! x0, x1, y0, y1, z0, z1 [m]
+        logical :: along(3) = .true. !! axes along which they are moved
+        real(dp), allocatable :: time(:), velocity(:, :) !! history (n), (3, n) [s, m/s]
+    end type region_case_t
+
     !> &body
     type :: body_case_t
         character(name_len) :: id = ''
@@ -147,6 +158,7 @@ module brz_case
         integer :: n_motion = 0 !! points of a prescribed velocity, 0: none
         real(dp) :: motion_time(max_motion) = 0 !! [s]
         real(dp) :: motion_velocity(3, max_motion) = 0 !! [m/s]
+        type(region_case_t), allocatable :: regions(:) !! of its &motion groups; none if absent
         real(dp) :: spin(3) = 0 !! angular velocity about spin_centre [rad/s]
         character(512) :: start_file = '' !! of initial velocities and stresses
         logical :: start_stress = .false. !! those of a dump too
@@ -218,6 +230,8 @@ module brz_case
         integer :: body_index = 0
         character(name_len) :: with = '' !! other body of a force or impulse of contact
         integer :: with_index = 0
+        character(name_len) :: motion = '' !! of the body, whose force is measured
+        integer :: motion_index = 0
     end type gauge_case_t
 
     !> &solid: settings shared by all bodies

@@ -27,6 +27,7 @@ contains
             k = k + 1
             call find_body(deck, g, case, case%gauges(k))
             call find_other(deck, g, case, case%gauges(k))
+            call find_motion(deck, g, case, case%gauges(k))
             if (.not. deck%groups(g)%bad) call check_quantity(deck, g, case, case%gauges(k))
             if (.not. deck%groups(g)%bad) call check_points(deck, g, case%gauges(k))
             if (is_radial(case)) cycle
@@ -70,6 +71,27 @@ contains
         end if
         if (deck%groups(g)%bad) gauge%with_index = 0
     end subroutine find_other
+
+    !> The motion whose force is measured.
+    subroutine find_motion(deck, g, case, gauge)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(gauge_case_t), intent(inout) :: gauge
+
+        if (.not. is_given(deck%groups(g), 'motion')) return
+        if (index(gauge%quantity, 'reaction') /= 1) then
+            call complain(deck, g, 'motion', "motion belongs to quantity='reaction_x', ...; "// &
+                          'take it out')
+        else if (gauge%body_index > 0) then
+            associate (body => case%bodies(gauge%body_index))
+                if (allocated(body%regions)) &
+                    gauge%motion_index = findloc(body%regions%id, gauge%motion, 1)
+            end associate
+            if (gauge%motion_index == 0) call complain(deck, g, 'motion', 'body '// &
+                trim(gauge%body)//" has no &motion with id='"//trim(gauge%motion)//"'")
+        end if
+    end subroutine find_motion
 
     !> A quantity of the air, of a body, or of both.
     subroutine check_quantity(deck, g, case, gauge)

@@ -8,6 +8,7 @@ module brz_core_keys
     use brz_explosives, only: explosive_names
     use brz_check_inflow, only: inflow_keys
     use brz_check_loads, only: load_keys
+    use brz_check_motions, only: motion_keys
     use brz_gauge_quantities, only: quantity_choices
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text, none, required
     use brz_kinds, only: dp
@@ -34,6 +35,7 @@ contains
         call material_group_keys(keys)
         call body_keys(keys)
         call load_keys(keys)
+        call motion_keys(keys)
         call gauge_keys(keys)
         call settings_keys(keys)
         call point_keys(keys)
@@ -256,7 +258,10 @@ contains
                       meaning='Id of the body that is measured; absent: the air.'), &
                 key_t(group=g, key='with', kind=kind_text, &
                       meaning='contact_x, ..., impulse_x, ...: what this other body alone does '// &
-                      'to the body.')]
+                      'to the body.'), &
+                key_t(group=g, key='motion', kind=kind_text, &
+                      meaning='reaction_x, ...: force of the body on what this &motion of it '// &
+                      'moves alone.')]
     end subroutine gauge_keys
 
     subroutine settings_keys(keys)

@@ -301,6 +301,7 @@ contains
         call get(group, 'quantity', gauge%quantity)
         call get(group, 'body', gauge%body)
         call get(group, 'with', gauge%with)
+        call get(group, 'motion', gauge%motion)
     end subroutine fill_gauge
 
     !> &solid, &coupling and &output; they follow the groups that they depend on.

@@ -155,7 +155,7 @@ contains
         n = 0
         do k = 1, deck%n
             out = k == g
-            if (any(deck%groups(k)%name == [character(5) :: 'gauge', 'load'])) &
+            if (any(deck%groups(k)%name == [character(6) :: 'gauge', 'load', 'motion'])) &
                 out = names(deck%groups(k), 'body', id)
             if (deck%groups(k)%name == 'interaction') out = names(deck%groups(k), 'bodies', id)
             if (out) cycle

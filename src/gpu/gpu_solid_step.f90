@@ -11,6 +11,7 @@ module brz_gpu_solid_step
     use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, &
         book_force, book_load, flag_bad, n_book, n_flag, n_total, tag_fixed
     use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass
+    use brz_gpu_solid_regions, only: balance_gpu_regions, move_gpu_regions
     use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: book_of, column_of, gpu_solid_body_t, gpu_solid_t, &
@@ -146,9 +147,10 @@ contains
                     call book_drive(body, solid%time, dt, v)
                     ! the work on free particles is in `book`, and added to this
                     gpu%ledger(b)%load = gpu%ledger(b)%load + (body%ledger%load - before)
-                    call gpu%moves%drive_particle(n, there%first, 4, dt, v(1), v(2), v(3), &
+                    call gpu%moves%drive_particle(n, there%first, 4, 0, dt, v(1), v(2), v(3), &
                         tags_of(gpu, tag_fixed), gpu%place, gpu%motion, err)
                 end if
+                if (allocated(body%regions)) call move_gpu_regions(gpu, solid, b, dt, err)
                 if (body%variable) call gpu%moves%size_particle(n, there%first, solid%dimension, &
                     body%h, body%h_range(1), body%h_range(2), column_of(gpu, at_mu), gpu%place, err)
                 unit = merge(sqrt(huge(dt))/(2*move_levels), level_unit(solid), &
@@ -304,7 +306,7 @@ contains
 
     !> Forces of contact on rigid bodies, and of bodies on what is driven, at the step.
     subroutine balance_drives(gpu, solid, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt
         type(error_t), intent(inout) :: err
@@ -314,6 +316,8 @@ contains
             if (gpu%bodies(b)%asleep) cycle
             if (gpu%bodies(b)%rigid) call balance_rigid(gpu, solid, b, dt, err)
             if (solid%bodies(b)%motion%n > 0) call balance_drive(gpu, solid, b, dt, err)
+            if (allocated(solid%bodies(b)%regions)) &
+                call balance_gpu_regions(gpu, solid, b, dt, err)
         end do
     end subroutine balance_drives
 
@@ -336,8 +340,8 @@ contains
                 body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
             if (there%rigid) return
             v = velocity_of(body%motion, solid%time)
-            call gpu%moves%follow_drive(there%last - there%first + 1, there%first, 4, gpu%n, 1, &
-                dt, v(1), v(2), v(3), tags_of(gpu, tag_fixed), gpu%motion, &
+            call gpu%moves%follow_drive(there%last - there%first + 1, there%first, 4, 0, &
+                gpu%n, 1, dt, v(1), v(2), v(3), tags_of(gpu, tag_fixed), gpu%motion, &
                 column_of(gpu, at_accel + 1), err)
         end associate
     end subroutine balance_drive

@@ -79,7 +79,7 @@ contains
         call demand(solid%dt_limit >= 0, 'solid/dt_limit', name)
         call demand(solid%steps >= 0, 'solid/steps', name)
         call demand(all(solid%mass > 0), 'solid/mass', name)
-        call demand(all(within(solid%fixed, is_gone) .or. within(solid%fixed/4, 7) .and. &
+        call demand(all(within(solid%fixed, is_gone) .or. solid%fixed >= 0 .and. &
                         mod(solid%fixed, 4) == 0), 'solid/fixed', name)
         call demand(all(within(int(solid%cut), 1)), 'solid/cut', name)
         call demand(all(solid%support >= 0), 'solid/support', name)

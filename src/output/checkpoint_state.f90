@@ -14,6 +14,7 @@ module brz_checkpoint_state
     use brz_errors, only: error_t, failed
     use brz_hdf5_array, only: h5_shape
     use brz_hdf5_file, only: h5_has, h5_t
+    use brz_motion, only: motion_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, real64
     use brz_running_total, only: total_numbers
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
@@ -239,8 +240,29 @@ contains
                 solid%bodies(b)%motion%force = state(26:28, b)
                 r%load = state(29:34, b)
             end associate
+            if (allocated(solid%bodies(b)%regions)) call carry_regions(file, b, &
+                                                                     solid%bodies(b)%regions, err)
         end do
     end subroutine carry_rigid
+
+    !> Forces on the regions of body b that are moved.
+    subroutine carry_regions(file, b, regions, err)
+        type(h5_t), intent(in) :: file
+        integer, intent(in) :: b
+        type(motion_t), intent(inout) :: regions(:)
+        type(error_t), intent(inout) :: err
+        real(dp) :: state(6, size(regions))
+        integer :: m
+
+        do m = 1, size(regions)
+            state(:, m) = [regions(m)%force, regions(m)%grip]
+        end do
+        call carry(file, 'solid/regions_'//to_text(b), state, err)
+        do m = 1, size(regions)
+            regions(m)%force = state(1:3, m)
+            regions(m)%grip = state(4:6, m)
+        end do
+    end subroutine carry_regions
 
     subroutine carry_coupling(file, coupling, err)
         type(h5_t), intent(in) :: file

@@ -47,6 +47,7 @@ module brz_gauges
         integer :: particle(2) = 0 !! numbers of its particles; the second one of a strain alone
         integer :: place(2) = 0 !! where those particles were found last
         integer :: pair = 0 !! place among those of solid%between
+        integer :: region = 0 !! motion of the body on which the force is; 0: all that holds it
         integer :: slot = 0 !! in the history of the material
     end type gauge_t
 
@@ -110,6 +111,7 @@ contains
         gauge%at = input%at
         gauge%body = input%body_index
         gauge%with = input%with_index
+        gauge%region = input%motion_index
         q = find_quantity(gauge%quantity)
         possible = q > 0
         if (possible) then
@@ -166,7 +168,7 @@ contains
         integer(int64) :: held(1)
 
         associate (body => solid%bodies(input%body_index))
-            if (body%motion%n > 0) return
+            if (body%motion%n > 0 .or. allocated(body%regions)) return
             if (body%formulation == form_rigid) then
                 if (any([body%rigid%moves, body%rigid%turns] < 1)) return
             else
@@ -322,6 +324,8 @@ contains
                 value = between%force(axis_of(gauge%quantity))
                 if (gauge%whole >= from_impulse) value = between%impulse(axis_of(gauge%quantity))
             end associate
+        else if (gauge%region > 0) then
+            value = solid%bodies(gauge%body)%regions(gauge%region)%grip(gauge%whole)
         else if (gauge%whole >= from_impulse) then
             value = solid%bodies(gauge%body)%impulse(gauge%whole - from_impulse + 1)
         else if (gauge%whole > 0) then

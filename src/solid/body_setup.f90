@@ -20,6 +20,7 @@ module brz_body_setup
     use brz_material, only: material_t, point_t
     use brz_materials, only: make_material, start_point
     use brz_plate, only: settle_plate
+    use brz_region_setup, only: set_up_regions
     use brz_rigid_setup, only: set_up_rigid
     use brz_start_fields, only: start_from_file
     use brz_solid_arrays, only: allocate_solid
@@ -53,6 +54,7 @@ contains
             call start_from_file(case%bodies(b), case%materials(case%bodies(b)% &
                 material_index)%model == 'linear_elastic', solid, solid%bodies(b), err)
             call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b), err)
+            call set_up_regions(case%bodies(b), solid, solid%bodies(b), err)
         end do
         call set_up_cohesive(case, points%shape, solid, err)
         call set_up_loads(case, points%shape, solid, err)
@@ -214,6 +216,7 @@ contains
     pure function speeds_of(body) result(v)
         type(body_case_t), intent(in) :: body
         real(dp), allocatable :: v(:, :)
+        integer :: m
 
         allocate (v(3, 1 + max(body%n_motion, 1)))
         v(:, 1) = body%velocity
@@ -224,6 +227,11 @@ contains
         else if (.not. (any(body%fix /= '') .or. body%n_fix_boxes > 0)) then
             v(:, 2) = body%velocity
         end if
+        if (.not. allocated(body%regions)) return
+        do m = 1, size(body%regions)
+            v = reshape([v, body%regions(m)%velocity], &
+                        [3, size(v, 2) + size(body%regions(m)%velocity, 2)])
+        end do
     end function speeds_of
 
     !> Copy the settings of a body from the deck.

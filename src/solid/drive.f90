@@ -2,11 +2,11 @@
 !> Work of the prescribed motion of a body.
 module brz_drive
     use brz_kinds, only: dp
-    use brz_motion, only: velocity_of
-    use brz_solid_state, only: body_t, form_rigid
+    use brz_motion, only: mean_velocity, motion_t, velocity_of
+    use brz_solid_state, only: body_t, form_rigid, ledger_t
     implicit none
     private
-    public :: book_drive
+    public :: book_drive, begin_region, end_region
 
 contains
 
@@ -27,4 +27,37 @@ contains
         body%ledger%load = body%ledger%load + work
         body%ledger%drive = body%ledger%drive - work
     end subroutine book_drive
+
+    !> Work of what moves a region in a step to come: its kinetic energy, less half of the step by
+    !> the force of the body on it at the start.
+    pure subroutine begin_region(motion, time, dt, v, ledger)
+        type(motion_t), intent(in) :: motion
+        real(dp), intent(in) :: time, dt !! start and length of the step [s]
+        real(dp), intent(out) :: v(3) !! mean velocity in it [m/s]
+        type(ledger_t), intent(inout) :: ledger
+        real(dp) :: before(3), after(3)
+
+        v = mean_velocity(motion, time, dt)
+        before = merge(velocity_of(motion, time), 0.0_dp, motion%along)
+        after = merge(velocity_of(motion, time + dt), 0.0_dp, motion%along)
+        ledger%drive = ledger%drive - dt/2*dot_product(motion%force, v) &
+            + motion%mass/2*(dot_product(after, after) - dot_product(before, before))
+    end subroutine begin_region
+
+    !> The other half, and the work of the load, which acted all through the step.
+    pure subroutine end_region(motion, time, dt, sums, ledger, work)
+        type(motion_t), intent(inout) :: motion
+        real(dp), intent(in) :: time, dt !! end and length of the step [s]
+        real(dp), intent(in) :: sums(6) !! of brz_force_items: sum_region
+        type(ledger_t), intent(inout) :: ledger
+        real(dp), intent(out) :: work !! of the load [J]
+        real(dp) :: v(3)
+
+        v = mean_velocity(motion, time - dt, dt)
+        motion%force = sums(1:3) - sums(4:6)
+        motion%grip = sums(1:3)
+        work = dt*dot_product(sums(4:6), v)
+        ledger%load = ledger%load + work
+        ledger%drive = ledger%drive - dt/2*dot_product(motion%force, v) - work
+    end subroutine end_region
 end module brz_drive

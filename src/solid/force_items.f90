@@ -3,10 +3,10 @@
 module brz_force_items
     use brz_kinds, only: dp, int32, rk
     use brz_solid_state, only: is_gone, is_held
-    use brz_support, only: is_kept
+    use brz_support, only: is_driven, is_kept
     implicit none
     private
-    public :: sum_forces, sum_momentum
+    public :: sum_forces, sum_momentum, sum_region
 
 contains
 
@@ -79,4 +79,29 @@ contains
                 + m*(v(d, i) + half*accel(1 + (i - 1)*step_p + (d - 1)*step_d))
         end do
     end subroutine sum_momentum
+
+    !> Add the force of a body, with its load, on a particle that a motion of it moves, and that
+    !> load.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine sum_region(p, first, region, step_d, step_p, loaded, fixed, load, grip, total)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: region !! the motion
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in forces
+        integer, intent(in) :: loaded !! 1: `load` is there
+        integer(int32), intent(in) :: fixed(*)
+        real(rk), intent(in) :: load(*), grip(*) !! [N]
+        real(dp), intent(inout) :: total(6) !@exact [N]
+        integer :: at, d, i
+
+        i = first - 1 + p
+        if (.not. is_driven(fixed(i), region)) return
+        do d = 1, 3
+            if (.not. is_kept(fixed(i), d)) cycle
+            at = 1 + (i - 1)*step_p + (d - 1)*step_d
+            total(d) = total(d) + grip(at)
+            if (loaded == 1) total(3 + d) = total(3 + d) + load(at)
+        end do
+    end subroutine sum_region
 end module brz_force_items

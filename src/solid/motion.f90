@@ -10,8 +10,11 @@ module brz_motion
         integer :: n = 0 !! points of the history; 0: nothing is prescribed
         real(dp), allocatable :: time(:) !! (n) [s]
         real(dp), allocatable :: v(:, :) !! (3, n) [m/s]
+        character(32) :: id = '' !! of a &motion
+        logical :: along(3) = .true. !! axes along which it is prescribed
         real(dp) :: mass = 0 !! of the particles that are driven [kg]
         real(dp) :: force(3) = 0 !! of the body on them at the step [N]
+        real(dp) :: grip(3) = 0 !! of a region: the same with its load [N]
     end type motion_t
 
 contains

@@ -7,7 +7,7 @@ module brz_motion_items
     use brz_move_level, only: level_of
     use brz_rigid_pose, only: n_pose, place_point, spin_at, velocity_at
     use brz_solid_state, only: is_gone, is_held, n_pair, pair_spin, pair_volume
-    use brz_support, only: is_kept
+    use brz_support, only: driven_by, is_driven, is_kept
     implicit none
     private
     public :: drift_particle, size_particle, drive_particle, place_rigid, note_particle
@@ -17,7 +17,7 @@ module brz_motion_items
 contains
 
     !> Velocity of particle i by the mean of the last and this time step, then position. What is
-    !> held does not move by itself.
+    !> held or driven does not move by itself.
     !@cuf attributes(host,device) &
     pure subroutine kick_and_drift(i, wide, step_d, step_p, mean, dt, loaded, accel, load, mass, &
                                    fixed, x, v, work)
@@ -39,6 +39,7 @@ contains
         if (fixed(i) == is_held .or. fixed(i) == is_gone) return
         total = 0
         do d = 1, 3
+            if (fixed(i) >= driven_by(1) .and. is_kept(fixed(i), d)) cycle
             at = 1 + (i - 1)*step_p + (d - 1)*step_d
             push = 0
             if (loaded == 1) then
@@ -123,13 +124,14 @@ contains
         place(4, first - 1 + p) = smoothing_length(h, bounds, dimension, mu(first - 1 + p))
     end subroutine size_particle
 
-    !> Carry a held particle along.
+    !> Carry a held particle, or one of a region that is moved, along.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine drive_particle(p, first, wide, dt, vx, vy, vz, fixed, x, v)
+    pure subroutine drive_particle(p, first, wide, region, dt, vx, vy, vz, fixed, x, v)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x and v
+        integer, intent(in) :: region !! its motion; 0: that of what is held
         real(dp), intent(in) :: dt, vx, vy, vz !! step [s], mean velocity in it [m/s]
         integer(int32), intent(in) :: fixed(*)
         real(dp), intent(inout) :: x(wide, *)
@@ -138,23 +140,26 @@ contains
         integer :: d, i
 
         i = first - 1 + p
-        if (fixed(i) /= is_held) return
+        if (.not. is_driven(fixed(i), region)) return
         drive(1) = vx
         drive(2) = vy
         drive(3) = vz
         do d = 1, 3
+            if (.not. is_kept(fixed(i), d)) cycle
             v(d, i) = real(drive(d), rk)
             x(d, i) = x(d, i) + dt*drive(d)
         end do
     end subroutine drive_particle
 
-    !> Acceleration of a held particle that brings it to the velocity of the step.
+    !> Acceleration of such a particle that brings it to the velocity of the step.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine follow_drive(p, first, wide, step_d, step_p, dt, vx, vy, vz, fixed, v, accel)
+    pure subroutine follow_drive(p, first, wide, region, step_d, step_p, dt, vx, vy, vz, fixed, v, &
+                                 accel)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of v
+        integer, intent(in) :: region !! its motion; 0: that of what is held
         integer, intent(in) :: step_d, step_p !! distances of directions and particles in accel
         real(dp), intent(in) :: dt, vx, vy, vz !! step [s], velocity at its end [m/s]
         integer(int32), intent(in) :: fixed(*)
@@ -164,11 +169,12 @@ contains
         integer :: d, i
 
         i = first - 1 + p
-        if (fixed(i) /= is_held) return
+        if (.not. is_driven(fixed(i), region)) return
         drive(1) = vx
         drive(2) = vy
         drive(3) = vz
         do d = 1, 3
+            if (.not. is_kept(fixed(i), d)) cycle
             accel(1 + (i - 1)*step_p + (d - 1)*step_d) = real(2/dt*(drive(d) - v(d, i)), rk)
         end do
     end subroutine follow_drive

@@ -24,6 +24,9 @@ contains
                 if (any(abs(solid%v(:, body%first:body%last)) > 0)) moves(b) = 1
             end associate
         end do
+        do b = 1, size(solid%bodies)
+            if (allocated(solid%bodies(b)%regions)) moves(b) = 1
+        end do
         call most_of_all(solid%ranks, moves)
         solid%bodies%asleep = solid%bodies%motion%n == 0 .and. moves == 0
         call wake_met(solid)

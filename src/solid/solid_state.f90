@@ -149,6 +149,7 @@ module brz_solid_state
         type(ledger_t) :: ledger
         type(rigid_t) :: rigid !! of a rigid body
         type(motion_t) :: motion !! that is prescribed
+        type(motion_t), allocatable :: regions(:) !! those of regions of it; none if not allocated
         type(round_t) :: round !! its surface, where that is known to be round
     end type body_t
 

@@ -5,7 +5,7 @@ module brz_support
     use brz_solid_state, only: is_held
     implicit none
     private
-    public :: held_share, is_kept, kept_along
+    public :: held_share, is_kept, kept_along, driven_by, is_driven
 
 contains
 
@@ -38,4 +38,24 @@ contains
 
         mark = ishft(2_int32, d)
     end function kept_along
+
+    !> The mark of a particle that motion m of its body moves; added to those of the axes.
+    !@cuf attributes(host,device) &
+    pure function driven_by(m) result(mark)
+        integer, intent(in) :: m
+        integer(int32) :: mark
+
+        mark = 32*m
+    end function driven_by
+
+    !> True for a particle that motion m of its body moves; 0: that of all that is held.
+    !@cuf attributes(host,device) &
+    pure function is_driven(fixed, m) result(yes)
+        integer(int32), intent(in) :: fixed
+        integer, intent(in) :: m
+        logical :: yes
+
+        yes = fixed/driven_by(1) == m
+        if (m == 0) yes = fixed == is_held
+    end function is_driven
 end module brz_support

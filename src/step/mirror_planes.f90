@@ -6,7 +6,7 @@
 !> of another, with velocity, spin, plies, what is held and what presses on it. Where a shape is in
 !> a file, or a boundary is periodic, nothing is said.
 module brz_mirror_planes
-    use brz_case, only: body_case_t, case_t, is_from_file
+    use brz_case, only: body_case_t, case_t, is_from_file, region_case_t
     use brz_kinds, only: dp
     implicit none
     private
@@ -99,7 +99,7 @@ contains
                          [q%spacing, q%radius, q%length, q%inner_radius, q%diameter])) &
                 .and. all(p%bars == q%bars) .and. places_agree(p, q, a) &
                 .and. motions_agree(p, q, a) .and. plies_agree(p, q, a) &
-                .and. fixes_agree(p, q, a)
+                .and. fixes_agree(p, q, a) .and. regions_agree(p, q, a)
     end function is_image
 
     pure logical function places_agree(p, q, a) result(agree)
@@ -137,6 +137,41 @@ contains
                     all(same(p%motion_velocity(:, m), turn*q%motion_velocity(:, m)))
         end do
     end function motions_agree
+
+    !> Each region that a motion moves has an image that moves as its image does.
+    pure logical function regions_agree(p, q, a) result(agree)
+        type(body_case_t), intent(in) :: p, q
+        integer, intent(in) :: a
+        integer :: i, j
+
+        agree = allocated(p%regions) .eqv. allocated(q%regions)
+        if (.not. (agree .and. allocated(p%regions))) return
+        agree = size(p%regions) == size(q%regions)
+        do i = 1, size(p%regions)
+            if (.not. agree) return
+            agree = .false.
+            do j = 1, size(q%regions)
+                agree = agree .or. region_agrees(p%regions(i), q%regions(j), a)
+            end do
+        end do
+    end function regions_agree
+
+    pure logical function region_agrees(p, q, a) result(agrees)
+        type(region_case_t), intent(in) :: p, q
+        integer, intent(in) :: a
+        real(dp) :: turn(3)
+        integer :: m
+
+        agrees = boxes_agree(p%box(:, :p%n_boxes), q%box(:, :q%n_boxes), a) .and. &
+                 all(p%along .eqv. q%along) .and. size(p%time) == size(q%time)
+        if (.not. agrees) return
+        turn = 1
+        turn(a) = -1
+        do m = 1, size(p%time)
+            agrees = agrees .and. same(p%time(m), q%time(m)) .and. &
+                     all(same(p%velocity(:, m), turn*q%velocity(:, m)))
+        end do
+    end function region_agrees
 
     !> Across the plies their order turns round; in their plane only 0 and 90 degrees are even.
     pure logical function plies_agree(p, q, a) result(agree)
@@ -225,7 +260,8 @@ contains
                 even = even .and. load%patch == '' .and. &
                        (load%faces(2*a - 1) .eqv. load%faces(2*a)) .and. &
                        is_image(case%bodies(load%body), case%bodies(load%body), a) .and. &
-                       .not. (load%mass > 0 .and. abs(load%at(a)) > 0)
+                       .not. (load%mass > 0 .and. abs(load%at(a)) > 0) .and. &
+                       .not. max(abs(load%acceleration(a)), abs(load%force(a))) > 0
             end associate
         end do
     end function loads_are_even
