@@ -28,7 +28,8 @@ module brz_cuda_driver
     !@foreign cuMemGetInfo_v2 cu_memory_info(out size free, out size total)
     !@foreign cuModuleLoadDataEx cu_module_load(out pointer module, pointer image, int n, &
     !@      in int options, inout pointer values)
-    !@foreign cuModuleGetFunction cu_module_function(out pointer kernel, pointer module, in text name)
+    !@foreign cuModuleGetFunction cu_module_function(out pointer kernel, pointer module, &
+    !@      in text name)
     !@foreign cuMemAlloc_v2 cu_allocate(out address memory, size bytes)
     !@foreign cuMemFree_v2 cu_free(address memory)
     !@foreign cuMemHostRegister_v2 cu_host_register(pointer host, size bytes, int flags)
