@@ -149,7 +149,8 @@ def measure_perforation(plate: Plate) -> Perforation:
     """All holes of a plate wider than `LEAST` spacings, and the widest in any case.
 
     A plate without a hole has one with openings of area 0. Of holes that are mirror images of each
-    other the one in the modelled part is given.
+    other the one in the modelled part is given. A gap in the broken rim of a hole of a hundred
+    times its area is no hole of its own.
     """
     raster = _raster_of(plate)
     half = 0.5 * np.abs(plate.edges).sum(axis=1)[:, plate.plane]
@@ -171,8 +172,15 @@ def measure_perforation(plate: Plate) -> Perforation:
         if number and place.diameter < LEAST * plate.body.spacing:
             continue
         at = [Hole(*(_over(some, place, none) for some in pair)) for pair in (through, *layers)]
+        if any(_in_rim(at[0], hole.through) for hole in holes):
+            continue
         holes.append(HoleAround(at[0], at[1:], _damage_around(plate, at[0].seen), copies))
     return Perforation(plate, whole, holes, 1 - float(plate.stays.mean()))
+
+
+def _in_rim(gap: Hole, hole: Hole) -> bool:
+    """Whether a gap is far smaller than a hole, and one with it without the broken fibres."""
+    return gap.pushed is hole.pushed and gap.seen.area < 0.01 * hole.seen.area
 
 
 def _places(plate: Plate, whole: Raster, through: tuple, none: Opening):

@@ -217,6 +217,18 @@ def test_broken_fibres_count_apart(tmp_path):
     )
 
 
+@pytest.mark.parametrize(("rim", "holes"), [(13e-3, 1), (9.4e-3, 2)])
+def test_a_gap_in_the_broken_rim_is_no_hole_of_its_own(tmp_path, rim, holes):
+    """Unless whole fibres lie between it and the hole."""
+    made = Made()
+    gap = made.within(8e-4, (11.6e-3, 2e-4))
+    made.broken = made.within(rim) | gap
+    made.fling(made.within(9e-3) | gap)
+    found = made.measure(tmp_path)
+    assert len(found.holes) == holes
+    assert found.widest.through.seen.area == pytest.approx(area_of(9e-3, made), rel=1e-9)
+
+
 def test_hole_by_ply(tmp_path):
     made = Made()
     made.fling(made.within(2e-3 + 4e-4 * np.abs(made.layer - 3)))
