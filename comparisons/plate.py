@@ -5,22 +5,35 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
 
 from comparisons.case import History, Measures, Run
 from comparisons.reading import column
 
+
+@dataclass(frozen=True)
+class Shape:
+    """A plate and its particles."""
+
+    half: float  # of the free span [m]
+    thickness: float  # [m]
+    layers: int  # particles through it
+    wide: float = 0  # about so many times as wide as high, 0: cubes
+    reach: float = 0  # widths of a particle by which the clamp acts behind the first held column
+
+
 DECK = """{title}
 
 A quarter of a clamped plate of {span:g} x {span:g} mm, {thick:g} mm thick, in {layers} layers,
-written by comparisons/plate.py. The clamp acts at the first of the three columns that are held.
+written by comparisons/plate.py. The clamp acts {clamp} of the three columns that are held.
 
 &run t_end = {t_end}, symmetry = 'x', 'y' /
 {material}
 &body
     id = 'plate', box = {low}, {high}, {low}, {high}, {bottom}, 0
-    spacing = {spacing}, material = 'm', fix = 'sides'{more}
+    spacing = {spacing}, material = 'm', fix = 'sides'{more}{aspect}
 /
 {load}
 &gauge id = 'mid', at = 0, 0, {middle}, body = 'plate', quantity = 'displacement_z' /
@@ -28,14 +41,16 @@ written by comparisons/plate.py. The clamp acts at the first of the three column
 """
 
 
-def write(folder: Path, title: str, shape: tuple[float, float, int], **scene: str | float) -> None:
-    """Write deck.nml. Shape: half of the free span, thickness [m], particles through it.
+def write(folder: Path, title: str, shape: Shape, **scene: str | float) -> None:
+    """Write deck.nml of a plate.
 
     Of the scene: material and load (groups of the deck), t_end [s], and `more` keys of the body.
     """
-    half, thickness, layers = shape
+    half, thickness, layers = shape.half, shape.thickness, shape.layers
     t_end, more = scene["t_end"], scene.get("more", "")
-    _, spacing, outer = lattice(half, thickness, layers)
+    _, spacing, outer = lattice(shape)
+    across = thickness / layers if shape.wide else spacing
+    aspect = f"{spacing / across:.7g}"
     text = DECK.format(
         title=title,
         span=2e3 * half,
@@ -46,8 +61,10 @@ def write(folder: Path, title: str, shape: tuple[float, float, int], **scene: st
         low=f"{-outer:.7g}",
         high=f"{outer:.7g}",
         bottom=-thickness,
-        spacing=f"{spacing:.7g}",
+        spacing=f"{across:.7g}",
         more=more and f"\n    {more}",
+        aspect=f"\n    aspect = {aspect}, {aspect}, 1" if shape.wide else "",
+        clamp=f"{shape.reach} widths behind the first" if shape.reach else "at the first",
         load=scene["load"],
         middle=-thickness / 2,
         every=t_end / 600,
@@ -55,18 +72,21 @@ def write(folder: Path, title: str, shape: tuple[float, float, int], **scene: st
     (folder / "deck.nml").write_text(text, encoding="utf-8")
 
 
-def lattice(half: float, thickness: float, layers: int) -> tuple[int, float, float]:
+def lattice(shape: Shape) -> tuple[int, float, float]:
     """Columns of the quarter, their spacing, half the width of the box with its clamp [m].
 
-    Three columns are held; the clamp acts at the centres of the first (docs/solid.md, section 4).
+    Three columns are held; the clamp acts at the centres of the first, or `reach` widths behind
+    (docs/solid.md, section 4).
     """
-    columns = math.ceil(half / (thickness / layers) + 2.5)
-    spacing = half / (columns - 2.5)
+    aimed = (shape.wide or 1) * shape.thickness / shape.layers
+    columns = shape.half / aimed + 2.5 - shape.reach
+    columns = round(columns) if shape.wide else math.ceil(columns)
+    spacing = shape.half / (columns - 2.5 + shape.reach)
     return columns, spacing, columns * spacing
 
 
-def size(half: float, thickness: float, layers: int) -> str:
-    return f"{lattice(half, thickness, layers)[0] ** 2 * layers:,} particles"
+def size(shape: Shape) -> str:
+    return f"{lattice(shape)[0] ** 2 * shape.layers:,} particles"
 
 
 def deflection(folder: Path) -> History:
@@ -126,8 +146,7 @@ def measures(history: History, *, residual: tuple[float, float] | None = None,
     return found
 
 
-def run(title: str, shape: tuple[float, float, int],
-        measure: Callable[[History], Measures] = measures,
+def run(title: str, shape: Shape, measure: Callable[[History], Measures] = measures,
         **scene: str | float) -> Run:  # fmt: skip
     """A run of Brisance: the deck of `write`, and the measures of its middle."""
 
@@ -138,4 +157,5 @@ def run(title: str, shape: tuple[float, float, int],
         history = deflection(folder)
         return measure(history), history
 
-    return Run(f"Brisance, {shape[2]} layers", "brisance", size(*shape), inputs, results)
+    kind = "wide layers" if shape.wide else "layers"
+    return Run(f"Brisance, {shape.layers} {kind}", "brisance", size(shape), inputs, results)

@@ -41,7 +41,7 @@ def _ours(name: str, material: str) -> Run:
         plate.write(
             folder,
             "The paper's plate under 168 g of TNT, without air",
-            (HALF, THICK, 3),
+            plate.Shape(HALF, THICK, 3),
             material=material,
             load=LOAD,
             t_end=END,
@@ -51,7 +51,7 @@ def _ours(name: str, material: str) -> Run:
         history = plate.deflection(folder)
         return measures(history), history
 
-    return Run(name, "brisance", plate.size(HALF, THICK, 3), write, read, slow=True)
+    return Run(name, "brisance", plate.size(plate.Shape(HALF, THICK, 3)), write, read, slow=True)
 
 
 def _write_fem(folder):

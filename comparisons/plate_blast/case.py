@@ -37,7 +37,7 @@ FEM = bricks.Plate(
 
 
 def _ours(layers: int, load: str, name: str, size: str, slow: bool = False) -> Run:
-    run = plate.run("Steel plate under 168 g of TNT at 0.4 m", (HALF, THICK, layers),
+    run = plate.run("Steel plate under 168 g of TNT at 0.4 m", plate.Shape(HALF, THICK, layers),
                     material=STEEL, load=load, t_end=END)  # fmt: skip
     return replace(run, name=name, size=run.size + size, slow=slow)
 

@@ -15,7 +15,7 @@ LOAD = (
 
 
 def _ours(layers: int) -> Run:
-    run = plate.run("Steel plate under 428 Pa s", (HALF, THICK, layers),
+    run = plate.run("Steel plate under 428 Pa s", plate.Shape(HALF, THICK, layers),
                     material=STEEL, load=LOAD, t_end=END)  # fmt: skip
     return replace(run, slow=True)
 

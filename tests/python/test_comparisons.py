@@ -163,7 +163,14 @@ def test_what_is_measured_on_a_history():
 def test_the_clamp_acts_at_the_edge_of_the_free_span():
     """There lie the centres of the first column that is held: the third from outside."""
     for half, thickness, layers in ((0.1, 0.01, 3), (0.1, 0.01, 4), (0.125, 0.0042, 3)):
-        columns, spacing, outer = plate.lattice(half, thickness, layers)
+        columns, spacing, outer = plate.lattice(plate.Shape(half, thickness, layers))
         assert (columns - 3 + 0.5) * spacing == pytest.approx(half)
         assert columns * spacing == pytest.approx(outer)
         assert 0.98 * thickness / layers < spacing <= thickness / layers
+
+
+def test_the_clamp_acts_behind_the_first_wide_column_that_is_held():
+    columns, spacing, outer = plate.lattice(plate.Shape(0.1, 0.01, 4, 3, 0.27))
+    assert (columns - 3 + 0.5 + 0.27) * spacing == pytest.approx(0.1)
+    assert columns * spacing == pytest.approx(outer)
+    assert spacing == pytest.approx(3 * 0.01 / 4, rel=0.04)  # whole columns
