@@ -294,7 +294,7 @@ def test_signals_and_stop_files_reach_all(tmp_path):
 @needs_mpirun
 def test_a_killed_process_ends_all_and_the_wall_clock_stops_all(tmp_path):
     run = running(tmp_path, 3, "--set", "output.checkpoint_every=1e-6")
-    while not list((tmp_path / "out").glob("chk_*[0-9].h5")):
+    while not list((tmp_path / "out").glob("chk_??????.h5")):
         time.sleep(0.1)
     ranks = subprocess.run(["pgrep", "-P", str(run.pid)], capture_output=True, text=True,
                            check=True).stdout.split()  # fmt: skip
