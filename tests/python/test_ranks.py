@@ -277,7 +277,7 @@ def running(folder, n, *args):
 def test_signals_and_stop_files_reach_all(tmp_path):
     run = running(tmp_path, 3)
     run.send_signal(signal.SIGUSR1)
-    while not list((tmp_path / "out").glob("chk_*[0-9].h5")):
+    while not list((tmp_path / "out").glob("chk_??????.h5")):
         time.sleep(0.1)
         assert run.poll() is None
     run.send_signal(signal.SIGUSR2)
