@@ -291,22 +291,20 @@ contains
 
     !> Let the GPU copy to and from memory of the host without a detour, until `unpin`: faster,
     !> where the driver allows it.
-    subroutine pin(bytes, n)
+    subroutine pin(bytes)
         integer(int8), intent(in), target, contiguous :: bytes(:)
-        integer(int64), intent(in) :: n
         integer(c_int) :: code
 
-        if (n > 0) code = cu_host_register(c_loc(bytes), n, 0_c_int)
+        if (size(bytes) > 0) code = cu_host_register(c_loc(bytes), size(bytes, kind=int64), 0_c_int)
     end subroutine pin
 
     !> Before pinned memory is given back: the driver refuses to copy from what comes to lie half in
     !> a range that is still pinned.
-    subroutine unpin(bytes, n)
+    subroutine unpin(bytes)
         integer(int8), intent(in), target, contiguous :: bytes(:)
-        integer(int64), intent(in) :: n
         integer(c_int) :: code
 
-        if (n > 0) code = cu_host_unregister(c_loc(bytes))
+        if (size(bytes) > 0) code = cu_host_unregister(c_loc(bytes))
     end subroutine unpin
 
     !> Copy from one place on the GPU to another, in turn with the kernels.

@@ -7,13 +7,11 @@ module brz_gpu_fetch
     use brz_boxes, only: box_t
     use brz_buffers, only: buffer_t, bytes_t, reals_t
     use brz_cell_lists, only: cell_list_t, list_cells
-    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers, pin, &
-        put_buffer, unpin
+    use brz_device, only: allocate_buffer, device_t, free_buffers, pin, put_buffer, unpin
     use brz_errors, only: error_t
     use brz_fetch, only: fetch_t
     use brz_gpu_peers, only: peers_t
     use brz_kinds, only: int64, rk
-    use brz_mail, only: post
     use brz_place_launches, only: place_kernels_t
     use brz_ranks, only: ranks_t, several
     implicit none
@@ -65,8 +63,8 @@ contains
             call self%peers%open(ranks, (mail%out_first - 1)/self%of_cell + 1, &
                                  (mail%in_first - 1)/self%of_cell + 1, self%of_cell, err)
             if (self%peers%linked) return
-            call pin(mail%out, size(mail%out, kind=int64))
-            call pin(mail%in, size(mail%in, kind=int64))
+            call pin(mail%out)
+            call pin(mail%in)
         end associate
     end subroutine open
 
@@ -77,8 +75,8 @@ contains
         if (self%peers%linked) then
             call self%peers%close(self%ranks)
         else if (allocated(self%list%mail%out)) then
-            call unpin(self%list%mail%out, size(self%list%mail%out, kind=int64))
-            call unpin(self%list%mail%in, size(self%list%mail%in, kind=int64))
+            call unpin(self%list%mail%out)
+            call unpin(self%list%mail%in)
         end if
     end subroutine close
 
@@ -116,16 +114,8 @@ contains
         class(gpu_fetch_t), intent(inout) :: self
         type(error_t), intent(inout) :: err
 
-        associate (mail => self%list%mail, n => self%ranks%n)
-            if (self%peers%linked) then
-                call self%peers%swap(self%ranks, mail, self%of_cell, self%reals, self%came, err)
-            else
-                call copy_out(self%reals, mail%out, mail%out_first(n) - 1, err)
-                call post(self%ranks, mail)
-                call copy_in(mail%in, self%reals, mail%in_first(n) - 1, err)
-                self%came%address = self%reals%address
-            end if
-        end associate
+        call self%peers%swap(self%ranks, self%list%mail, self%of_cell, self%reals, self%came, &
+                             err)
         self%bytes_came%address = self%came%address
     end subroutine swap
 end module brz_gpu_fetch

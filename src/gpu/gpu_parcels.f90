@@ -3,11 +3,11 @@
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t
-    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers, put_buffer
+    use brz_device, only: allocate_buffer, device_t, free_buffers, put_buffer
     use brz_errors, only: error_t
     use brz_gpu_peers, only: peers_t
     use brz_kinds, only: int64
-    use brz_mail, only: mail_t, make_room, post
+    use brz_mail, only: mail_t, make_room
     use brz_place_launches, only: place_kernels_t
     use brz_ranks, only: ranks_t, several
     use brz_solid_part, only: part_t
@@ -94,14 +94,7 @@ contains
             if (self%out_first(n) > 1) call self%kernels%pick_words(self%out_first(n) - 1, &
                 words(k), sum(words), sum(words(:k - 1)), self%out, arrays(k), self%words, err)
         end do
-        if (self%peers%linked) then
-            call self%peers%swap(self%ranks, self%mail, 4*sum(words), self%words, self%came, err)
-        else
-            call copy_out(self%words, self%mail%out, self%mail%out_first(n) - 1, err)
-            call post(self%ranks, self%mail)
-            call copy_in(self%mail%in, self%words, self%mail%in_first(n) - 1, err)
-            self%came%address = self%words%address
-        end if
+        call self%peers%swap(self%ranks, self%mail, 4*sum(words), self%words, self%came, err)
         do k = 1, size(arrays)
             if (self%in_first(n) > 1) call self%kernels%put_words(self%in_first(n) - 1, words(k), &
                 sum(words), sum(words(:k - 1)), self%in, self%came, arrays(k), err)

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Parcels between GPUs of one machine, written straight into each other's memory (CUDA IPC).
+!> Parcels between the GPUs of several processes: written straight into each other's memory on one
+!> machine (CUDA IPC), or by way of the host and MPI, which always works.
 !>
 !> Every process has an arena for what comes to it, in two halves that take turns. After each
 !> exchange partners greet each other, both ways, so that nobody writes into a half before its
@@ -9,10 +10,11 @@ module brz_gpu_peers
     use, intrinsic :: iso_c_binding, only: c_intptr_t
     use brz_buffers, only: buffer_t
     use brz_cuda_driver, only: cu_ipc_close, cu_ipc_export, cu_ipc_open, ipc_handle_t, ipc_lazily
-    use brz_device, only: allocate_buffer, copy_within, free_buffer, wait_for_device
+    use brz_device, only: allocate_buffer, copy_in, copy_out, copy_within, free_buffer, &
+        wait_for_device
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp, int64
-    use brz_mail, only: greet, mail_t, tell_counts
+    use brz_mail, only: greet, mail_t, post, tell_counts
     use brz_ranks, only: agree, least_of_all, ranks_t, several
     implicit none
     private
@@ -98,18 +100,26 @@ contains
         self%linked = .false.
     end subroutine close
 
-    !> Write every parcel into its arena, and tell where those of others have come to.
+    !> Bring every parcel to its process, and tell where those of others have come to. Who has an
+    !> error takes part with what there is.
     subroutine swap(self, ranks, mail, bytes, parcels, came, err)
         class(peers_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks
-        type(mail_t), intent(inout) :: mail !! says who the partners are
+        type(mail_t), intent(inout) :: mail !! says how long the parcels are
         integer, intent(in) :: bytes !! of an element
-        class(buffer_t), intent(in) :: parcels !! one after the other
+        class(buffer_t), intent(in) :: parcels !! one after the other; room for those that come
         class(buffer_t), intent(inout) :: came !! its address is set
         type(error_t), intent(inout) :: err
         type(buffer_t) :: from, to
         integer :: r
 
+        if (.not. self%linked) then
+            call copy_out(parcels, mail%out, mail%out_first(ranks%n) - 1, err)
+            call post(ranks, mail)
+            call copy_in(mail%in, parcels, mail%in_first(ranks%n) - 1, err)
+            came%address = parcels%address
+            return
+        end if
         do r = 0, ranks%n - 1
             if (self%place(r) == 0) cycle
             from%address = parcels%address + (self%out(r) - 1)*bytes
