@@ -4,7 +4,7 @@
 !> The particles of a rigid body carry its mass to contact, air and output. Their velocity is kept
 !> at half steps like that of all others, and `a` is what brings it to the step.
 module brz_solid_rigid
-    use brz_drive, only: begin_region, book_drive, end_region
+    use brz_drive, only: begin_motion, book_drive, end_motion
     use brz_force_loops, only: each_sum_region
     use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
     use brz_kinds, only: dp, int64, rk
@@ -37,7 +37,6 @@ contains
                 ledger = body%ledger
                 reaction = body%reaction
                 if (body%motion%n > 0) then
-                    v = mean_velocity(body%motion, solid%time, dt)
                     load = body%rigid%load
                     if (solid%ranks%rank > 0) body%rigid%load = 0 ! the first books it
                     call book_drive(body, solid%time, dt, v)
@@ -209,7 +208,7 @@ contains
 
         do m = 1, size(body%regions)
             ledger = body%ledger
-            call begin_region(body%regions(m), solid%time, dt, v, ledger)
+            call begin_motion(body%regions(m), solid%time, dt, v, ledger)
             if (solid%ranks%rank == 0) body%ledger = ledger
             call each_drive_particle(body%last - body%first + 1, body%first, 3, m, dt, v(1), v(2), &
                                      v(3), solid%fixed, solid%x, solid%v)
@@ -236,7 +235,7 @@ contains
                                  merge(1, 0, allocated(solid%load)), solid%fixed, load, &
                                  solid%grip, sums)
             ledger = body%ledger
-            call end_region(body%regions(m), solid%time, dt, sums, ledger, work)
+            call end_motion(body%regions(m), solid%time, dt, sums, ledger, work)
             if (solid%ranks%rank == 0) body%ledger = ledger
             v = velocity_of(body%regions(m), solid%time)
             call each_follow_drive(n, body%first, 3, m, 1, 3, dt, v(1), v(2), v(3), solid%fixed, &

@@ -2,7 +2,7 @@
 !> Regions of bodies whose velocity is prescribed, on the GPU.
 module brz_gpu_solid_regions
     use brz_device, only: clear_buffer
-    use brz_drive, only: begin_region, end_region
+    use brz_drive, only: begin_motion, end_motion
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: at_accel, tag_fixed
     use brz_gpu_solid_state, only: column_of, gpu_solid_t, tags_of
@@ -28,7 +28,7 @@ contains
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             do m = 1, size(body%regions)
-                call begin_region(body%regions(m), solid%time, dt, v, body%ledger)
+                call begin_motion(body%regions(m), solid%time, dt, v, body%ledger)
                 call gpu%moves%drive_particle(there%last - there%first + 1, there%first, 4, m, dt, &
                     v(1), v(2), v(3), tags_of(gpu, tag_fixed), gpu%place, gpu%motion, err)
             end do
@@ -55,7 +55,7 @@ contains
                     gpu%sums_of_forces, err)
                 call gpu%common%fold(gpu%sums_of_forces, tally_threads, folded, err)
                 if (failed(err)) return
-                call end_region(body%regions(m), solid%time, dt, sum(folded, 1), body%ledger, work)
+                call end_motion(body%regions(m), solid%time, dt, sum(folded, 1), body%ledger, work)
                 ! the work on free particles is in `book`, and added to this
                 gpu%ledger(b)%load = gpu%ledger(b)%load + work
                 v = velocity_of(body%regions(m), solid%time)

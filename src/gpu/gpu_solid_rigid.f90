@@ -9,7 +9,6 @@ module brz_gpu_solid_rigid
     use brz_gpu_solid_state, only: column_of, gpu_solid_t, moved_flags, sum_threads, threads_of
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: level_unit
-    use brz_motion, only: mean_velocity
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
     use brz_rigid_pose, only: n_pose, pose_of
     use brz_solid_state, only: solid_t
@@ -30,7 +29,6 @@ contains
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             if (body%motion%n > 0) then
-                v = mean_velocity(body%motion, solid%time, dt)
                 call book_drive(body, solid%time, dt, v)
                 body%rigid%p = body%rigid%mass*v
             end if

@@ -142,7 +142,6 @@ contains
             associate (body => solid%bodies(b), there => gpu%bodies(b))
                 n = there%last - there%first + 1
                 if (body%motion%n > 0) then
-                    v = mean_velocity(body%motion, solid%time, dt)
                     before = body%ledger%load
                     call book_drive(body, solid%time, dt, v)
                     ! the work on free particles is in `book`, and added to this

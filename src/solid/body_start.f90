@@ -10,7 +10,7 @@ module brz_body_start
     use brz_text, only: to_text
     implicit none
     private
-    public :: hold_body, move_body
+    public :: hold_body, move_body, in_box
 
 contains
 
@@ -82,6 +82,7 @@ contains
             'roller_box '//to_text(f)//' holds no particle; make it as thick as the spacing')
     end subroutine hold_body
 
+    !> Whether a place lies in a box x0, x1, y0, y1, z0, z1, in the directions that the scene has.
     pure logical function in_box(x, box, dimension)
         real(dp), intent(in) :: x(3), box(6) !! [m]
         integer, intent(in) :: dimension

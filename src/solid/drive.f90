@@ -6,7 +6,7 @@ module brz_drive
     use brz_solid_state, only: body_t, form_rigid, ledger_t
     implicit none
     private
-    public :: book_drive, begin_region, end_region
+    public :: book_drive, begin_motion, end_motion
 
 contains
 
@@ -15,22 +15,20 @@ contains
     !> its step.
     subroutine book_drive(body, time, dt, v)
         type(body_t), intent(inout) :: body
-        real(dp), intent(in) :: time, dt, v(3)
-        real(dp) :: before(3), after(3), work
+        real(dp), intent(in) :: time, dt !! start and length of the step [s]
+        real(dp), intent(out) :: v(3) !! mean velocity in it [m/s]
+        real(dp) :: work
 
-        before = velocity_of(body%motion, time)
-        after = velocity_of(body%motion, time + dt)
-        body%ledger%drive = body%ledger%drive - dt/2*dot_product(body%motion%force, v) &
-            + body%motion%mass/2*(dot_product(after, after) - dot_product(before, before))
+        call begin_motion(body%motion, time, dt, v, body%ledger)
         if (body%formulation == form_rigid) return
         work = dt*dot_product(body%rigid%load(1:3), v)
         body%ledger%load = body%ledger%load + work
         body%ledger%drive = body%ledger%drive - work
     end subroutine book_drive
 
-    !> Work of what moves a region in a step to come: its kinetic energy, less half of the step by
-    !> the force of the body on it at the start.
-    pure subroutine begin_region(motion, time, dt, v, ledger)
+    !> Work of what moves a body, or a region of it, in a step to come: its kinetic energy, less
+    !> half of the step by the force of the body on it at the start.
+    pure subroutine begin_motion(motion, time, dt, v, ledger)
         type(motion_t), intent(in) :: motion
         real(dp), intent(in) :: time, dt !! start and length of the step [s]
         real(dp), intent(out) :: v(3) !! mean velocity in it [m/s]
@@ -42,10 +40,10 @@ contains
         after = merge(velocity_of(motion, time + dt), 0.0_dp, motion%along)
         ledger%drive = ledger%drive - dt/2*dot_product(motion%force, v) &
             + motion%mass/2*(dot_product(after, after) - dot_product(before, before))
-    end subroutine begin_region
+    end subroutine begin_motion
 
     !> The other half, and the work of the load, which acted all through the step.
-    pure subroutine end_region(motion, time, dt, sums, ledger, work)
+    pure subroutine end_motion(motion, time, dt, sums, ledger, work)
         type(motion_t), intent(inout) :: motion
         real(dp), intent(in) :: time, dt !! end and length of the step [s]
         real(dp), intent(in) :: sums(6) !! of brz_force_items: sum_region
@@ -59,5 +57,5 @@ contains
         work = dt*dot_product(sums(4:6), v)
         ledger%load = ledger%load + work
         ledger%drive = ledger%drive - dt/2*dot_product(motion%force, v) - work
-    end subroutine end_region
+    end subroutine end_motion
 end module brz_drive

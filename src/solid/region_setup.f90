@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Regions of a body whose velocity is prescribed, each by a motion of its own.
 module brz_region_setup
+    use brz_body_start, only: in_box
     use brz_case, only: body_case_t, region_case_t
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, int32, rk
@@ -76,12 +77,4 @@ contains
                 'it as thick as the spacing')
         end associate
     end subroutine set_up_region
-
-    pure logical function in_box(x, box, dimension)
-        real(dp), intent(in) :: x(3), box(6) !! [m]
-        integer, intent(in) :: dimension
-
-        in_box = all(x(:dimension) >= box(1:2*dimension:2) .and. &
-                     x(:dimension) <= box(2:2*dimension:2))
-    end function in_box
 end module brz_region_setup
