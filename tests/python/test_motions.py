@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from notes import note
 from test_gpu import EMULATOR, stamp
+from test_gpu import run as on_gpu
 from test_loads import BRISANCE, run
 from test_ranks import equal_bodies, needs_mpirun, start
 from test_run import history
@@ -200,8 +201,7 @@ def test_motions_go_on_after_a_restart(n, m, alone, tmp_path):
 def test_motions_on_the_gpu(alone, tmp_path):
     (tmp_path / "deck.nml").write_text(MOVED)
     (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
-    extra = {"LD_LIBRARY_PATH": str(EMULATOR), "BRISANCE_PTX": str(tmp_path / "good.ptx")}
-    done = start(0, "run", "deck.nml", "--out", "out", "--backend", "gpu", cwd=tmp_path, **extra)
+    done = on_gpu(tmp_path, "deck.nml", "--out", "out", "--backend", "gpu")
     assert done.returncode == 0, done.stderr
     for name in ("gauges", "bodies"):
         one, other = (np.loadtxt(f / f"{name}.csv", delimiter=",", skiprows=1)

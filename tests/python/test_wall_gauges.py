@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from notes import note
 from test_gpu import EMULATOR, stamp
+from test_gpu import run as on_gpu
 from test_loads import run
 from test_ranks import needs_mpirun, start
 from test_run import arrays
@@ -100,8 +101,7 @@ def test_wall_gauges_on_the_gpu(alone, tmp_path):
     """The walls move, so that velocities of another row or another cell would be seen."""
     (tmp_path / "deck.nml").write_text(PLATE)
     (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
-    extra = {"LD_LIBRARY_PATH": str(EMULATOR), "BRISANCE_PTX": str(tmp_path / "good.ptx")}
-    done = start(0, "run", "deck.nml", "--out", "out", "--backend", "gpu", cwd=tmp_path, **extra)
+    done = on_gpu(tmp_path, "deck.nml", "--out", "out", "--backend", "gpu")
     assert done.returncode == 0, done.stderr
     one, other = (np.loadtxt(f / "out/gauges.csv", delimiter=",", skiprows=1)
                   for f in (alone, tmp_path))  # fmt: skip
