@@ -1,38 +1,45 @@
 ! SPDX-License-Identifier: MIT
 !> A cell that is lost, on which all processes agree.
 module brz_air_lost
+    use brz_air_grid, only: grid_t
     use brz_air_state, only: air_t
-    use brz_grid_lines, only: across
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64, int8
+    use brz_positivity, only: lost_mark
     use brz_ranks, only: bits_of_all, least_of_all
     implicit none
     private
-    public :: number_of, first_lost
+    public :: find_lost, first_lost
 
 contains
 
-    !> Number of a cell of the grid along lines of direction `last`.
-    pure real(dp) function number_of(air, last, cell) result(number)
-        type(air_t), intent(in) :: air
-        integer, intent(in) :: last
-        integer, intent(in) :: cell(3) !! of the box, or beside it
-        integer :: at(3)
+    !> The first cell of this process that is marked as lost, in air%bad_cell, and its place in
+    !> memory, 0: none.
+    subroutine find_lost(air, grid, marks, at)
+        type(air_t), intent(inout) :: air
+        type(grid_t), intent(in) :: grid
+        integer(int8), intent(in) :: marks(*)
+        integer(int64), intent(out) :: at
+        integer(int64) :: left
+        integer :: d
 
-        at = modulo(cell + air%before - 1, air%whole)
-        associate (a => across(1, last), b => across(2, last))
-            number = (real(at(b), dp)*air%whole(a) + at(a))*air%whole(last) + at(last)
-        end associate
-    end function number_of
+        at = findloc(marks(:grid%apart), int(lost_mark, int8), dim=1, kind=int64)
+        left = at - 1
+        do d = 3, 1, -1
+            air%bad_cell(d) = int(left/grid%step(d)) + 1 - air%g(d)
+            left = mod(left, int(grid%step(d), int64))
+        end do
+    end subroutine find_lost
 
     !> Tell all processes the first cell that is lost, of the whole grid. True if there is one.
-    logical function first_lost(air, last, here) result(lost)
+    logical function first_lost(air, here) result(lost)
         type(air_t), intent(inout) :: air !! its bad_cell (in: of the box) and bad_state
-        integer, intent(in) :: last !! direction whose lines count first
         logical, intent(in) :: here !! one of this process is lost
         real(dp) :: first(1), mine, told(8)
+        integer :: at(3)
 
         mine = huge(mine)
-        if (here) mine = number_of(air, last, air%bad_cell)
+        at = air%bad_cell + air%before - 1
+        if (here) mine = (real(at(3), dp)*air%whole(2) + at(2))*air%whole(1) + at(1)
         first = mine
         call least_of_all(air%part%ranks, first)
         lost = first(1) < huge(mine)

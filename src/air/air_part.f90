@@ -21,7 +21,6 @@ module brz_air_part
         type(fetch_t) :: beside !! the cells next to the box
         type(fetch_t) :: bricks !! the bricks as near as a step reaches
         type(fetch_t) :: window !! the cells as far as the coupling looks, where there are bodies
-        integer(int8), allocatable :: bad(:, :, :) !! 1 in unphysical cells, those beside as well
         integer(int8), allocatable :: reached(:, :, :), awake(:, :, :)
         !! the maps of bricks, with those of others that are near
         real(rk), allocatable :: seen(:, :, :)
@@ -59,7 +58,6 @@ contains
         call plan(part%boxes, n, min(layers, 1), 1, part%beside)
         call plan(bricks, all_bricks, near, 1, part%bricks)
         if (around > 0) call plan(part%boxes, n, merge(around, 0, n > 1), n_var, part%window)
-        call make_map(part%beside%whole, part%bad)
         call make_map(part%bricks%whole, part%reached)
         call make_map(part%bricks%whole, part%awake)
 

@@ -202,8 +202,9 @@ contains
         blocks = max(n_blocks(n, 1), n_blocks(n, 2), n_blocks(n, 3))
         call begin_books(air)
         allocate (air%suspect(blocks), source=0)
-        allocate (air%lowered(0:n(1), 0:n(2), 0:n(3)), source=0_int8)
-        allocate (air%repair(4, 0), air%bad(3, 0))
+        allocate (air%bad(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3)), &
+            source=0_int8)
+        allocate (air%edge(sum(product(n)/n, n > 1), air%n_var, 2), source=0.0_rk)
         g = (n + brick - 1)/brick
         allocate (air%reached(g(1), g(2), g(3)), source=0_int8)
         allocate (air%awake(g(1), g(2), g(3)), source=1_int8)

@@ -10,7 +10,7 @@ module brz_air_state
     use brz_scheme, only: hllc, max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t, ends_t
+    public :: air_t, wall_t, cut_t, sweep_work_t, charge_report_t
     public :: n_ghost, lines_per_block, brick
     public :: cell_centre, cell_gamma, set_scale
     public :: bc_outflow, bc_wall, bc_symmetry, bc_periodic, bc_inside
@@ -30,12 +30,6 @@ module brz_air_state
         real(rk), allocatable :: f(:, :, :) !! (lines, n_var, 0:n) fluxes, then rates
         real(rk), allocatable :: ends(:, :, :) !! (lines, n_var, 2) fluxes through the outer faces
     end type sweep_work_t
-
-    !> Fluxes through the outer faces of the lines of a direction, in a stage.
-    type :: ends_t
-        real(rk), allocatable :: f(:, :) !! (lines, n_var) normal momentum in slot 2
-        real(dp), allocatable :: sums(:, :) !! (n_var, bricks) the same of the faces of bricks
-    end type ends_t
 
     !> What became of a charge on the grid.
     type :: charge_report_t
@@ -94,17 +88,12 @@ module brz_air_state
         !! to 1, for air_time_step
         ! work arrays of the sweeps; nothing outside a step reads them
         type(sweep_work_t), allocatable :: work(:) !! (0:threads-1)
-        type(ends_t) :: ends(2, 3) !! (low/high, direction) what passes the outer faces
+        real(rk), allocatable :: edge(:, :, :)
+        !! (lines, n_var, low/high) fluxes of a stage through the outer faces, see grid_t
         real(dp), allocatable :: brick_sum(:, :) !! (6, bricks) totals of bricks
         integer, allocatable :: suspect(:)
         !! (blocks) cells of a block whose next state looks unphysical
-        integer(int8), allocatable :: lowered(:, :, :)
-        !! (0:n1, 0:n2, 0:n3) bit d-1: the face above fell back; d+2: it is closed; 6: the cell is
-        !! held
-        integer, allocatable :: repair(:, :)
-        !! (4, grows) faces lowered or closed in this stage: i, j, k below the face, direction
-        integer, allocatable :: bad(:, :)
-        !! (3, grows) cells of this stage that are unphysical: i, j, k
+        integer(int8), allocatable :: bad(:, :, :) !! marks of a stage, see brz_fallback_items
     end type air_t
 
     !> Faces of one direction whose four cells hold both gas and solid, block of lines by block.
@@ -139,7 +128,8 @@ module brz_air_state
         !! (5, n_faces): i, j, k of the gas cell, direction 1..3, side (+1: solid above, -1: below)
         integer, allocatable :: face_cell(:) !! (n_faces) place of the solid cell in the list
         integer, allocatable :: face_of(:, :)
-        !! (6, n_cells) wall face by side_of, or 0; where there is a coupling
+        !! (6, n_cells) wall face by side_of, or 0
+        real(rk), allocatable :: push(:) !! (n_faces) what a stage adds to `impulse`
         real(rk), allocatable :: impulse(:)
         !! (n_faces) integral of p* A dt over the step, along the side [N s]
         type(cut_t) :: cut(3) !! for the sweeps, one for each direction

@@ -25,8 +25,8 @@ contains
             source=0_int8)
         allocate (wall%index(1 - g(1):n(1) + g(1), 1 - g(2):n(2) + g(2), 1 - g(3):n(3) + g(3)), &
             source=0)
-        allocate (wall%cell(3, 0), wall%v(3, 0), wall%face(5, 0), wall%face_cell(0), &
-            wall%impulse(0))
+        allocate (wall%cell(3, 0), wall%v(3, 0), wall%face_of(6, 0), wall%face(5, 0), &
+            wall%face_cell(0), wall%push(0), wall%impulse(0))
         do d = 1, 3
             allocate (wall%cut(d)%face(4, 0), wall%cut(d)%side(0), wall%cut(d)%push(0))
             allocate (wall%cut(d)%speed(0))
@@ -108,8 +108,9 @@ contains
             end do
         end do
         if (size(wall%v, 2) < wall%n_cells) then
-            deallocate (wall%v)
+            deallocate (wall%v, wall%face_of)
             allocate (wall%v(3, size(wall%cell, 2)), source=0.0_rk)
+            allocate (wall%face_of(6, size(wall%cell, 2)))
         end if
     end subroutine list_cells
 
@@ -170,6 +171,7 @@ contains
 
         wall%n_faces = 0
         do c = 1, wall%n_cells
+            wall%face_of(:, c) = 0
             do d = 1, 3
                 if (air%n(d) == 1) cycle
                 do s = -1, 1, 2
@@ -185,13 +187,15 @@ contains
                     call grow_list(wall%face_cell, wall%n_faces)
                     wall%face(:, wall%n_faces) = [gas, d, -s]
                     wall%face_cell(wall%n_faces) = c
+                    wall%face_of(2*d - (1 - s)/2, c) = wall%n_faces
                 end do
             end do
         end do
         if (size(wall%impulse) < wall%n_faces) then
-            deallocate (wall%impulse)
-            allocate (wall%impulse(size(wall%face, 2)))
+            deallocate (wall%push, wall%impulse)
+            allocate (wall%push(size(wall%face, 2)), wall%impulse(size(wall%face, 2)))
         end if
+        wall%push = 0
         wall%impulse = 0
     end subroutine list_faces
 

@@ -4,18 +4,18 @@
 module brz_air_step
     use brz_kinds, only: dp, int64, rk
     use brz_air_activity, only: find_awake, next_run
+    use brz_air_grid, only: stage_t
     use brz_air_state, only: air_ok, air_t, brick, bc_inside, bc_periodic, lines_per_block, &
         n_ghost, set_scale, wall_t
     use brz_air_ghosts, only: fill_ghosts
     use brz_air_repair, only: repair
-    use brz_air_sweep, only: stage_t, sweep
+    use brz_air_stage, only: stage_of
+    use brz_air_sweep, only: sweep
     use brz_air_totals, only: show_outflow
-    use brz_grid_lines, only: across, n_blocks, n_lines, turned
-    use brz_positivity, only: floors_of
+    use brz_face_loops, only: each_add_push
+    use brz_grid_lines, only: across, n_blocks, n_lines
     use brz_ranks, only: most_of_all
-    use brz_runge_kutta, only: new_weight, share_of
     use brz_running_total, only: add_to_total
-    use brz_scheme, only: max_var
     use omp_lib, only: omp_get_max_threads
     implicit none
     private
@@ -38,35 +38,34 @@ contains
         type(stage_t) :: stage
         integer :: m
 
-        call begin_step(air, wall, dt, stage)
+        call begin_step(air, wall)
         do m = 1, air%n_stages
-            call take_rates(air, wall, m, stage, status)
+            stage = stage_of(air, dt, m)
+            call take_rates(air, wall, stage, status)
             if (status /= air_ok) return
-            call update(air, stage%dt, new_weight(m, air%n_stages), m == 1)
+            call update(air, stage%dt, stage%weight, m == 1)
         end do
     end subroutine air_step
 
-    !> Buffers, impulses and the map of what is awake, for a step of dt.
-    subroutine begin_step(air, wall, dt, stage)
+    !> Buffers, impulses and the map of what is awake, for a step.
+    subroutine begin_step(air, wall)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
-        real(dp), intent(in) :: dt !! time step [s]
-        type(stage_t), intent(out) :: stage
 
         call make_buffers(air)
-        if (wall%present) wall%impulse(1:wall%n_faces) = 0
-        stage%dt = real(dt, rk)
-        stage%floors = floors_of(air%fallback, air%scheme%gamma, air%rho_rest, air%p_rest)
+        if (wall%present) then
+            wall%push(1:wall%n_faces) = 0
+            wall%impulse(1:wall%n_faces) = 0
+        end if
         call set_scale(air)
         call find_awake(air, wall)
     end subroutine begin_step
 
-    !> Rates of stage m from the state of the air, in air%rate; `status` as air_step has it.
-    subroutine take_rates(air, wall, m, stage, status)
+    !> Rates of a stage from the state of the air, in air%rate; `status` as air_step has it.
+    subroutine take_rates(air, wall, stage, status)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
-        integer, intent(in) :: m !! stage, from 1
-        type(stage_t), intent(inout) :: stage
+        type(stage_t), intent(in) :: stage
         integer, intent(out) :: status
         integer :: d, last
         integer(int64) :: suspects(1)
@@ -74,31 +73,22 @@ contains
         status = air_ok
         last = findloc(air%n > 1, .true., dim=1, back=.true.)
         call fill_ghosts(air, wall)
-        stage%share = real(share_of(m, air%n_stages), rk)*stage%dt
-        stage%first = .true.
         do d = 1, last
-            if (air%n(d) == 1) cycle
-            stage%last = d == last
-            call sweep(air, wall, d, stage)
-            call add_outflow(air, d, stage%share)
-            stage%first = .false.
+            if (air%n(d) > 1) call sweep(air, wall, d, stage)
         end do
         suspects = count(air%suspect(1:n_blocks(air%n, last)) > 0)
         call most_of_all(air%part%ranks, suspects)
-        if (suspects(1) > 0) &
-            call repair(air, wall, last, stage, status)
+        if (suspects(1) > 0) call repair(air, wall, last, stage, status)
+        if (status /= air_ok) return
+        call add_outflow(air, stage)
+        if (wall%present) call each_add_push(wall%n_faces, wall%push, wall%impulse)
     end subroutine take_rates
 
     !> Give every thread its buffers; only a first step, or one with more threads, allocates.
     subroutine make_buffers(air)
         type(air_t), intent(inout) :: air
-        integer :: d, s, t, n
+        integer :: t, n
 
-        do d = 1, 3
-            do s = 1, 2
-                call make_ends(air, s, d)
-            end do
-        end do
         if (allocated(air%work)) then
             if (size(air%work) >= omp_get_max_threads()) return
             deallocate (air%work)
@@ -112,48 +102,33 @@ contains
         end do
     end subroutine make_buffers
 
-    !> A place for the fluxes through the outer faces of the grid, where there are some.
-    subroutine make_ends(air, s, d)
+    !> Book what left through the outer faces: the faces of a brick are summed in order, and those
+    !> of bricks exactly, so that neither threads nor processes matter.
+    subroutine add_outflow(air, stage)
         type(air_t), intent(inout) :: air
-        integer, intent(in) :: s, d !! low or high, direction
-        logical :: outer
-        integer :: bricks(3)
+        type(stage_t), intent(in) :: stage
+        integer :: b, c, d, s, before, bricks
 
-        outer = air%n(d) > 1 .and. all(air%bc(s, d) /= [bc_inside, bc_periodic])
-        associate (ends => air%ends(s, d))
-            if (allocated(ends%f) .eqv. outer) return
-            if (allocated(ends%f)) deallocate (ends%f, ends%sums)
-            if (.not. outer) return
-            bricks = (air%n - 1)/brick + 1
-            allocate (ends%f(n_lines(air%n, d), air%n_var), source=0.0_rk)
-            allocate (ends%sums(air%n_var, product(bricks)/bricks(d)))
-        end associate
-    end subroutine make_ends
-
-    !> Book what left through the outer faces of a direction: the faces of a brick are summed in
-    !> order, and those of bricks exactly, so that neither threads nor processes matter.
-    subroutine add_outflow(air, d, share)
-        type(air_t), intent(inout) :: air
-        integer, intent(in) :: d !! direction
-        real(rk), intent(in) :: share !! weight of the stage times dt [s]
-        integer :: b, c, s, bricks
-        real(dp) :: area
-
-        area = product(air%dx)/air%dx(d)
-        do s = 1, 2
-            if (.not. allocated(air%ends(s, d)%f)) cycle
-            associate (sums => air%ends(s, d)%sums)
-                bricks = size(sums, 2)
-                !$omp parallel do schedule(static) if (bricks > few_bricks)
-                do b = 1, bricks
-                    call sum_faces(air%n(across(:, d)), b, air%ends(s, d)%f, sums(:, b))
-                end do
-                !$omp end parallel do
-                do b = 1, bricks
-                    do c = 1, air%n_var
-                        call add_to_total(air%left(turned(c, d)), (2*s - 3)*share*area*sums(c, b))
+        before = 0
+        do d = 1, 3
+            if (air%n(d) == 1) cycle
+            bricks = size(air%reached)/size(air%reached, d)
+            associate (n => n_lines(air%n, d), sums => air%brick_sum)
+                do s = 1, 2
+                    if (any(air%bc(s, d) == [bc_inside, bc_periodic])) cycle
+                    !$omp parallel do schedule(static) if (bricks > few_bricks)
+                    do b = 1, bricks
+                        call sum_faces(air%n(across(:, d)), b, &
+                                       air%edge(before + 1:before + n, :, s), sums(:air%n_var, b))
+                    end do
+                    !$omp end parallel do
+                    do b = 1, bricks
+                        do c = 1, air%n_var
+                            call add_to_total(air%left(c), (2*s - 3)*stage%leaves(d)*sums(c, b))
+                        end do
                     end do
                 end do
+                before = before + n
             end associate
         end do
         call show_outflow(air)

@@ -7,7 +7,9 @@ module brz_air_sweep
     use brz_kinds, only: dp, int8, rk
     use brz_air_activity, only: awake_along, next_run
     use brz_air_boundary, only: beyond_wall
-    use brz_air_state, only: air_t, brick, ends_t, lines_per_block, n_ghost, sweep_work_t, wall_t
+    use brz_air_grid, only: stage_t
+    use brz_air_state, only: air_t, bc_inside, bc_periodic, brick, lines_per_block, n_ghost, &
+        sweep_work_t, wall_t
     use brz_grid_lines, only: first_cell_of, line_of, n_blocks, n_lines, turned
     use brz_gas, only: pressure
     use brz_positivity, only: margin, stray
@@ -17,19 +19,10 @@ module brz_air_sweep
     use omp_lib, only: omp_get_thread_num
     implicit none
     private
-    public :: stage_t, sweep
+    public :: sweep
 
     integer, parameter :: nb = lines_per_block
     integer, parameter :: few_cells = 8000 !! fewer are not worth waking the other threads
-
-    !> What the sweeps must know of the stage.
-    type :: stage_t
-        real(rk) :: dt = 0 !! time step, for the test of the Euler step [s]
-        real(rk) :: share = 0 !! dt times the weight of the stage in the whole step [s]
-        real(rk) :: floors(3) = 0 !! of a new state, see floors_of
-        logical :: first = .true. !! first direction: the rates start from zero
-        logical :: last = .true. !! last direction: the rates are complete
-    end type stage_t
 
     !> A part of a block of lines, and where it lies in an array seen as a row of numbers.
     type :: run_t
@@ -44,6 +37,8 @@ module brz_air_sweep
         integer :: start(nb) = 0 !! place of cell 0 of each line
         integer :: along = 1 !! distance of neighbours on a line
         integer :: apart = 1 !! distance of two variables
+        logical :: first = .true. !! first direction: the rates start from zero
+        logical :: last = .true. !! last direction: the rates are complete
     end type run_t
 
 contains
@@ -74,7 +69,9 @@ contains
         integer(int8) :: awake((air%n(d) + brick - 1)/brick)
         type(run_t) :: run
 
-        if (stage%last) air%suspect(b) = 0
+        run%first = all(air%n(:d - 1) == 1)
+        run%last = all(air%n(d + 1:) == 1)
+        if (run%last) air%suspect(b) = 0
         work%ends = 0
         work%ends(:, 2, :) = pressure(air%scheme%gamma, air%rest)
         call awake_along(air, d, b, awake)
@@ -90,7 +87,7 @@ contains
             run%n = run%hi - run%lo + 1
             call sweep_run(air, wall, run, stage, work)
         end do
-        call keep_ends(air%n_var, b, run%lines, work%ends, air%ends(:, d))
+        call keep_ends(air, d, b, run%lines, work%ends)
     end subroutine sweep_block
 
     !> A part of a block of lines, as lines of their own.
@@ -109,13 +106,13 @@ contains
         call line_fluxes(n, nv, air%scheme, work%q, work%f)
         if (run%lo == 1) call wall_end(air, wall, run, 0, work%f)
         if (run%hi == air%n(run%d)) call wall_end(air, wall, run, run%n, work%f)
-        if (run%has_solid) call cut_fluxes(air, wall, run, stage%share, work%f)
+        if (run%has_solid) call cut_fluxes(air, wall, run, stage%push(run%d), work%f)
         if (run%lo == 1) work%ends(:, :, 1) = work%f(:, :, 0)
         if (run%hi == air%n(run%d)) work%ends(:, :, 2) = work%f(:, :, n)
         call difference(n, nv, real(1/air%dx(run%d), rk), work%f)
         if (run%has_solid) call load_off_ledger(wall, run, nv, work%f)
-        call store(n, nv, air%rate, run, turned(1, run%d), stage%first, work%f)
-        if (stage%last) call count_suspects(n, nv, stage, work%q, work%f, air%suspect(run%block))
+        call store(n, nv, air%rate, run, turned(1, run%d), run%first, work%f)
+        if (run%last) call count_suspects(n, nv, stage, work%q, work%f, air%suspect(run%block))
     end subroutine sweep_run
 
     !> Replace the flux through the first (i = 0) or last face of the lines if a wall is there.
@@ -257,18 +254,22 @@ contains
     end subroutine difference
 
     !> Keep the fluxes through the ends of the lines of a block that lie on the boundary.
-    pure subroutine keep_ends(nv, block, lines, ends, kept)
-        integer, intent(in) :: nv !! conserved variables
+    pure subroutine keep_ends(air, d, block, lines, ends)
+        type(air_t), intent(inout) :: air
+        integer, intent(in) :: d !! direction
         integer, intent(in) :: block
         integer, intent(in) :: lines !! lines that count
-        real(rk), intent(in) :: ends(nb, nv, 2) !! fluxes through the first and the last face
-        type(ends_t), intent(inout) :: kept(2)
-        integer :: c, s
+        real(rk), intent(in) :: ends(nb, air%n_var, 2) !! fluxes through the first and last faces
+        integer :: at, c, e, s
 
+        at = (block - 1)*nb
+        do e = 1, d - 1
+            if (air%n(e) > 1) at = at + n_lines(air%n, e)
+        end do
         do s = 1, 2
-            if (.not. allocated(kept(s)%f)) cycle
-            do c = 1, nv
-                kept(s)%f((block - 1)*nb + 1:(block - 1)*nb + lines, c) = ends(:lines, c, s)
+            if (any(air%bc(s, d) == [bc_inside, bc_periodic])) cycle
+            do c = 1, air%n_var
+                air%edge(at + 1:at + lines, turned(c, d), s) = ends(:lines, c, s)
             end do
         end do
     end subroutine keep_ends
@@ -332,18 +333,17 @@ contains
         end do
     end subroutine blank_solid
 
-    !> Replace the fluxes of the faces that a solid cell cuts, and book the impulse on the walls.
-    subroutine cut_fluxes(air, wall, run, share, f)
+    !> Replace the fluxes of the faces that a solid cell cuts, and note the impulse on the walls.
+    subroutine cut_fluxes(air, wall, run, push, f)
         type(air_t), intent(in) :: air
         type(wall_t), intent(inout) :: wall
         type(run_t), intent(in) :: run
-        real(rk), intent(in) :: share !! weight of the stage times dt [s]
+        real(rk), intent(in) :: push !! impulse per pressure, see stage_t [m2 s]
         real(rk), intent(inout) :: f(nb, air%n_var, 0:run%n) !! fluxes
-        real(rk) :: flux(max_var), p_star, area
+        real(rk) :: flux(max_var), p_star
         integer :: d, e, l, face, low(3)
 
         d = run%d
-        area = real(product(air%dx)/air%dx(d), rk)
         do e = wall%cut(d)%first(run%block), wall%cut(d)%first(run%block + 1) - 1
             low = wall%cut(d)%face(1:3, e)
             if (low(d) < run%lo - 1 .or. low(d) > run%hi) cycle
@@ -352,7 +352,7 @@ contains
             l = lane_of(run, low)
             f(l, :, low(d) - run%lo + 1) = flux(:air%n_var)
             face = wall%cut(d)%face(4, e)
-            if (face > 0) wall%impulse(face) = wall%impulse(face) + share*area*p_star
+            if (face > 0) wall%push(face) = push*p_star
         end do
     end subroutine cut_fluxes
 

@@ -63,22 +63,19 @@ contains
         call at_least(coupling%gas, coupling%wall%n_faces)
         call at_least(coupling%rows, coupling%wall%n_faces)
         if (allocated(coupling%above)) then
-            if (size(coupling%above, 2) < n) deallocate (coupling%wall%face_of, coupling%above)
+            if (size(coupling%above, 2) < n) deallocate (coupling%above)
         end if
-        if (.not. allocated(coupling%above)) &
-            allocate (coupling%wall%face_of(6, n + n/4), coupling%above(6, n + n/4))
+        if (.not. allocated(coupling%above)) allocate (coupling%above(6, n + n/4))
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do c = 1, n
             coupling%cell(c) = number_of(coupling%box%n, in_window(coupling, &
                                                                    coupling%wall%cell(:, c)))
-            coupling%wall%face_of(:, c) = 0
         end do
         !$omp parallel do if(n >= worth_threads) schedule(static)
         do f = 1, coupling%wall%n_faces
             coupling%gas(f) = number_of(coupling%box%n, in_window(coupling, &
                                                                   coupling%wall%face(1:3, f)))
             coupling%rows(f) = side_of(coupling%wall%face(4, f), coupling%wall%face(5, f))
-            coupling%wall%face_of(coupling%rows(f), coupling%wall%face_cell(f)) = f
         end do
         call each_find_above(n, coupling%box, coupling%cell, coupling%wall%solid, &
                              coupling%wall%index, coupling%wall%face_of, coupling%above)

@@ -4,9 +4,10 @@
 !>
 !> It loses mass and lets gas through thin solids: docs/coupling.md shows how much.
 module brz_coupling_paper
+    use brz_air_grid, only: stage_t
     use brz_air_state, only: air_ok, air_t, wall_t
     use brz_air_step, only: begin_step, take_rates, update
-    use brz_air_sweep, only: stage_t
+    use brz_air_stage, only: stage_of
     use brz_air_walls, only: build_walls
     use brz_cell_shells, only: neighbour
     use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, move_walls
@@ -15,7 +16,7 @@ module brz_coupling_paper
     use brz_gas, only: to_conserved
     use brz_kinds, only: dp, rk
     use brz_paper_rules, only: add_neighbour, filled_state, paper_force
-    use brz_runge_kutta, only: new_weight, share_of
+    use brz_runge_kutta, only: share_of
     use brz_scheme, only: max_var
     use brz_solid_state, only: solid_t
     implicit none
@@ -38,14 +39,15 @@ contains
 
         call move_walls(solid, coupling)
         call fill_solid_cells(air, coupling)
-        call begin_step(air, none, dt, stage)
+        call begin_step(air, none)
         solid%load(:, :solid%n) = 0
         do m = 1, air%n_stages
             if (m > 1) call fill_solid_cells(air, coupling)
-            call take_rates(air, none, m, stage, status)
+            stage = stage_of(air, dt, m)
+            call take_rates(air, none, stage, status)
             if (status /= air_ok) return
             call add_forces(air, solid, coupling, share_of(m, air%n_stages), dt)
-            call update(air, stage%dt, new_weight(m, air%n_stages), m == 1)
+            call update(air, stage%dt, stage%weight, m == 1)
         end do
         call load_carriers(solid, coupling)
     end subroutine paper_step

@@ -16,6 +16,7 @@ module brz_gpu_air_state
         device_t, find_kernel, free_buffers, kernel_t, put_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_face_launches, only: face_kernels_t
+    use brz_fallback_launches, only: fallback_kernels_t
     use brz_ghost_launches, only: ghost_kernels_t
     use brz_cell_lists, only: places_in
     use brz_gpu_common, only: gpu_common_t
@@ -66,8 +67,8 @@ module brz_gpu_air_state
         type(reals_t) :: u !! conserved variables, as in air_t
         type(reals_t) :: spare(2) !! the same of the stages of a step
         type(reals_t) :: flux !! through the faces of direction x above each cell
-        type(bytes_t) :: bad !! one byte for each cell, see finish_cell
-        type(integers_t) :: found !! 1: a kernel has found a bad cell
+        type(bytes_t) :: bad !! one byte for each cell, see mark_cell
+        type(integers_t) :: found !! 1: a kernel has found a bad cell; a count
         type(reals_t) :: outside !! (lines, n_var, 2) gas beyond open boundaries
         type(reals_t) :: edge !! (lines, n_var, 2) fluxes through the outer faces
         type(doubles_t) :: outflow !! (lines, n_var, 2) what left since the start
@@ -75,6 +76,7 @@ module brz_gpu_air_state
         type(kernel_t) :: faces, march, last, redo !! of the scheme
         type(air_kernels_t) :: kernels
         type(ghost_kernels_t) :: ghosts
+        type(fallback_kernels_t) :: fallback
         type(place_kernels_t) :: places
         type(gpu_fetch_t) :: halo, beside !! as in part_t: states, marks of bad cells
         type(gpu_common_t) :: common
@@ -221,6 +223,7 @@ contains
         call gpu%kernels%open(device, err)
         call gpu%common%open(device, 1, err)
         call gpu%ghosts%open(device, err)
+        call gpu%fallback%open(device, err)
         call gpu%walls%kernels%open(device, err)
         call gpu%places%open(device, err)
         call gpu%bricks%wake%open(device, err)

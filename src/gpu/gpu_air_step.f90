@@ -2,19 +2,20 @@
 !> One time step of the air on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_air_step
     use brz_air_grid, only: faces_of_a_thread, lines_along, stage_t
-    use brz_air_lost, only: first_lost
+    use brz_air_lost, only: find_lost, first_lost
     use brz_air_launches, only: launch_faces, launch_march, launch_redo
-    use brz_air_state, only: air_ok, air_t, air_unphysical, bc_periodic
+    use brz_air_stage, only: stage_of
+    use brz_air_state, only: air_ok, air_t, air_unphysical
     use brz_buffers, only: from, reals_t
     use brz_device, only: clear_buffer, copy_out, kernel_t
     use brz_errors, only: error_t, failed
+    use brz_fallback_items, only: to_hold, to_lose, to_redo
     use brz_gpu_air_activity, only: find_awake_bricks
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
-    use brz_gpu_air_sums, only: sum_of
-    use brz_kinds, only: dp, int64, rk
-    use brz_positivity, only: floors_of, hold_step, lost_mark, most_holds
+    use brz_kinds, only: dp, int64, int8, rk
+    use brz_positivity, only: hold_step, most_holds
     use brz_ranks, only: agree
-    use brz_runge_kutta, only: new_weight, repair_passes, share_of
+    use brz_runge_kutta, only: repair_passes
     use brz_scheme, only: first_order
     implicit none
     private
@@ -52,7 +53,7 @@ contains
             call gpu%ghosts%fill_end(2*gpu%grid%lines, gpu%grid, air%scheme, gpu%outside, &
                                      gpu%walls%solid, states%u, err)
             call sweep(gpu, air, stage, states, err)
-            if (gpu%grid%walls == 1) call redo(gpu, air, states, stage, 0, 0, err)
+            if (gpu%grid%walls == 1) call redo(gpu, air, states, stage, 0, to_redo, err)
             call repair(gpu, air, states, stage, lost, err)
             if (lost) status = air_unphysical
             if (failed(err) .or. lost) return
@@ -68,21 +69,6 @@ contains
         gpu%spare(m) = gpu%u
         gpu%u = states%u
     end subroutine gpu_air_step
-
-    !> What the kernels must know of a stage.
-    pure function stage_of(air, dt, m) result(stage)
-        type(air_t), intent(in) :: air
-        real(dp), intent(in) :: dt !! time step [s]
-        integer, intent(in) :: m !! stage
-        type(stage_t) :: stage
-
-        stage%dt = real(dt, rk)
-        stage%weight = new_weight(m, air%n_stages)
-        stage%floors = floors_of(air%fallback, air%scheme%gamma, air%rho_rest, air%p_rest)
-        stage%leaves = share_of(m, air%n_stages)*dt*product(air%dx)/air%dx
-        stage%push = real(stage%leaves, rk)
-        where (air%bc(1, :) == bc_periodic) stage%leaves = 0
-    end function stage_of
 
     !> Has a kernel found a bad cell since the last call, in any process? An error of one is then
     !> that of all.
@@ -145,14 +131,14 @@ contains
         if (air%fallback .and. air%scheme%reconstruction /= first_order) then
             do pass = 1, repair_passes
                 call gpu%beside%bytes_of_others(gpu%bad, err)
-                call redo(gpu, air, states, stage, pass, 0, err)
+                call redo(gpu, air, states, stage, pass, to_redo, err)
                 if (.not. found_bad(gpu, air, err)) exit
             end do
             pass = min(pass, repair_passes)
             call add_count(gpu, air, pass, air%fallback_faces, err)
         end if
         if (air%fallback) call hold_cells(gpu, air, states, stage, pass, err)
-        call redo(gpu, air, states, stage, pass, 1, err)
+        call redo(gpu, air, states, stage, pass, to_lose, err)
         lost = found_bad(gpu, air, err)
         if (lost) call find_lost_cell(gpu, air, states%new, lost, err)
         call clear_buffer(gpu%bad, err)
@@ -170,28 +156,28 @@ contains
         logical :: bad
 
         do m = 1, most_holds
-            call redo(gpu, air, states, stage, pass, 2, err)
+            call redo(gpu, air, states, stage, pass, to_hold, err)
             if (.not. found_bad(gpu, air, err)) exit
             call gpu%beside%bytes_of_others(gpu%bad, err)
             pass = pass + hold_step
-            call redo(gpu, air, states, stage, pass, 0, err)
+            call redo(gpu, air, states, stage, pass, to_redo, err)
             bad = found_bad(gpu, air, err) ! whether cells must be held is asked again
         end do
         if (pass >= hold_step) call add_count(gpu, air, pass, air%held_cells, err)
     end subroutine hold_cells
 
     !> Compute marked cells and their neighbours again, in pass 0 those near walls.
-    subroutine redo(gpu, air, states, stage, pass, judge, err)
+    subroutine redo(gpu, air, states, stage, pass, task, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         type(states_t), intent(in) :: states
         type(stage_t), intent(in) :: stage
         integer, intent(in) :: pass !! marks up to this one count
-        integer, intent(in) :: judge !! 1: find the cells that are lost, 2: those to be held
+        integer, intent(in) :: task !! to_redo, ...
         type(error_t), intent(inout) :: err
 
         associate (walls => gpu%walls)
-            call launch_redo(gpu%redo, air%n, pass, judge, gpu%grid, air%scheme, stage, states%u, &
+            call launch_redo(gpu%redo, air%n, pass, task, gpu%grid, air%scheme, stage, states%u, &
                              states%start, states%new, gpu%bad, gpu%found, gpu%edge, walls%near, &
                              walls%solid, walls%index, walls%v, walls%face_of, walls%push, err)
         end associate
@@ -204,11 +190,14 @@ contains
         integer, intent(in) :: pass !! marks up to this one count
         integer(int64), intent(inout) :: total !! the number is added
         type(error_t), intent(inout) :: err
-        real(dp) :: n
+        integer :: number(1)
 
-        call gpu%kernels%air_faces_lowered([air%n(1:2), 1], pass, gpu%grid, gpu%bad, gpu%part, err)
-        call sum_of(gpu, gpu%part, air%n(1)*air%n(2), n, err)
-        total = total + nint(n, int64)
+        call clear_buffer(gpu%found, err)
+        call gpu%fallback%count_marked(product(air%n), pass, gpu%grid, gpu%bad, gpu%found, err)
+        number = 0
+        call copy_out(gpu%found, number, 4_int64, err)
+        call clear_buffer(gpu%found, err)
+        total = total + number(1)
     end subroutine add_count
 
     !> Where the first lost cell of all is, and what it would have become.
@@ -218,25 +207,20 @@ contains
         type(reals_t), intent(in) :: new !! holds the Euler step of lost cells
         logical, intent(out) :: lost
         type(error_t), intent(inout) :: err
-        character, allocatable, target :: marks(:)
-        real(rk), target :: value(1)
-        integer(int64) :: at, first
-        integer :: c, i
+        integer(int8), allocatable :: marks(:)
+        real(rk) :: value(1)
+        integer(int64) :: first
+        integer :: c
 
-        allocate (marks(gpu%grid%apart), source=achar(0))
+        allocate (marks(gpu%grid%apart), source=0_int8)
         call copy_out(gpu%bad, marks, gpu%grid%apart, err)
-        first = findloc(ichar(marks), lost_mark, dim=1)
-        at = first - 1
-        do i = 3, 1, -1
-            air%bad_cell(i) = int(at/gpu%grid%step(i)) + 1 - air%g(i)
-            at = mod(at, int(gpu%grid%step(i), int64))
-        end do
+        call find_lost(air, gpu%grid, marks, first)
         do c = 1, 5
             value = 0
             if (first > 0) &
                 call copy_out(from(new, first + (c - 1)*gpu%grid%apart), value, bytes_of_real, err)
             air%bad_state(c) = value(1)
         end do
-        lost = first_lost(air, 1, first > 0)
+        lost = first_lost(air, first > 0)
     end subroutine find_lost_cell
 end module brz_gpu_air_step

@@ -4,7 +4,6 @@
 module brz_gpu_air_sums
     use brz_air_state, only: air_t
     use brz_air_totals, only: show_outflow
-    use brz_buffers, only: doubles_t
     use brz_device, only: copy_out
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
@@ -14,9 +13,7 @@ module brz_gpu_air_sums
     use brz_running_total, only: add_to_total
     implicit none
     private
-    public :: gpu_air_time_step, gpu_air_totals, gpu_outflow, sum_of
-
-    integer, parameter :: fold_threads = 1024 !! partial results that the host adds up
+    public :: gpu_air_time_step, gpu_air_totals, gpu_outflow
 
 contains
 
@@ -75,17 +72,4 @@ contains
         end do
         call show_outflow(air)
     end subroutine gpu_outflow
-
-    !> Sum of n numbers on the GPU.
-    subroutine sum_of(gpu, numbers, n, total, err)
-        type(gpu_air_t), intent(in) :: gpu
-        type(doubles_t), intent(in) :: numbers
-        integer, intent(in) :: n
-        real(dp), intent(out) :: total
-        type(error_t), intent(inout) :: err
-        real(dp) :: folded(fold_threads, 1)
-
-        call gpu%common%fold(numbers, n, folded, err)
-        total = sum(folded)
-    end subroutine sum_of
 end module brz_gpu_air_sums

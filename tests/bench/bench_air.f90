@@ -99,7 +99,7 @@ contains
         part(3) = method%stages*3*method%divisions/floors%divisions
         part = part*real(n, dp)**3*steps/core
         grid_bytes = int((storage_size(1.0_rk)/8*3*size(air%u, kind=int64) &
-            + size(air%lowered, kind=int64))/n**3)
+            + size(air%bad, kind=int64))/n**3)
         write (output_unit, '(5a, 2f8.3, a, 3f6.2, a, i0, a, i0, a, i0, 2a)') '     ', &
             method%name, merge(' + plate', '        ', with_plate), ' ', ' ', &
             1e-6_dp*steps*real(n, dp)**3/clock, 1e-6_dp*steps*real(n, dp)**3/core, '; ', part, &
