@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -27,6 +26,7 @@ from post.paper_measures import (
     printed_numbers,
     resolution,
     value_of,
+    wall_clock,
     why,
 )
 from post.paper_pictures import (
@@ -193,15 +193,6 @@ def smaller(run: Run) -> str:
             return f"{width:g} m wide instead of {wide[body.id]:g} m"
     end = float(deck.get("run", "t_end"))
     return "" if run.end > 0.99 * end else f"not the whole {show(end, 's')}"
-
-
-def wall_clock(run: Run) -> str:
-    """What the run took, from its log beside the folder; a dash without one."""
-    log = run.folder.with_name(run.folder.name + ".log")
-    if not log.is_file():
-        return "–"
-    found = re.findall(r"wall clock +([\d.]+) s", log.read_text(errors="replace"))
-    return show(sum(map(float, found)), "s") if found else "–"
 
 
 def doubt_table(campaign: Campaign) -> Table:

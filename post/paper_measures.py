@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import math
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, partial
@@ -259,3 +260,12 @@ def why(run: Run, one: Printed) -> str:
         except (PostError, ValueError):
             continue
     return "; ".join(text for text in parts if text)
+
+
+def wall_clock(run: Run) -> str:
+    """What the run took, from its log beside the folder; a dash without one."""
+    log = run.folder.with_name(run.folder.name + ".log")
+    if not log.is_file():
+        return "–"
+    found = re.findall(r"wall clock +([\d.]+) s", log.read_text(errors="replace"))
+    return show(sum(map(float, found)), "s") if found else "–"

@@ -25,6 +25,7 @@ import numpy as np
 from post.deck import Deck
 from post.errors import INPUT_OUTPUT, NUMERICAL, USAGE, DamagedError, PostError
 from post.history import History, read_history
+from post.soundness import not_finite_in, zeros_in
 
 SCHEMA = 1  # newest layout of the HDF5 files that this reader knows
 SEEN = {"air": ("pressure",), "solid": ("displacement", "damage")}  # what pictures need
@@ -191,7 +192,7 @@ class Run:
                     when = history.time[np.argmax(bad)]
                     found.append(f"{history.path.name}: '{name}' is not finite at t = {when:g} s")
         if self.frames:
-            found += _not_finite_in(self.frames[-1])
+            found += not_finite_in(self.frames[-1])
         return list(dict.fromkeys(found + self._wild))
 
     @cached_property
@@ -222,8 +223,8 @@ class Run:
         sound = []
         for frame in self.frames:
             try:
-                faults = _zeros_in(frame)
-                self._wild += _not_finite_in(frame, SEEN)
+                faults = zeros_in(frame)
+                self._wild += not_finite_in(frame, SEEN)
             except DamagedError as error:
                 faults = [str(error)]
             self.damaged += [f"{fault}; it is left out" for fault in faults]
@@ -292,35 +293,6 @@ class Run:
             names = ", ".join(path.name for path in echoes)
             raise PostError(f"{self.folder}: holds more than one deck ({names})", USAGE)
         raise PostError(f"{self.folder}: the deck of the run (<job>.echo.nml) is missing")
-
-
-def _not_finite_in(frame: Frame, some: dict[str, tuple] | None = None) -> list[str]:
-    """Fields that are not finite, among all or among `some` of 'air' and of 'solid'."""
-    found = []
-    for kind, path in (("air", frame.air_path), ("solid", frame.solid_path)):
-        if path is None:
-            continue
-        load = frame.air if kind == "air" else frame.solid
-        dump = load(*(some[kind] if some else ()))
-        fields = dump.field | ({"Points": dump.points} if kind == "solid" else {})
-        for name, values in fields.items():
-            if not np.isfinite(values).all():
-                found.append(f"{path.name}: '{name}' is not finite at t = {frame.time:g} s")
-    return found
-
-
-def _zeros_in(frame: Frame) -> list[str]:
-    """Dumps of a time that hold nothing but zeros where there must be something."""
-    found = []
-    for path, load, name in (
-        (frame.air_path, frame.air, "pressure"),
-        (frame.solid_path, frame.solid, "id"),
-    ):
-        if path is not None:
-            values = load(name).field[name]
-            if values.size and not values.any():
-                found.append(f"{path}: '{name}' is zero throughout")
-    return found
 
 
 def _list_frames(folder: Path) -> list[Frame]:

@@ -11,10 +11,11 @@ as well. Sizes: files 400 lines, procedures 80, lines of kernels (cuda/*.CUF) 10
 sees to those of the rest), arguments 8, which kernels, items and what these call in their file
 (`*_items.f90`, below a `!@cuf` line), and procedures in a file with `!@variant` may exceed: they
 take arrays.
-Also: the licence line, the module name, `use` with `only`. Lines of *.md files have at most 120
-columns, rows of tables excepted.
+Also: the licence line, the module name, `use` with `only`. Files and functions in Python obey the
+sizes, too. Lines of *.md files have at most 120 columns, rows of tables excepted.
 """
 
+import ast
 import re
 import sys
 from pathlib import Path
@@ -140,6 +141,20 @@ def long_prose(root):
                 yield f"{place}: {len(line)} columns; at most {MAX_PROSE}"
 
 
+def long_python(root):
+    """Files and functions in Python that are too long."""
+    for path in sorted(p for d in ("scripts", "post", "tests") for p in (root / d).rglob("*.py")):
+        text, name = path.read_text(encoding="utf-8"), path.relative_to(root)
+        if (n := len(text.splitlines())) > MAX_FILE:
+            yield f"{name}:1: {n} lines; at most {MAX_FILE}"
+        for node in ast.walk(ast.parse(text)):
+            if isinstance(node, ast.FunctionDef):
+                n = node.end_lineno - node.lineno + 1
+                if n > MAX_PROCEDURE:
+                    place = f"{name}:{node.lineno}: {node.name}"
+                    yield f"{place} has {n} lines; at most {MAX_PROCEDURE}"
+
+
 def main():
     root = Path(sys.argv[1] if len(sys.argv) > 1 else ".")
     files = [p for d in ("src", "tests", "cuda") for p in sorted((root / d).rglob("*"))]
@@ -150,7 +165,7 @@ def main():
         if source.in_src:
             source.check_layers(owner)
     faults = [fault for source in sources for fault in source.faults]
-    faults += long_prose(root)
+    faults += [*long_prose(root), *long_python(root)]
     for path in sorted((root / "scripts").glob("*")) + sorted(root.glob("post/**/*.py")):
         if path.suffix in (".py", ".sh"):
             head = path.read_text(encoding="utf-8").splitlines()[:2]

@@ -79,6 +79,17 @@ def test_long_prose_is_named_and_tables_are_not(tmp_path):
     assert text == "docs/sub/page.md:4: 121 columns; at most 120\n"
 
 
+def test_long_python_is_named(tmp_path):
+    (tmp_path / "post").mkdir()
+    body = "    pass\n" * 80
+    text = f"# SPDX-License-Identifier: MIT\ndef f():\n{body}" + "x = 0\n" * 400
+    (tmp_path / "post" / "a.py").write_text(text, encoding="utf-8")
+    code, text = structure(tmp_path)
+    assert code != 0
+    assert "a.py:1: 482 lines; at most 400" in text
+    assert "a.py:2: f has 81 lines; at most 80" in text
+
+
 UGLY = """module a
 contains
 subroutine s(x)

@@ -309,70 +309,6 @@ def test_a_killed_process_ends_all_and_the_wall_clock_stops_all(tmp_path):
 
 # Bodies that meet: friction, a rigid body that turns and one that is driven, bonds that break, at a
 # plane of symmetry.
-MEETING = """\
-&run title = 'meeting', t_end = 8e-6, symmetry = 'y', energy_band = 0.5 /
-&material id = 's', preset = 'rebar' /
-&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 5e9,
-     poisson_ratio = 0.3 /
-&body id = 'ball', shape = 'sphere', centre = 0, 0, 0.0032, radius = 0.003, spacing = 1e-3,
-     material = 's', velocity = 60, 0, -300 /
-&body id = 'plate', shape = 'box', box = -0.006,0.006, 0,0.006, -0.002,0, spacing = 1e-3,
-     material = 'm' /
-&body id = 'glued', shape = 'box', box = 0.006,0.01, 0,0.004, -0.002,0, spacing = 1e-3,
-     material = 'm', velocity = 300, 0, 20 /
-&body id = 'die', shape = 'box', box = -0.003,0.001, 0,0.003, -0.005,-0.002, spacing = 1e-3,
-     material = 'm', formulation = 'rigid', velocity = 20, 0, 80 /
-&body id = 'ram', shape = 'box', box = -0.01,-0.007, 0,0.004, -0.002,0, spacing = 1e-3,
-     material = 'm', formulation = 'rigid', motion_time = 0,1, motion_velocity = 300,0,0, 300,0,0 /
-&interaction law = 'contact', friction = 0.3 /
-&interaction bodies = 'plate', 'glued', law = 'bonded', tensile_strength = 1e8 /
-&gauge id = 'edge', body = 'plate', at = 0.0055,0.001,-0.001, quantity = 'speed' /
-&output dump_every = 4e-6, history_every = 0 /
-"""
-
-# Bodies that do not meet, some seconds: steel that is drawn until it fails beside two planes of
-# symmetry, a total-Lagrangian plate, one of variable smoothing length whose particles leave.
-BODIES = """\
-&run title = 'bodies', t_end = 8e-6, symmetry = 'x', 'z', energy_band = 0.5 /
-&material id = 's', preset = 'rebar' /
-&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 5e9,
-     poisson_ratio = 0.3 /
-&body id = 'bar', shape = 'box', box = 0,0.008, 0,0.005, 0,0.005, spacing = 1e-3, material = 's',
-     fix = 'x+', motion_time = 0,1e-6,1, motion_velocity = 0,0,0, 900,10,30, 900,10,30 /
-&body id = 'plate', shape = 'box', box = 0,0.009, 0.03,0.032, 0,0.009, spacing = 1e-3,
-     material = 'm', velocity = 0,900,0, formulation = 'total_lagrangian' /
-&body id = 'block', shape = 'box', box = 0,0.007, 0.035,0.039, 0.03,0.037, spacing = 1e-3,
-     material = 's', velocity = 0,400,900, variable_h = .true. /
-&solid region = -1,1, -1,0.04, -1,1, leave = 'remove' /
-&interaction law = 'none' /
-&gauge id = 'end', body = 'bar', at = 0.0075,0.001,0.001, quantity = 'displacement_x' /
-&gauge id = 'middle', body = 'block', at = 0.004,0.036,0.034, quantity = 'speed' /
-&output dump_every = 4e-6, history_every = 0 /
-"""
-
-
-SCENES = {"apart": BODIES, "meeting": MEETING}
-
-
-@pytest.fixture(scope="module")
-def bodies_alone(tmp_path_factory):
-    """The folders of runs of bodies on one process."""
-    found = {}
-    for name, deck in SCENES.items():
-        folder = found[name] = tmp_path_factory.mktemp(name)
-        (folder / "deck.nml").write_text(deck)
-        done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
-        assert done.returncode == 0, done.stderr
-        assert ("they are taken out" in done.stderr) == (name == "apart")
-    checkpoint = sorted((found["meeting"] / "out").glob("chk_*.h5"))[-1]
-    bond = arrays(checkpoint)["solid/bond"]
-    assert (bond == 1).any()
-    assert (bond == 2).any()
-    energy = history(found["meeting"] / "out/energy.csv")
-    assert all(np.abs(energy[name]).max() > 0 for name in ("friction[J]", "contact[J]"))
-    return {name: folder / "out" for name, folder in found.items()}
-
-
 def equal_bodies(one, other):
     """Dumps and gauges are the same; books are sums over steps, which processes round apart."""
     assert (one / "gauges.csv").read_text() == (other / "gauges.csv").read_text()
@@ -389,37 +325,3 @@ def equal_bodies(one, other):
             if name == "energy.csv":
                 scale = 1 if column == "error[-]" else max(scale, a["energy_scale[J]"].max())
             assert np.abs(a[column] - b[column]).max() <= 1e-12 * scale, column
-
-
-@needs_mpirun
-@pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize("n", [2, 3, 4])
-def test_bodies_do_not_depend_on_processes(n, name, bodies_alone, tmp_path):
-    (tmp_path / "deck.nml").write_text(SCENES[name])
-    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert "the most particles over the mean" in done.stdout
-    equal_bodies(bodies_alone[name], tmp_path / "out")
-
-
-@needs_mpirun
-@pytest.mark.parametrize("name", SCENES)
-@pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), (4, 3)])
-def test_bodies_go_on_on_other_processes(n, m, name, bodies_alone, tmp_path):
-    (tmp_path / "deck.nml").write_text(SCENES[name])
-    done = start(n, "run", "deck.nml", "--out", "out", "--set", "run.max_steps=50", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    done = start(m, "run", "deck.nml", "--out", "out", "--restart", "latest", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    equal_bodies(bodies_alone[name], tmp_path / "out")
-
-
-def test_a_check_tells_the_particles_of_processes(tmp_path):
-    (tmp_path / "deck.nml").write_text(BODIES)
-    done = start(0, "run", "deck.nml", "--check", "--ranks", "3", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    own = [int(words[0]) for line in done.stdout.splitlines() if " of its own" in line
-           for words in [line.split(":")[1].split()]]  # fmt: skip
-    assert len(own) == 3
-    assert sum(own) == 8 * 5 * 5 + 9 * 2 * 9 + 7 * 4 * 7
-    assert max(own) < 1.2 * sum(own) / 3

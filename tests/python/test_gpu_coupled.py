@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: MIT
+"""Bodies in air on the GPU, here the emulated one."""
+
+import h5py
+import pytest
+from test_gpu import run, same, stamp
+
+
+@pytest.fixture(name="deck")
+def _deck(tmp_path):
+    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n", encoding="utf-8")
+    return tmp_path
+
+
+COUPLED = """&run title='t', t_end=1.2e-4 /
+&air box=0,1, 0,0.4, 0,0.3, cells=40,8,6, bc='outflow' /
+&gas id='hot', box=0,0.3, 0,0.4, 0,0.3, density=3, pressure=2e6 /
+&material id='m', model='linear_elastic', density=2000, youngs_modulus=1e6, poisson_ratio=0.3 /
+&body id='b', shape='box', box=0.3,0.4, 0.12,0.28, 0.1,0.2, spacing=0.025, material='m',
+      velocity=1500,200,0 /
+&gauge id='g', at=0.61,0.23,0.17, quantity='overpressure' /
+&output dump_every=1e-4, checkpoint_every=2e-5, history_every=5e-6 /
+"""
+
+
+def test_bodies_in_air_move_as_on_the_cpu(deck):
+    (deck / "f.nml").write_text(COUPLED, encoding="utf-8")
+    for backend in ("gpu", "cpu"):
+        done = run(deck, "f.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+        assert ("air and bodies run on Emulated" in done.stderr) == (backend == "gpu")
+    same("gpu", "cpu", deck)
+    with h5py.File(sorted((deck / "gpu").glob("chk_*.h5"))[-1]) as file:
+        assert file["coupling/uncovered_total"][()] > 20  # cells that the body has left,
+        assert len(file["coupling/debt_cell"]) > 20  # some of them far behind, with debts
+    first = ("--set", "run.max_steps=9", "--out", "parts")
+    assert run(deck, "f.nml", "--backend", "gpu", *first).returncode == 0
+    second = ("--restart", "latest", "--out", "parts")
+    assert run(deck, "f.nml", "--backend", "gpu", *second).returncode == 0
+    same("parts", "gpu", deck)
+
+
+WOKEN = """&run title='t', t_end=5e-5 /
+&air box=0,0.2, 0,0.05, 0,0.05, cells=40,10,10, bc='wall' /
+&gas id='hot', box=0,0.06, 0,0.05, 0,0.05, density=60, pressure=4e7 /
+&material id='cu', preset='ofhc_copper' /
+&material id='ply', preset='cfrp_woven' /
+&body id='plate', shape='box', box=0.075,0.08, 0,0.05, 0.01,0.04, spacing=0.0025, material='ply',
+      plies='2*(0/90)', fix='y-', formulation='bending' /
+&body id='block', shape='box', box=0.085,0.095, 0.015,0.035, 0.015,0.035, spacing=0.0025,
+      material='cu' /
+&body id='ball', shape='sphere', centre=0.1055,0.025,0.025, radius=0.005, spacing=0.0025,
+      material='cu', formulation='rigid' /
+&interaction law='contact', friction=0.2 /
+&gauge id='g', body='block', at=0.09,0.025,0.025, quantity='velocity_x' /
+&gauge id='inside', at=0.09,0.025,0.025, quantity='pressure' /
+&output dump_every=3e-5, checkpoint_every=1e-5, history_every=2e-6 /
+"""
+
+
+def test_bodies_wake_in_air_as_on_the_cpu(deck):
+    (deck / "w.nml").write_text(WOKEN, encoding="utf-8")
+    for backend in ("gpu", "cpu"):
+        done = run(deck, "w.nml", "--backend", backend, "--out", backend)
+        assert done.returncode == 0, done.stderr
+    same("gpu", "cpu", deck)
+    steps = 0
+    for backend in ("cpu", "gpu", "cpu", "gpu"):
+        steps += 10
+        restart = ("--restart", "latest") if steps > 10 else ()
+        more = ("--set", f"run.max_steps={steps}") if steps < 40 else ()
+        done = run(deck, "w.nml", "--backend", backend, "--out", "parts", *more, *restart)
+        assert done.returncode == 0, done.stderr
+    same("parts", "cpu", deck)
