@@ -90,7 +90,7 @@ module brz_air_state
         type(sweep_work_t), allocatable :: work(:) !! (0:threads-1)
         real(rk), allocatable :: edge(:, :, :)
         !! (lines, n_var, low/high) fluxes of a stage through the outer faces, see grid_t
-        real(dp), allocatable :: brick_sum(:, :) !! (6, bricks) totals of bricks
+        real(dp), allocatable :: brick_sum(:, :) !! (0:n_var, bricks) totals of bricks
         integer, allocatable :: suspect(:)
         !! (blocks) cells of a block whose next state looks unphysical
         integer(int8), allocatable :: bad(:, :, :) !! marks of a stage, see brz_fallback_items

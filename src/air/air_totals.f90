@@ -2,70 +2,40 @@
 !> Sums over all cells of the air, of all processes: the same bits whatever the threads do and
 !> however many processes there are. Bricks are summed in order, and the bricks exactly.
 module brz_air_totals
-    use brz_air_grid, only: brick
-    use brz_air_state, only: air_t
+    use brz_air_grid, only: grid_of, grid_t
+    use brz_air_state, only: air_t, bc_periodic, wall_t
+    use brz_brick_loops, only: each_total_brick
     use brz_exact_sum, only: exact_sums
-    use brz_kinds, only: dp, int64
+    use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: several, sum_of_all
     use brz_running_total, only: add_to_total, value_of, value_of_all
     implicit none
     private
-    public :: cell_sums, sum_bricks, first_of_brick, outflow_of_all, counts_of_all
+    public :: gas_sums, outflow_of_all, counts_of_all
     public :: show_outflow, take_outflow
-
-    integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
 
 contains
 
-    !> Sums of the conserved variables over all cells, solid ones too, per volume of a cell.
-    subroutine cell_sums(air, sums)
+    !> Sums over the gas cells, per volume of a cell; without walls over all cells.
+    subroutine gas_sums(air, sums, wall)
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
-        real(dp), intent(out) :: sums(6) !! density, momentum, energy, products
-        integer :: i, j, k, c, b, n_var, at(3)
-        real(dp) :: total
+        real(dp), intent(out) :: sums(0:6) !! kinetic energy, density, momentum, energy, products
+        type(wall_t), intent(in), optional :: wall
+        type(grid_t) :: grid
+        integer :: n
+        integer(int8), parameter :: none(1) = 0
 
-        n_var = air%n_var
-        !$omp parallel do collapse(2) schedule(static) private(i, j, k, at, total) &
-        !$omp& if (size(air%rate) > few_numbers)
-        do c = 1, n_var
-            do b = 1, size(air%brick_sum, 2)
-                at = first_of_brick(air, b)
-                total = 0
-                do k = at(3), min(at(3) + brick - 1, air%n(3))
-                    do j = at(2), min(at(2) + brick - 1, air%n(2))
-                        do i = at(1), min(at(1) + brick - 1, air%n(1))
-                            total = total + air%u(i, j, k, c)
-                        end do
-                    end do
-                end do
-                air%brick_sum(c, b) = total
-            end do
-        end do
-        !$omp end parallel do
+        grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
+        if (present(wall)) grid%walls = merge(1, 0, wall%present)
+        n = (air%n_var + 1)*product(grid%bricks)
+        if (grid%walls == 1) then
+            call each_total_brick(n, grid, air%u, wall%solid, air%brick_sum)
+        else
+            call each_total_brick(n, grid, air%u, none, air%brick_sum)
+        end if
         sums = 0
-        call exact_sums(air%part%ranks, air%brick_sum(:n_var, :), sums(:n_var))
-    end subroutine cell_sums
-
-    !> Sum of what has been put into the first row of the sums of bricks.
-    real(dp) function sum_bricks(air) result(total)
-        type(air_t), intent(in) :: air
-        real(dp) :: sums(1)
-
-        call exact_sums(air%part%ranks, air%brick_sum(1:1, :), sums)
-        total = sums(1)
-    end function sum_bricks
-
-    !> The first cell of a brick.
-    pure function first_of_brick(air, b) result(at)
-        type(air_t), intent(in) :: air
-        integer, intent(in) :: b
-        integer :: at(3), n(3)
-
-        n = shape(air%reached)
-        at(1) = modulo(b - 1, n(1))*brick + 1
-        at(2) = modulo((b - 1)/n(1), n(2))*brick + 1
-        at(3) = ((b - 1)/(n(1)*n(2)))*brick + 1
-    end function first_of_brick
+        call exact_sums(air%part%ranks, air%brick_sum, sums(:air%n_var))
+    end subroutine gas_sums
 
     !> What left through the outer faces of the grid so far, and the products in it [kg].
     subroutine outflow_of_all(air, outflow, products)

@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> Which bricks of the air are awake: see brz_air_activity.
+!> Bricks of the air: which are awake, see brz_air_activity; sums over their cells.
 module brz_brick_items
-    use brz_air_grid, only: grid_t
-    use brz_kinds, only: int8
+    use brz_air_grid, only: brick, grid_t, place_of
+    use brz_kinds, only: dp, int64, int8, rk
     implicit none
     private
-    public :: wake_near
+    public :: wake_near, total_brick
 
 contains
 
@@ -54,4 +54,43 @@ contains
         end do
         place = m(1) + (m(2) - 1)*grid%brick_step(2) + (m(3) - 1)*grid%brick_step(3)
     end function place_round
+
+    !> Sum of a conserved variable, or of the kinetic energy, over the gas cells of a brick.
+    !@item if(n >= worth_threads) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine total_brick(t, grid, u, solid, part)
+        integer, intent(in) :: t !! bricks, times one more than the conserved variables
+        type(grid_t), intent(in) :: grid
+        real(rk), intent(in) :: u(*)
+        integer(int8), intent(in) :: solid(*) !! read where there are walls
+        real(dp), intent(inout) :: part(*) !! (0:n_var, bricks) per volume, 0: kinetic energy
+        real(dp) :: total
+        integer(int64) :: at
+        integer :: b, bricks, c, i, j, k, low(3)
+
+        bricks = grid%bricks(3)*grid%brick_step(3)
+        c = (t - 1)/bricks
+        b = t - c*bricks
+        low(1) = mod(b - 1, grid%bricks(1))*brick
+        low(2) = mod((b - 1)/grid%brick_step(2), grid%bricks(2))*brick
+        low(3) = (b - 1)/grid%brick_step(3)*brick
+        total = 0
+        do k = low(3) + 1, min(low(3) + brick, grid%n(3))
+            do j = low(2) + 1, min(low(2) + brick, grid%n(2))
+                do i = low(1) + 1, min(low(1) + brick, grid%n(1))
+                    at = place_of(grid, i, j, k)
+                    if (grid%walls == 1) then
+                        if (solid(at) /= 0) cycle
+                    end if
+                    if (c > 0) then
+                        total = total + u(at + (c - 1)*grid%apart)
+                    else
+                        total = total + (u(at + grid%apart)**2 + u(at + 2*grid%apart)**2 &
+                            + u(at + 3*grid%apart)**2)/(2*u(at))
+                    end if
+                end do
+            end do
+        end do
+        part(c + 1 + (b - 1)*(grid%n_var + 1)) = total
+    end subroutine total_brick
 end module brz_brick_items

@@ -2,7 +2,7 @@
 !> What happened in a blast in one or two dimensions before the run in the grid begins.
 module brz_early
     use brz_air_state, only: air_t
-    use brz_air_totals, only: cell_sums
+    use brz_air_totals, only: gas_sums
     use brz_kinds, only: dp
     implicit none
     private
@@ -82,8 +82,9 @@ contains
     subroutine grid_totals(air, sums)
         type(air_t), intent(inout) :: air
         real(dp), intent(out) :: sums(6)
+        real(dp) :: all(0:6)
 
-        call cell_sums(air, sums)
-        sums = sums*product(air%dx)
+        call gas_sums(air, all)
+        sums = all(1:)*product(air%dx)
     end subroutine grid_totals
 end module brz_early

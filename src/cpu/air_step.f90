@@ -119,7 +119,7 @@ contains
                     !$omp parallel do schedule(static) if (bricks > few_bricks)
                     do b = 1, bricks
                         call sum_faces(air%n(across(:, d)), b, &
-                                       air%edge(before + 1:before + n, :, s), sums(:air%n_var, b))
+                                       air%edge(before + 1:before + n, :, s), sums(1:air%n_var, b))
                     end do
                     !$omp end parallel do
                     do b = 1, bricks

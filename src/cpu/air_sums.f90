@@ -5,13 +5,13 @@ module brz_air_sums
     use brz_kinds, only: dp, int8, rk
     use brz_air_grid, only: grid_of, grid_t
     use brz_air_state, only: air_t, bc_periodic, brick, cell_gamma, wall_t
-    use brz_air_totals, only: cell_sums
+    use brz_air_totals, only: gas_sums
     use brz_exact_sum, only: exact_sums
     use brz_load_loops, only: each_wall_speed
     use brz_ranks, only: least_of_all
     implicit none
     private
-    public :: air_time_step, air_totals, products_mass
+    public :: air_time_step, air_totals
 
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
 
@@ -107,39 +107,33 @@ contains
         end do
     end function fastest_of_row
 
-    !> Mass, momentum and energy of the gas and of the ledgers of the solid cells, of all processes.
-    !> See brz_air_totals.
-    subroutine air_totals(air, wall, gas, ledger)
+    !> Mass, momentum and energy of the gas and of the ledgers of the solid cells, of all processes;
+    !> kinetic energy of the gas, products in gas and ledgers. See brz_air_totals.
+    subroutine air_totals(air, wall, gas, ledger, kinetic, products)
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(wall_t), intent(in) :: wall
         real(dp), intent(out) :: gas(5) !! [kg, kg m/s, J]
         real(dp), intent(out) :: ledger(5) !! [kg, kg m/s, J]
-        real(dp) :: sums(6), kept(5, wall%n_cells)
+        real(dp), intent(out), optional :: kinetic !! [J]
+        real(dp), intent(out), optional :: products !! of explosives [kg]
+        real(dp) :: sums(0:6), kept(6, wall%n_cells), total(6)
         integer :: c
 
-        call cell_sums(air, sums)
-        ledger = 0
+        call gas_sums(air, sums, wall)
+        total = 0
         if (wall%present) then
             kept = 0
             do c = 1, wall%n_cells
                 associate (at => wall%cell(:, c))
-                    if (all(at >= 1 .and. at <= air%n)) kept(:, c) = air%u(at(1), at(2), at(3), 1:5)
+                    if (all(at >= 1 .and. at <= air%n)) &
+                        kept(:air%n_var, c) = air%u(at(1), at(2), at(3), :)
                 end associate
             end do
-            call exact_sums(air%part%ranks, kept, ledger)
+            call exact_sums(air%part%ranks, kept, total)
         end if
-        gas = (sums(1:5) - ledger)*product(air%dx)
-        ledger = ledger*product(air%dx)
+        gas = sums(1:5)*product(air%dx)
+        ledger = total(1:5)*product(air%dx)
+        if (present(kinetic)) kinetic = sums(0)*product(air%dx)
+        if (present(products)) products = (sums(6) + total(6))*product(air%dx)
     end subroutine air_totals
-
-    !> Mass of the products of explosives in the gas and in the ledgers [kg].
-    real(dp) function products_mass(air)
-        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
-        real(dp) :: sums(6)
-
-        products_mass = 0
-        if (air%n_var < 6) return
-        call cell_sums(air, sums)
-        products_mass = sums(6)*product(air%dx)
-    end function products_mass
 end module brz_air_sums

@@ -3,7 +3,6 @@
 module brz_coupling_bins
     use brz_air_state, only: air_t
     use brz_bin_loops, only: each_find_home, each_sort_bin
-    use brz_carrier_steps, only: see_carriers
     use brz_cell_loops, only: each_find_cell, each_mark_cell
     use brz_cell_shells, only: number_of
     use brz_column_loops, only: each_find_above
@@ -14,10 +13,9 @@ module brz_coupling_bins
     use brz_ranks, only: several
     use brz_solid_part, only: parcels_t
     use brz_solid_state, only: solid_t, worth_threads
-    use brz_wall_steps, only: find_mean_velocity
     implicit none
     private
-    public :: find_cells, mark_cells, index_faces, fill_bins, move_walls
+    public :: find_cells, mark_cells, index_faces, fill_bins
 
 contains
 
@@ -164,14 +162,4 @@ contains
         end do
         call each_sort_bin(n, solid%id, coupling%ends, coupling%binned)
     end subroutine fill_bins
-
-    !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
-    !> carries them, else as it is kept, half a step before.
-    subroutine move_walls(solid, coupling)
-        type(solid_t), intent(in) :: solid
-        type(coupling_t), intent(inout) :: coupling
-
-        call see_carriers(solid, solid, coupling)
-        call find_mean_velocity(solid, coupling)
-    end subroutine move_walls
 end module brz_coupling_bins

@@ -8,13 +8,13 @@ module brz_coupling_events
     use brz_air_walls, only: build_walls
     use brz_cell_items, only: cells_of_a_chunk, change_of
     use brz_cell_loops, only: each_count_kind, each_list_kind
-    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, move_walls
+    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells
     use brz_coupling_box, only: box_t, is_left, is_solid
     use brz_coupling_guests, only: invite_guests, see_window
     use brz_coupling_shared, only: share_debts
     use brz_coupling_state, only: coupling_t
-    use brz_debt_steps, only: donate, fill_uncovered, level_ledgers, limit_ledgers, release_debts, &
-        settle_covered
+    use brz_coupling_steps, only: settle_ledgers
+    use brz_debt_steps, only: donate, fill_uncovered, settle_covered
     use brz_kinds, only: int8
     use brz_lists, only: at_least, running_sum
     use brz_ranks, only: several
@@ -63,11 +63,7 @@ contains
             if (coupling%n_covered + coupling%n_uncovered > 0) call change_hands(air, coupling)
             call fill_bins(solid, coupling)
         end if
-        call level_ledgers(air, coupling)
-        call limit_ledgers(air, coupling)
-        call release_debts(air, coupling)
-        ! the next time step depends on these alone, so that a restart finds the same
-        call move_walls(solid, coupling)
+        call settle_ledgers(air, solid, solid, coupling)
     end subroutine move_on
 
     !> Count the cells newly covered and newly uncovered; list the latter in their order.

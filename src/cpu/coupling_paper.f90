@@ -10,9 +10,10 @@ module brz_coupling_paper
     use brz_air_stage, only: stage_of
     use brz_air_walls, only: build_walls
     use brz_cell_shells, only: neighbour
-    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, move_walls
+    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells
     use brz_coupling_load, only: load_carriers
     use brz_coupling_state, only: coupling_t
+    use brz_coupling_steps, only: move_walls
     use brz_gas, only: to_conserved
     use brz_kinds, only: dp, rk
     use brz_paper_rules, only: add_neighbour, filled_state, paper_force
@@ -37,7 +38,7 @@ contains
         type(stage_t) :: stage
         integer :: m
 
-        call move_walls(solid, coupling)
+        call move_walls(solid, solid, coupling)
         call fill_solid_cells(air, coupling)
         call begin_step(air, none)
         solid%load(:, :solid%n) = 0
@@ -136,6 +137,6 @@ contains
             call index_faces(air, coupling)
             call fill_bins(solid, coupling)
         end if
-        call move_walls(solid, coupling)
+        call move_walls(solid, solid, coupling)
     end subroutine move_paper_walls
 end module brz_coupling_paper

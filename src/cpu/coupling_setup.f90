@@ -8,11 +8,11 @@ module brz_coupling_setup
     use brz_boxes, only: cells_t => box_t
     use brz_case, only: case_t
     use brz_cell_shells, only: make_shells
-    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells, &
-                                 move_walls
+    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells
     use brz_coupling_events, only: size_walls
     use brz_coupling_guests, only: invite_guests, open_windows, see_window
     use brz_coupling_state, only: coupling_t
+    use brz_coupling_steps, only: move_walls
     use brz_debt_steps, only: enter_debts
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int32, rk
@@ -186,7 +186,7 @@ contains
         call index_faces(air, coupling)
         call size_walls(coupling)
         call fill_bins(solid, coupling)
-        call move_walls(solid, coupling)
+        call move_walls(solid, solid, coupling)
         coupling%slot = 0
         call enter_debts(coupling)
     end subroutine put_up_walls

@@ -2,7 +2,7 @@
 !> Mass, momentum and energy of gas, ledgers and debts.
 module brz_coupling_totals
     use brz_air_state, only: air_t
-    use brz_air_sums, only: air_totals, products_mass
+    use brz_air_sums, only: air_totals
     use brz_coupling_box, only: is_own
     use brz_coupling_state, only: coupling_books_t, coupling_t
     use brz_debt_loops, only: each_total_debt
@@ -12,22 +12,25 @@ module brz_coupling_totals
     use brz_ranks, only: least_of_all, ranks_t, several, sum_of_all
     implicit none
     private
-    public :: coupling_totals, coupling_products, ledger_totals, books_of_all
+    public :: coupling_totals, ledger_totals, books_of_all
 
 contains
 
     !> Totals over the box. Their sum changes only by outflow and by what reaches the solid.
-    subroutine coupling_totals(air, coupling, gas, ledger, debt)
+    subroutine coupling_totals(air, coupling, gas, ledger, debt, kinetic, products)
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(in) :: coupling
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
         real(dp), intent(out) :: ledger(5), debt(5) !! likewise
+        real(dp), intent(out), optional :: kinetic !! energy of the gas [J]
+        real(dp), intent(out), optional :: products !! of explosives in all three [kg]
         real(dp) :: owed(6)
 
-        call air_totals(air, coupling%wall, gas, ledger)
+        call air_totals(air, coupling%wall, gas, ledger, kinetic, products)
         if (coupling%paper) ledger = 0 ! there is none: solid cells hold gas that is made up
         call sum_debts(air, coupling, owed)
         debt = owed(1:5)
+        if (present(products)) products = products + owed(6)
     end subroutine coupling_totals
 
     !> Totals of ledgers and debts alone.
@@ -45,18 +48,6 @@ contains
         kept = total(1:5)*product(air%dx)
         products = total(6)*product(air%dx)
     end subroutine ledger_totals
-
-    !> Mass of the products of explosives in gas, ledgers and debts [kg].
-    real(dp) function coupling_products(air, coupling)
-        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
-        type(coupling_t), intent(in) :: coupling
-        real(dp) :: owed(6)
-
-        coupling_products = products_mass(air)
-        if (air%n_var < 6) return
-        call sum_debts(air, coupling, owed)
-        coupling_products = coupling_products + owed(6)
-    end function coupling_products
 
     !> What all processes have booked. All must call.
     subroutine books_of_all(ranks, coupling, books)

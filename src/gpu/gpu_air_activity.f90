@@ -35,7 +35,7 @@ contains
                 if (several(air%part%ranks)) then
                     call wake_from_others(gpu, err)
                 else
-                    call bricks%wake%wake_near(product(gpu%grid%bricks), gpu%grid, layers(1), &
+                    call bricks%kernels%wake_near(product(gpu%grid%bricks), gpu%grid, layers(1), &
                                                layers(2), layers(3), bricks%reached, &
                                                bricks%awake, err)
                 end if
@@ -55,7 +55,7 @@ contains
         associate (bricks => gpu%bricks, layers => gpu%bricks%layers)
             call gpu%places%put_bytes(n, bricks%own, bricks%reached, bricks%near_reached, err)
             call bricks%others%bytes_of_others(bricks%near_reached, err)
-            call bricks%wake%wake_near(product(bricks%grid%bricks), bricks%grid, layers(1), &
+            call bricks%kernels%wake_near(product(bricks%grid%bricks), bricks%grid, layers(1), &
                                        layers(2), layers(3), bricks%near_reached, &
                                        bricks%near_awake, err)
             call gpu%places%pick_bytes(n, bricks%own, bricks%near_awake, bricks%awake, err)

@@ -50,7 +50,7 @@ module brz_gpu_air_state
     type :: gpu_bricks_t
         logical :: swept = .false. !! every brick has been computed once
         type(bytes_t) :: reached, awake !! one byte for each brick
-        type(brick_kernels_t) :: wake
+        type(brick_kernels_t) :: kernels
         ! on several processes, with the bricks of others that are near
         type(grid_t) :: grid !! of brick cells in each direction
         integer :: layers(3) = 0 !! bricks that a step reaches
@@ -226,7 +226,7 @@ contains
         call gpu%fallback%open(device, err)
         call gpu%walls%kernels%open(device, err)
         call gpu%places%open(device, err)
-        call gpu%bricks%wake%open(device, err)
+        call gpu%bricks%kernels%open(device, err)
         call find_kernel(device, 'faces_'//name_of(scheme), gpu%faces, err)
         call find_kernel(device, 'march_'//name_of(scheme), gpu%march, err)
         call find_kernel(device, 'last_'//name_of(scheme), gpu%last, err)

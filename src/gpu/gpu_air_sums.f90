@@ -41,8 +41,8 @@ contains
         real(dp), allocatable :: part(:, :)
 
         allocate (part(0:air%n_var, size(air%reached)), source=0.0_dp)
-        call gpu%kernels%air_totals([size(part, 2), size(part, 1), 1], gpu%grid, gpu%u, &
-                                    gpu%walls%solid, gpu%part, err)
+        call gpu%bricks%kernels%total_brick(size(part), gpu%grid, gpu%u, gpu%walls%solid, &
+                                            gpu%part, err)
         call copy_out(gpu%part, part, 8*size(part, kind=int64), err)
         totals = 0
         call exact_sums(air%part%ranks, part, totals(:air%n_var))

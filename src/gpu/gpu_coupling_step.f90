@@ -11,17 +11,16 @@ module brz_gpu_coupling_step
     use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: gpu_air_t
-    use brz_gpu_carrier_steps, only: move_carriers, see_carriers, sum_loads
+    use brz_gpu_carrier_steps, only: sum_loads
     use brz_gpu_coupling_layout, only: count_covered, count_moved, count_outside, &
         count_uncovered, n_count
     use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t, seen, seen_t
+    use brz_gpu_coupling_steps, only: find_velocities, settle_ledgers
     use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
         look_at_particles
-    use brz_gpu_debt_steps, only: donate, fill_uncovered, level_ledgers, limit_ledgers, &
-        release_debts, settle_covered
+    use brz_gpu_debt_steps, only: donate, fill_uncovered, settle_covered
     use brz_gpu_lists, only: at_least
-    use brz_gpu_wall_steps, only: feel_gas, find_mean_velocity, keep_velocities, press_bodies, &
-        push_walls, weigh_columns
+    use brz_gpu_wall_steps, only: keep_velocities, press_bodies
     use brz_kinds, only: dp, int64
     use brz_solid_state, only: solid_t
     implicit none
@@ -43,12 +42,7 @@ contains
 
         p = seen(particles)
         gpu%dt_before = coupling%dt_before
-        call see_carriers(solid, p, gpu, err)
-        call find_mean_velocity(p, gpu, err)
-        call weigh_columns(p, gpu, err)
-        call feel_gas(there, gpu, err)
-        call move_carriers(solid, p, gpu, dt, err)
-        call push_walls(p, gpu, dt, gpu%v_before, p%id, err)
+        call find_velocities(there, solid, p, gpu, dt, gpu%v_before, p%id, err)
         call keep_velocities(p, gpu, err)
         coupling%dt_before = dt
     end subroutine gpu_set_wall_velocity
@@ -116,11 +110,7 @@ contains
             call fill_gpu_bins(gpu, there, particles, err)
         end if
         coupling%rebuilds = solid%rebuilds ! where they were sorted anew, so are those of a cell
-        call level_ledgers(there, gpu, err)
-        call limit_ledgers(there, gpu, err)
-        call release_debts(there, gpu, err)
-        call see_carriers(solid, seen(particles), gpu, err)
-        call find_mean_velocity(seen(particles), gpu, err)
+        call settle_ledgers(there, solid, seen(particles), gpu, err)
         there%fetched = .false.
         coupling%n_debts = gpu%n_debts
         coupling%books%kept = gpu%books%kept

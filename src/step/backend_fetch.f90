@@ -1,13 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> What results need of the state, wherever it is: totals, cells and particles of gauges, all of it.
 module brz_backend_fetch
-    use brz_air_energy, only: air_kinetic
     use brz_air_probe, only: cells_around
     use brz_air_state, only: air_t, wall_t
     use brz_backend, only: backend_t
     use brz_cell_shells, only: reach
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_totals, only: coupling_products, coupling_totals
+    use brz_coupling_totals, only: coupling_totals
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
@@ -52,10 +51,8 @@ contains
             kinetic = totals(0)
             products = totals(6) + more
         else
-            call coupling_totals(air, coupling, gas, kept, debt)
+            call coupling_totals(air, coupling, gas, kept, debt, kinetic, products)
             kept = kept + debt
-            kinetic = air_kinetic(air, coupling%wall)
-            products = coupling_products(air, coupling)
         end if
     end subroutine stock_of_air
 

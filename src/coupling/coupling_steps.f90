@@ -1,0 +1,60 @@
+! SPDX-License-Identifier: MIT
+!> What the coupling does before and after a step of the air: the operations in their order.
+!> scripts/steps.py writes the same for the GPU.
+module brz_coupling_steps
+    use brz_air_state, only: air_t
+    use brz_carrier_steps, only: move_carriers, see_carriers
+    use brz_coupling_state, only: coupling_t
+    use brz_debt_steps, only: level_ledgers, limit_ledgers, release_debts
+    use brz_kinds, only: dp, int32, rk
+    use brz_solid_state, only: solid_t
+    use brz_wall_steps, only: feel_gas, find_mean_velocity, push_walls, weigh_columns
+    implicit none
+    private
+    public :: move_walls, find_velocities, settle_ledgers
+
+contains
+
+    !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
+    !> carries them, else as it is kept, half a step before.
+    subroutine move_walls(solid, p, c)
+        class(solid_t), intent(in) :: solid !! its bodies
+        type(solid_t), intent(in) :: p
+        type(coupling_t), intent(inout) :: c
+
+        call see_carriers(solid, p, c)
+        call find_mean_velocity(p, c)
+    end subroutine move_walls
+
+    !> Velocities of the walls in the middle of the coming step, where that of a particle a step
+    !> ago is a column of v_before.
+    subroutine find_velocities(air, solid, p, c, dt, v_before, column)
+        type(air_t), intent(in) :: air
+        class(solid_t), intent(in) :: solid
+        type(solid_t), intent(in) :: p
+        type(coupling_t), intent(inout) :: c
+        real(dp), intent(in) :: dt !! of the coming step of the air [s]
+        real(rk), intent(in) :: v_before(:, :) !! [m/s]
+        integer(int32), intent(in) :: column(:) !! of each particle in it
+
+        call move_walls(solid, p, c)
+        call weigh_columns(p, c)
+        call feel_gas(air, c)
+        call move_carriers(solid, p, c, dt)
+        call push_walls(p, c, dt, v_before, column)
+    end subroutine find_velocities
+
+    !> Ledgers and debts after a step. The walls move on, too: the next time step depends on these
+    !> alone, so that a restart finds the same.
+    subroutine settle_ledgers(air, solid, p, c)
+        type(air_t), intent(inout) :: air
+        class(solid_t), intent(in) :: solid
+        type(solid_t), intent(in) :: p
+        type(coupling_t), intent(inout) :: c
+
+        call level_ledgers(air, c)
+        call limit_ledgers(air, c)
+        call release_debts(air, c)
+        call move_walls(solid, p, c)
+    end subroutine settle_ledgers
+end module brz_coupling_steps
