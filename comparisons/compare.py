@@ -5,13 +5,16 @@ from __future__ import annotations
 
 import argparse
 import datetime
+import hashlib
+import json
 import shutil
-import sys
+import time
 from pathlib import Path
 
 from comparisons import figures, tables
 from comparisons.case import CASES, Case, Run, load_cases
 from comparisons.programs import HOME, PROGRAMS, RunError, machine, timed
+from comparisons.progress import Progress
 from comparisons.records import (
     Record,
     read_histories,
@@ -22,6 +25,7 @@ from comparisons.records import (
 )
 
 OUT = HOME / "out" / "compare"
+FAILURES = (RunError, OSError, ValueError, LookupError, StopIteration)
 DRIFT = 0.01  # a rerun that is farther from its record is pointed out
 
 
@@ -34,6 +38,7 @@ def options(arguments: list[str] | None = None) -> argparse.Namespace:
     parser.add_argument("--draw", action="store_true", help="run nothing")
     parser.add_argument("--only", metavar="TEXT", help="only runs whose name holds a text")
     parser.add_argument("--slow", action="store_true", help="runs of over three minutes too")
+    parser.add_argument("--again", action="store_true", help="also what has been run before")
     parser.add_argument("--turns", type=int, default=1, help="runs of each code, in turns (1)")
     parser.add_argument("--write", action="store_true", help="tables into docs/comparison.md")
     chosen = parser.parse_args(arguments)
@@ -59,40 +64,64 @@ def wanted(case: Case, chosen: argparse.Namespace) -> tuple[list[Run], list[str]
     return runs, list(dict.fromkeys(skipped))
 
 
-def execute(case: Case, run: Run) -> tuple[Record, list]:
-    """One run in a fresh folder: its record and history."""
+def state(folder: Path, path: Path) -> str:
+    """Digest of the inputs of a run and of the program that is to read them."""
+    found = hashlib.sha256(path.read_bytes())
+    for file in sorted(p for p in folder.rglob("*") if p.is_file()):
+        found.update(str(file.relative_to(folder)).encode())
+        found.update(file.read_bytes())
+    return found.hexdigest()
+
+
+def execute(case: Case, run: Run, *, again: bool) -> tuple[Record, list, bool]:
+    """One run in a fresh folder, its record and history; or what the same run has left there."""
     program = PROGRAMS[run.program]
+    path = program.find()
     folder = OUT / case.name / run.name.replace(" ", "_").replace(",", "").replace("/", "_")
-    shutil.rmtree(folder, ignore_errors=True)
-    folder.mkdir(parents=True)
-    run.write(folder)
-    seconds = timed(program, folder)
+    inputs, ended = folder.with_name(folder.name + ".new"), folder / "ended.json"
+    shutil.rmtree(inputs, ignore_errors=True)
+    inputs.mkdir(parents=True)
+    run.write(inputs)
+    mark = state(inputs, path)
+    end = json.loads(ended.read_text(encoding="utf-8")) if ended.is_file() else {}
+    kept = end.get("state") == mark and not again
+    if not kept:
+        shutil.rmtree(folder, ignore_errors=True)
+        inputs.rename(folder)
+        seconds = timed(program, folder)
+        today = datetime.date.today().isoformat()
+        end = {"state": mark, "core_s": seconds, "date": today, "machine": machine()}
+        ended.write_text(json.dumps(end), encoding="utf-8")
+    shutil.rmtree(inputs, ignore_errors=True)
     measures, history = run.read(folder)
     command = f"make compare ARGS='{case.name} --only \"{run.name}\"'"
-    version = program.version(program.find())
-    today = datetime.date.today().isoformat()
-    record = Record(
-        run.name, "rerun", version, today, machine(), run.size, seconds, command, measures
-    )
-    return record, history
+    record = Record(run.name, "rerun", program.version(path), end["date"], end["machine"],
+                    run.size, end["core_s"], command, measures)  # fmt: skip
+    return record, history, kept
 
 
-def run_case(case: Case, chosen: argparse.Namespace) -> bool:
+def run_case(case: Case, chosen: argparse.Namespace, progress: Progress | None = None) -> bool:
     """Rerun a case, codes in turns; True if all went well."""
     runs, skipped = wanted(case, chosen)
+    progress = progress or Progress.of([(case, run) for run in runs], chosen.turns)
     for line in skipped:
         print(f"{case.name}: skipped: {line}")
     records, histories = read_records(case), read_histories(case)
     found: dict[str, Record] = {}
     good = True
-    for _ in range(chosen.turns):
+    for turn in range(chosen.turns):
         for run in runs:
+            progress.begin(case, run)
+            start = time.monotonic()
             try:
-                record, histories[run.name] = execute(case, run)
-            except RunError as error:
-                print(f"{case.name}: {error}", file=sys.stderr)
+                again = chosen.again or turn > 0
+                record, histories[run.name], kept = execute(case, run, again=again)
+            except FAILURES as error:
+                progress.end(case, run, "failed")
+                progress.remark(f"{case.name}: {run.name}: {error}")
                 good = False
                 continue
+            progress.end(case, run, "kept" if kept else "run", time.monotonic() - start)
             before = found.get(run.name)
             if before and before.core_s < record.core_s:
                 record.core_s = before.core_s
@@ -100,7 +129,7 @@ def run_case(case: Case, chosen: argparse.Namespace) -> bool:
             print(f"{case.name}: {tables.one_line(case, record)}", flush=True)
     for record in found.values():
         old = next((r for r in records if r.code == record.code), None)
-        new_miss = judge(case, old, record)
+        new_miss = judge(case, old, record, progress)
         good = good and (chosen.record or not new_miss)
         if chosen.record:
             records = replace(records, record)
@@ -110,15 +139,15 @@ def run_case(case: Case, chosen: argparse.Namespace) -> bool:
     return good
 
 
-def judge(case: Case, old: Record | None, record: Record) -> bool:
-    """Print how a run differs from its record and its reference; True for a miss that is new."""
+def judge(case: Case, old: Record | None, record: Record, progress: Progress) -> bool:
+    """Tell how a run differs from its record and its reference; True for a miss that is new."""
     for text in tables.drift(case, old, record, DRIFT):
-        print(f"{case.name}: {record.code}: {text}")
+        progress.remark(f"{case.name}: {record.code}: {text}")
     before = [line.split(":")[0] for line in tables.missed(case, old)] if old else []
     missed = tables.missed(case, record)
     for text in missed:
-        known = text.split(":")[0] in before
-        print(f"{case.name}: {record.code}: {text}{' (as recorded)' if known else ''}")
+        known = " (as recorded)" if text.split(":")[0] in before else ""
+        progress.remark(f"{case.name}: {record.code}: {text}{known}")
     return any(text.split(":")[0] not in before for text in missed)
 
 
@@ -126,12 +155,16 @@ def main(arguments: list[str] | None = None) -> int:
     chosen = options(arguments)
     good = True
     cases = load_cases(chosen.cases)
+    plan = {case.name: wanted(case, chosen) for case in cases}
+    progress = Progress.of([(c, run) for c in cases for run in plan[c.name][0]], chosen.turns)
     for case in cases:
         if not chosen.draw:
-            good = run_case(case, chosen) and good
+            good = run_case(case, chosen, progress) and good
         print(f"\n{tables.markdown(case)}\n", flush=True)
         figures.draw(case, HOME / "docs" / "figures" / f"comparison_{case.name}.png")
     figures.overview(load_cases(), HOME / "docs" / "figures" / "comparison.png")
     if chosen.write:
         tables.write_page(Path(HOME / "docs" / "comparison.md"), load_cases())
+    if not chosen.draw:
+        print(progress.summary(sum(len(skipped) for _, skipped in plan.values())))
     return 0 if good else 1

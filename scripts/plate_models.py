@@ -16,9 +16,7 @@ docs/figures/plate_models.png; `draw` only draws.
 from __future__ import annotations
 
 import csv
-import os
 import re
-import subprocess
 import sys
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -27,10 +25,7 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
-from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
-
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
-from post.history import History, read_history
+from model_charts import TILES, compute, read, readable, sizes, tiles, wall_loads
 
 TABLE = Path("docs/data/plate_models.csv")
 PICTURE = Path("docs/figures/plate_models.png")
@@ -70,7 +65,6 @@ TILE = """&body
 &gauge id = '{name}', body = '{name}', quantity = 'impulse_z' /
 """
 WALL_LOAD = "&load body = 'plate', faces = 'z+', patch = '{name}.stl', table = '{name}.csv' /\n"
-TILES = 5  # across the quarter
 SIDE = 0.125 / TILES  # [m]
 MODELS = {  # start of the charge, symmetry
     "load by Kingery-Bulmash": (None, True),
@@ -109,51 +103,18 @@ def deck(model: str, cells: float | None, spacing: float) -> str:
     return text + AIR.format(low=low, across=across, up=round(561.6 / cells), start=start)
 
 
-def tiles() -> list[tuple[str, float, float]]:
-    """Name and low corner of each tile of the quarter."""
-    return [(f"tile_{i}_{j}", i * SIDE, j * SIDE) for i in range(TILES) for j in range(TILES)]
-
-
 def wall_deck(cells: float, spacing: float) -> str:
     """The plate as rigid tiles in air."""
     text = re.sub(r"&body.*?\n/\n|&gauge.*?/\n", "", deck(ON_WALL, cells, spacing), flags=re.S)
-    for name, x, y in tiles():
+    for name, x, y in tiles(SIDE):
         text += TILE.format(name=name, x=x, x1=x + SIDE, y=y, y1=y + SIDE, spacing=spacing)
     return text + "&interaction law = 'none' /\n"
 
 
 def loaded_deck(number: int, spacing: float) -> str:
     """The plate alone under the mean pressures that the air had on the tiles."""
-    history = read_history(FOLDER / f"run_{number}_wall" / "gauges.csv")
     text = PLATE.format(end=END, symmetry=", symmetry = 'x', 'y'", spacing=spacing)
-    for tile, x, y in tiles():
-        impulse = [-float(value) / SIDE**2 for value in history[f"{tile}:impulse_z"]]
-        name = f"run_{number}_{tile}"
-        (FOLDER / f"{name}.csv").write_text(load_table(history, impulse), encoding="utf-8")
-        (FOLDER / f"{name}.stl").write_text(square(x, y, SIDE), encoding="utf-8")
-        text += WALL_LOAD.format(name=name)
-    return text
-
-
-def load_table(history: History, impulse: list[float]) -> str:
-    """The table of a &load from an impulse per area [Pa s]: means between its rows."""
-    time = [float(t) for t in history["time"]]
-    lines = ["time,pressure"]
-    for k in range(1, len(time)):
-        pressure = (impulse[k] - impulse[k - 1]) / (time[k] - time[k - 1])
-        lines.append(f"{(time[k] + time[k - 1]) / 2:.9e},{pressure:.9e}")
-    return "\n".join(lines)
-
-
-def square(x: float, y: float, side: float) -> str:
-    """A square of the face z = 0 as an STL surface, by its low corner."""
-    corners = [(x, y), (x + side, y), (x + side, y + side), (x, y + side)]
-    text = "solid square\n"
-    for three in ((0, 1, 2), (0, 2, 3)):
-        text += "facet normal 0 0 1\nouter loop\n"
-        text += "".join(f"vertex {corners[k][0]} {corners[k][1]} 0\n" for k in three)
-        text += "endloop\nendfacet\n"
-    return text + "endsolid square\n"
+    return text + wall_loads(FOLDER, number, SIDE, WALL_LOAD, -1.0)
 
 
 def run(number: int) -> list[str]:
@@ -166,31 +127,12 @@ def run(number: int) -> list[str]:
     else:
         text = deck(model, cells, spacing)
     seconds += compute(FOLDER, f"run_{number}", f"{model}.\n{text}")
-    history = read_history(FOLDER / f"run_{number}" / "gauges.csv")
+    history = read(FOLDER / f"run_{number}")
     moved = [-1e3 * float(history[f"{name}:displacement_z"][-1]) for name in ("mid", "quarter")]
     error = sum(abs(a / b - 1) for a, b in zip(moved, REFERENCE, strict=True)) / len(moved)
     numbers = [f"{moved[0]:.3f}", f"{moved[1]:.3f}", f"{error:.4f}", f"{seconds:.1f}"]
     print(model, cells, spacing, *numbers, flush=True)
     return [f"run_{number}", model, "" if cells is None else f"{cells:g}", f"{spacing:g}", *numbers]
-
-
-def compute(folder: Path, name: str, text: str) -> float:
-    """Run one deck on one core; the seconds of that core, whatever else the machine does."""
-    path = folder / f"{name}.nml"
-    path.write_text(text, encoding="utf-8")
-    command = ["bin/brisance", "run", path, "--backend", "cpu", "--out", folder / name]
-    with (folder / f"{name}.log").open("w", encoding="utf-8") as log:
-        process = subprocess.Popen(
-            [*command, "--replace"],
-            env=os.environ | {"OMP_NUM_THREADS": "1"},
-            stdout=log,
-            stderr=subprocess.STDOUT,
-        )
-        _, status, used = os.wait4(process.pid, 0)
-    process.returncode = os.waitstatus_to_exitcode(status)
-    if process.returncode != 0:
-        raise subprocess.CalledProcessError(process.returncode, command)
-    return used.ru_utime + used.ru_stime
 
 
 def record() -> None:
@@ -214,14 +156,10 @@ def draw() -> None:
         axis.loglog(seconds, [100 * e for e in errors], "o-", ms=5, label=model)
         drop = -10 if "2-D" in model else 4  # beside the curve of the 1-D start
         for row, x, y in zip(own, seconds, errors, strict=True):
-            sizes = [row["cells_mm"], row["spacing_mm"]] if row["cells_mm"] else [row["spacing_mm"]]
-            axis.annotate(" / ".join(sizes), (x, 100 * y), xytext=(5, drop), fontsize=7,
+            axis.annotate(sizes(row), (x, 100 * y), xytext=(5, drop), fontsize=7,
                           textcoords="offset points")  # fmt: skip
     axis.set(xlabel="seconds of one core", ylabel="error of the displacement at 0.3 ms [%]")
-    for ticks in (axis.xaxis, axis.yaxis):
-        ticks.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
-        ticks.set_major_formatter(StrMethodFormatter("{x:g}"))
-        ticks.set_minor_formatter(NullFormatter())
+    readable(axis.xaxis, axis.yaxis)
     axis.grid(alpha=0.3)
     axis.set_xlim(right=330)
     axis.legend(fontsize=8, loc="center left", bbox_to_anchor=(0.02, 0.72))

@@ -13,6 +13,7 @@ SIDE = 6  # gauges along a side of the quarter
 PLACES = [(k + 0.5) * HALF / SIDE for k in range(SIDE)]
 WORDS = {"ideal": "eos = 'ideal'", "ideal, 1-D": "eos = 'ideal', start = '1d'",
          "JWL, 1-D": "eos = 'jwl', start = '1d'",
+         "JWL, 2-D": "eos = 'jwl', start = '2d'",
          "ideal, 4.52 MJ/kg": "eos = 'ideal', energy = 4.52e6"}  # fmt: skip
 DECK = """The load of a charge on {what}, a quarter, written by comparisons/air_load.
 
@@ -51,7 +52,7 @@ def curves() -> tuple[float, float]:
 def run(charge: str, cell: float, wide: float = 0.2688, rim: float = 0.0, slow: bool = True) -> Run:
     """On a rigid floor, or on a rigid plate of half a side `rim` in the air."""
     low = -7 * cell if rim else 0.0
-    top = 0.672 if "1-D" in charge else 0.4704  # the blast leaves its line where the box ends
+    top = 0.672 if "-D" in charge else 0.4704  # the blast leaves its line where the box ends
     n, m = round(wide / cell), round((top - low) / cell)
 
     def write(folder):
@@ -114,6 +115,7 @@ CASE = Case(
         run("ideal, 1-D", COARSE),
         run("JWL, 1-D", COARSE),
         run("JWL, 1-D", FINE),
+        run("JWL, 2-D", COARSE),
         run("ideal", COARSE, rim=0.2688),
         run("ideal", COARSE, rim=RIM),
     ),

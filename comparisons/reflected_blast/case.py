@@ -6,6 +6,7 @@ from comparisons.case import Case, History, Measures, Quantity, Run
 from comparisons.reading import column, impulse
 
 MASS, DENSITY, ENERGY, AT, END = 0.168, 1630.0, 4.29e6, 0.4, 0.45e-3
+RADIUS = 0.02909  # of the balloon
 CHARGE = f"mass = {MASS}, density = {DENSITY}, energy = {ENERGY}"
 SPACE = f"""A balloon of hot gas over a rigid floor, a quarter: tests/scenes/floor.nml, any box.
 
@@ -17,6 +18,14 @@ SPACE = f"""A balloon of hot gas over a rigid floor, a quarter: tests/scenes/flo
 /
 &charge id = 'tnt', {CHARGE}, eos = 'ideal', at = 0, 0, {AT} /
 &gauge id = 'A', at = {{cell}}, {{cell}}, {{cell}}, quantity = 'overpressure' /
+&output history_every = 2e-7 /
+"""
+PLANE = f"""A balloon of hot gas over a rigid floor, in the plane through its axis.
+
+&run t_end = {END} /
+&air geometry = 'axial', floor = 0 /
+&charge id = 'tnt', {CHARGE}, eos = 'ideal', axis = 'z', plane_cells = {{n}}, at = 0, 0, {AT} /
+&gauge id = 'A', at = 0, 0, 0, quantity = 'overpressure' /
 &output history_every = 2e-7 /
 """
 
@@ -46,12 +55,27 @@ def _ours(cell: float, wide: float, scheme: str = "muscl") -> Run:
     return Run(name, "brisance", f"{n * n * m:,} cells in space", write, read)
 
 
+def _plane(n: int) -> Run:
+    """Cells of a quarter of the charge's share, made coarser twice before the front is there."""
+    cell = 4 * RADIUS / (n / 4)
+
+    def write(folder):
+        (folder / "deck.nml").write_text(PLANE.format(n=n), encoding="utf-8")
+
+    def read(folder):
+        history = column(folder, "A")
+        return measures(history), history
+
+    name = f"Brisance, axial, {1e3 * cell:.1f} mm at the floor"
+    return Run(name, "brisance", f"{2 * n * n:,} cells in the plane", write, read)
+
+
 def _foam(cell: float, slow: bool = False) -> Run:
     radius = 0.2688
     n, m = round(0.4648 / cell), round(radius / cell)
 
     def write(folder):
-        balloon = foam.Balloon(0.02909, AT, DENSITY, 0.4 * DENSITY * ENERGY)
+        balloon = foam.Balloon(RADIUS, AT, DENSITY, 0.4 * DENSITY * ENERGY)
         foam.write(folder, (0.4648, radius), cell, balloon, END)
 
     def read(folder):
@@ -80,6 +104,9 @@ CASE = Case(
         _ours(5.6e-3, 0.1344),
         _ours(5.6e-3, 0.2688),
         _ours(5.6e-3, 0.1344, "weno5z"),
+        _plane(83),
+        _plane(166),
+        _plane(332),
         _foam(5.6e-3),
         _foam(2.8e-3, slow=True),
     ),
@@ -96,10 +123,14 @@ CASE = Case(
         "OpenFOAM, 5.6 mm, van Leer": "peak 8 % higher than ours with the same cells: van Leer is "
         "sharper than our default",
         "Brisance, 5.6 mm, box of 0.13 m, weno5z": "as sharp as van Leer with the same cells; "
-        "planned for the rest: air in a plane through an axis",
+        "where all is round, geometry = 'axial' has finer cells in less time",
+        "Brisance, axial, 1.4 mm at the floor": "14 % more impulse on the axis than the "
+        "reference: what fine cells tend to there is open",
+        "Brisance, axial, 2.8 mm at the floor": "in the plane through the axis; its cells grow "
+        "with the blast, and are twice as large when the front has gone on",
         "Brisance, 5.6 mm, box of 0.13 m": "in space: 47,808 cells in a fifth of the time of 3,984",
         "OpenFOAM, 2.8 mm, van Leer": "the reference; two dimensions afford the cells, space does "
-        "not: we have no axisymmetric air",
+        "not; ours in the plane (axial) takes a thirtieth of it",
         "Brisance 592ab95, along the radius": "what `start = '1d'` begins with; 1/3000 of the time",
     },
 )

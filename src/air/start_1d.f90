@@ -17,12 +17,20 @@ module brz_start_1d
     use brz_text, only: to_text
     implicit none
     private
-    public :: start_from_1d
+    public :: start_from_1d, free_way
 
     real(dp), parameter :: margin = 3 !! cells between the shock and the obstacle
     real(dp), parameter :: least_run = 1.5_dp !! radii of the charge that the shock must run freely
 
 contains
+
+    !> Radius to which the shock may run [m].
+    pure real(dp) function free_way(case, cell)
+        type(case_t), intent(in) :: case
+        real(dp), intent(in) :: cell !! largest side of a cell [m]
+
+        free_way = free_radius(case) - margin*cell
+    end function free_way
 
     !> Run the only charge of the case, and fill the air with its blast.
     subroutine start_from_1d(case, air, early, err, watch)
@@ -38,7 +46,7 @@ contains
         call make_shape(case%charges(1), air%n > 1, product(air%dx, mask=air%n == 1), shape, err)
         if (failed(err)) return
         radius = minval(shape%half, mask=air%n > 1)
-        limit = free_radius(case) - margin*maxval(air%dx, mask=air%n > 1)
+        limit = free_way(case, maxval(air%dx, mask=air%n > 1))
         if (limit < least_run*radius) then
             call raise(err, exit_deck, label('charge', case%charges(1)%id, &
                 case%charges(1)%place)//"start='1d' needs room: the shock may run to "// &

@@ -16,13 +16,22 @@ module brz_start_2d
     use brz_text, only: to_text
     implicit none
     private
-    public :: start_from_2d
+    public :: start_from_2d, free_way
 
     real(dp), parameter :: margin = 3 !! cells between the front and an obstacle
     real(dp), parameter :: least_run = 0.5_dp
     !! radii of the charge (half lengths if smaller) that the front must run freely
 
 contains
+
+    !> How far the front may run from the charge [m].
+    pure real(dp) function free_way(input, obstacles, cell)
+        type(axial_input_t), intent(in) :: input
+        type(obstacle_t), intent(in) :: obstacles(:)
+        real(dp), intent(in) :: cell !! largest side of a cell [m]
+
+        free_way = charge_gap(input, obstacles) - margin*cell
+    end function free_way
 
     !> Run the only charge of the case, and fill the air with its blast.
     subroutine start_from_2d(case, air, early, err, watch)
@@ -45,7 +54,7 @@ contains
         call axial_input(case, frame, input, err)
         if (failed(err)) return
         call find_obstacles(case, frame, obstacles)
-        room = charge_gap(input, obstacles) - margin*maxval(air%dx)
+        room = free_way(input, obstacles, maxval(air%dx))
         if (room < least_run*min(input%radius, input%half)) then
             call raise(err, exit_deck, head//"start='2d' needs room: the front may run "// &
                 to_text(room)//' m from the charge (to the nearest obstacle less 3 cells), '// &

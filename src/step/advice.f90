@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
 !> What `--check` says would be cheaper with the same answer, or what an answer would cost: planes
-!> of symmetry, a load by curves in place of air, a body that need not be deformable, a box of air
-!> that is too small or larger than the blast comes in the time of the run.
+!> of symmetry, a start in fewer dimensions, a load by curves in place of air, a body that need not
+!> be deformable, a box of air that is too small or larger than the blast comes in the run's time.
 !>
 !> Work is estimated with the rates of one core in docs/performance.md.
 module brz_advice
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_advice_bodies, only: advise_cracks, advise_rigid, advise_walls
+    use brz_advice_start, only: advise_start
     use brz_advice_text, only: length_text, point_text, say_advice, say_more, time_text
     use brz_case, only: body_case_t, case_t, is_from_file
     use brz_check_bodies, only: body_box
@@ -61,6 +62,7 @@ contains
         type(work_t), intent(in) :: work
 
         call advise_planes(case, work)
+        call advise_start(case, core_seconds(work))
         call advise_load(case, work)
         call advise_rigid(case)
         call advise_cracks(case, solid)

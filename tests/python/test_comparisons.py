@@ -13,8 +13,17 @@ import pytest
 HOME = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(HOME))
 
-from comparisons import bricks, compare, kingery, mindlin, plate, programs, tables  # noqa: E402
-from comparisons.case import CASES, Quantity, load_case, load_cases  # noqa: E402
+from comparisons import (  # noqa: E402
+    bricks,
+    compare,
+    kingery,
+    mindlin,
+    plate,
+    programs,
+    progress,
+    tables,
+)
+from comparisons.case import CASES, Quantity, Run, load_case, load_cases  # noqa: E402
 from comparisons.records import Record, read_histories, read_records, thinned  # noqa: E402
 from post.blast import free_air  # noqa: E402
 
@@ -68,6 +77,52 @@ def test_a_peer_that_is_not_there_is_skipped_by_name(monkeypatch, capsys):
         assert compare.run_case(load_case(name), chosen)
         assert f"{name}: skipped: {title} is not installed (" in capsys.readouterr().out
     assert not ran
+
+
+QUANTITY = Quantity("peak", "peak", "mm")
+
+
+def counted(folder, number, name="toy"):
+    """A run whose program counts how often it is called, and fails for the number 0."""
+
+    def write(place):
+        (place / "n").write_text(str(number), encoding="utf-8")
+
+    def read(place):
+        return {"peak": float((place / "log.0").read_text(encoding="utf-8"))}, []
+
+    script = folder / "toy.sh"
+    script.write_text(f"#!/bin/sh\necho x >> {folder}/calls\ntest $(cat n) != 0 && cat n\n")
+    script.chmod(0o755)
+    return Run(name, "toy", "1 cell", write, read)
+
+
+def test_runs_that_have_ended_are_kept(tmp_path, monkeypatch, capsys):
+    """The same inputs and program are not run again, others are; failures do not end the rest, and
+    all of it stands in the summary."""
+    toy = programs.Program("Toy", lambda: tmp_path / "toy.sh", ("{}",), lambda _: "1", {}, "make")
+    monkeypatch.setitem(programs.PROGRAMS, "toy", toy)
+    monkeypatch.setattr(compare, "OUT", tmp_path / "out")
+    case = replace(load_case("plate_steel"), name="toys", quantities=(QUANTITY,))
+
+    def make(*arguments, numbers=(2,)):
+        (tmp_path / "calls").write_text("", encoding="utf-8")
+        runs = tuple(counted(tmp_path, n, f"toy {k}") for k, n in enumerate(numbers))
+        now = replace(case, runs=runs)
+        state = progress.Progress.of([(now, run) for run in runs])
+        good = compare.run_case(now, compare.options(list(arguments)), state)
+        calls = (tmp_path / "calls").read_text(encoding="utf-8").count("x")
+        return good, calls, state.summary(0).splitlines()
+
+    assert make()[1:] == (1, ["Summary: 1 run; 0 s"])
+    assert make()[1:] == (0, ["Summary: 1 kept from before; 0 s"])
+    assert make("--again")[1] == 1
+    assert make("--turns", "3")[1] == 2  # the first is kept
+    good, calls, lines = make(numbers=(0, 2, 3))
+    assert not good and calls == 3
+    assert lines[0] == "Summary: 2 run, 1 failed; 0 s" and "toy 0: " in lines[1]
+    assert make(numbers=(0, 2, 3))[1] == 1  # what has failed is tried again
+    assert "toys: toy 0: run 1, about 30 s of 30 s" in capsys.readouterr().out
 
 
 def test_a_case_that_is_not_there_is_refused(capsys):

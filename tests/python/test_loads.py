@@ -91,6 +91,9 @@ def test_pressure_on_all_faces_of_what_turns_is_balanced(tmp_path):
     assert abs(tables["energy"]["error[-]"]).max() < 1e-3
 
 
+CENTRES = (-7.5e-3, -2.5e-3, 2.5e-3, 7.5e-3)  # of the particles of a side [m]
+
+
 @pytest.mark.parametrize(("burst", "curves"), [("air", free_air), ("surface", surface)])
 def test_blast_is_that_of_kingery_bulmash(tmp_path, burst, curves):
     """A small rigid plate that looks at the charge, one at 60 degrees, and one that looks away."""
@@ -103,20 +106,24 @@ def test_blast_is_that_of_kingery_bulmash(tmp_path, burst, curves):
 &output history_every={every}, dump_every=1 /
 &load body='b', faces='{face}', mass={mass}, at={at}, burst='{burst}' /
 """
-    area = 0.02**2
+    place = np.array([(x, y, 0.0) for x in CENTRES for y in CENTRES])
     for angle, face in ((0, "z-"), (60, "z-"), (180, "z+")):
         turn = math.radians(angle if face == "z-" else 0)
         level = 2.5e-3 if face == "z-" else 7.5e-3  # of the layer that is loaded
-        at = f"{far * math.sin(turn)},0,{level - far * math.cos(turn)}"
-        deck = head + plate.format(every=end / 100, face=face, mass=mass, at=at, burst=burst)
+        at = np.array([far * math.sin(turn), 0.0, level - far * math.cos(turn)])
+        where = ",".join(map(str, at))
+        deck = head + plate.format(every=end / 100, face=face, mass=mass, at=where, burst=burst)
         tables = run(tmp_path, deck)
         got = -momentum(tables)[2] if face == "z+" else momentum(tables)[2]
-        _, wanted = blast.on_surface(turn)
-        if face == "z+":  # the incident wave passes over it
-            wanted = blast.incident_impulse
-        note(f"load_blast_{angle}" if burst == "air" else f"load_ground_{angle}",
-             got / (wanted * area))  # fmt: skip
-        assert got == pytest.approx(wanted * area, rel=1e-3)
+        wanted = 0.0  # by the curves, particle by particle
+        for way in place + [0, 0, level] - at:
+            r = np.linalg.norm(way)
+            here = curves(mass, r)  # the incident wave passes over what looks away
+            wanted += here.incident_impulse if face == "z+" else (
+                here.on_surface(math.acos(way[2] / r))[1])  # fmt: skip
+        wanted *= 0.005**2
+        note(f"load_blast_{angle}" if burst == "air" else f"load_ground_{angle}", got / wanted)
+        assert got == pytest.approx(wanted, rel=1e-6)
 
 
 @pytest.mark.parametrize("form", ["auto", "total_lagrangian", "rigid"])
@@ -241,8 +248,8 @@ def test_clamped_strip_under_a_triangular_pulse(tmp_path):
          w.max() / exact.max())  # fmt: skip
     late = t[np.argmax(w)] / t[np.argmax(exact)]
     note("load_strip_time", late)
-    assert error < 0.02
-    assert late == pytest.approx(1, abs=0.02)
+    assert error < 0.01
+    assert late == pytest.approx(1, abs=0.01)
 
 
 def test_a_table_is_the_history_that_it_has(tmp_path):
