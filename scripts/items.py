@@ -20,6 +20,7 @@ KNOWN = {"worth_threads": "brz_solid_state", "tally_threads": "brz_tallies", "dp
 KNOWN |= dict.fromkeys(["find_kernel", "kernel_t", "launch", "device_t"], "brz_device")
 EXACT = ["widen", "open_sums", "add_terms", "close_sums", "scale_t", "limbs"]
 KNOWN |= {"ranks_t": "brz_ranks", "int64": "brz_kinds"} | dict.fromkeys(EXACT, "brz_exact_sum")
+KNOWN |= {"tally_exactly": "brz_tallies", "gpu_exact_t": "brz_gpu_exact"}
 KNOWN |= {"error_t": "brz_errors"} | dict.fromkeys(
     [*BUFFER.values(), "buffer_t", "arguments_t"], "brz_buffers"
 )
@@ -62,6 +63,9 @@ class Item:
         self.sums = [x for a in self.rest if a.tally not in ("", "count") for x in a.elements]
         # a kernel is given all but sums and counts, which lie in two buffers
         self.given = [a for a in self.rest if not a.tally]
+        if self.exact:
+            self.given += [Argument("pass", "", "integer", "intent(in)")]
+            self.given += [Argument("up", "(2, *)", "real(dp)", "intent(in)")]
         buffers = [("sums", "(tally_threads, *)", "real(dp)", self.sums)]
         buffers += [("counts", "(*)", "integer", self.counts)]
         self.given += [Argument(*b[:3], "intent(inout)") for b in buffers if b[3]]
@@ -122,6 +126,8 @@ def kernel(item):
     i, step = item.index, "(blockIdx%x - 1)*blockDim%x + threadIdx%x"
     declared, how = [f"integer, value :: {item.n}"], ("value", "device, {}")
     declared += [f"{a.kind}, {how[a.in_memory].format(a.intent)} :: {a.end}" for a in item.given]
+    if item.exact:
+        return exact_kernel(item, declared, step)
     declared += [f"{a.kind} :: {a.end}" for a in item.rest if a.tally]
     declared += [f"integer :: {i.name}" + ", t" * bool(item.sums) + ", old" * bool(item.counts)]
     begin = [f"{x} = sums(t, {k})" for k, x in enumerate(item.sums, 1)]
@@ -138,19 +144,42 @@ def kernel(item):
     return procedure(item.doc, head, ["n", *names], declared, body)
 
 
+def exact_kernel(item, declared, step):
+    """The same where terms are summed exactly: one of the two passes over them."""
+    i, size = item.index.name, len(item.sums)
+    declared += [f"real(dp) :: term({size}), tally({3 * size})", f"integer :: {i}, slot, t"]
+    head, names = f"attributes(global) subroutine each_{item.name}", [a.name for a in item.given]
+    look = [f"do slot = 1, {size}", "    term(slot) = 0", "end do", *item.call_for_term]
+    look += [f"call tally_exactly(pass, {size}, up, term, tally)"]
+    body = [f"t = {step}", "if (t > tally_threads) return"]
+    body += [f"do slot = 1, {3 * size}", "    tally(slot) = 0", "end do"]
+    body += [f"do {i} = t, n, tally_threads", *inner(look), "end do"]
+    body += [f"do slot = 1, {3 * size}", "    sums(t, slot) = tally(slot)", "end do"]
+    return procedure(item.doc, head, ["n", *names], declared, body)
+
+
 def launch(number, stem, item):
     """A procedure that launches the kernel, with arguments of the types that this takes."""
     declared = [f"class({stem}_kernels_t), intent(in) :: self", f"integer, intent(in) :: {item.n}"]
     body = ["call a%add(n)"]
-    for a in item.given:
+    for a in item.given[: -3 if item.exact else None]:
         kind = f"type({BUFFER.get(a.kind, 'buffer_t')})" if a.in_memory else a.kind
         declared += [f"{kind}, intent(in) :: {a.name}{a.comment}"]
         how = "_structure({0}, storage_size({0})/8)" if a.whole else "({0})"
         body += ["call a%add" + how.format(a.name)]
+    names = ["self", "n", *(a.name for a in item.given), "err"]
+    if item.exact:
+        names[-4:] = ["sums", "err"]
+        declared += ["type(gpu_exact_t), intent(inout) :: sums"]
     declared += ["type(error_t), intent(inout) :: err", "type(arguments_t) :: a"]
     threads = "tally_threads" if item.sums else "n"
-    body += [f"call launch(self%kernel({number}), [{threads}, 1, 1], a, err)"]
-    names = ["self", "n", *(a.name for a in item.given), "err"]
+    run = [f"call launch(self%kernel({number}), [{threads}, 1, 1], a, err)"]
+    if item.exact:
+        declared += ["integer :: pass"]
+        body = ["a = arguments_t()", *body, "call a%add(pass)", "call a%add(sums%up)"]
+        body += ["call a%add(sums%sums)", *run, f"call sums%end(pass, {len(item.sums)}, err)"]
+        body, run = ["do pass = 0, 1", *inner(body), "end do"], []
+    body += run
     return procedure(item.doc, f"subroutine launch_{item.name}", names, declared, body)
 
 

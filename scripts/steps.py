@@ -62,9 +62,8 @@ def launch(family, item, given, comment):
     kept = [given[0], *(re.sub("^c%carrier$", r"\g<0>_there", x) for x, a in pairs if not a.tally)]
     if item.exact:
         return [
-            "call clear_buffer(c%carrier_part, err)",
-            f"call c%{family}_kernels%{item.name}({', '.join([*kept, 'c%carrier_part', 'err'])})",
-            f"call add_up(c, {given[-1]}, err)",
+            f"call c%{family}_kernels%{item.name}({', '.join([*kept, 'c%exact', 'err'])})",
+            f"{given[-1]} = c%exact%total(:{len(item.sums)})",
         ]
     counted = [x for x, a in pairs if a.tally == "count"]
     if item.sums:
@@ -97,8 +96,7 @@ def uses(text):
     if "(:" in text:
         yield f"use brz_buffers, only: {', '.join(sorted(set(BUFFER.values())))}"
     yield "use brz_errors, only: error_t"
-    yield "use brz_device, only: clear_buffer"
-    names = "add_up, book_at, count_at, put_carriers, read_count, seen_t"
+    names = "book_at, count_at, put_carriers, read_count, seen_t"
     yield f"use brz_gpu_coupling_state, only: {names}"
     if tags:
         yield f"use brz_gpu_coupling_layout, only: {', '.join(tags)}"

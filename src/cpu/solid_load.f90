@@ -3,10 +3,10 @@
 module brz_solid_load
     use brz_face_load, only: mean_pressures, pushes
     use brz_facet_loops, only: each_begin_load, each_load_carrier, each_place_particle, &
-                               each_sum_load
-    use brz_kinds, only: dp, int32
+                               each_see_carrier, each_sum_load
+    use brz_kinds, only: dp
     use brz_ranks, only: several
-    use brz_solid_state, only: form_rigid, is_gone, solid_t
+    use brz_solid_state, only: form_rigid, solid_t
     implicit none
     private
     public :: load_faces
@@ -26,7 +26,7 @@ contains
             if (several(solid%ranks)) then
                 call place_all(solid)
             else
-                call each_place_particle(solid%n, solid%id, solid%loads%place)
+                call each_place_particle(solid%n, 1, 1, solid%id, solid%loads%place)
             end if
             solid%loads%rebuilds = int(solid%rebuilds)
         end if
@@ -55,42 +55,25 @@ contains
     end subroutine load_faces
 
     !> Where particles and ghosts lie. A particle whose facets this process does not see as a whole
-    !> is not loaded, and noted: the run must end.
+    !> is noted: the run must end.
     subroutine place_all(solid)
         type(solid_t), intent(inout) :: solid
-        integer :: b, c, i
+        real(dp) :: lost
+        integer :: b
 
+        lost = 0
         associate (place => solid%loads%place, f => solid%loads%facets)
             place = 0
             do b = 1, size(solid%bodies)
-                do i = solid%bodies(b)%first, solid%bodies(b)%last
-                    place(solid%id(i)) = i
-                end do
-                do i = solid%bodies(b)%last + 1, solid%bodies(b)%rim
-                    place(solid%id(i)) = -i
-                end do
+                associate (body => solid%bodies(b))
+                    call each_place_particle(body%last - body%first + 1, body%first, 1, solid%id, &
+                                             place)
+                    call each_place_particle(body%rim - body%last, body%last + 1, -1, solid%id, &
+                                             place)
+                end associate
             end do
-            do c = 1, f%carriers
-                i = place(f%id(f%first(c)))
-                if (i <= 0) cycle
-                if (solid%fixed(i) == is_gone) cycle
-                if (.not. sees_all(f%beside(:, f%first(c):f%first(c + 1) - 1), place)) &
-                    solid%loads%lost = f%id(f%first(c))
-            end do
-            if (solid%loads%lost > 0) place(solid%loads%lost) = 0
+            call each_see_carrier(f%carriers, f%first, f%id, f%beside, place, solid%fixed, lost)
         end associate
+        if (lost > 0) solid%loads%lost = nint(lost)
     end subroutine place_all
-
-    !> True where this process knows where all neighbours of facets lie.
-    pure logical function sees_all(beside, place) result(sees)
-        integer(int32), intent(in) :: beside(:, :), place(:)
-        integer :: k, m
-
-        sees = .true.
-        do k = 1, size(beside, 2)
-            do m = 1, size(beside, 1)
-                if (beside(m, k) > 0) sees = sees .and. place(beside(m, k)) /= 0
-            end do
-        end do
-    end function sees_all
 end module brz_solid_load

@@ -5,7 +5,7 @@
 !> Cells of the air go by their number in memory order, ghosts left out; solid cells and wall faces
 !> by their places in lists, in the order of the CPU.
 module brz_gpu_coupling_state
-    use brz_carrier_rules, only: carrier_t, n_push
+    use brz_carrier_rules, only: carrier_t
     use brz_coupling_state, only: coupling_books_t, coupling_t
     use brz_bin_launches, only: bin_kernels_t
     use brz_carrier_launches, only: carrier_kernels_t
@@ -20,23 +20,22 @@ module brz_gpu_coupling_state
         reserve_buffer
     use brz_donor_launches, only: donor_kernels_t
     use brz_errors, only: error_t
+    use brz_gpu_exact, only: gpu_exact_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, gpu_walls_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_coupling_layout, only: book_threads, n_book, n_count
     use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
+    use brz_ranks, only: ranks_t
     use brz_kinds, only: dp, int64, rk
     use brz_ledger_launches, only: ledger_kernels_t
     use brz_load_launches, only: load_kernels_t
     use brz_scheme, only: max_var
-    use brz_tallies, only: tally_threads
     use brz_velocity_launches, only: velocity_kernels_t
     implicit none
     private
     public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
     public :: size_cells, size_faces, column_of, tags_of
-    public :: seen_t, seen, book_at, count_at, read_count, put_carriers, add_up
-
-    integer, parameter :: fold_rows = 16 !! partial sums that are left for the host
+    public :: seen_t, seen, book_at, count_at, read_count, put_carriers
 
     !> The particles as brz_gpu_solid_layout has them, for the time of a call.
     type :: particles_t
@@ -75,7 +74,7 @@ module brz_gpu_coupling_state
         type(carrier_t), allocatable :: carrier(:) !! on the host
         type(buffer_t) :: carrier_there !! the same
         real(dp), allocatable :: shift(:, :) !! on the host
-        type(doubles_t) :: carrier_part !! sums over one of them
+        type(gpu_exact_t) :: exact !! sums over one of them
         type(integers_t) :: cell_of, place_of, binned !! (particles) cell, its place, bins
         type(reals_t) :: v_before !! (3, particles by id) velocity a step of the air before [m/s]
         type(integers_t) :: ends !! (n_cells + 1) of the bins
@@ -121,7 +120,7 @@ contains
         gpu%books = coupling%books
         gpu%bodies = size(coupling%carrier)
         call gpu%kernels%open(device, err)
-        call gpu%common%open(device, n_push*fold_rows, err)
+        call gpu%common%open(device, 1, err)
         call gpu%bin_kernels%open(device, err)
         call gpu%carrier_kernels%open(device, err)
         call gpu%cell_kernels%open(device, err)
@@ -145,7 +144,7 @@ contains
         gpu%carrier = coupling%carrier
         bytes = storage_size(coupling%carrier)/8
         call put_buffer(gpu%carrier, gpu%carrier_there, gpu%bodies*bytes, err)
-        call allocate_buffer(gpu%carrier_part, 8_int64*n_push*tally_threads, err)
+        call gpu%exact%open(device, ranks_t(), err)
     end subroutine open_memory
 
     !> Room for n solid cells.
@@ -252,17 +251,6 @@ contains
                      gpu%bodies*(storage_size(gpu%carrier)/8_int64), err)
     end subroutine put_carriers
 
-    !> The sums of an item over the particles of a carrier, in a fixed order.
-    subroutine add_up(gpu, sums, err)
-        type(gpu_coupling_t), intent(in) :: gpu
-        real(dp), intent(out) :: sums(:)
-        type(error_t), intent(inout) :: err
-        real(dp) :: folded(fold_rows, size(sums))
-
-        call gpu%common%fold(gpu%carrier_part, tally_threads, folded, err)
-        sums = sum(folded, 1)
-    end subroutine add_up
-
     !> Give the memory back.
     subroutine close_gpu_coupling(gpu)
         type(gpu_coupling_t), intent(inout) :: gpu
@@ -275,7 +263,8 @@ contains
             gpu%impedance)
         call free_buffers(gpu%start, gpu%uncovered, gpu%donor, gpu%donor_shell, gpu%donation, &
             gpu%debt_cell, gpu%next_cell, gpu%debt)
-        call free_buffers(gpu%next_debt, gpu%carrier_there, gpu%carrier_part)
+        call free_buffers(gpu%next_debt, gpu%carrier_there)
+        call gpu%exact%close()
         call gpu%common%close()
     end subroutine close_gpu_coupling
 end module brz_gpu_coupling_state

@@ -3,7 +3,7 @@
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t
-    use brz_device, only: allocate_buffer, device_t, free_buffers, put_buffer
+    use brz_device, only: copy_in, device_t, free_buffers, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_peers, only: peers_t
     use brz_kinds, only: int64
@@ -13,19 +13,32 @@ module brz_gpu_parcels
     use brz_solid_part, only: part_t
     implicit none
     private
-    public :: gpu_parcels_t, words_of
+    public :: gpu_parcels_t, gpu_places_t, rows_t, rows_of, put_places
+
+    !> Particles that are in a message: parcel r is entries first(r) to first(r + 1) - 1.
+    type :: gpu_places_t
+        integer, allocatable :: first(:) !! (0:processes)
+        type(integers_t) :: place
+    end type gpu_places_t
+
+    !> An array of particles as words of 4 B: a row of some for each particle, in each column.
+    type :: rows_t
+        type(integers_t) :: of
+        integer :: words = 0, columns = 1
+        integer(int64) :: stride = 0 !! words from a column to the next
+    end type rows_t
 
     type :: gpu_parcels_t
         type(ranks_t) :: ranks
-        integer, allocatable :: out_first(:), in_first(:) !! (0:processes)
+        integer :: most = 0 !! words of a particle in a message
+        type(gpu_places_t) :: out, in !! particles, and their ghosts
         type(mail_t) :: mail
-        type(integers_t) :: out, in !! places of particles, and of their ghosts
         type(integers_t) :: words !! of parcels to others
         type(integers_t) :: came !! of parcels from others
         type(peers_t) :: peers
         type(place_kernels_t) :: kernels
     contains
-        procedure :: open, close, refresh
+        procedure :: open, close, refresh, bring, move
     end type gpu_parcels_t
 
 contains
@@ -38,30 +51,37 @@ contains
         type(part_t), intent(in) :: part
         integer, intent(in) :: most !! words of 4 B of a particle in a message
         type(error_t), intent(inout) :: err
-        integer(int64) :: n
 
         self%ranks = ranks
         if (.not. several(ranks)) return
-        self%out_first = part%out%first
-        self%in_first = part%in%first
+        self%out%first = part%out%first
+        self%in%first = part%in%first
+        self%most = (most + 1)/2*2
         call self%kernels%open(device, err)
-        call put_buffer(part%out%place, self%out, 4*size(part%out%place, kind=int64), err)
-        call put_buffer(part%in%place, self%in, 4*size(part%in%place, kind=int64), err)
-        n = max(size(part%out%place), size(part%in%place))
-        call allocate_buffer(self%words, 4*most*n, err)
-        call lengths(self, most) ! later ones are no longer
-        call self%peers%open(ranks, int(self%out_first, int64), int(self%in_first, int64), &
-                             4*most, err)
+        call put_places(part%out%place, self%out%place, err)
+        call put_places(part%in%place, self%in%place, err)
+        call self%peers%open(ranks, int(self%out%first, int64), int(self%in%first, int64), &
+                             4*self%most, err, anew=.true.)
     end subroutine open
+
+    !> A list of places, into a buffer with room for it.
+    subroutine put_places(place, buffer, err)
+        integer, intent(in) :: place(:)
+        type(integers_t), intent(inout) :: buffer
+        type(error_t), intent(inout) :: err
+
+        call reserve_buffer(buffer, 4*max(size(place, kind=int64), 1_int64), err)
+        call copy_in(place, buffer, 4*size(place, kind=int64), err)
+    end subroutine put_places
 
     subroutine close (self)
         class(gpu_parcels_t), intent(inout) :: self
 
-        call free_buffers(self%out, self%in, self%words)
+        call free_buffers(self%out%place, self%in%place, self%words)
         call self%peers%close(self%ranks)
     end subroutine close
 
-    !> An array of particles as rows of words of 4 B.
+    !> An array of particles as words of 4 B.
     pure type(integers_t) function words_of(array) result(words)
         class(buffer_t), intent(in) :: array
 
@@ -69,35 +89,106 @@ contains
         words%bytes = array%bytes
     end function words_of
 
-    !> Room for messages of so many words of each particle, an even number.
-    subroutine lengths(self, words)
-        class(gpu_parcels_t), intent(inout) :: self
-        integer, intent(in) :: words
+    !> An array of rows, or of columns of rows.
+    pure type(rows_t) function rows_of(array, words, columns, n) result(rows)
+        class(buffer_t), intent(in) :: array
+        integer, intent(in) :: words !! of a row
+        integer, intent(in), optional :: columns, n !! n rows each
 
-        associate (n => self%ranks%n, out => self%out_first, in => self%in_first)
-            call make_room(self%ranks, 4_int64*words*(out(1:n) - out(0:n - 1)), &
-                           4_int64*words*(in(1:n) - in(0:n - 1)), self%mail)
-        end associate
-    end subroutine lengths
+        rows%of = words_of(array)
+        rows%words = words
+        if (.not. present(columns)) return
+        rows%columns = columns
+        rows%stride = int(words, int64)*n
+    end function rows_of
 
     !> Bring the rows of ghosts in some arrays up to date.
-    subroutine refresh(self, arrays, words, err)
+    subroutine refresh(self, arrays, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(integers_t), intent(in) :: arrays(:)
-        integer, intent(in) :: words(:) !! of a row of each array; together an even number
+        type(rows_t), intent(in) :: arrays(:)
         type(error_t), intent(inout) :: err
-        integer :: k, n
+
+        call self%bring(self%out, self%in, arrays, err)
+    end subroutine refresh
+
+    !> Send the rows of listed particles, and put those that come where a list says. All processes
+    !> have told each other how many there are (`peers%aim`).
+    subroutine bring(self, out, in, arrays, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        type(gpu_places_t), intent(in) :: out, in
+        type(rows_t), intent(in) :: arrays(:)
+        type(error_t), intent(inout) :: err
+        integer :: n, wide
 
         n = self%ranks%n
-        call lengths(self, sum(words))
-        do k = 1, size(arrays)
-            if (self%out_first(n) > 1) call self%kernels%pick_words(self%out_first(n) - 1, &
-                words(k), sum(words), sum(words(:k - 1)), self%out, arrays(k), self%words, err)
+        wide = width_of(arrays)
+        call make_room(self%ranks, 4_int64*wide*(out%first(1:n) - out%first(0:n - 1)), &
+                       4_int64*wide*(in%first(1:n) - in%first(0:n - 1)), self%mail)
+        call reserve_buffer(self%words, 4_int64*wide*max(out%first(n), in%first(n)), err)
+        call pick(self, out%place, out%first(n) - 1, arrays, err)
+        call self%peers%swap(self%ranks, self%mail, 4*wide, self%words, self%came, err)
+        call put(self, self%came, in%place, in%first(n) - 1, arrays, err)
+    end subroutine bring
+
+    !> Move the rows of listed particles to other places of this process, which none of them has.
+    subroutine move(self, from, to, arrays, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        integer, intent(in) :: from(:), to(:) !! places
+        type(rows_t), intent(in) :: arrays(:)
+        type(error_t), intent(inout) :: err
+        type(integers_t) :: list
+
+        if (size(from) == 0) return
+        call reserve_buffer(self%words, 4_int64*width_of(arrays)*size(from), err)
+        call put_places(from, list, err)
+        call pick(self, list, size(from), arrays, err)
+        call put_places(to, list, err)
+        call put(self, self%words, list, size(from), arrays, err)
+        call free_buffers(list)
+    end subroutine move
+
+    !> Words of a record: an even number.
+    pure integer function width_of(arrays) result(wide)
+        type(rows_t), intent(in) :: arrays(:)
+
+        wide = (sum(arrays%words*arrays%columns) + 1)/2*2
+    end function width_of
+
+    !> Rows of n listed particles, into their records.
+    subroutine pick(self, place, n, arrays, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        type(integers_t), intent(in) :: place
+        integer, intent(in) :: n
+        type(rows_t), intent(in) :: arrays(:)
+        type(error_t), intent(inout) :: err
+        integer :: before, k
+
+        before = 0
+        do k = 1, merge(size(arrays), 0, n > 0)
+            associate (a => arrays(k))
+                call self%kernels%pick_words(n, a%words, a%columns, a%stride, width_of(arrays), &
+                                             before, place, a%of, self%words, err)
+                before = before + a%words*a%columns
+            end associate
         end do
-        call self%peers%swap(self%ranks, self%mail, 4*sum(words), self%words, self%came, err)
-        do k = 1, size(arrays)
-            if (self%in_first(n) > 1) call self%kernels%put_words(self%in_first(n) - 1, words(k), &
-                sum(words), sum(words(:k - 1)), self%in, self%came, arrays(k), err)
+    end subroutine pick
+
+    !> The way back.
+    subroutine put(self, records, place, n, arrays, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        type(integers_t), intent(in) :: records, place
+        integer, intent(in) :: n
+        type(rows_t), intent(in) :: arrays(:)
+        type(error_t), intent(inout) :: err
+        integer :: before, k
+
+        before = 0
+        do k = 1, merge(size(arrays), 0, n > 0)
+            associate (a => arrays(k))
+                call self%kernels%put_words(n, a%words, a%columns, a%stride, width_of(arrays), &
+                                            before, place, records, a%of, err)
+                before = before + a%words*a%columns
+            end associate
         end do
-    end subroutine refresh
+    end subroutine put
 end module brz_gpu_parcels

@@ -33,18 +33,19 @@ module brz_gpu_peers
         integer(int64), allocatable :: first(:) !! elements before the parcel of this process there
         integer(int64), allocatable :: half(:) !! bytes of a half of theirs
     contains
-        procedure :: open, close, swap
+        procedure :: open, aim, close, swap
     end type peers_t
 
 contains
 
     !> Link all processes for parcels of elements of up to `most` bytes; all must call.
-    subroutine open (self, ranks, out, in, most, err)
+    subroutine open (self, ranks, out, in, most, err, anew)
         class(peers_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks
         integer(int64), intent(in) :: out(0:), in(0:) !! (0:processes) first element, from 1
         integer, intent(in) :: most
         type(error_t), intent(inout) :: err
+        logical, intent(in), optional :: anew !! others may get parcels later, by `aim`
         type(ipc_handle_t) :: handle
         integer(int64), allocatable :: told(:, :), heard(:, :)
         integer(int64) :: half
@@ -70,7 +71,8 @@ contains
         allocate (self%first(0:ranks%n - 1), source=heard(9, :))
         allocate (self%half(0:ranks%n - 1), source=heard(10, :))
         do r = 0, ranks%n - 1
-            if (good(1) <= 0 .or. out(r + 1) == out(r)) cycle
+            if (good(1) <= 0) cycle
+            if (out(r + 1) == out(r) .and. .not. present(anew)) cycle
             self%place(r) = self%arena%address
             if (r == ranks%rank) cycle
             handle%word = heard(:8, r)
@@ -82,6 +84,29 @@ contains
         self%linked = .true.
         if (good(1) <= 0) call self%close(ranks)
     end subroutine open
+
+    !> Other parcels from now on; all must call. Where one lacks room all link anew, with some to
+    !> spare.
+    subroutine aim(self, ranks, out, in, most, err)
+        class(peers_t), intent(inout) :: self
+        type(ranks_t), intent(in) :: ranks
+        integer(int64), intent(in) :: out(0:), in(0:) !! (0:processes) first element, from 1
+        integer, intent(in) :: most !! bytes of an element
+        type(error_t), intent(inout) :: err
+        integer(int64) :: told(2, 0:ranks%n - 1), heard(2, 0:ranks%n - 1)
+
+        if (.not. self%linked) return
+        told(1, :) = in(0:ranks%n - 1) - 1
+        told(2, :) = merge(1, 0, (in(ranks%n) - 1)*most > self%half(ranks%rank))
+        call tell_counts(ranks, told, heard)
+        if (any(heard(2, :) > 0)) then
+            call self%close(ranks)
+            call self%open(ranks, out, in, most + most/2, err, anew=.true.)
+        else
+            self%first = heard(1, :)
+            self%out = out
+        end if
+    end subroutine aim
 
     !> Let go of the memory of the others, then of this one's; all must call.
     subroutine close (self, ranks)
@@ -121,7 +146,7 @@ contains
             return
         end if
         do r = 0, ranks%n - 1
-            if (self%place(r) == 0) cycle
+            if (self%out(r + 1) == self%out(r)) cycle
             from%address = parcels%address + (self%out(r) - 1)*bytes
             to%address = self%place(r) + self%turn*self%half(r) + self%first(r)*bytes
             call copy_within(from, to, (self%out(r + 1) - self%out(r))*bytes, err)

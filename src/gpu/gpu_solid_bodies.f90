@@ -43,15 +43,8 @@ contains
     subroutine cannot_share_solid(solid, why)
         type(solid_t), intent(in) :: solid
         character(:), allocatable, intent(out) :: why
-        integer :: b
 
-        if (any(solid%bodies%formulation == form_rigid)) why = 'rigid bodies of several processes'
-        if (any(solid%bodies%motion%n > 0)) why = 'driven bodies of several processes'
-        do b = 1, size(solid%bodies)
-            if (allocated(solid%bodies(b)%regions)) why = 'driven bodies of several processes'
-        end do
-        if (solid%links%present) why = 'bodies of several processes that meet'
-        if (allocated(solid%loads%of)) why = 'loads on bodies of several processes'
+        if (solid%cohesive%present) why = 'cohesive interfaces of several processes'
     end subroutine cannot_share_solid
 
     !> Memory and kernels of all bodies.

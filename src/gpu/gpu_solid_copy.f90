@@ -6,21 +6,26 @@ module brz_gpu_solid_copy
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_bodies, only: open_gpu_bodies
     use brz_gpu_solid_cohesive, only: fetch_gpu_points, open_gpu_cohesive
-    use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault
+    use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault, tag_id
     use brz_gpu_solid_load, only: open_gpu_loads
-    use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links
+    use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links, settle_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, &
         open_gpu_solid_memory, tags_of, threads_of
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_materials, only: unloaded_speed
+    use brz_ranks, only: several
+    use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_built, in_motion, in_place, &
         in_reference, in_state, in_tag, is_single, numbers_of, set_columns, &
         set_numbers
+    use brz_solid_home, only: make_room, spread_bodies
     use brz_solid_state, only: solid_t
     implicit none
     private
     public :: open_gpu_solid, fetch_solid, fetch_particles, faults_of
+
+    real(dp), parameter :: spare = 0.25_dp !! of the places of a body, kept free on several GPUs
 
 contains
 
@@ -33,6 +38,7 @@ contains
         type(error_t), intent(inout) :: err
         integer :: b
 
+        if (several(solid%ranks)) call spread_bodies(solid, spare)
         call open_gpu_solid_memory(device, solid, in_air .or. allocated(solid%loads%of), gpu, err)
         if (failed(err)) return
         call open_gpu_bodies(device, solid, gpu, err)
@@ -45,7 +51,8 @@ contains
         call open_gpu_cohesive(device, solid%cohesive, gpu, err)
         call open_gpu_loads(device, solid%loads, gpu, err)
         call build_gpu_lists(gpu, solid, .false., spread(.true., 1, size(solid%bodies)), err)
-        call build_gpu_links(gpu, solid, .true., err)
+        call settle_gpu_links(gpu, solid, .true.)
+        call build_gpu_links(gpu, solid, err)
     end subroutine open_gpu_solid
 
     !> All fields of the particles, and what follows from their material.
@@ -137,10 +144,30 @@ contains
         type(error_t), intent(inout) :: err
 
         if (gpu%fetched .or. failed(err)) return
+        call settle_bodies(gpu, solid, err)
         call fetch_fields(gpu, solid, err)
         call fetch_gpu_points(gpu, .true., solid%cohesive, err)
         gpu%fetched = .not. failed(err)
     end subroutine fetch_solid
+
+    !> The bodies lie in the host arrays as on the GPU from now on. Only numbers of particles are
+    !> fetched.
+    subroutine settle_bodies(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (gpu%settled) return
+        solid%bodies%first = gpu%bodies%first
+        solid%bodies%last = gpu%bodies%last
+        solid%bodies%rim = gpu%bodies%rim
+        solid%n = gpu%n
+        call make_room(solid, solid%n)
+        call number_groups(solid)
+        call cut_blocks(solid)
+        call copy_out(tags_of(gpu, tag_id), solid%id, 4_int64*gpu%n, err)
+        gpu%settled = .true.
+    end subroutine settle_bodies
 
     subroutine fetch_fields(gpu, solid, err)
         type(gpu_solid_t), intent(in) :: gpu
@@ -197,7 +224,7 @@ contains
 
     !> Refresh the motion of some particles on the host, wherever they lie there.
     subroutine fetch_particles(gpu, id, solid, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_t), intent(inout) :: gpu
         integer(int32), intent(in) :: id(:) !! numbers of particles
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
@@ -207,6 +234,7 @@ contains
         integer :: b, i, k
 
         if (gpu%fetched .or. size(id) == 0) return
+        call settle_bodies(gpu, solid, err)
         call put_buffer(id, id_at, 4_int64*size(id), err)
         call allocate_buffer(values_at, 8_int64*size(values), err)
         do b = 1, size(gpu%bodies)
@@ -218,7 +246,7 @@ contains
         call copy_out(values_at, values, 8_int64*size(values), err)
         call free_buffers(id_at, values_at)
         do k = 1, size(id)
-            i = findloc(solid%id(:solid%n), id(k), dim=1)
+            i = place_of(solid, id(k))
             if (i == 0) cycle ! of another process
             solid%x(:, i) = values(1:3, k)
             solid%x_ref(:, i) = values(4:6, k)
@@ -226,6 +254,23 @@ contains
             solid%a(:, i) = real(values(10:12, k), rk)
         end do
     end subroutine fetch_particles
+
+    !> Where a particle of this process lies on the host, else 0.
+    pure integer function place_of(solid, id) result(place)
+        type(solid_t), intent(in) :: solid
+        integer(int32), intent(in) :: id
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b))
+                if (id < body%number(1) .or. id > body%number(2)) cycle
+                place = findloc(solid%id(body%first:body%last), id, dim=1)
+                if (place > 0) place = place + body%first - 1
+                return
+            end associate
+        end do
+        place = 0
+    end function place_of
 
     !> The particles with an impossible state are noted in the blocks of the host, as its own are.
     subroutine faults_of(gpu, solid, err)

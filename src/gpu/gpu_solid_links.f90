@@ -2,23 +2,25 @@
 !> Contact and bonds between bodies on the GPU: memory, lists of links, launches.
 module brz_gpu_solid_links
     use brz_buffers, only: from
-    use brz_device, only: allocate_buffer, clear_buffer, copy_out, device_t, free_buffer, &
-        put_buffer, reserve_buffer
+    use brz_device, only: allocate_buffer, clear_buffer, copy_out, device_t, put_buffer, &
+        reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_solid_cohesive, only: gather_gpu_points, open_gpu_points
+    use brz_gpu_solid_ghosts, only: refresh_gpu_bonds, refresh_gpu_press
     use brz_gpu_solid_layout, only: at_energy, at_mass, at_stress, book_contact, &
-        book_contact_early, book_contact_heat, book_rub, n_terms, slice_width, tag_bond, &
+        book_contact_early, book_contact_heat, book_rub, slice_width, tag_bond, &
         tag_joined, tag_touch, tag_weight
     use brz_gpu_solid_search, only: order_body
     use brz_gpu_solid_state, only: book_of, bytes_of_real, column_of, gpu_solid_t, tags_of, &
         threads_of
     use brz_kinds, only: dp, int64, rk
-    use brz_link_layout, only: link_layout_t, n_press
+    use brz_link_layout, only: link_layout_t
     use brz_list_drift, only: begin_links, links_reach, may_link
+    use brz_ranks, only: most_of_all
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: open_gpu_links, build_gpu_links, add_bond_moments, contact_pass
+    public :: open_gpu_links, settle_gpu_links, build_gpu_links, add_bond_moments, contact_pass
 
 contains
 
@@ -28,10 +30,9 @@ contains
         type(solid_t), intent(in) :: solid
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        integer(int64) :: bytes, n
+        integer(int64) :: bytes
 
         if (.not. gpu%linked) return
-        n = gpu%n
         associate (links => gpu%links)
             call put_buffer(solid%links%ends, links%ends, 4_int64*size(solid%bodies), err)
             bytes = size(solid%links%table)*(storage_size(solid%links%table)/8_int64)
@@ -41,12 +42,7 @@ contains
             links%lay = link_layout_t(size(solid%bodies), solid%dimension, &
                                       merge(1, 0, gpu%owed > 0), 4, gpu%n, 1, 4, 0, slice_width, &
                                       slice_width, real(solid%depth, rk))
-            call allocate_buffer(links%press, n_press*bytes_of_real*n, err)
-            call allocate_buffer(links%count, 4*n, err)
             call allocate_buffer(links%met, 4_int64*size(solid%bodies)**2, err)
-            call allocate_buffer(links%slice, 4*((n - 1)/slice_width + 2), err)
-            call free_buffer(gpu%extra)
-            call allocate_buffer(gpu%extra, n_terms*bytes_of_real*n, err)
             call links%contact%open(device, err)
             call links%between%open(device, err)
             call links%bonds%open(device, err)
@@ -55,16 +51,14 @@ contains
 
     !> Build the links for the positions `built`, to which the drifts of the bodies are added: count
     !> them, then list them, body by body.
-    subroutine build_gpu_links(gpu, solid, resume, err)
+    subroutine build_gpu_links(gpu, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid !! its search tables are overwritten
-        logical, intent(in) :: resume !! for the drifts of the links that were there
         type(error_t), intent(inout) :: err
-        integer :: b, keep, slices, longest, met(size(solid%bodies), size(solid%bodies))
+        integer :: keep, slices, longest, met(size(solid%bodies), size(solid%bodies))
+        integer(int64) :: all(size(met))
 
         if (.not. gpu%linked) return
-        call begin_links(solid, reshape([(gpu%bodies(b)%box, b=1, size(gpu%bodies))], &
-                                        [3, 2, size(gpu%bodies)]), resume)
         slices = (gpu%n - 1)/slice_width + 1
         call clear_buffer(gpu%links%met, err)
         do keep = 0, 1
@@ -78,8 +72,21 @@ contains
         end do
         met = 0
         call copy_out(gpu%links%met, met, 4_int64*size(met), err)
-        solid%links%met = met == 1
+        all = reshape(met, [size(met)])
+        call most_of_all(solid%ranks, all)
+        solid%links%met = reshape(all == 1, shape(met))
     end subroutine build_gpu_links
+
+    !> Links are about to be built, for the drifts of now or, to resume, those that they had.
+    subroutine settle_gpu_links(gpu, solid, resume)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
+        logical, intent(in) :: resume
+        integer :: b
+
+        if (gpu%linked) call begin_links(solid, reshape([(gpu%bodies(b)%box, &
+            b=1, size(gpu%bodies))], [3, 2, size(gpu%bodies)]), resume)
+    end subroutine settle_gpu_links
 
     !> Count or list, for every particle, its links with one body after the other; note which bodies
     !> have some.
@@ -129,7 +136,7 @@ contains
     !> Between the passes: bonds break, interfaces open, then all forces between bodies go into
     !> `extra`.
     subroutine contact_pass(gpu, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_t), intent(inout) :: gpu
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
         integer :: k, range(2, size(gpu%bodies))
@@ -140,11 +147,13 @@ contains
             do k = 1, count(range(1, :) > 0)
                 call break_bonds(gpu, range(:, k), err)
             end do
+            call refresh_gpu_bonds(gpu, err)
         end if
         call open_gpu_points(gpu, err)
         do k = 1, count(range(1, :) > 0)
             call find_pressures(gpu, range(:, k), real(dt, rk), err)
         end do
+        call refresh_gpu_press(gpu, err)
         do k = 1, count(range(1, :) > 0)
             call push_bodies(gpu, range(:, k), dt, err)
             if (gpu%bonded) call add_bond_forces(gpu, range(:, k), err)

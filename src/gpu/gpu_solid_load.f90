@@ -7,6 +7,7 @@ module brz_gpu_solid_load
     use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
     use brz_gpu_solid_state, only: column_of, gpu_solid_t, tags_of
     use brz_kinds, only: dp, int64
+    use brz_ranks, only: several
     use brz_solid_state, only: solid_t
     use brz_tallies, only: tally_threads
     implicit none
@@ -36,8 +37,7 @@ contains
             call put_buffer(f%side, there%side, 4_int64*f%n, err)
             call put_buffer(f%wave, there%wave, 48_int64*f%n, err)
             call allocate_buffer(there%mean, 8_int64*size(loads%of), err)
-            call allocate_buffer(there%place, 4_int64*gpu%n, err)
-            call allocate_buffer(there%sums, 48_int64*tally_threads, err)
+            call allocate_buffer(there%place, 4_int64*size(loads%place), err)
             call there%kernels%open(device, err)
         end associate
     end subroutine open_gpu_loads
@@ -55,7 +55,7 @@ contains
         associate (there => gpu%loads, load => column_of(gpu, gpu%load + 1), &
                    fixed => tags_of(gpu, tag_fixed))
             if (there%rebuilds /= solid%rebuilds) then ! lists were sorted
-                call there%kernels%place_particle(gpu%n, tags_of(gpu, tag_id), there%place, err)
+                call place_all(gpu, solid, err)
                 there%rebuilds = int(solid%rebuilds)
             end if
             a = pushes(solid%loads, size(solid%bodies), solid%time, dt)
@@ -80,22 +80,46 @@ contains
         end associate
     end subroutine gpu_load_faces
 
+    !> Where particles and ghosts lie, and whether this process sees all neighbours of what is
+    !> loaded.
+    subroutine place_all(gpu, solid, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        integer :: b
+
+        associate (there => gpu%loads, id => tags_of(gpu, tag_id))
+            call clear_buffer(there%place, err)
+            do b = 1, size(gpu%bodies)
+                associate (body => gpu%bodies(b))
+                    call there%kernels%place_particle(body%last - body%first + 1, body%first, 1, &
+                                                      id, there%place, err)
+                    call there%kernels%place_particle(body%rim - body%last, body%last + 1, -1, &
+                                                      id, there%place, err)
+                end associate
+            end do
+            if (.not. several(solid%ranks)) return
+            call clear_buffer(gpu%sums_of_forces, err)
+            call there%kernels%see_carrier(there%carriers, there%first, there%id, there%beside, &
+                there%place, tags_of(gpu, tag_fixed), gpu%sums_of_forces, err)
+            b = nint(gpu%common%largest(gpu%sums_of_forces, tally_threads, err))
+            if (b > 0 .and. .not. failed(err)) solid%loads%lost = b
+        end associate
+    end subroutine place_all
+
     !> Force and torque on rigid body b, or on what is driven of it.
     subroutine sum_body(gpu, solid, b, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(tally_threads/256, 6)
 
-        call clear_buffer(gpu%loads%sums, err)
         associate (body => gpu%bodies(b), rigid => solid%bodies(b)%rigid)
             call gpu%loads%kernels%sum_load(body%last - body%first + 1, body%first, &
                 merge(0, 1, body%rigid), 4, gpu%n, 1, rigid%x(1), rigid%x(2), rigid%x(3), &
                 gpu%place, tags_of(gpu, tag_fixed), column_of(gpu, gpu%load + 1), &
-                gpu%loads%sums, err)
-            call gpu%common%fold(gpu%loads%sums, tally_threads, folded, err)
-            if (.not. failed(err)) rigid%load = sum(folded, 1)
+                gpu%exact, err)
+            rigid%load = gpu%exact%total(:6)
         end associate
     end subroutine sum_body
 end module brz_gpu_solid_load

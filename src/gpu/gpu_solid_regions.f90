@@ -8,8 +8,7 @@ module brz_gpu_solid_regions
     use brz_gpu_solid_state, only: column_of, gpu_solid_t, tags_of
     use brz_kinds, only: dp
     use brz_motion, only: velocity_of
-    use brz_solid_state, only: solid_t
-    use brz_tallies, only: tally_threads
+    use brz_solid_state, only: ledger_t, solid_t
     implicit none
     private
     public :: move_gpu_regions, balance_gpu_regions
@@ -23,12 +22,15 @@ contains
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
+        type(ledger_t) :: ledger
         real(dp) :: v(3)
         integer :: m
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             do m = 1, size(body%regions)
-                call begin_motion(body%regions(m), solid%time, dt, v, body%ledger)
+                ledger = body%ledger
+                call begin_motion(body%regions(m), solid%time, dt, v, ledger)
+                if (solid%ranks%rank == 0) body%ledger = ledger
                 call gpu%moves%drive_particle(there%last - there%first + 1, there%first, 4, m, dt, &
                     v(1), v(2), v(3), tags_of(gpu, tag_fixed), gpu%place, gpu%motion, err)
             end do
@@ -42,22 +44,24 @@ contains
         integer, intent(in) :: b
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(tally_threads/256, 6), v(3), work
+        type(ledger_t) :: ledger
+        real(dp) :: v(3), work
         integer :: m, n
 
         associate (body => solid%bodies(b), there => gpu%bodies(b))
             n = there%last - there%first + 1
             do m = 1, size(body%regions)
-                call clear_buffer(gpu%sums_of_forces, err)
                 call gpu%forces%sum_region(n, there%first, m, gpu%n, 1, &
                     merge(1, 0, gpu%load > 0), tags_of(gpu, tag_fixed), &
                     column_of(gpu, gpu%load + 1), column_of(gpu, gpu%grip + 1), &
-                    gpu%sums_of_forces, err)
-                call gpu%common%fold(gpu%sums_of_forces, tally_threads, folded, err)
-                if (failed(err)) return
-                call end_motion(body%regions(m), solid%time, dt, sum(folded, 1), body%ledger, work)
-                ! the work on free particles is in `book`, and added to this
-                gpu%ledger(b)%load = gpu%ledger(b)%load + work
+                    gpu%exact, err)
+                ledger = body%ledger
+                call end_motion(body%regions(m), solid%time, dt, gpu%exact%total(:6), ledger, work)
+                if (solid%ranks%rank == 0) then ! it books the work
+                    body%ledger = ledger
+                    ! that on free particles is in `book`, and added to this
+                    gpu%ledger(b)%load = gpu%ledger(b)%load + work
+                end if
                 v = velocity_of(body%regions(m), solid%time)
                 call gpu%moves%follow_drive(n, there%first, 4, m, gpu%n, 1, dt, v(1), v(2), v(3), &
                     tags_of(gpu, tag_fixed), gpu%motion, column_of(gpu, at_accel + 1), err)

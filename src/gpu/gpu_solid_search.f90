@@ -17,7 +17,7 @@ module brz_gpu_solid_search
     use brz_tallies, only: tally_threads
     implicit none
     private
-    public :: build_gpu_lists, order_body, begin_body
+    public :: build_gpu_lists, build_list, order_body, begin_body, sort_body, find_box
 
 contains
 
@@ -30,22 +30,34 @@ contains
         logical, intent(in) :: sort
         logical, intent(in) :: stale(:) !! (bodies)
         type(error_t), intent(inout) :: err
-        type(doubles_t) :: place
         integer :: b
 
         do b = 1, size(gpu%bodies)
             if (.not. stale(b)) cycle
+            if (sort) call begin_body(gpu, solid, b, err)
             if (sort) call sort_body(gpu, solid, b, err)
             call find_box(gpu, solid, b, gpu%built, gpu%bodies(b)%box, err)
-            if (gpu%bodies(b)%rigid) cycle
-            place = gpu%built
-            if (gpu%bodies(b)%total) place = gpu%reference
-            call order_body(gpu, solid, b, place, reach_of_lists(solid, b), err)
-            call list_body(gpu, b, place, err)
+            call build_list(gpu, solid, b, err)
         end do
     end subroutine build_gpu_lists
 
-    !> Bring the particles of body b into the order of the cells at their present positions.
+    !> The list of body b, of its particles and ghosts as they lie.
+    subroutine build_list(gpu, solid, b, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+        type(doubles_t) :: place
+
+        if (gpu%bodies(b)%rigid) return
+        place = gpu%built
+        if (gpu%bodies(b)%total) place = gpu%reference
+        call order_body(gpu, solid, b, place, reach_of_lists(solid, b), err)
+        call list_body(gpu, b, place, err)
+    end subroutine build_list
+
+    !> Bring the particles of body b, which has no ghosts, into the order of the cells at their
+    !> positions `built`, which are those of now.
     subroutine sort_body(gpu, solid, b, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -53,7 +65,6 @@ contains
         type(error_t), intent(inout) :: err
         integer :: cells
 
-        call begin_body(gpu, solid, b, err)
         call fill_cells(gpu, solid, b, gpu%built, cell_of_groups(solid, b), cells, err)
         call gpu%common%kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, gpu%start, &
                                            gpu%order, err)

@@ -7,10 +7,12 @@ module brz_gpu_solid_step
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_cohesive, only: place_gpu_nodes
     use brz_gpu_solid_copy, only: faults_of
-    use brz_gpu_solid_ghosts, only: lay_gpu_anew, refresh_gpu_motion, refresh_gpu_rows
+    use brz_gpu_solid_ghosts, only: refresh_gpu_motion, refresh_gpu_rows
+    use brz_gpu_solid_home, only: lay_gpu_anew
     use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, &
         book_force, book_load, flag_bad, n_book, n_flag, n_total, tag_fixed
-    use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass
+    use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass, &
+        settle_gpu_links
     use brz_gpu_solid_regions, only: balance_gpu_regions, move_gpu_regions
     use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid
     use brz_gpu_solid_search, only: build_gpu_lists
@@ -42,7 +44,7 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: impulse(3), limit(1)
         integer :: flags(n_flag), b, load
-        logical :: stale(size(solid%bodies)), relink
+        logical :: stale(size(solid%bodies)), recut, relink
 
         if (.not. gpu%stepped) call gradient_pass(gpu, 0.0_dp, err) ! of bodies that sleep, too
         gpu%bodies%asleep = solid%bodies%asleep
@@ -71,10 +73,12 @@ contains
         call find_stale(solid, moved_levels(gpu, solid, err), stale, relink)
         if (any(stale) .or. relink) then
             if (several(solid%ranks)) then
-                call lay_gpu_anew(gpu, solid, stale, err)
+                call lay_gpu_anew(gpu, solid, stale, recut, err)
+                if (recut) call gradient_pass(gpu, 0.0_dp, err, of_sleepers=.true.)
             else
                 call build_gpu_lists(gpu, solid, .true., stale, err)
-                call build_gpu_links(gpu, solid, .false., err)
+                call settle_gpu_links(gpu, solid, .false.)
+                call build_gpu_links(gpu, solid, err)
                 call place_gpu_nodes(gpu, err)
             end if
             if (any(stale)) solid%rebuilds = solid%rebuilds + 1
@@ -130,7 +134,7 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt
         type(error_t), intent(inout) :: err
-        real(dp) :: before, unit, v(3)
+        real(dp) :: before, load(6), unit, v(3)
         integer :: b, n
 
         do b = 1, size(gpu%bodies)
@@ -143,7 +147,10 @@ contains
                 n = there%last - there%first + 1
                 if (body%motion%n > 0) then
                     before = body%ledger%load
+                    load = body%rigid%load
+                    if (solid%ranks%rank > 0) body%rigid%load = 0 ! the first books it
                     call book_drive(body, solid%time, dt, v)
+                    body%rigid%load = load
                     ! the work on free particles is in `book`, and added to this
                     gpu%ledger(b)%load = gpu%ledger(b)%load + (body%ledger%load - before)
                     call gpu%moves%drive_particle(n, there%first, 4, 0, dt, v(1), v(2), v(3), &
@@ -164,20 +171,23 @@ contains
         end do
     end subroutine drift
 
-    !> Pass 1, and the material over the step just made; with dt = 0 no material.
-    subroutine gradient_pass(gpu, dt, err)
+    !> Pass 1, and the material over the step just made; with dt = 0 no material. Of bodies that are
+    !> awake, or of the others.
+    subroutine gradient_pass(gpu, dt, err, of_sleepers)
         type(gpu_solid_t), intent(in) :: gpu
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
+        logical, intent(in), optional :: of_sleepers
         integer :: b
 
         do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%asleep) cycle
+            if (gpu%bodies(b)%rigid) cycle
+            if (gpu%bodies(b)%asleep .neqv. present(of_sleepers)) cycle
             call sum_moments(gpu, gpu%bodies(b), err)
         end do
         call add_bond_moments(gpu, err)
         do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%asleep) cycle
+            if (gpu%bodies(b)%asleep .neqv. present(of_sleepers)) cycle
             if (gpu%bodies(b)%rigid) then
                 call fill_rigid(gpu, b, err)
                 cycle
@@ -333,7 +343,11 @@ contains
             body%motion%force = body%rigid%force
             if (.not. there%rigid) then
                 call book_reaction(gpu, solid, b, impulse, err)
-                body%motion%force = impulse/dt - body%rigid%load(1:3)
+                body%motion%force = impulse/dt
+                if (solid%ranks%rank == 0) &
+                    body%motion%force = body%motion%force - body%rigid%load(1:3)
+            else if (solid%ranks%rank > 0) then
+                return ! the first books it
             end if
             body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
                 body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))

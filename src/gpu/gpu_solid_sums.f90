@@ -2,7 +2,6 @@
 !> Numbers about all particles on the GPU: totals, ledgers, time step. Folded in a fixed order.
 module brz_gpu_solid_sums
     use brz_artificial_stress, only: artificial_none
-    use brz_device, only: clear_buffer
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
     use brz_gpu_solid_layout, only: at_accel, at_mass, book_ahead, book_clamped, book_contact, &
@@ -14,7 +13,6 @@ module brz_gpu_solid_sums
     use brz_rigid_motion, only: rigid_forces
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: solid_totals_t, totals_of_sums
-    use brz_tallies, only: tally_threads
     implicit none
     private
     public :: gpu_forces_on_body, book_gpu_impulse, gpu_solid_totals, fetch_ledgers, fetch_limit, &
@@ -110,32 +108,28 @@ contains
 
     !> Forces on body b, as forces_on_body has them.
     subroutine gpu_forces_on_body(gpu, solid, b, at, sums, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: at(3) !! point of the moment [m]
         real(dp), intent(out) :: sums(12)
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(tally_threads/256, 12)
 
         sums = rigid_forces(solid%bodies(b), at)
         if (gpu%bodies(b)%rigid) return
-        call clear_buffer(gpu%sums_of_forces, err)
         associate (body => gpu%bodies(b))
             call gpu%forces%sum_forces(body%last - body%first + 1, body%first, 4, gpu%n, 1, &
                 merge(1, 0, gpu%load > 0), merge(1, 0, gpu%grip > 0), at(1), at(2), at(3), &
                 gpu%place, column_of(gpu, at_mass), tags_of(gpu, tag_fixed), &
                 column_of(gpu, at_accel + 1), column_of(gpu, gpu%load + 1), &
-                column_of(gpu, gpu%grip + 1), gpu%sums_of_forces, err)
-            call gpu%common%fold(gpu%sums_of_forces, tally_threads, folded, err)
-            sums = 0
-            if (.not. failed(err)) sums = sum(folded, 1)
+                column_of(gpu, gpu%grip + 1), gpu%exact, err)
+            sums = gpu%exact%total(:12)
         end associate
     end subroutine gpu_forces_on_body
 
     !> Impulse of the load on all bodies that are awake, over a step.
     subroutine book_gpu_impulse(gpu, solid, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err

@@ -8,7 +8,8 @@ module brz_place_items
     use brz_kinds, only: int32, int64, int8, rk
     implicit none
     private
-    public :: pick_reals, put_reals, pick_bytes, put_bytes, pick_words, put_words
+    public :: pick_reals, put_reals, pick_bytes, put_bytes, pick_words, put_words, &
+        list_marked
 
 contains
 
@@ -75,36 +76,61 @@ contains
     !> Words of 4 B of a listed particle, into its record, which has those of other arrays, too.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine pick_words(t, words, wide, before, place, array, record)
+    pure subroutine pick_words(t, words, columns, stride, wide, before, place, array, record)
         integer, intent(in) :: t !! particles of the list
-        integer, intent(in) :: words !! of each
+        integer, intent(in) :: words !! of a particle in a column
+        integer, intent(in) :: columns
+        integer(int64), intent(in) :: stride !! words from a column to the next
         integer, intent(in) :: wide, before !! words of a record, before those of this array
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
-        integer(int32), intent(in) :: array(*) !! (words, particles)
+        integer(int32), intent(in) :: array(*) !! (words, particles) in each column
         integer(int32), intent(inout) :: record(*) !! (wide, particles of the list)
-        integer :: c
+        integer(int64) :: from, to
+        integer :: c, k
 
-        do c = 1, words
-            record(before + c + (t - 1)*int(wide, int64)) = &
-                array(c + (place(t) - 1)*int(words, int64))
+        do k = 1, columns
+            from = (k - 1)*stride + (place(t) - 1)*int(words, int64)
+            to = (t - 1)*int(wide, int64) + before + (k - 1)*words
+            do c = 1, words
+                record(to + c) = array(from + c)
+            end do
         end do
     end subroutine pick_words
 
     !> The way back.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine put_words(t, words, wide, before, place, record, array)
+    pure subroutine put_words(t, words, columns, stride, wide, before, place, record, array)
         integer, intent(in) :: t !! particles of the list
-        integer, intent(in) :: words !! of each
+        integer, intent(in) :: words !! of a particle in a column
+        integer, intent(in) :: columns
+        integer(int64), intent(in) :: stride !! words from a column to the next
         integer, intent(in) :: wide, before !! words of a record, before those of this array
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
         integer(int32), intent(in) :: record(*) !! (wide, particles of the list)
-        integer(int32), intent(inout) :: array(*) !! (words, particles)
-        integer :: c
+        integer(int32), intent(inout) :: array(*) !! (words, particles) in each column
+        integer(int64) :: from, to
+        integer :: c, k
 
-        do c = 1, words
-            array(c + (place(t) - 1)*int(words, int64)) = &
-                record(before + c + (t - 1)*int(wide, int64))
+        do k = 1, columns
+            to = (k - 1)*stride + (place(t) - 1)*int(words, int64)
+            from = (t - 1)*int(wide, int64) + before + (k - 1)*words
+            do c = 1, words
+                array(to + c) = record(from + c)
+            end do
         end do
     end subroutine put_words
+
+    !> List the places that are marked: `mark`, a row for each process, was 1 there, and is now how
+    !> many were marked before.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine list_marked(k, row, mark, place)
+        integer, intent(in) :: k !! marks
+        integer, intent(in) :: row !! places of a process
+        integer(int32), intent(in) :: mark(*)
+        integer(int32), intent(inout) :: place(*)
+
+        if (mark(k + 1) > mark(k)) place(mark(k) + 1) = mod(k - 1, row) + 1
+    end subroutine list_marked
 end module brz_place_items

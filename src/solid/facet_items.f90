@@ -7,20 +7,44 @@ module brz_facet_items
     use brz_solid_state, only: is_gone, is_held
     implicit none
     private
-    public :: place_particle, begin_load, load_carrier, sum_load
+    public :: place_particle, see_carrier, begin_load, load_carrier, sum_load
 
 contains
 
     !> Where the particle of a number lies.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine place_particle(i, id, place)
-        integer, intent(in) :: i !! particles
+    pure subroutine place_particle(p, first, side, id, place)
+        integer, intent(in) :: p !! particles
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: side !! 1: of this process; -1: ghosts
         integer(int32), intent(in) :: id(*)
-        integer(int32), intent(inout) :: place(*)
+        integer(int32), intent(inout) :: place(*) !! 0 of those that are not here
 
-        place(id(i)) = i
+        place(id(first - 1 + p)) = side*(first - 1 + p)
     end subroutine place_particle
+
+    !> Note a loaded particle whose neighbours are not all here, with ghosts.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine see_carrier(c, first, id, beside, place, fixed, lost)
+        integer, intent(in) :: c !! carriers of facets
+        integer(int32), intent(in) :: first(*), id(*), beside(4, *)
+        integer(int32), intent(in) :: place(*)
+        integer(int32), intent(in) :: fixed(*)
+        real(dp), intent(inout) :: lost !@most number of one of them
+        integer :: i, k, m
+
+        i = place(id(first(c)))
+        if (i <= 0) return
+        if (fixed(i) == is_gone) return
+        do k = first(c), first(c + 1) - 1
+            do m = 1, 4
+                if (beside(m, k) == 0) cycle
+                if (place(beside(m, k)) == 0) lost = max(lost, real(id(first(c)), dp))
+            end do
+        end do
+    end subroutine see_carrier
 
     !> Begin the load of a particle by the push on its body.
     !@item
@@ -115,7 +139,8 @@ contains
             length = 0
             do u = 1, 2
                 j(u) = i
-                if (beside(2*t - 2 + u, k) > 0) j(u) = abs(place(beside(2*t - 2 + u, k)))
+                if (beside(2*t - 2 + u, k) == 0) cycle
+                if (place(beside(2*t - 2 + u, k)) /= 0) j(u) = abs(place(beside(2*t - 2 + u, k)))
             end do
             do d = 1, 3
                 do u = 1, 2

@@ -5,13 +5,15 @@ module brz_motion_items
     use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int32, rk
     use brz_move_level, only: level_of
-    use brz_rigid_pose, only: n_pose, place_point, spin_at, velocity_at
-    use brz_solid_state, only: is_gone, is_held, n_pair, pair_spin, pair_volume
+    use brz_rigid, only: cross
+    use brz_rigid_pose, only: arm_at, n_pose, place_point, spin_at, velocity_at
+    use brz_solid_state, only: at_drag, at_hold, is_gone, is_held, n_pair, pair_spin, &
+        pair_volume
     use brz_support, only: driven_by, is_driven, is_kept
     implicit none
     private
     public :: drift_particle, size_particle, drive_particle, place_rigid, note_particle
-    public :: follow_drive, follow_rigid, fill_rigid_row
+    public :: follow_drive, follow_rigid, fill_rigid_row, sum_pairs
     public :: kick_and_drift
 
 contains
@@ -245,4 +247,32 @@ contains
             row(pair_spin + d, i) = real(spin(d), rk)
         end do
     end subroutine fill_rigid_row
+
+    !> Add what other bodies do to a particle to the force and the torque on its rigid body. Sums of
+    !> pairs lie in columns, slots of brz_solid_state.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine sum_pairs(p, first, wide, column, pose, x, pairs, push)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of x
+        integer, intent(in) :: column !! numbers of a column of pairs
+        real(dp), intent(in) :: pose(*) !! of the body
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: pairs(column, *) !! forces [N], and torques of drag [N m]
+        real(dp), intent(inout) :: push(6) !@exact force [N], torque [N m]
+        real(dp) :: arm(3), f(3), torque(3)
+        integer :: c, i
+
+        i = first - 1 + p
+        do c = 1, 3
+            f(c) = pairs(i, c) + pairs(i, at_drag + c)
+        end do
+        arm = arm_at(pose, x(1, i))
+        torque = cross(arm, f)
+        do c = 1, 3
+            push(c) = push(c) + f(c)
+            push(3 + c) = push(3 + c) + torque(c) + pairs(i, at_hold + c)
+        end do
+    end subroutine sum_pairs
 end module brz_motion_items

@@ -6,7 +6,7 @@
 !> holds what changes no bit. When lists are built, particles go home (`send_home`), are sorted, and
 !> ghosts are laid behind the particles of each body (`place_ghosts`).
 module brz_solid_home
-    use brz_cell_grid, only: reach_of_lists
+    use brz_ghost_wants, only: is_needed, wants_of
     use brz_kinds, only: dp, int64
     use brz_mail, only: tell_counts
     use brz_particle_order, only: reorder_particles
@@ -14,17 +14,15 @@ module brz_solid_home
     use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: fields_of, fields_t, resize_fields
     use brz_solid_ghosts, only: all_of_it, for_a_ghost, send_particles
-    use brz_solid_mirror, only: signs
     use brz_solid_part, only: parcels_t
-    use brz_solid_regions, only: cut_regions, distance2, region_of
-    use brz_list_drift, only: links_reach, may_link
+    use brz_solid_regions, only: cut_regions, region_of
     use brz_resize, only: resize
-    use brz_solid_state, only: form_rigid, is_gone, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: share_out, hold_all, send_home, place_ghosts, all_particles, is_needed
+    public :: share_out, hold_all, send_home, place_ghosts, all_particles, spread_bodies, &
+        make_room, uneven
 
-    real(dp), parameter :: beside = 1.5_dp !! spacings within which neighbours on a lattice are
     real(dp), parameter :: uneven = 1.05_dp !! most particles over the mean: regions are cut anew
 
 contains
@@ -70,9 +68,10 @@ contains
     end subroutine hold_all
 
     !> Ranges of particles and ghosts of all bodies.
-    subroutine lay_bodies(solid, own, ghosts)
+    subroutine lay_bodies(solid, own, ghosts, spare)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: own(:), ghosts(:) !! (bodies)
+        integer, intent(in), optional :: spare(:) !! (bodies) places behind them
         integer :: b
 
         solid%n = 0
@@ -82,6 +81,7 @@ contains
                 body%last = solid%n + own(b)
                 body%rim = body%last + ghosts(b)
                 solid%n = body%rim
+                if (present(spare)) solid%n = body%rim + spare(b)
             end associate
         end do
         if (allocated(solid%links%ends)) solid%links%ends = solid%bodies%rim
@@ -291,6 +291,7 @@ contains
     subroutine list_near(solid, number)
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
+        real(dp), allocatable :: want(:, :)
         integer :: b, i, n, r, round
 
         if (.not. allocated(solid%part%out%first)) &
@@ -302,8 +303,9 @@ contains
                 solid%part%out%first(r) = n + 1
                 if (r == solid%ranks%rank) cycle
                 do b = 1, size(solid%bodies)
+                    want = wants_of(solid, b)
                     do i = solid%bodies(b)%first, solid%bodies(b)%last
-                        if (.not. is_needed(solid, solid%part%region(:, :, r), b, i)) cycle
+                        if (.not. is_needed(solid, solid%part%region(:, :, r), want, i)) cycle
                         n = n + 1
                         number(b, r + 1) = number(b, r + 1) + 1
                         if (round == 2) solid%part%out%place(n) = i
@@ -317,67 +319,57 @@ contains
         end do
     end subroutine list_near
 
-    !> True where the lists or the links of what is in a region may reach a particle of body b.
-    pure logical function is_needed(solid, region, b, i) result(yes)
-        type(solid_t), intent(in) :: solid
-        real(dp), intent(in) :: region(3, 2) !! corners [m]
-        integer, intent(in) :: b, i
-        integer :: a
+    !> Leave places free behind the particles and ghosts of each body: a share of them, and 64.
+    subroutine spread_bodies(solid, share)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: share
+        integer :: own(size(solid%bodies)), ghosts(size(solid%bodies)), b, end, shift(solid%n)
 
-        yes = .false.
-        if (solid%fixed(i) == is_gone) return
-        if (solid%bodies(b)%formulation /= form_rigid) &
-            yes = is_near(solid%mirror, region, reach_of_lists(solid, b), solid%x_built(:, i))
-        if (solid%bodies(b)%formulation == form_rigid .and. allocated(solid%loads%of)) &
-            yes = is_near(solid%mirror, region, beside*solid%bodies(b)%spacing, &
-                          solid%x_built(:, i)) ! facets of a rigid body, which has no lists
-        if (yes .or. .not. solid%links%present) return
-        do a = 1, size(solid%bodies)
-            if (.not. may_link(solid, a, b)) cycle
-            yes = is_near(solid%mirror, region, links_reach(solid, a, b), solid%x_built(:, i) &
-                          + (solid%bodies(b)%drift_linked - solid%bodies(a)%drift_linked))
-            if (yes) return
+        own = solid%bodies%last - solid%bodies%first + 1
+        ghosts = solid%bodies%rim - solid%bodies%last
+        call move_bodies(solid, own, ghosts, int(share*(own + ghosts)) + 64, shift)
+        associate (place => solid%part%in%place)
+            place = place + shift(place)
+        end associate
+        do b = 1, size(own) ! what lies behind is no particle
+            end = solid%n
+            if (b < size(own)) end = solid%bodies(b + 1)%first - 1
+            solid%id(solid%bodies(b)%rim + 1:end) = 0
         end do
-    end function is_needed
-
-    !> True where a place or one of its images is within reach of a region. Rounding must not hide
-    !> a link, whose drifts are added elsewhere.
-    pure logical function is_near(mirror, region, reach, x)
-        logical, intent(in) :: mirror(3) !! planes of symmetry
-        real(dp), intent(in) :: region(3, 2) !! corners [m]
-        real(dp), intent(in) :: reach, x(3) !! [m]
-        integer :: m
-
-        is_near = .false.
-        do m = 0, 7
-            if (any(signs(m) < 0 .and. .not. mirror)) cycle
-            is_near = distance2(region, signs(m)*x) < reach*reach*(1 + 1e-9_dp)
-            if (is_near) return
-        end do
-    end function is_near
+    end subroutine spread_bodies
 
     !> Move the particles of each body to where they lie once there are ghosts between the bodies.
     subroutine open_gaps(solid, own, ghosts)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: own(:), ghosts(:) !! (bodies)
-        integer :: old(size(own)), b, k, shift(solid%n)
+        integer :: shift(solid%n)
+
+        call move_bodies(solid, own, ghosts, 0*own, shift)
+    end subroutine open_gaps
+
+    !> Move the particles of each body, and its ghosts where it has some, to new places.
+    subroutine move_bodies(solid, own, ghosts, spare, shift)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: own(:), ghosts(:), spare(:) !! (bodies)
+        integer, intent(out) :: shift(:) !! (n before)
+        integer :: old(size(own)), n(size(own)), b, k
 
         old = solid%bodies%first
-        call lay_bodies(solid, own, ghosts)
+        n = solid%bodies%rim - solid%bodies%first + 1
+        call lay_bodies(solid, own, ghosts, spare)
         call make_room(solid, solid%n + 1)
+        shift = 0
         if (size(own) == 1) return
         solid%search%order(:solid%n) = 1
         do b = 1, size(own)
             associate (first => solid%bodies(b)%first)
-                solid%search%order(first:first + own(b) - 1) = [(old(b) + k, k=0, own(b) - 1)]
-                shift(old(b):old(b) + own(b) - 1) = first - old(b)
+                solid%search%order(first:first + n(b) - 1) = [(old(b) + k, k=0, n(b) - 1)]
+                shift(old(b):old(b) + n(b) - 1) = first - old(b)
             end associate
         end do
         call reorder_particles(solid, 1, solid%n)
         associate (place => solid%part%out%place)
-            do k = 1, size(place)
-                place(k) = place(k) + shift(place(k))
-            end do
+            place = place + shift(place)
         end associate
-    end subroutine open_gaps
+    end subroutine move_bodies
 end module brz_solid_home

@@ -5,11 +5,12 @@
 !> proportion to the processes on each side. Cuts lie on the edges of the bins of a histogram, whose
 !> counts are whole numbers and added over all processes: all of them cut alike.
 module brz_solid_regions
+    use brz_home_items, only: home_of
     use brz_kinds, only: dp, int64
     use brz_ranks, only: least_of_all, ranks_t, sum_of_all
     implicit none
     private
-    public :: cut_regions, region_of, distance2
+    public :: cut_regions, region_of
 
     integer, parameter :: bins = 2048
 
@@ -139,18 +140,6 @@ contains
         real(dp), intent(in) :: region(:, :, 0:)
         real(dp), intent(in) :: x(3) !! [m]
 
-        do r = 0, ubound(region, 3) - 1
-            if (all(x >= region(:, 1, r) .and. x < region(:, 2, r))) return
-        end do
-        r = ubound(region, 3)
+        r = home_of(size(region, 3), region, x)
     end function region_of
-
-    !> Distance between a place and a region, squared [m2].
-    pure real(dp) function distance2(box, x)
-        real(dp), intent(in) :: box(3, 2), x(3) !! corners of the region, place [m]
-        real(dp) :: d(3)
-
-        d = max(box(:, 1) - x, x - box(:, 2), 0.0_dp)
-        distance2 = d(1)*d(1) + d(2)*d(2) + d(3)*d(3)
-    end function distance2
 end module brz_solid_regions

@@ -12,7 +12,7 @@ module brz_run_ranks
     use brz_kinds, only: dp
     use brz_scene_size, only: scene_size_t
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_solid_home, only: is_needed
+    use brz_ghost_wants, only: is_needed, wants_of
     use brz_solid_regions, only: cut_regions, region_of
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
@@ -136,17 +136,19 @@ contains
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: region(:, :, 0:) !! (3, 2, regions) [m]
         integer, intent(out) :: own(0:), ghosts(0:) !! (regions)
+        real(dp), allocatable :: want(:, :)
         integer :: b, home, i, r
 
         own = 0
         ghosts = 0
         do b = 1, size(solid%bodies)
+            want = wants_of(solid, b)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
                 home = region_of(region, solid%x_built(:, i))
                 own(home) = own(home) + 1
                 do r = 0, ubound(region, 3)
                     if (r == home) cycle
-                    if (is_needed(solid, region(:, :, r), b, i)) ghosts(r) = ghosts(r) + 1
+                    if (is_needed(solid, region(:, :, r), want, i)) ghosts(r) = ghosts(r) + 1
                 end do
             end do
         end do

@@ -9,6 +9,8 @@ import subprocess
 import pytest
 from test_gpu import EMULATOR, stamp
 from test_ranks import AIR, MPIRUN, TOGETHER, equal_air, equal_bodies, needs_mpirun, start
+from test_ranks_bodies import MEETING
+from test_ranks_loads import LOADED
 from test_run import BRISANCE
 
 
@@ -186,14 +188,39 @@ def test_bodies_go_on_on_other_gpus(n, m, gpu, bodies, tmp_path):
     equal_bodies(bodies, tmp_path / "out")
 
 
+SHORT = ("--set", "run.max_steps=40")
+
+
+@pytest.fixture(name="met", scope="module", params=["meeting", "loaded"])
+def _met(request, gpu, tmp_path_factory):
+    """Bodies that meet, with friction, bonds that break, a rigid and a driven one; or loaded ones:
+    the deck, and the folder of a run on one GPU."""
+    # the plate is off the plane x = 0: where its middle is must not be rounding alone
+    deck = {"meeting": MEETING, "loaded": LOADED.replace("= -0.02,0.02,", "= -0.018,0.022,", 1)}
+    deck = deck[request.param]
+    folder = tmp_path_factory.mktemp(request.param)
+    done = go(0, folder, gpu, *SHORT, deck=deck)
+    assert done.returncode == 0, done.stderr
+    return deck, folder / "out"
+
+
+@needs_mpirun
+@pytest.mark.parametrize(("n", "m"), [(2, None), (4, None), (3, 2)])
+def test_bodies_that_meet_and_are_loaded_do_not_depend_on_gpus(n, m, gpu, met, tmp_path):
+    deck, alone = met
+    more = () if m is None else ("--set", "run.max_steps=18")
+    done = go(n, tmp_path, gpu, *(more or SHORT), deck=deck)
+    assert done.returncode == 0, done.stderr
+    if m is not None:
+        done = go(m, tmp_path, gpu, "--restart", "latest", *SHORT, deck=deck)
+        assert done.returncode == 0, done.stderr
+    equal_bodies(alone, tmp_path / "out")
+
+
 @needs_mpirun
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        ("&interaction bodies = 'plain', 'bar', law = 'contact' /", "that meet"),
-        ("&load body = 'bar', faces = 'y-', pressure = 1e6 /", "loads on bodies"),
-        ("&body id = 'r', shape = 'box', box = 1,1.002, 1,1.002, 1,1.002, spacing = 1e-3,\n"
-         "material = 'm', formulation = 'rigid' /", "rigid bodies of several processes"),
         ("&air box = 0,1, 0,1, 0,1, cells = 16,16,16, bc = 'symmetry','outflow',"
          "'outflow','outflow', 'symmetry','outflow' /", "bodies in air on GPUs"),
     ],

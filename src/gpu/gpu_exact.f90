@@ -1,0 +1,86 @@
+! SPDX-License-Identifier: MIT
+!> Exact sums on the GPU, over all processes: items whose sums are `@exact` run twice, to find the
+!> largest terms and then to add up their limbs, see brz_exact_sum. Limbs are whole numbers.
+module brz_gpu_exact
+    use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
+    use brz_buffers, only: doubles_t, from
+    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers
+    use brz_errors, only: error_t
+    use brz_exact_sum, only: close_sums, limbs, open_sums, scale_t
+    use brz_gpu_common, only: gpu_common_t
+    use brz_kinds, only: dp, int64
+    use brz_ranks, only: ranks_t
+    use brz_tallies, only: tally_threads
+    implicit none
+    private
+    public :: gpu_exact_t
+
+    integer, parameter :: most = 18 !! sums of an item
+    integer, parameter :: rows = 32 !! partial results that are left for the host
+
+    type :: gpu_exact_t
+        type(ranks_t) :: ranks
+        type(doubles_t) :: sums !! (tally_threads, limbs*most) of the pass at hand
+        type(doubles_t) :: up !! (2, most) both together make a term smaller than 2^31
+        type(scale_t) :: scales(most)
+        real(dp) :: total(most) = 0
+        type(gpu_common_t) :: common
+    contains
+        procedure :: open, close, end
+    end type gpu_exact_t
+
+contains
+
+    subroutine open (self, device, ranks, err)
+        class(gpu_exact_t), intent(inout) :: self
+        type(device_t), intent(in) :: device
+        type(ranks_t), intent(in) :: ranks
+        type(error_t), intent(inout) :: err
+
+        self%ranks = ranks
+        call self%common%open(device, rows*limbs*most, err)
+        call allocate_buffer(self%sums, 8_int64*tally_threads*limbs*most, err)
+        call allocate_buffer(self%up, 16_int64*most, err)
+    end subroutine open
+
+    subroutine close (self)
+        class(gpu_exact_t), intent(inout) :: self
+
+        call free_buffers(self%sums, self%up)
+        call self%common%close()
+    end subroutine close
+
+    !> A pass has ended: 0 has found the largest term of each sum, 1 leaves their `total`. All
+    !> processes must call.
+    subroutine end(self, pass, n, err)
+        class(gpu_exact_t), intent(inout) :: self
+        integer, intent(in) :: pass, n
+        type(error_t), intent(inout) :: err
+        real(dp) :: folded(rows, limbs*n), largest(n), up(2, n)
+        integer :: r
+
+        if (pass == 1) then
+            call self%common%fold(self%sums, tally_threads, folded, err)
+            call close_sums(self%ranks, self%scales(:n), &
+                            reshape(sum(nint(folded, int64), 1), [limbs, n]), self%total(:n))
+            return
+        end if
+        do r = 1, n
+            call self%common%kernels%largest([rows, 1, 1], tally_threads, rows, &
+                from(self%sums, (r - 1_int64)*tally_threads + 1), &
+                from(self%common%folded, (r - 1_int64)*rows + 1), err)
+        end do
+        folded = 0
+        call copy_out(self%common%folded, folded, 8_int64*rows*n, err)
+        do r = 1, n
+            largest(r) = maxval(folded(:, r))
+            if (.not. all(folded(:, r) <= huge(largest))) largest(r) = &
+                ieee_value(largest(r), ieee_positive_inf)
+        end do
+        call open_sums(self%ranks, largest, self%scales(:n))
+        do r = 1, n
+            up(:, r) = self%scales(r)%up
+        end do
+        call copy_in(up, self%up, 16_int64*n, err)
+    end subroutine end
+end module brz_gpu_exact

@@ -1,0 +1,68 @@
+! SPDX-License-Identifier: MIT
+!> Which ghosts a process needs: all whose place is within reach of its region by a list, a link
+!> or a facet.
+module brz_ghost_wants
+    use brz_cell_grid, only: reach_of_lists
+    use brz_home_items, only: near_region
+    use brz_kinds, only: dp
+    use brz_list_drift, only: links_reach, may_link
+    use brz_solid_state, only: form_rigid, is_gone, solid_t
+    implicit none
+    private
+    public :: is_needed, planes_of, wants_of
+
+    real(dp), parameter :: beside = 1.5_dp !! spacings within which neighbours on a lattice are
+
+contains
+
+    !> True where a process needs a ghost of a particle, in one of the ways that its body has.
+    pure logical function is_needed(solid, region, want, i) result(yes)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: region(3, 2) !! corners [m]
+        real(dp), intent(in) :: want(:, :) !! of its body, see wants_of
+        integer, intent(in) :: i
+        integer :: k
+
+        yes = .false.
+        if (solid%fixed(i) == is_gone) return
+        do k = 1, size(want, 2)
+            yes = yes .or. near_region(planes_of(solid), region, want(4, k), &
+                                       solid%x_built(:, i) + want(1:3, k))
+        end do
+    end function is_needed
+
+    !> Planes of symmetry as bits 0..2.
+    pure integer function planes_of(solid)
+        type(solid_t), intent(in) :: solid
+
+        planes_of = sum(merge([1, 2, 4], 0, solid%mirror))
+    end function planes_of
+
+    !> How ghosts of body b are needed: by lists, facets, links with other bodies. Of each: what is
+    !> added to the place, how far from a region it may then be [m].
+    pure function wants_of(solid, b) result(want)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        real(dp), allocatable :: want(:, :) !! (4, ways)
+        real(dp) :: all(4, size(solid%bodies) + 1)
+        integer :: a, n
+
+        n = 0
+        associate (body => solid%bodies(b))
+            if (body%formulation /= form_rigid) then
+                n = 1
+                all(:, n) = [0.0_dp, 0.0_dp, 0.0_dp, reach_of_lists(solid, b)]
+            else if (allocated(solid%loads%of)) then ! facets of what has no lists
+                n = 1
+                all(:, n) = [0.0_dp, 0.0_dp, 0.0_dp, beside*body%spacing]
+            end if
+            do a = 1, merge(size(solid%bodies), 0, solid%links%present)
+                if (.not. may_link(solid, a, b)) cycle
+                n = n + 1
+                all(:, n) = [body%drift_linked - solid%bodies(a)%drift_linked, &
+                             links_reach(solid, a, b)]
+            end do
+        end associate
+        want = all(:, :n)
+    end function wants_of
+end module brz_ghost_wants

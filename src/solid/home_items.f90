@@ -1,0 +1,94 @@
+! SPDX-License-Identifier: MIT
+!> Which process a particle belongs to, and which others need it as a ghost.
+module brz_home_items
+    use brz_kinds, only: dp, int32, int64
+    implicit none
+    private
+    public :: home_of, near_region, mark_home, mark_near
+
+contains
+
+    !> The region in which a place is, from 0; the last one for what is no place.
+    !@cuf attributes(host,device) &
+    pure integer function home_of(n, region, x) result(r)
+        integer, intent(in) :: n !! regions
+        real(dp), intent(in) :: region(3, 2, *) !! corners [m]
+        real(dp), intent(in) :: x(3) !! [m]
+        integer :: a
+        logical :: inside
+
+        do r = 0, n - 2
+            inside = .true.
+            do a = 1, 3
+                inside = inside .and. x(a) >= region(a, 1, r + 1) .and. x(a) < region(a, 2, r + 1)
+            end do
+            if (inside) return
+        end do
+        r = n - 1
+    end function home_of
+
+    !> True where a place or one of its images is within reach of a region. Rounding must not hide
+    !> a link, whose drifts are added elsewhere.
+    !@cuf attributes(host,device) &
+    pure logical function near_region(planes, region, reach, x) result(near)
+        integer, intent(in) :: planes !! of symmetry, bits 0..2
+        real(dp), intent(in) :: region(3, 2) !! corners [m]
+        real(dp), intent(in) :: reach, x(3) !! [m]
+        real(dp) :: d, d2, y
+        integer :: a, m
+
+        near = .false.
+        do m = 0, 7
+            if (iand(m, planes) /= m) cycle
+            d2 = 0
+            do a = 1, 3
+                y = x(a)
+                if (btest(m, a - 1)) y = -y
+                d = max(region(a, 1) - y, y - region(a, 2), 0.0_dp)
+                d2 = d2 + d*d
+            end do
+            near = near .or. d2 < reach*reach*(1 + 1e-9_dp)
+        end do
+    end function near_region
+
+    !> Mark a particle for the process that it belongs to, unless that is this one.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine mark_home(p, first, row, processes, own, region, built, mark)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: row !! marks of a process
+        integer, intent(in) :: processes, own !! how many, this one from 0
+        real(dp), intent(in) :: region(3, 2, *) !! corners [m]
+        real(dp), intent(in) :: built(4, *) !! places [m]
+        integer(int32), intent(inout) :: mark(*)
+        integer :: i, r
+
+        i = first - 1 + p
+        r = home_of(processes, region, built(1:3, i))
+        if (r /= own) mark(i + r*int(row, int64)) = 1
+    end subroutine mark_home
+
+    !> Mark a particle that a process needs as a ghost.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine mark_near(p, first, gone, planes, wants, want, region, built, fixed, mark)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: gone !! what `fixed` says of a particle that is out
+        integer, intent(in) :: planes !! of symmetry, bits 0..2
+        integer, intent(in) :: wants !! ways to be needed
+        real(dp), intent(in) :: want(4, *) !! of each: what is added to the place, reach [m]
+        real(dp), intent(in) :: region(3, 2) !! of the process: corners [m]
+        real(dp), intent(in) :: built(4, *) !! places [m]
+        integer(int32), intent(in) :: fixed(*)
+        integer(int32), intent(inout) :: mark(*)
+        integer :: i, k
+
+        i = first - 1 + p
+        if (fixed(i) == gone) return
+        do k = 1, wants
+            if (near_region(planes, region, want(4, k), built(1:3, i) + want(1:3, k))) mark(i) = 1
+        end do
+    end subroutine mark_near
+end module brz_home_items
