@@ -4,7 +4,7 @@
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t
     use brz_device, only: copy_in, device_t, free_buffers, reserve_buffer
-    use brz_errors, only: error_t
+    use brz_errors, only: error_t, exit_device, raise
     use brz_gpu_peers, only: peers_t
     use brz_kinds, only: int64
     use brz_mail, only: mail_t, make_room
@@ -122,6 +122,9 @@ contains
 
         n = self%ranks%n
         wide = width_of(arrays)
+        if (wide > self%most) call raise(err, exit_device, 'a message of particles is longer '// &
+                                         'than what was reserved for it: this is an error of '// &
+                                         'the program')
         call make_room(self%ranks, 4_int64*wide*(out%first(1:n) - out%first(0:n - 1)), &
                        4_int64*wide*(in%first(1:n) - in%first(0:n - 1)), self%mail)
         call reserve_buffer(self%words, 4_int64*wide*max(out%first(n), in%first(n)), err)
