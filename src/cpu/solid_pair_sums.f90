@@ -7,8 +7,8 @@
 module brz_solid_pair_sums
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, real32, rk
-    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, metric_square, &
-                              most_bent, most_drawn, stress_force, viscous_force
+    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, jump_speed, &
+                              metric_square, most_bent, most_drawn, stress_force, viscous_force
     use brz_solid_lanes, only: body_kernel, group_t, kernel_t, pair_kernels
     use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, form_bending, &
                                form_corrected_hourglass, form_total, held_affine, held_stiffness, &
@@ -79,7 +79,7 @@ contains
         real(real32), intent(in), optional :: hold(6, *)
         real(rk), intent(in), optional :: drawn(n_held, *)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), f(3), g(3), d(3), e(3)
-        real(rk) :: w, u, y, r2, s2, vr, heat
+        real(rk) :: w, u, y, r2, s2, vr, jump, heat
         type(kernel_t) :: q
         integer :: k, l, j, n, t
 
@@ -110,7 +110,11 @@ contains
                 call pull(kind, p%normal, own, pair(1, j), r, dx, w, g)
                 s2 = 1
                 if (kind == wide) s2 = metric_square(dx, p%width*dx)
-                u = viscous_force(w*s2, q%h(l)/sqrt(s2), r2, vr, &
+                jump = vr
+                if (kind >= viscous .and. kind <= plate) &
+                    jump = jump_speed(p%spares, own(pair_affine + 1), pair(pair_affine + 1, j), r, &
+                                      vr)
+                u = viscous_force(w*s2, q%h(l)/sqrt(s2), r2, jump, &
                                   own(pair_linear) + pair(pair_linear, j), &
                                   own(pair_quadratic) + pair(pair_quadratic, j))
                 y = w*own(pair_keep)*pair(pair_keep, j)

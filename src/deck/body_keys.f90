@@ -151,10 +151,11 @@ contains
                 key_t(group=g, key='beta', lower=zero, upper=20*one, &
                       meaning='Quadratic artificial viscosity; 2, with paper 10, if absent.'), &
                 key_t(group=g, key='limiter', kind=kind_text, default='auto', &
-                      choices='auto|none|balsara|compression', &
+                      choices='auto|none|balsara|compression|slope', &
                       meaning='Less artificial viscosity: balsara, where the material turns; '// &
-                      'compression, where it is not compressed. auto (without alpha): '// &
-                      'compression for hjc, balsara for metals that meet at up to 1 km/s.'), &
+                      'compression, where it is not compressed; slope, where the velocity is '// &
+                      'smooth (corrected_hourglass). auto (without alpha): compression for '// &
+                      'hjc, balsara for metals that meet at up to 1 km/s.'), &
                 key_t(group=g, key='crack_band', kind=kind_text, default='weaken', &
                       choices='weaken|refuse', meaning='Where the spacing is too large for a '// &
                       'fracture energy: keep the energy, lower the strength and warn; or stop.'), &

@@ -4,6 +4,7 @@ module brz_gpu_solid_bodies
     use brz_artificial_stress, only: artificial_none
     use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel
     use brz_errors, only: error_t, exit_device, raise
+    use brz_gradient, only: limiter_slope
     use brz_gpu_solid_layout, only: body_gpu_t, slice_width
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_body_t, gpu_solid_t
     use brz_kernel, only: kernel_scale
@@ -170,6 +171,7 @@ contains
         p%alpha = body%alpha
         p%beta = body%beta
         p%tension_hold = body%tension_hold
+        p%spares = merge(1, 0, body%limiter == limiter_slope)
         p%cfl = body%cfl
         p%artificial_power = body%artificial_power
         p%shape_at_spacing = body%shape_at_spacing

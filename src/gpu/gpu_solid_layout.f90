@@ -82,6 +82,7 @@ module brz_gpu_solid_layout
         real(rk) :: h_range(2) !! bounds of a smoothing length that varies, over h
         real(rk) :: crack !! width of a smeared crack [m]
         real(rk) :: h, scale, half_over_h, alpha, beta, cfl, tension_hold
+        real(rk) :: spares !! 1: the viscosity spares smooth flow, see jump_speed
         real(rk) :: artificial_power, shape_at_spacing
         real(rk) :: normal(3) !! of the layers, 0: no tilted gradients
         real(rk) :: width(3), at_rest !! of the lattice, see brz_wide_lattice

@@ -9,8 +9,8 @@ module brz_bond_items
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t
-    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, most_bent, &
-        most_drawn, viscous_force
+    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, &
+        jump_speed, most_bent, most_drawn, viscous_force
     use brz_shared_sums, only: carried_along
     use brz_solid_state, only: at_drag, at_friction, at_g, at_heat, at_hold, at_s, at_work, at_x, &
         at_y, bond_breaks, bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
@@ -119,7 +119,7 @@ contains
         real(rk), intent(in) :: held(n_held, *)
         integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: f(n_terms)
-        real(rk) :: s(3), r(3), dv(3), dx(3), g(3), other(n_pair), w, u, vr, slope
+        real(rk) :: s(3), r(3), dv(3), dx(3), g(3), other(n_pair), w, u, vr, jump, slope
         integer :: a, b, j, k, n, t
         integer(int64) :: at
 
@@ -141,7 +141,10 @@ contains
             end do
             call mirror_pair(s, pair(1, j), other)
             w = pair(pair_volume, i)*other(pair_volume)*slope
-            u = viscous_force(w, table(a, b)%h, dot_product(r, r), vr, &
+            jump = vr
+            if (table(a, b)%spares > 0) jump = jump_speed(1.0_rk, pair(pair_affine + 1, i), &
+                                                          other(pair_affine + 1), r, vr)
+            u = viscous_force(w, table(a, b)%h, dot_product(r, r), jump, &
                               pair(pair_linear, i) + other(pair_linear), &
                               pair(pair_quadratic, i) + other(pair_quadratic))
             do t = 1, 3

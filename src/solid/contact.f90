@@ -49,6 +49,7 @@ module brz_contact
         logical :: shared !! pressures of the two bodies are shared
         logical :: rigid !! the first body is
         integer :: formulation !! common to both bodies, 0: they differ
+        real(rk) :: spares !! 1: the viscosity of both spares smooth flow, see jump_speed
         logical :: directional !! both have a hourglass stiffness along axes
         real(rk) :: arm(2) !! share of x_ij from each to the common surface; 0: it does not turn
         real(rk) :: rest(2) !! volume per mass of both, unloaded [m3/kg]

@@ -5,7 +5,7 @@ module brz_formulation
     use brz_case, only: body_case_t, label
     use brz_crack_band, only: crack_width
     use brz_errors, only: error_t, exit_deck, raise
-    use brz_gradient, only: limiter_balsara, limiter_compression, limiter_none
+    use brz_gradient, only: limiter_balsara, limiter_compression, limiter_none, limiter_slope
     use brz_hourglass_axes, only: lay_axes
     use brz_kernel, only: kernel_shape
     use brz_kinds, only: dp, rk
@@ -55,6 +55,9 @@ contains
         if (body%formulation == form_total .and. material%fails > 0) call refuse(input, &
             "formulation='total_lagrangian' is for what never breaks, and its material fails; "// &
             "take 'bending' or 'corrected_hourglass'", err)
+        if (body%limiter == limiter_slope .and. body%formulation /= form_corrected_hourglass) &
+            call refuse(input, "limiter='slope' goes with formulation='corrected_hourglass' "// &
+                        "alone; leave it out, or take 'balsara'", err)
         body%crack = real(crack_width(body%formulation, input%spacing), rk)
         call settle_artificial(input, body, err)
         call settle_stiffness(input, material, dimension, body)
@@ -130,6 +133,7 @@ contains
         case ('none'); body%limiter = limiter_none
         case ('balsara'); body%limiter = limiter_balsara
         case ('compression'); body%limiter = limiter_compression
+        case ('slope'); body%limiter = limiter_slope
         end select
         if (input%beta >= 0) body%beta = real(input%beta, rk)
     end subroutine settle_class

@@ -13,10 +13,11 @@ module brz_gradient
     private
     public :: moment_terms, outer_terms, correction, midstep_gradient, shear_limiter, &
               stable_step, total_gradient, piola, weakest_of
-    public :: limiter_none, limiter_balsara, limiter_compression
+    public :: limiter_none, limiter_balsara, limiter_compression, limiter_slope
 
-    integer, parameter :: limiter_none = 0, limiter_balsara = 1, limiter_compression = 2
-    !! of the artificial viscosity
+    ! of the artificial viscosity; the last one is one of pairs, jump_speed of brz_pair_force
+    integer, parameter :: limiter_none = 0, limiter_balsara = 1, limiter_compression = 2, &
+                          limiter_slope = 3
 
     ! smaller eigenvalues of M are not inverted in full; at the corner of a regular block the
     ! smallest is 0.25 in 2-D and 0.18 in 3-D
@@ -164,7 +165,7 @@ contains
         real(rk) :: div, curl2, shear2, shrink2
 
         share = 1
-        if (limiter == limiter_none) return
+        if (limiter == limiter_none .or. limiter == limiter_slope) return
         div = h(1, 1) + h(2, 2) + h(3, 3)
         curl2 = (h(3, 2) - h(2, 3))**2 + (h(1, 3) - h(3, 1))**2 + (h(2, 1) - h(1, 2))**2
         if (limiter == limiter_balsara) then

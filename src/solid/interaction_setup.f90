@@ -5,6 +5,7 @@ module brz_interaction_setup
     use brz_contact, only: law_bonded, law_cohesive, law_contact, law_none, law_shared, meeting_t
     use brz_errors, only: error_t, exit_deck, raise
     use brz_flat_surface, only: flat_sum
+    use brz_gradient, only: limiter_slope
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: form_rigid, form_total, solid_t
@@ -117,6 +118,7 @@ contains
             m%shared = rule%shared_pressure
             m%rigid = p%formulation == form_rigid
             m%formulation = merge(p%formulation, 0, p%formulation == q%formulation)
+            m%spares = merge(1, 0, p%limiter == limiter_slope .and. q%limiter == limiter_slope)
             m%directional = p%directional .and. q%directional
             if (p%directional .neqv. q%directional) m%formulation = 0
             m%normal = reshape([p%normal, q%normal], [3, 2])

@@ -9,8 +9,10 @@ module brz_pair_force
     use brz_kinds, only: rk
     implicit none
     private
-    public :: stress_force, viscous_force, hourglass_viscous, hourglass_stiff, hourglass_axial, &
-              axial_stiffness, metric_square, overstretched, most_bent, most_drawn
+    public :: stress_force, viscous_force, jump_speed, hourglass_viscous, hourglass_stiff, &
+              hourglass_axial, axial_stiffness, metric_square, overstretched, most_bent, most_drawn
+
+    real(rk), parameter :: jumps = 3 !! see jump_speed
 
     ! a pair beyond these stretches, or below their inverse, is let go
     real(rk), parameter :: most_bent = 1.6_rk !! by what holds elastic bodies and plies together
@@ -37,7 +39,7 @@ contains
         real(rk), intent(in) :: w
         real(rk), intent(in) :: h !! smoothing length [m]
         real(rk), intent(in) :: r2 !! |x_ij|^2 [m2]
-        real(rk), intent(in) :: vr !! v_ij.x_ij [m2/s]
+        real(rk), intent(in) :: vr !! v_ij.x_ij, or what jump_speed leaves of it [m2/s]
         real(rk), intent(in) :: linear !! sum over the two particles of alpha rho c/2 [kg/(m2 s)]
         real(rk), intent(in) :: quadratic !! sum of beta rho/2 [kg/m3]
         real(rk) :: u
@@ -46,6 +48,37 @@ contains
         phi = h*min(vr, 0.0_rk)/(r2 + 0.01_rk*h*h)
         u = w*(quadratic*phi - linear)*phi
     end function viscous_force
+
+    !> What the viscosity sees of v_ij.x_ij where it spares smooth flow: three times the jump that
+    !> is left at the middle of the pair when both velocities are drawn on to it by their gradients.
+    !>
+    !> With p = x_ij.H x_ij of each particle the jump is v_ij.x_ij less the harmonic mean of both p,
+    !> which is 0 where their signs differ (van Leer's limiter): no jump is left in linear flow.
+    !> Within a shock the gradients are those of a few spacings, and a part of v_ij.x_ij is left:
+    !> three times that keeps shocks from ringing (docs/solid.md). Seen is what lies between
+    !> v_ij.x_ij and 0, and 0 where the pair parts: the force resists approach alone, by no more
+    !> than without the limiter, and makes heat.
+    !>
+    !> Source: Frontiere, Raskin and Owen 2017 after Christensen 1990
+    !@cuf attributes(host,device) &
+    pure function jump_speed(spares, hi, hj, r, vr) result(q)
+        real(rk), intent(in) :: spares !! 1; 0: all of v_ij.x_ij
+        real(rk), intent(in) :: hi(9), hj(9) !! velocity gradients [1/s]
+        real(rk), intent(in) :: r(3) !! x_ij [m]
+        real(rk), intent(in) :: vr !! v_ij.x_ij [m2/s]
+        real(rk) :: q
+        real(rk) :: p, s
+
+        p = r(1)*(hi(1)*r(1) + hi(4)*r(2) + hi(7)*r(3)) &
+            + r(2)*(hi(2)*r(1) + hi(5)*r(2) + hi(8)*r(3)) &
+            + r(3)*(hi(3)*r(1) + hi(6)*r(2) + hi(9)*r(3))
+        q = r(1)*(hj(1)*r(1) + hj(4)*r(2) + hj(7)*r(3)) &
+            + r(2)*(hj(2)*r(1) + hj(5)*r(2) + hj(8)*r(3)) &
+            + r(3)*(hj(3)*r(1) + hj(6)*r(2) + hj(9)*r(3))
+        s = p + q
+        q = vr - 2*spares*max(p*q, 0.0_rk)*s/(s*s + tiny(s))
+        q = min(max(jumps*q, vr), 0.0_rk)
+    end function jump_speed
 
     !> Viscous hourglass force: resists the part of v_ij that the velocity gradients miss.
     !>

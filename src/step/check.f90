@@ -29,8 +29,9 @@ module brz_check
 
     integer, parameter :: air_dump_bytes = 30, solid_dump_bytes = 128 !! per cell, particle
 
-    character(38), parameter :: limiter_notes(0:2) = [character(38) :: '', &
-        ', less where it shears (balsara)', ', where it is compressed (compression)']
+    character(38), parameter :: limiter_notes(0:3) = [character(38) :: '', &
+        ', less where it shears (balsara)', ', where it is compressed (compression)', &
+        ', where the flow is not smooth (slope)']
 
 contains
 
