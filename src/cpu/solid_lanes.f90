@@ -35,7 +35,7 @@ module brz_solid_lanes
         integer :: formulation = 0 !! of their body
         logical :: directional = .false. !! hourglass stiffness along axes
         real(rk) :: width(3) = 1 !! unloaded place over x_ref
-        real(rk) :: spares = 0 !! 1: the viscosity spares smooth flow, see jump_speed
+        logical :: jumps = .false. !! the viscosity sees jumps alone, see jump_speed
         logical :: variable = .false. !! smoothing lengths follow the density
         integer :: dimension = 3
         real(rk) :: factor = 0 !! of the kernel's scale, see pair_kernels
@@ -114,7 +114,7 @@ contains
         p%formulation = body%formulation
         p%directional = body%directional
         p%width = real(1/body%stretch, rk)
-        p%spares = merge(1, 0, body%limiter == limiter_slope)
+        p%jumps = body%limiter == limiter_slope
         p%variable = body%variable
         p%dimension = solid%dimension
         p%factor = p%scale/p%half_over_h**(solid%dimension + 2)

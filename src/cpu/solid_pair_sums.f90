@@ -21,14 +21,15 @@ module brz_solid_pair_sums
     public :: add_pairs
     ! loops of their own, each: make vectors looks at them
     public :: sum_plain, sum_viscous, sum_held, sum_plate, sum_stiff, sum_total, sum_axial, sum_wide
+    public :: sum_viscous_jump, sum_held_jump, sum_plate_jump
 
     ! Forces besides those of stress and viscosity: none; the viscous hourglass force; also the
-    ! hold; also tilts (plates); the stiff hourglass force; the same in total-Lagrangian bodies,
-    ! where X_ij weighs the pairs and the stress (Piola's) acts along it; the stiff one along the
-    ! axes of the material, and tilts; the same in total-Lagrangian bodies, in the metric of their
-    ! lattice.
-    integer, parameter :: plain = 1, viscous = 2, held = 3, plate = 4, stiff = 5, total = 6, &
-                          axial = 7, wide = 8
+    ! hold; also tilts (plates), each of the three also with a viscosity that sees jumps alone; the
+    ! stiff hourglass force; the same in total-Lagrangian bodies, where X_ij weighs the pairs and
+    ! the stress (Piola's) acts along it; the stiff one along the axes of the material, and tilts;
+    ! the same in total-Lagrangian bodies, in the metric of their lattice.
+    integer, parameter :: plain = 1, viscous = 2, viscous_jump = 3, held = 4, held_jump = 5, &
+                          plate = 6, plate_jump = 7, stiff = 8, total = 9, axial = 10, wide = 11
 
 contains
 
@@ -42,7 +43,13 @@ contains
         real(real32), intent(in), optional :: hold(6, *) !! only with a stiffness along axes
         real(rk), intent(in), optional :: drawn(n_held, *) !! only with the hold
 
-        if (p%held .and. any(p%normal > 0)) then
+        if (p%jumps .and. p%held .and. any(p%normal > 0)) then
+            call sum_plate_jump(p, x, v, x_ref, pair, h, list, hold, drawn)
+        else if (p%jumps .and. p%held) then
+            call sum_held_jump(p, x, v, x_ref, pair, h, list, hold, drawn)
+        else if (p%jumps) then
+            call sum_viscous_jump(p, x, v, x_ref, pair, h, list, hold, drawn)
+        else if (p%held .and. any(p%normal > 0)) then
             call sum_plate(p, x, v, x_ref, pair, h, list, hold, drawn)
         else if (p%held) then
             call sum_held(p, x, v, x_ref, pair, h, list, hold, drawn)
@@ -64,8 +71,11 @@ contains
     !> The same with the forces of one kind.
     !@variant sum_plain: plain
     !@variant sum_viscous: viscous
+    !@variant sum_viscous_jump: viscous_jump
     !@variant sum_held: held
+    !@variant sum_held_jump: held_jump
     !@variant sum_plate: plate
+    !@variant sum_plate_jump: plate_jump
     !@variant sum_stiff: stiff
     !@variant sum_total: total
     !@variant sum_axial: axial
@@ -83,7 +93,7 @@ contains
         type(kernel_t) :: q
         integer :: k, l, j, n, t
 
-        n = merge(at_hold, n_terms, kind <= viscous)
+        n = merge(at_hold, n_terms, kind <= viscous_jump)
         acc(:, :n) = p%sums(:, :n)
         call body_kernel(p, q)
         do k = 1, p%count
@@ -93,7 +103,7 @@ contains
             do l = 1, lanes
                 do t = 1, 3
                     r(t) = real(p%x(l, t) - x(t, j), rk)
-                    if (kind > viscous) dx(t) = real(p%x_ref(l, t) - x_ref(t, j), rk)
+                    if (kind > viscous_jump) dx(t) = real(p%x_ref(l, t) - x_ref(t, j), rk)
                     dv(t) = p%v(l, t) - v(t, j)
                 end do
                 do t = 1, 8
@@ -111,30 +121,29 @@ contains
                 s2 = 1
                 if (kind == wide) s2 = metric_square(dx, p%width*dx)
                 jump = vr
-                if (kind >= viscous .and. kind <= plate) &
-                    jump = jump_speed(p%spares, own(pair_affine + 1), pair(pair_affine + 1, j), r, &
-                                      vr)
+                if (kind == viscous_jump .or. kind == held_jump .or. kind == plate_jump) &
+                    jump = jump_speed(1.0_rk, own(pair_affine + 1), pair(pair_affine + 1, j), r, vr)
                 u = viscous_force(w*s2, q%h(l)/sqrt(s2), r2, jump, &
                                   own(pair_linear) + pair(pair_linear, j), &
                                   own(pair_quadratic) + pair(pair_quadratic, j))
                 y = w*own(pair_keep)*pair(pair_keep, j)
-                if (kind >= viscous .and. kind <= plate) &
+                if (kind >= viscous .and. kind <= plate_jump) &
                     call hourglass_viscous(y*own(pair_hold), y*pair(pair_hold, j), &
                                            own(pair_affine + 1), pair(pair_affine + 1, j), dv, r, &
                                            d, heat)
-                if (kind > viscous) call keep(kind, p, l, j, own, pair(1, j), hold, drawn, r, dx, &
-                                              y, e)
+                if (kind > viscous_jump) &
+                    call keep(kind, p, l, j, own, pair(1, j), hold, drawn, r, dx, y, e)
                 do t = 1, 3
                     acc(l, t) = acc(l, t) + g(t)
                     f(t) = u*r(t)
-                    if (kind >= viscous .and. kind <= plate) f(t) = f(t) + d(t)
+                    if (kind >= viscous .and. kind <= plate_jump) f(t) = f(t) + d(t)
                     acc(l, at_drag + t) = acc(l, at_drag + t) + f(t)
-                    if (kind > viscous) acc(l, at_hold + t) = acc(l, at_hold + t) + e(t)
+                    if (kind > viscous_jump) acc(l, at_hold + t) = acc(l, at_hold + t) + e(t)
                 end do
                 acc(l, at_heat) = acc(l, at_heat) - u*vr/2
-                if (kind >= viscous .and. kind <= plate) &
+                if (kind >= viscous .and. kind <= plate_jump) &
                     acc(l, at_friction) = acc(l, at_friction) + heat
-                if (kind == held .or. kind == plate) &
+                if (kind >= held .and. kind <= plate_jump) &
                     acc(l, at_work) = acc(l, at_work) - (e(1)*dv(1) + e(2)*dv(2) + e(3)*dv(3))/2
             end do
         end do
@@ -151,7 +160,7 @@ contains
         real(rk), intent(out) :: g(3)
         real(rk) :: arm(3), arm_j(3)
 
-        if (kind == plate) then
+        if (kind == plate .or. kind == plate_jump) then
             call tilted_arm(own(pair_tilt), n, dx, r, arm)
             call tilted_arm(-other(pair_tilt), n, dx, r, arm_j)
         else if (kind == axial) then
@@ -161,7 +170,7 @@ contains
             call lifted_arm(own(pair_tilt), own(pair_hold), n, dx, arm)
             call lifted_arm(-other(pair_tilt), -other(pair_hold), n, dx, arm_j)
         end if
-        if (kind == plate .or. kind >= axial) then
+        if (kind == plate .or. kind == plate_jump .or. kind >= axial) then
             call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
         else if (kind == total) then
             call stress_force(w, own(pair_stress + 1), other(pair_stress + 1), dx, g)
@@ -183,7 +192,7 @@ contains
         real(rk) :: mine(n_held), axes(6), unloaded(3)
         integer :: t
 
-        if (kind == held .or. kind == plate) then
+        if (kind >= held .and. kind <= plate_jump) then
             do t = 1, 6
                 mine(t) = p%own(l, t)
                 mine(t + 6) = p%own(l, t + 6)
