@@ -110,6 +110,21 @@ contains
         print '(*(i0,1x))', n, a%n
     end subroutine
 end module
+module brz_gpu_exact
+    use brz_buffers
+    use brz_errors
+    type :: gpu_exact_t
+        type(doubles_t) :: sums, up
+    contains
+        procedure :: end => end_pass
+    end type
+contains
+    subroutine end_pass(self, pass, n, err)
+        class(gpu_exact_t), intent(inout) :: self
+        integer, intent(in) :: pass, n
+        type(error_t), intent(inout) :: err
+    end subroutine
+end module
 """
 USER = """program user
     use brz_buffers
