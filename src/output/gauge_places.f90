@@ -2,12 +2,12 @@
 !> The particles that a gauge in a body follows, and where they lie.
 module brz_gauge_places
     use brz_kinds, only: dp
-    use brz_ranks, only: least_of_all, several
+    use brz_ranks, only: bits_of_all, least_of_all, several
     use brz_solid_state, only: solid_t
     use brz_wide_lattice, only: unloaded_place
     implicit none
     private
-    public :: choose_particle, find_place
+    public :: choose_particle, find_place, strain_between
 
 contains
 
@@ -53,4 +53,26 @@ contains
             if (place > 0) place = first - 1 + place
         end associate
     end subroutine find_place
+
+    !> Strain between two particles: change of their distance over that in the unloaded body. Each
+    !> is known to one process (place 0: another one's), the strain to all, by the same bits.
+    real(dp) function strain_between(solid, body, place) result(strain)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: body, place(2)
+        real(dp) :: now(6), unloaded(6) !! one after the other [m]
+        integer :: k
+
+        now = 0
+        unloaded = 0
+        do k = 1, 2
+            if (place(k) == 0) cycle
+            now(3*k - 2:3*k) = solid%x(:, place(k))
+            unloaded(3*k - 2:3*k) = unloaded_place(solid, body, place(k))
+        end do
+        if (several(solid%ranks)) then
+            call bits_of_all(solid%ranks, now)
+            call bits_of_all(solid%ranks, unloaded)
+        end if
+        strain = norm2(now(:3) - now(4:))/norm2(unloaded(:3) - unloaded(4:)) - 1
+    end function strain_between
 end module brz_gauge_places

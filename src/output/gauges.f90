@@ -13,7 +13,7 @@ module brz_gauges
     use brz_check_start, only: is_radial
     use brz_contact, only: law_contact
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_gauge_places, only: choose_particle, find_place
+    use brz_gauge_places, only: choose_particle, find_place, strain_between
     use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
     use brz_kinds, only: dp, int64
     use brz_material, only: n_hist
@@ -126,9 +126,6 @@ contains
                                        "' to measure here; there is "// &
                                        known_quantities(gauge%body > 0, with_air))
         if (failed(err) .or. gauge%body == 0) return
-        if (several(solid%ranks) .and. gauge%quantity == 'strain') &
-            call raise(err, exit_deck, label('gauge', input%id, input%place)//'several '// &
-                       'processes do not measure strain yet; run as one')
         if (gauge%with > 0) call find_pair(input, solid, gauge%pair, err)
         if (gauge%whole > 0) then
             if (any(index(gauge%quantity, ['reaction', 'moment  ']) == 1)) &
@@ -335,7 +332,11 @@ contains
                 call find_place(solid, gauge%body, gauge%particle(k), gauge%place(k))
             end do
             value = 0 ! another process has the particle
-            if (gauge%place(1) > 0) value = value_of_particle(solid, gauge)
+            if (gauge%quantity == 'strain') then
+                value = strain_between(solid, gauge%body, gauge%place)
+            else if (gauge%place(1) > 0) then
+                value = value_of_particle(solid, gauge)
+            end if
         end if
     end function value_of_body
 
@@ -358,13 +359,11 @@ contains
         type(solid_t), intent(in) :: solid
         type(gauge_t), intent(in) :: gauge
         real(dp) :: v(3), d(3), s(6)
-        integer :: j
 
         associate (i => gauge%place(1), quantity => gauge%quantity)
             v = velocity_at_step(solid, i)
             d = solid%x(:, i) - unloaded_place(solid, gauge%body, i)
             s = solid%stress(:, i)
-            j = max(gauge%place(2), 1)
             select case (quantity)
             case ('speed'); value = norm2(v)
             case ('damage'); value = solid%damage(i)
@@ -375,9 +374,6 @@ contains
                         *(1 + real(solid%mu(i), dp))
             case ('von_mises'); value = sqrt(((s(1) - s(2))**2 + (s(2) - s(3))**2 &
                 + (s(3) - s(1))**2)/2 + 3*sum(s(4:6)**2))
-            case ('strain'); value = norm2(solid%x(:, i) - solid%x(:, j)) &
-                /norm2(unloaded_place(solid, gauge%body, i) &
-                       - unloaded_place(solid, gauge%body, j)) - 1
             case ('displacement_x', 'displacement_y', 'displacement_z')
                 value = d(axis_of(quantity))
             case ('velocity_x', 'velocity_y', 'velocity_z'); value = v(axis_of(quantity))

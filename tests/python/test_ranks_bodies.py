@@ -44,6 +44,9 @@ BODIES = """\
 &interaction law = 'none' /
 &gauge id = 'end', body = 'bar', at = 0.0075,0.001,0.001, quantity = 'displacement_x' /
 &gauge id = 'middle', body = 'block', at = 0.004,0.036,0.034, quantity = 'speed' /
+&gauge id = 'foil', body = 'bar', at = 0,0,0, to = 0.008,0.005,0.005, quantity = 'strain' /
+&gauge id = 'across', body = 'block', at = 0,0.035,0.03, to = 0.007,0.039,0.037,
+     quantity = 'strain' /
 &output dump_every = 4e-6, history_every = 0 /
 """
 
