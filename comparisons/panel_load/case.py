@@ -83,7 +83,7 @@ CASE = Case(
     ),
     runs=(_ours(2.5e-3), _ours(1.25e-3), _foam(2.5e-3), _foam(1.25e-3)),
     remarks={
-        "Brisance, 2.5 mm": "1.7 % less impulse of 1 ms than the reference, at a twenty-fifth of its time",
+        "Brisance, 2.5 mm": "1.7 % less impulse than the reference at a twenty-fifth of its time",
         "OpenFOAM, 2.5 mm": "1 % high in the first 50 us, as the cells of the panel's row are 1 mm",
     },
     text="Only the first millisecond is compared: from 1.1 ms on the open ends, which OpenFOAM "
