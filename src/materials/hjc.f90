@@ -11,8 +11,7 @@ module brz_hjc
     use brz_kinds, only: dp, rk
     use brz_algebra, only: double_dot
     use brz_deviator, only: mises_stress, return_deviator, trial_deviator
-    use brz_hjc_cracks, only: by_malvar, follow_rate, h_damage, h_rate, h_tension, open_cracks, &
-                              widest_crack
+    use brz_hjc_cracks, only: cracks_t, flow_with_cracks, follow_rate, open_cracks
     use brz_hjc_keys, only: hjc_keys
     use brz_hjc_pressure, only: crushing_strain, crushing_work, dense_curve, densest, &
                                 full_modulus, hjc_pressure, opening, unloading_modulus, &
@@ -21,6 +20,8 @@ module brz_hjc
                                 p_mu_lock, p_d1, p_d2, p_k1, p_k2, p_k3, p_floor, p_erosion, &
                                 p_limit, p_k_el, p_k_tran, p_mu_plock, p_full, p_ft, p_gf, &
                                 p_crack_rate, p_young
+    use brz_hjc_softening, only: by_malvar, h_damage, h_rate, h_tension, widest_crack
+    use brz_hjc_strength, only: add_damage, rate_effect, strength
     use brz_kinematics, only: volume_step
     use brz_material, only: class_crumbling, fails_by_degrees, material_t, point_t, material_ok, &
                             material_clamped, n_par
@@ -223,13 +224,12 @@ contains
         integer, intent(out) :: status
         real(rk) :: s(6), q(3, 3), de(6), trial(6), mu, mu_max, mu_old, dv, v_mid, p_old, p_eos, p
         real(rk) :: stiffest, damage, mises, yield, keep, work, plastic, strain, crushed, released
-        real(rk) :: before(2), slope !! pressure with and without cracks; its slope [Pa]
-        logical :: cracks
+        real(rk) :: rate, lost
+        type(cracks_t) :: cracks
         integer :: i
 
-        cracks = material%par(p_ft) > 0
         damage = min(max(point%damage, 0.0_rk), 1.0_rk)
-        if (cracks) damage = point%hist(h_damage)
+        if (material%par(p_ft) > 0) damage = point%hist(h_damage)
         mu_old = max(point%hist(h_mu_max), 0.0_rk)
         mu = point%mu
         call volume_step(material%density, l, dt, mu, dv, v_mid)
@@ -247,31 +247,33 @@ contains
         end do
         call trial_deviator(material%par(p_shear), dt, l, s, q, de, trial)
         released = 0
-        if (cracks) then
+        cracks%damage = 0
+        if (material%par(p_ft) > 0) then
             call follow_rate(material%par, crack, dt, l, point%hist)
-            before(1) = p_old
-            before(2) = 0 ! only asked for where there are cracks
-            if (point%hist(h_tension) > 0) &
-                call hjc_pressure(material%par, point%mu, mu_old, before(2), slope)
-            call open_cracks(material%par, crack, s, before, trial, p_eos, &
-                             point%hist, released)
-            released = released*v_mid
+            call crack_point(material%par, crack, s, trial, point, p_eos, cracks)
+            released = cracks%released*v_mid
+            if (point%hist(h_eroded) > 0) cracks%damage = 0 ! no strength, with cracks or without
         end if
         p = max(p_eos, -material%par(p_t)*(1 - damage))
         mises = mises_stress(trial)
-        yield = strength(material%par, p, damage, sqrt(double_dot(de, de)*2/3), dt)
+        rate = rate_effect(material%par, sqrt(double_dot(de, de)*2/3), dt)
+        yield = strength(material%par, p, damage, rate)
         if (point%hist(h_eroded) > 0) yield = 0
         keep = 1
         strain = 0
-        if (mises > yield) then
+        lost = 0
+        if (cracks%damage > 0) then
+            if (mises > yield .or. p > p_eos) &
+                call flow_with_cracks(material%par, damage, rate, cracks, trial, p, strain, lost)
+        else if (mises > yield) then
             keep = yield/mises
             strain = (mises - yield)/(3*material%par(p_shear))
         end if
         call return_deviator(material%par(p_shear), keep, de, trial, q, s, work, plastic)
         call add_damage(material%par, (p_old + p)/2, strain + crushed, damage)
-        p = max(p_eos, -material%par(p_t)*(1 - damage))
+        if (.not. cracks%damage > 0) p = max(p_eos, -material%par(p_t)*(1 - damage))
         if (point%hist(h_eroded) > 0) p = max(p, 0.0_rk)
-        if (.not. (cracks .and. point%hist(h_tension) > 0)) &
+        if (.not. (material%par(p_ft) > 0 .and. point%hist(h_tension) > 0)) &
             call release_tension(material%par, point, mu, mu_max, p_eos, p, damage, released)
         point%hist(h_plastic) = point%hist(h_plastic) + strain
         point%hist(h_mu_max) = mu_max
@@ -284,16 +286,34 @@ contains
                         /(material%density*(1 + point%mu)*(1 + mu))
         point%work(2) = released
         ! flow under tension is cracking; under pressure it is friction
-        point%work(merge(1, 2, p > 0)) = point%work(merge(1, 2, p > 0)) + plastic*v_mid
+        point%work(merge(1, 2, p > 0)) = point%work(merge(1, 2, p > 0)) + (plastic + lost)*v_mid
         point%mu = mu
         point%energy = point%energy + work*v_mid - (p_old + p)/2*dv
         point%damage = damage
-        if (cracks) then
+        if (material%par(p_ft) > 0) then
             point%hist(h_damage) = damage
             point%damage = damage + (1 - damage)*point%hist(h_tension)
         end if
         call finish(material, mu, stiffest, point, status)
     end subroutine update_hjc
+
+    !> Cracks open and close: the pressure that the point would have without them is asked for only
+    !> where there are some.
+    !@cuf attributes(host,device) &
+    pure subroutine crack_point(par, crack, s, trial, point, p, cracks)
+        real(rk), intent(in) :: par(n_par), crack !! width of a smeared crack [m]
+        real(rk), intent(in) :: s(6) !! deviator at the start, in the axes of mid-step [Pa]
+        real(rk), intent(inout) :: trial(6), p !! see `open_cracks`
+        type(point_t), intent(inout) :: point !! at the start; its history of cracks goes on
+        type(cracks_t), intent(out) :: cracks
+        real(rk) :: before(2), slope !! pressure with and without cracks; its slope [Pa]
+
+        before(1) = -(point%stress(1) + point%stress(2) + point%stress(3))/3
+        before(2) = 0
+        if (point%hist(h_tension) > 0) &
+            call hjc_pressure(par, point%mu, max(point%hist(h_mu_max), 0.0_rk), before(2), slope)
+        call open_cracks(par, crack, s, before, trial, p, point%hist, cracks)
+    end subroutine crack_point
 
     !> Wave speeds, and whether the point is beyond the curve of crushed material.
     !@cuf attributes(host,device) &
@@ -337,40 +357,6 @@ contains
         released = fall/2*(opening(par, before%mu, last, p_start, p_old) &
                            + opening(par, mu, mu_max, p_eos, p))
     end subroutine release_tension
-
-    !> Yield stress: by pressure, damage and rate, at most SMAX; to zero at the cut-off in tension.
-    !@cuf attributes(host,device) &
-    pure function strength(par, p, damage, strain, dt) result(yield)
-        real(rk), intent(in) :: par(n_par), p, damage
-        real(rk), intent(in) :: strain, dt !! equivalent strain of the step, its time [s]
-        real(rk) :: yield, least, factor
-
-        if (p > 0) then
-            yield = par(p_a)*(1 - damage) + par(p_b)*exp(par(p_n)*log(p/par(p_fc)))
-        else
-            yield = par(p_a)*max(0.0_rk, 1 - damage + p/par(p_t))
-        end if
-        least = par(p_floor)*par(p_rate)*dt
-        factor = par(p_floor)
-        if (strain > least) factor = strain/(par(p_rate)*dt)
-        yield = yield*max(0.0_rk, 1 + par(p_c)*log(factor))
-        yield = par(p_fc)*min(yield, par(p_smax))
-    end function strength
-
-    !> Damage by plastic and crushing strain, over the strain to fracture at the mean pressure.
-    !@cuf attributes(host,device) &
-    pure subroutine add_damage(par, p, strain, damage)
-        real(rk), intent(in) :: par(n_par)
-        real(rk), intent(in) :: p !! mean of the step [Pa]
-        real(rk), intent(in) :: strain
-        real(rk), intent(inout) :: damage
-        real(rk) :: reach
-
-        if (.not. strain > 0) return
-        reach = max(p + par(p_t), 0.0_rk)/par(p_fc)
-        if (par(p_d2) < 1 .or. par(p_d2) > 1) reach = reach**par(p_d2)
-        damage = min(1.0_rk, damage + strain/max(par(p_efmin), par(p_d1)*reach))
-    end subroutine add_damage
 
     !> Erosion, from the next step on.
     !@cuf attributes(host,device) &

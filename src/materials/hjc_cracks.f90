@@ -11,23 +11,26 @@
 module brz_hjc_cracks
     use brz_algebra, only: double_dot, to_matrix, to_voigt
     use brz_eigen, only: diagonalise
-    use brz_hjc_pressure, only: p_crack_rate, p_density, p_fc, p_ft, p_gf, p_k_el, p_shear, &
-                                p_young
+    use brz_hjc_pressure, only: p_crack_rate, p_density, p_k_el, p_shear, p_t, p_young
+    use brz_hjc_softening, only: by_malvar, crack_damage, faint, h_rate, h_tension
+    use brz_hjc_strength, only: strength
     use brz_kinds, only: rk
     use brz_material, only: n_hist, n_par
     implicit none
     private
-    public :: follow_rate, open_cracks, widest_crack
+    public :: cracks_t, flow_with_cracks, follow_rate, open_cracks
 
-    !> History: damage of the cracks, damage of the rest, rate at which they open [1/s].
-    integer, parameter, public :: h_tension = 4, h_damage = 5, h_rate = 6
-    integer, parameter, public :: by_malvar = 2 !! place of the word of `rate_tension`
     real(rk), parameter :: thinnest = 1e-3_rk !! least density over that of the unloaded concrete
-    real(rk), parameter :: steepest = 0.55_rk !! least Gf/(l ft) over k0
-    !> What is left of the stiffness of an open crack, and of its strength: small, and enough to
-    !> find the uncracked stress again, which with s beside the crack errs by epsilon s/(faint ft)
-    !> of itself. The first rules in real64; the second leaves faint (1 - log(faint)/2) of gf.
-    real(rk), parameter :: least_left = 1e-6_rk, faint = 4*sqrt(epsilon(1.0_rk))
+
+    !> What the flow of a cracked point is found from.
+    type :: cracks_t
+        real(rk) :: axes(3, 3) !! principal axes, column by column
+        real(rk) :: uncracked(3) !! stress of uncracked concrete along them, w of `carry` [Pa]
+        real(rk) :: trace !! W of `carry` [Pa]
+        real(rk) :: old(3) !! stress at the start of the step along them [Pa]
+        real(rk) :: damage !! of the cracks; 0: there are none, and nothing else is set
+        real(rk) :: released !! energy that their growth lets go [J/m3]
+    end type cracks_t
 
 contains
 
@@ -38,7 +41,7 @@ contains
     !> it and never falls.) That of the cracks is large beside the stress when they are wide: it
     !> stands by itself, so that no difference of large numbers is taken.
     !@cuf attributes(host,device) &
-    pure subroutine open_cracks(par, crack, s, p_old, trial, p, hist, released)
+    pure subroutine open_cracks(par, crack, s, p_old, trial, p, hist, cracks)
         real(rk), intent(in) :: par(n_par)
         real(rk), intent(in) :: crack !! width of the smeared crack [m]
         real(rk), intent(in) :: s(6) !! deviator at the start, in the axes of mid-step [Pa]
@@ -46,21 +49,21 @@ contains
         real(rk), intent(inout) :: trial(6) !! deviator, elastic in, with cracks out [Pa]
         real(rk), intent(inout) :: p !! pressure at the end, uncracked in, with cracks out [Pa]
         real(rk), intent(inout) :: hist(n_hist)
-        real(rk), intent(out) :: released !! [J/m3]
-        real(rk) :: old(6), parted(6), start(6), rise(6), change(6), values(3, 3), axes(3, 3)
-        real(rk) :: damage, before, kappa, volume, shift, total
+        type(cracks_t), intent(out) :: cracks
+        real(rk) :: old(6), parted(6), start(6), rise(6), change(6), values(3), taken
+        real(rk) :: damage, kappa, volume, shift
         integer :: i
 
-        released = 0
-        before = hist(h_tension)
+        cracks%released = 0
+        cracks%damage = hist(h_tension)
         do i = 1, 6
             old(i) = s(i)
             if (i <= 3) old(i) = s(i) - p_old(1)
             parted(i) = 0
         end do
         volume = 0
-        if (before > 0) &
-            call find_open(par, before, old, logarithmic(par, p_old(2)), parted, volume)
+        if (cracks%damage > 0) &
+            call find_open(par, cracks%damage, old, logarithmic(par, p_old(2)), parted, volume)
         do i = 1, 6
             start(i) = old(i) + parted(i)
             if (i <= 3) start(i) = start(i) + volume
@@ -72,29 +75,116 @@ contains
             change(i) = old(i) + rise(i)
             parted(i) = parted(i) + change(i)
         end do
-        total = -3*mean_pressure(change)
-        call principal(parted, values, axes)
-        call carry(par, before, total, values)
-        kappa = max(values(1, 1), values(2, 2), values(3, 3))/((1 - before)*par(p_young))
-        damage = max(before, crack_damage(par, crack, kappa, hist(h_rate)))
+        taken = elastic(par, old, rise)
+        cracks%trace = -3*mean_pressure(change)
+        call principal(parted, cracks%uncracked, cracks%axes)
+        call carry(par, 1.0_rk, cracks, values)
+        kappa = max(values(1), values(2), values(3))/((1 - cracks%damage)*par(p_young))
+        damage = max(cracks%damage, crack_damage(par, crack, kappa, hist(h_rate)))
         if (.not. damage > 0) return
-        if (damage > before) then
-            call principal(parted, values, axes)
-            call carry(par, damage, total, values)
+        if (damage > cracks%damage) then
+            cracks%damage = damage
+            call carry(par, 1.0_rk, cracks, values)
         end if
-        call compose(values, axes, trial)
-        if (damage > before) then
+        call compose(values, cracks%axes, trial)
+        if (damage > hist(h_tension)) then
             do i = 1, 6
                 change(i) = trial(i) - old(i)
             end do
-            released = max(0.0_rk, elastic(par, old, rise) - elastic(par, change, start))
+            cracks%released = max(0.0_rk, taken - elastic(par, change, start))
         end if
         hist(h_tension) = damage
+        call along(old, cracks%axes, cracks%old)
         p = mean_pressure(trial)
         do i = 1, 3
             trial(i) = trial(i) + p
         end do
     end subroutine open_cracks
+
+    !> Back to the yield surface and to the cut-off in tension, at the traction that cracks carry.
+    !>
+    !> The flow is along the deviator s of the end: it takes lambda s from the uncracked stress,
+    !> and what cracks carry follows (`carry`), so that an open one is neither pressed nor pulled
+    !> by it. Without an open crack this is the radial return, 1/(1 + lambda) of the trial. The
+    !> pressure falls with the stress beside a crack; the surface is met at the one of the end, by
+    !> secants between bounds. What is left beyond it (no strength: the tip in tension) goes as the
+    !> deviator and the mean tension themselves.
+    !@cuf attributes(host,device) &
+    pure subroutine flow_with_cracks(par, damage, rate, cracks, trial, p, strain, lost)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: damage, rate !! for `strength`
+        type(cracks_t), intent(in) :: cracks
+        real(rk), intent(inout) :: trial(6), p !! deviator, pressure: of `open_cracks` in, end out
+        real(rk), intent(out) :: strain !! equivalent plastic strain
+        real(rk), intent(out) :: lost !! energy that the flow takes [J/m3]
+        real(rk) :: values(3), held(3), keep, low, high, last, mises, yield, excess, before, least
+        integer :: pass, i
+        real(rk), parameter :: near = 1e-9_rk + 64*epsilon(1.0_rk)
+        integer, parameter :: passes = 30
+
+        least = -par(p_t)*(1 - damage)
+        keep = 1
+        last = 0
+        low = 0
+        high = 1
+        do pass = 0, passes
+            call carry(par, keep, cracks, values)
+            p = -(values(1) + values(2) + values(3))/3
+            mises = sqrt(((values(1) - values(2))**2 + (values(2) - values(3))**2 &
+                          + (values(3) - values(1))**2)/2)
+            yield = strength(par, max(p, least), damage, rate)
+            excess = mises - yield
+            if (pass == 0) then
+                before = -yield
+                do i = 1, 3
+                    held(i) = values(i)
+                end do
+                if (excess <= 0 .or. .not. yield > 0) exit
+            end if
+            if (abs(excess) <= near*yield .or. pass == passes) exit
+            if (excess > 0) high = keep
+            if (.not. excess > 0) low = keep
+            mises = keep - excess*(last - keep)/(before - excess) ! of the secant
+            last = keep
+            before = excess
+            keep = mises
+            if (.not. (keep > low .and. keep < high)) keep = (low + high)/2
+            keep = max(keep, faint)
+        end do
+        excess = 1 ! a cut of what is near would pull at the cracks
+        if (mises - yield > 2*near*yield) excess = yield/mises
+        strain = ((1 - keep)/keep*excess + 1 - excess)*mises/(3*par(p_shear))
+        least = max(p, least)
+        do i = 1, 3
+            values(i) = excess*(values(i) + p) - least
+        end do
+        lost = spent(par, cracks, held, values)
+        p = least
+        call compose(values, cracks%axes, trial)
+        do i = 1, 3
+            trial(i) = trial(i) + p
+        end do
+    end subroutine flow_with_cracks
+
+    !> Mean stress of the step times the strain that was lost from one stress to another [J/m3].
+    !@cuf attributes(host,device) &
+    pure function spent(par, cracks, held, left) result(work)
+        real(rk), intent(in) :: par(n_par)
+        type(cracks_t), intent(in) :: cracks
+        real(rk), intent(in) :: held(3), left(3) !! along the axes of the cracks [Pa]
+        real(rk) :: work, nu, total, open
+        integer :: i
+
+        nu = par(p_young)/(2*par(p_shear)) - 1
+        total = held(1) - left(1) + held(2) - left(2) + held(3) - left(3)
+        open = cracks%damage/(1 - cracks%damage)
+        work = 0
+        do i = 1, 3
+            work = work + (cracks%old(i) + left(i))*((1 + nu)*(held(i) - left(i)) - nu*total &
+                + open*(max(held(i), 0.0_rk) - max(left(i), 0.0_rk)))
+        end do
+        work = max(0.0_rk, work/(2*par(p_young)))
+    end function spent
 
     !> Tension K mu as that of the logarithmic strain, to which the deviator belongs: the sides of a
     !> crack that opens wide are neither pressed nor pulled.
@@ -109,8 +199,9 @@ contains
 
     !> What the strain of open cracks adds to the stress that uncracked concrete would have.
     !>
-    !> It errs by rounding, step after step. The volume does not: what of the difference can be
-    !> rounding is the crack's, not a strain of the concrete beside it.
+    !> It errs by rounding, step after step, the more the larger the stress beside the crack is. The
+    !> volume does not: what of the difference can be rounding is the crack's, not a strain of the
+    !> concrete beside it.
     !@cuf attributes(host,device) &
     pure subroutine find_open(par, damage, stress, pressure, parted, volume)
         real(rk), intent(in) :: par(n_par), damage
@@ -119,60 +210,76 @@ contains
         real(rk), intent(out) :: parted(6) !! by shear stiffness, along the axes of the cracks [Pa]
         real(rk), intent(out) :: volume !! on every axis, for their trace [Pa]
         real(rk), parameter :: rounding = 4*epsilon(1.0_rk) !! of an opening in a step
-        real(rk) :: values(3, 3), axes(3, 3), nu, total, rest
+        real(rk) :: values(3), axes(3, 3), nu, gain, total, rest, slack
         integer :: i
 
-        call to_matrix(stress, values)
-        call diagonalise(values, axes)
+        call principal(stress, values, axes)
         nu = par(p_young)/(2*par(p_shear)) - 1
+        gain = damage/(1 - damage)/(1 + nu)
+        slack = 4*gain*max(abs(values(1)), abs(values(2)), abs(values(3)))
         total = 0
         do i = 1, 3
-            values(i, i) = damage/(1 - damage)/(1 + nu)*max(values(i, i), 0.0_rk)
-            total = total + values(i, i)
+            values(i) = gain*max(values(i), 0.0_rk)
+            total = total + values(i)
         end do
         call compose(values, axes, parted)
         volume = nu/(1 - 2*nu)*total
+        if (.not. total > 0) return
         rest = 3*(mean_pressure(stress) - pressure)*(1 - 2*nu)/(1 + nu) - total
-        rest = 1 + min(max(rest, -rounding*total), rounding*total)/max(total, tiny(1.0_rk))
+        slack = rounding*(total + slack)
+        rest = max(0.0_rk, 1 + min(max(rest, -slack), slack)/total)
         do i = 1, 6
             parted(i) = rest*parted(i)
         end do
         volume = rest*volume
     end subroutine find_open
 
-    !> Principal stresses with cracks from those without, at the same strain.
+    !> Principal stresses with cracks from those without, at the same strain, after a flow.
     !>
     !> With S the sum of the stresses and w the uncracked ones, sigma_i (1/f_i + nu) = (1 + nu) w_i
     !> + nu (S - W): linear in S once it is known which f_i are 1 - D and which are 1. That depends
     !> on the sign of the left side; the line is that of a convex energy, so few passes find it.
     !> The part of the uncracked stress that is the same on every axis for the volume of the cracks
     !> may be left out of w: W is then the sum less that of the part left out.
+    !> A flow that keeps the share k = 1/(1 + lambda) of a deviator has w_i - lambda (sigma_i - S/3)
+    !> in place of w_i; all is multiplied by k.
     !@cuf attributes(host,device) &
-    pure subroutine carry(par, damage, trace, values)
-        real(rk), intent(in) :: par(n_par), damage
-        real(rk), intent(in) :: trace !! W [Pa]
-        real(rk), intent(inout) :: values(3, 3) !! principal stresses on the diagonal [Pa]
-        real(rk) :: nu, open, total, rest, slope, share
+    pure subroutine carry(par, keep, cracks, values)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: keep !! k, 1: no flow
+        type(cracks_t), intent(in) :: cracks
+        real(rk), intent(out) :: values(3) !! principal stresses [Pa]
+        real(rk) :: nu, left, open, closed, flow, gain, total, rest, slope, share
         integer :: i, pass
         integer, parameter :: passes = 4
 
-        if (.not. damage > 0) return
+        do i = 1, 3
+            values(i) = cracks%uncracked(i)
+        end do
+        if (.not. cracks%damage > 0) return
         nu = par(p_young)/(2*par(p_shear)) - 1
-        open = (1 - damage)/(1 + nu*(1 - damage))
+        left = 1 - cracks%damage
+        flow = (1 + nu)*(1 - keep)
+        open = left/(keep*(1 + nu*left) + flow*left)
+        closed = 1/(1 + nu)
+        gain = keep*nu + flow/3
+        do i = 1, 3
+            values(i) = keep*(1 + nu)*values(i) + flow/3*cracks%trace
+        end do
         total = 0 ! S - W
         do pass = 1, passes
-            rest = -trace
+            rest = -cracks%trace
             slope = 1
             do i = 1, 3
-                share = merge(open, 1/(1 + nu), (1 + nu)*values(i, i) + nu*total > 0)
-                rest = rest + share*(1 + nu)*values(i, i)
-                slope = slope - share*nu
+                share = merge(open, closed, values(i) + gain*total > 0)
+                rest = rest + share*values(i)
+                slope = slope - share*gain
             end do
             total = rest/slope
         end do
         do i = 1, 3
-            share = merge(open, 1/(1 + nu), (1 + nu)*values(i, i) + nu*total > 0)
-            values(i, i) = share*((1 + nu)*values(i, i) + nu*total)
+            values(i) = values(i) + gain*total
+            values(i) = values(i)*merge(open, closed, values(i) > 0)
         end do
     end subroutine carry
 
@@ -195,20 +302,25 @@ contains
         p = -(stress(1) + stress(2) + stress(3))/3
     end function mean_pressure
 
-    !> Principal values, on the diagonal, and their axes, column by column.
+    !> Principal values and their axes, column by column.
     !@cuf attributes(host,device) &
     pure subroutine principal(tensor, values, axes)
         real(rk), intent(in) :: tensor(6) !! xx, yy, zz, xy, yz, xz
-        real(rk), intent(out) :: values(3, 3), axes(3, 3)
+        real(rk), intent(out) :: values(3), axes(3, 3)
+        real(rk) :: matrix(3, 3)
+        integer :: i
 
-        call to_matrix(tensor, values)
-        call diagonalise(values, axes)
+        call to_matrix(tensor, matrix)
+        call diagonalise(matrix, axes)
+        do i = 1, 3
+            values(i) = matrix(i, i)
+        end do
     end subroutine principal
 
     !> The tensor of principal values and axes.
     !@cuf attributes(host,device) &
     pure subroutine compose(values, axes, tensor)
-        real(rk), intent(in) :: values(3, 3), axes(3, 3) !! see `principal`
+        real(rk), intent(in) :: values(3), axes(3, 3) !! see `principal`
         real(rk), intent(out) :: tensor(6) !! xx, yy, zz, xy, yz, xz
         integer :: k
 
@@ -216,52 +328,28 @@ contains
             tensor(k) = 0
         end do
         do k = 1, 3
-            tensor(1) = tensor(1) + values(k, k)*axes(1, k)*axes(1, k)
-            tensor(2) = tensor(2) + values(k, k)*axes(2, k)*axes(2, k)
-            tensor(3) = tensor(3) + values(k, k)*axes(3, k)*axes(3, k)
-            tensor(4) = tensor(4) + values(k, k)*axes(1, k)*axes(2, k)
-            tensor(5) = tensor(5) + values(k, k)*axes(2, k)*axes(3, k)
-            tensor(6) = tensor(6) + values(k, k)*axes(1, k)*axes(3, k)
+            tensor(1) = tensor(1) + values(k)*axes(1, k)*axes(1, k)
+            tensor(2) = tensor(2) + values(k)*axes(2, k)*axes(2, k)
+            tensor(3) = tensor(3) + values(k)*axes(3, k)*axes(3, k)
+            tensor(4) = tensor(4) + values(k)*axes(1, k)*axes(2, k)
+            tensor(5) = tensor(5) + values(k)*axes(2, k)*axes(3, k)
+            tensor(6) = tensor(6) + values(k)*axes(1, k)*axes(3, k)
         end do
     end subroutine compose
 
-    !> Damage at an equivalent strain. A crack too wide for its energy opens at a lower strength.
+    !> What a tensor is along each axis, a . t a.
     !@cuf attributes(host,device) &
-    pure function crack_damage(par, crack, kappa, rate) result(damage)
-        real(rk), intent(in) :: par(n_par)
-        real(rk), intent(in) :: crack !! width of the smeared crack [m]
-        real(rk), intent(in) :: kappa, rate !! equivalent strain; rate at which it cracked [1/s]
-        real(rk) :: damage, ft, k0, ks, spent, least
+    pure subroutine along(tensor, axes, values)
+        real(rk), intent(in) :: tensor(6), axes(3, 3) !! xx, yy, zz, xy, yz, xz; see `principal`
+        real(rk), intent(out) :: values(3)
+        integer :: k
 
-        ft = par(p_ft)
-        if (int(par(p_crack_rate)) == by_malvar) ft = ft*rate_factor(par(p_fc), rate)
-        spent = par(p_gf)/max(crack, tiny(crack)*1e10_rk)
-        ft = min(ft, sqrt(par(p_young)*spent/steepest))
-        k0 = ft/par(p_young)
-        ks = spent/ft - k0/2
-        damage = 0
-        if (.not. kappa > k0) return
-        least = max(least_left, faint*k0/(k0 - ks*log(faint)))
-        damage = 1 - max(least, k0/kappa*exp(-(kappa - k0)/ks))
-    end function crack_damage
-
-    !> Strength at a rate over that at 1e-6 1/s, after Malvar and Ross.
-    !@cuf attributes(host,device) &
-    pure function rate_factor(fc, rate) result(factor)
-        real(rk), intent(in) :: fc !! [Pa]
-        real(rk), intent(in) :: rate !! [1/s]
-        real(rk) :: factor, delta
-        real(rk), parameter :: slow = 1e-6_rk, third = 1/3.0_rk
-
-        factor = 1
-        if (.not. rate > slow) return
-        delta = 1/(1 + 8*fc/10e6_rk)
-        if (rate <= 1) then
-            factor = (rate/slow)**delta
-        else
-            factor = 10**(6*delta - 2)*(rate/slow)**third
-        end if
-    end function rate_factor
+        do k = 1, 3
+            values(k) = tensor(1)*axes(1, k)**2 + tensor(2)*axes(2, k)**2 &
+                        + tensor(3)*axes(3, k)**2 + 2*(tensor(4)*axes(1, k)*axes(2, k) &
+                        + tensor(5)*axes(2, k)*axes(3, k) + tensor(6)*axes(1, k)*axes(3, k))
+        end do
+    end subroutine along
 
     !> Rate of the largest principal strain, filtered over the time of a wave across the crack; it
     !> rests once a crack has opened.
@@ -271,7 +359,7 @@ contains
         real(rk), intent(in) :: crack, dt !! width of the crack [m], time step [s]
         real(rk), intent(in) :: l(3, 3) !! dv_i/dx_j [1/s]
         real(rk), intent(inout) :: hist(n_hist)
-        real(rk) :: share, d(6), values(3, 3), axes(3, 3)
+        real(rk) :: share, d(6), values(3), axes(3, 3)
 
         if (int(par(p_crack_rate)) /= by_malvar .or. hist(h_tension) > 0) return
         call to_voigt(l, d)
@@ -279,14 +367,6 @@ contains
         share = dt*sqrt(par(p_young)/par(p_density))
         share = share/(share + crack)
         hist(h_rate) = hist(h_rate) + share*( &
-            max(values(1, 1), values(2, 2), values(3, 3), 0.0_rk) - hist(h_rate))
+            max(values(1), values(2), values(3), 0.0_rk) - hist(h_rate))
     end subroutine follow_rate
-
-    !> Widest crack that can spend its energy without a fall of the strength [m].
-    pure function widest_crack(par) result(width)
-        real(rk), intent(in) :: par(n_par)
-        real(rk) :: width
-
-        width = par(p_young)*par(p_gf)/(steepest*par(p_ft)**2)
-    end function widest_crack
 end module brz_hjc_cracks
