@@ -23,6 +23,7 @@ module brz_run
     use brz_run_axial, only: run_axial
     use brz_run_radial, only: run_radial
     use brz_run_ranks, only: print_ranks, refuse_on_ranks
+    use brz_saves, only: on_gpu
     use brz_scanner, only: read_deck
     use brz_scene_size, only: refuse_too_large, scene_size_t, size_scene, too_large_to_look
     use brz_setup_progress, only: begin_setup, end_setup
@@ -194,7 +195,7 @@ contains
             if (sim%intact) call save_last(sim, outputs, err)
             return
         end if
-        call save_checkpoint(sim, outputs, err)
+        call save_checkpoint(sim, outputs, err, beside=on_gpu(sim))
         call report(sim, outputs, err)
     end subroutine time_loop
 
