@@ -34,6 +34,9 @@ MATH = "exp exp2 exp10 log log2 log10 pow powi sin cos tan asin acos atan atan2 
 LIBM = "erf erfc tgamma lgamma hypot expm1 log1p cbrt asinh acosh atanh sinh cosh tanh"
 ARITHMETIC = Path("cuda/arithmetic.ll")
 AIR = re.compile(r"src/air/|cuda/air")  # the files that use it
+# blocks of 128 threads that a multiprocessor is to hold at least, in mixed precision: these wait
+# for memory, and a few numbers in the stack cost less than a quarter of the threads
+BLOCKS = {"solid_forces_drawn": 4, "each_pull_links": 4, "solid_bond_moments": 4}
 REGISTER = {"threadidx": "tid", "blockidx": "ctaid", "blockdim": "ntid", "griddim": "nctaid"}
 BUILTIN = re.compile(
     r"(?P<to>%\w+) = load i32, ptr (?:getelementptr [^@]*)?"
@@ -172,7 +175,7 @@ def without_branches(text):
     return text
 
 
-def edited(text, path, work):
+def edited(text, path, work, mixed):
     """IR with what LLVM can translate for the GPU."""
     if AIR.match(path.as_posix()):
         text = without_branches(text)
@@ -190,23 +193,31 @@ def edited(text, path, work):
         text += "".join(f"\ndeclare i32 @llvm.nvvm.read.ptx.sreg.{register}.{x}()" for x in "xyz")
     text = structures_by_value(text, path, work)
     for name, bounds in kernels_of(path).items():
-        marks = f' "nvvm.maxntid"="{bounds[0]}" "nvvm.minctasm"="{bounds[1]}"' if bounds else ""
+        most, least = (128, BLOCKS[name]) if mixed and name in BLOCKS else bounds or (0, 0)
+        marks = f' "nvvm.maxntid"="{most}" "nvvm.minctasm"="{least}"' if most else ""
         head = rf"^define void (@{mangled(path, name)}\(.*\))( [^{{]*)?\{{"
         text, n = re.subn(head, rf"define ptx_kernel void \1{marks}\2{{", text, flags=re.M)
-        if name.startswith("solid_"):
-            text = aligned(text, mangled(path, name))
+        text = aligned(text, path, name)
         if n != 1:
             raise Fault(f"{path}: kernel {name} is not in the code that flang wrote")
     return text + "\n"
 
 
-def aligned(text, symbol):
-    """Tell that the arrays of a kernel begin at whole 16 B, as buffers do.
+def aligned(text, path, name):
+    """Tell which arrays of a kernel begin at whole 16 B, as buffers do.
 
-    The solids gather rows by wide loads; the air would only need more registers.
+    The solids gather rows by wide loads; the air would only need more registers. Kernels of items
+    may be given a part of a buffer, but where rows have these lengths a whole one.
     """
-    head = re.compile(rf"^define ptx_kernel void @{symbol}\(.*$", re.M)
-    return head.sub(lambda m: re.sub(r"\bptr\b(?! byval)", "ptr align 16", m[0]), text)
+    head = re.search(rf"^define ptx_kernel void @{mangled(path, name)}\((.*)\)(?= |$)", text, re.M)
+    given = re.split(r", (?=ptr|i\d+|float|double)", head[1])
+    source = re.sub(r"&\s*\n\s*&?", "", path.read_text(encoding="utf-8"))
+    found = re.search(rf"subroutine\s+{name}\s*\(([^)]*)\)(.*?)end subroutine", source, re.I | re.S)
+    for place, argument in enumerate(x.strip() for x in found[1].split(",")):
+        rows = re.search(rf"\b{argument}\((?:lay%wide|n_pair|n_held|n_press), \*\)", found[2])
+        if name.startswith("solid_") or rows:
+            given[place] = re.sub(r"\bptr\b(?! byval)", "ptr align 16", given[place])
+    return text[: head.start(1)] + ", ".join(given) + text[head.end(1) :]
 
 
 def compile_one(path, wanted, args):
@@ -221,7 +232,8 @@ def compile_one(path, wanted, args):
         return None
     raw, out = args.work / (path.stem + ".raw"), args.work / (path.stem + ".ll")
     run(*flang, *RAW, path, "-o", raw)
-    raw.write_text(edited(raw.read_text(encoding="utf-8"), path, args.work), encoding="utf-8")
+    text = edited(raw.read_text(encoding="utf-8"), path, args.work, "BRZ_MIXED" in args.define)
+    raw.write_text(text, encoding="utf-8")
     return raw.rename(out)  # whole when another file looks for a structure in it
 
 

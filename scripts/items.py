@@ -21,7 +21,7 @@ KNOWN |= dict.fromkeys(["find_kernel", "kernel_t", "launch", "device_t"], "brz_d
 EXACT = ["widen", "open_sums", "add_terms", "close_sums", "scale_t", "limbs"]
 KNOWN |= {"ranks_t": "brz_ranks", "int64": "brz_kinds"} | dict.fromkeys(EXACT, "brz_exact_sum")
 KNOWN |= {"tally_exactly": "brz_tallies", "gpu_exact_t": "brz_gpu_exact"}
-KNOWN |= {"error_t": "brz_errors"} | dict.fromkeys(
+KNOWN |= {"fix_layout": "brz_link_layout", "error_t": "brz_errors"} | dict.fromkeys(
     [*BUFFER.values(), "buffer_t", "arguments_t"], "brz_buffers"
 )
 
@@ -54,10 +54,10 @@ class Item:
                 found[one] = Argument(one, shape, kind, intent, comment)
         names = re.findall(r"\w+", rest[: rest.index(")")])
         self.index, *self.rest = (found[x] for x in names)
-        self.call = fold(f"call {name}({', '.join(names)})")
+        self.names = names
+        self.call = self.call_of({})
         self.exact = [a for a in self.rest if a.tally == "exact"]
-        terms = ["term" if found[x] in self.exact else x for x in names]
-        self.call_for_term = fold(f"call {name}({', '.join(terms)})")
+        self.call_for_term = self.call_of({a.name: "term" for a in self.exact})
         self.n = "n" + self.index.comment
         self.counts = [a.name for a in self.rest if a.tally == "count"]
         self.sums = [x for a in self.rest if a.tally not in ("", "count") for x in a.elements]
@@ -69,6 +69,10 @@ class Item:
         buffers = [("sums", "(tally_threads, *)", "real(dp)", self.sums)]
         buffers += [("counts", "(*)", "integer", self.counts)]
         self.given += [Argument(*b[:3], "intent(inout)") for b in buffers if b[3]]
+
+    def call_of(self, other):
+        """The call of the item, with other names for some arguments."""
+        return fold(f"call {self.name}({', '.join(other.get(x, x) for x in self.names)})")
 
 
 def fold(text, mark=""):
@@ -121,25 +125,33 @@ def exact_loop(item):
     return procedure(item.doc, f"subroutine each_{item.name}", names, declared, body)
 
 
+def fixed(item):
+    """The layouts that an item is given, and a copy of each whose numbers the compiler knows."""
+    return {a.name: f"own_{a.name}" for a in item.rest if a.kind == "type(link_layout_t)"}
+
+
 def kernel(item):
     """The item for 1..n on the GPU: a thread for each; a fixed number where numbers are summed."""
-    i, step = item.index, "(blockIdx%x - 1)*blockDim%x + threadIdx%x"
+    i, step, own = item.index, "(blockIdx%x - 1)*blockDim%x + threadIdx%x", fixed(item)
     declared, how = [f"integer, value :: {item.n}"], ("value", "device, {}")
     declared += [f"{a.kind}, {how[a.in_memory].format(a.intent)} :: {a.end}" for a in item.given]
     if item.exact:
         return exact_kernel(item, declared, step)
     declared += [f"{a.kind} :: {a.end}" for a in item.rest if a.tally]
+    declared += [f"type(link_layout_t) :: {name}" for name in own.values()]
     declared += [f"integer :: {i.name}" + ", t" * bool(item.sums) + ", old" * bool(item.counts)]
     begin = [f"{x} = sums(t, {k})" for k, x in enumerate(item.sums, 1)]
     begin += [f"{x} = 0" for x in item.counts]
+    begin += [f"call fix_layout({name}, {copy})" for name, copy in own.items()]
     end = [f"sums(t, {k}) = {x}" for k, x in enumerate(item.sums, 1)]
     add = "if ({0} > 0) old = atomicadd(counts({1}), {0})"
     end += [add.format(x, k) for k, x in enumerate(item.counts, 1)]
     if item.sums:
         body = [f"t = {step}", "if (t > tally_threads) return", *begin]
-        body += [f"do {i.name} = t, n, tally_threads", *inner(item.call), "end do", *end]
+        body += [f"do {i.name} = t, n, tally_threads", *inner(item.call_of(own)), "end do", *end]
     else:
-        body = [f"{i.name} = {step}", f"if ({i.name} > n) return", *begin, *item.call, *end]
+        call = item.call_of(own)
+        body = [f"{i.name} = {step}", f"if ({i.name} > n) return", *begin, *call, *end]
     head, names = f"attributes(global) subroutine each_{item.name}", [a.name for a in item.given]
     return procedure(item.doc, head, ["n", *names], declared, body)
 

@@ -43,6 +43,7 @@ module brz_cuda_driver
     !@foreign cuMemsetD8_v2 cu_fill_bytes(address memory, byte value, size n)
     !@foreign cuLaunchKernel cu_launch(pointer kernel, int gx, int gy, int gz, int bx, int by, &
     !@      int bz, int shared, pointer stream, in pointer arguments, pointer extra)
+    !@foreign cuStreamCreate cu_stream_create(out pointer stream, int flags)
     !@foreign cuCtxSynchronize cu_synchronize()
     !@foreign cuEventCreate cu_event_create(out pointer event, int flags)
     !@foreign cuEventRecord cu_event_record(pointer event, pointer stream)

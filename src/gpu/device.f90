@@ -2,7 +2,7 @@
 !> The GPU: open it, load the kernels, hold memory, launch.
 !>
 !> Every procedure reports through `error_t` with exit_device and does nothing once an error is
-!> recorded. All work goes through the default stream, in order.
+!> recorded. All work goes through the default stream, in order, but for what may run side by side.
 module brz_device
     use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_float, &
         c_int, c_int64_t, c_intptr_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_signed_char, c_size_t
@@ -11,8 +11,8 @@ module brz_device
         cu_device, cu_device_attribute, cu_device_count, cu_device_name, cu_driver_version, &
         cu_event_create, cu_event_elapsed, cu_event_record, cu_event_synchronize, cu_fill_bytes, &
         cu_free, cu_host_register, cu_host_unregister, cu_init, cu_launch, cu_memory_info, &
-        cu_module_function, cu_module_load, cu_synchronize, cu_to_device, cu_to_host, &
-        driver_message, load_driver
+        cu_module_function, cu_module_load, cu_stream_create, cu_synchronize, cu_to_device, &
+        cu_to_host, driver_message, load_driver
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_kernel_profile, only: book_launch, profiling
     use brz_kinds, only: dp, int64, int8
@@ -22,10 +22,14 @@ module brz_device
     private
     public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
     public :: find_kernel, allocate_buffer, put_buffer, reserve_buffer, free_buffer, &
-              free_buffers, copy_in, copy_out, copy_within, clear_buffer, launch, pin, unpin, &
+              free_buffers, copy_in, copy_out, copy_within, clear_buffer, launch, side_by_side, &
+              pin, unpin, &
               wait_for_device, start_timer, stop_timer
 
     integer, parameter :: threads_per_block = 128 !! all along x
+    integer, parameter :: most_streams = 8 !! in which kernels run side by side
+    type(c_ptr), save :: streams(most_streams) = c_null_ptr
+    type(c_ptr), save :: stream = c_null_ptr !! of the launches to come; null: the default stream
 
     type :: device_t
         logical :: open = .false.
@@ -334,12 +338,27 @@ contains
         if (profiling) call wait_for_device(err)
         start = wall_seconds()
         call check(cu_launch(kernel%handle, (n(1) - 1)/threads_per_block + 1, n(2), n(3), &
-                             threads_per_block, 1, 1, 0_c_int, c_null_ptr, values, c_null_ptr), &
+                             threads_per_block, 1, 1, 0_c_int, stream, values, c_null_ptr), &
                    'launching '//trim(kernel%name), err)
         if (.not. profiling) return
         call wait_for_device(err)
         call book_launch(kernel%name, wall_seconds() - start)
     end subroutine launch
+
+    !> From now on kernels of different `lane` may run side by side, those of one run in order; with
+    !> 0 again all. What goes through the default stream waits for all lanes, and they for it.
+    subroutine side_by_side(lane)
+        integer, intent(in) :: lane !! from 1, or 0
+        integer :: k
+
+        stream = c_null_ptr
+        if (lane == 0) return
+        k = mod(lane - 1, most_streams) + 1
+        if (.not. c_associated(streams(k))) then
+            if (cu_stream_create(streams(k), 0_c_int) /= 0) streams(k) = c_null_ptr
+        end if
+        stream = streams(k)
+    end subroutine side_by_side
 
     !> Wait until all work is done.
     subroutine wait_for_device(err)

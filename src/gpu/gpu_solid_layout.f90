@@ -13,7 +13,7 @@
 !> book(n, ...), whose sums over a body are its ledger.
 module brz_gpu_solid_layout
     use brz_kinds, only: dp, rk
-    use brz_link_layout, only: mask_unit
+    use brz_link_layout, only: mask_unit, slice_width
     use brz_particle_sums, only: n_sum
     use brz_row_items, only: row_rules_t
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
@@ -58,12 +58,11 @@ module brz_gpu_solid_layout
 
     ! `held` in pass 1: 1 beside S if the particle was in tension, else 0; then what it deviates,
     ! and the trace of M
-    integer, parameter :: pass_drawn = 7, pass_deviation = 1, pass_trace = 11
+    integer, parameter :: pass_drawn = 7, pass_deviation = 11, pass_trace = 10
 
     ! Lists: entry k of particle t of a body, both from 1, is entry
     ! (slice((t - 1)/w + 1) + k - 1)*w + mod(t - 1, w) + 1, w = slice_width: threads side by side
     ! read side by side. An entry is the neighbour plus mask_unit times its mirrored axes.
-    integer, parameter :: slice_width = 32
     integer, parameter :: scan_chunk = 256 !! numbers that a thread of a scan adds
 
     !> One body, as kernels see it.

@@ -1,7 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Contact and bonds between bodies on the GPU: memory, lists of links, launches.
 module brz_gpu_solid_links
-    use brz_buffers, only: from
+    use brz_buffers, only: from, integers_t
+    use brz_contact, only: law_bonded
     use brz_device, only: allocate_buffer, clear_buffer, copy_out, device_t, put_buffer, &
         reserve_buffer
     use brz_errors, only: error_t
@@ -14,9 +15,9 @@ module brz_gpu_solid_links
     use brz_gpu_solid_state, only: book_of, bytes_of_real, column_of, gpu_solid_t, tags_of, &
         threads_of
     use brz_kinds, only: dp, int64, rk
-    use brz_link_layout, only: link_layout_t
+    use brz_link_layout, only: fix_layout, link_layout_t
     use brz_list_drift, only: begin_links, links_reach, may_link
-    use brz_ranks, only: most_of_all
+    use brz_ranks, only: most_of_all, several
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -39,13 +40,19 @@ contains
             call put_buffer(solid%links%table, links%table, bytes, err)
             call put_buffer(solid%links%cell, links%cell, &
                             size(solid%links%cell)*bytes_of_real, err)
-            links%lay = link_layout_t(size(solid%bodies), solid%dimension, &
-                                      merge(1, 0, gpu%owed > 0), 4, gpu%n, 1, 4, 0, slice_width, &
-                                      slice_width, real(solid%depth, rk))
+            call fix_layout(link_layout_t(size(solid%bodies), solid%dimension, &
+                                          merge(1, 0, gpu%owed > 0), 0, gpu%n, 0, 0, 0, 0, 0, &
+                                          real(solid%depth, rk)), links%lay)
             call allocate_buffer(links%met, 4_int64*size(solid%bodies)**2, err)
             call links%contact%open(device, err)
             call links%between%open(device, err)
             call links%bonds%open(device, err)
+            call links%ties%open(device, err)
+            associate (t => solid%links%table)
+                links%breaks = any(t%law == law_bonded .and. &
+                                   min(t%tensile, t%shear) < huge(t%shear))
+                links%frees = links%breaks .or. any(t%bit /= 0) .or. several(solid%ranks)
+            end associate
         end associate
     end subroutine open_gpu_links
 
@@ -70,12 +77,34 @@ contains
             call gpu%common%running_sum(gpu%links%slice, slices, err, longest)
             call reserve_buffer(gpu%links%list, 4_int64*slice_width*(longest + 1_int64), err)
         end do
+        if (.not. gpu%links%frees) call find_loose(gpu, err)
         met = 0
         call copy_out(gpu%links%met, met, 4_int64*size(met), err)
         all = reshape(met, [size(met)])
         call most_of_all(solid%ranks, all)
         solid%links%met = reshape(all == 1, shape(met))
     end subroutine build_gpu_links
+
+    !> Find the particles whose links are not all tied.
+    subroutine find_loose(gpu, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+
+        associate (l => gpu%links)
+            call l%ties%count_loose(gpu%n, l%lay, l%ends, l%table, tags_of(gpu, tag_bond), &
+                                    tags_of(gpu, tag_joined), l%count, l%slice, l%count, l%list, &
+                                    l%loose, err)
+        end associate
+    end subroutine find_loose
+
+    !> Numbers of the links along which contact may act.
+    pure function touching(gpu) result(count)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(integers_t) :: count
+
+        count = gpu%links%count
+        if (.not. gpu%links%frees) count = gpu%links%loose
+    end function touching
 
     !> Links are about to be built, for the drifts of now or, to resume, those that they had.
     subroutine settle_gpu_links(gpu, solid, resume)
@@ -145,7 +174,7 @@ contains
         call find_awake(gpu, range)
         if (gpu%bonded .and. dt > 0) then
             do k = 1, count(range(1, :) > 0)
-                call break_bonds(gpu, range(:, k), err)
+                if (gpu%links%breaks) call break_bonds(gpu, range(:, k), err)
             end do
             call refresh_gpu_bonds(gpu, err)
         end if
@@ -219,8 +248,8 @@ contains
                                        l%table, l%cell, gpu%place, gpu%motion, &
                                        column_of(gpu, at_mass), weight%buffer_t, &
                                        touch%buffer_t, tags_of(gpu, tag_bond), &
-                                       tags_of(gpu, tag_joined), l%count, l%slice, l%count, &
-                                       l%list, column_of(gpu, at_energy), &
+                                       tags_of(gpu, tag_joined), l%count, l%slice, &
+                                       touching(gpu), l%list, column_of(gpu, at_energy), &
                                        book_of(gpu, book_contact_heat), l%press, err)
         end associate
     end subroutine find_pressures
@@ -237,7 +266,7 @@ contains
                                       column_of(gpu, at_mass), weight%buffer_t, &
                                       column_of(gpu, at_stress + 1), gpu%row, l%press, &
                                       tags_of(gpu, tag_bond), tags_of(gpu, tag_joined), l%count, &
-                                      l%slice, l%count, l%list, column_of(gpu, at_energy), &
+                                      l%slice, touching(gpu), l%list, column_of(gpu, at_energy), &
                                       book_of(gpu, book_contact), &
                                       book_of(gpu, book_contact_early), &
                                       book_of(gpu, book_contact_heat), book_of(gpu, book_rub), &

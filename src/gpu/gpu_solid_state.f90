@@ -29,6 +29,7 @@ module brz_gpu_solid_state
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_launches, only: solid_kernels_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
+    use brz_tie_launches, only: tie_kernels_t
     use brz_tallies, only: tally_threads
     use brz_text, only: to_text
     implicit none
@@ -66,12 +67,15 @@ module brz_gpu_solid_state
     !> Pairs of particles of different bodies.
     type :: gpu_links_t
         type(link_layout_t) :: lay
+        logical :: breaks = .true., frees = .true. !! bonds may break; or what ties may let go
         type(buffer_t) :: table
         type(integers_t) :: ends, slice, count, list, met
+        type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good
         type(reals_t) :: cell, press
         type(contact_kernels_t) :: contact
         type(between_kernels_t) :: between
         type(bond_kernels_t) :: bonds
+        type(tie_kernels_t) :: ties
     end type gpu_links_t
 
     !> Cohesive interfaces, arrays of cohesive_t.
@@ -213,8 +217,9 @@ contains
         call allocate_buffer(gpu%order, 4*n, err)
         call allocate_buffer(gpu%extra, merge(n_terms*bytes_of_real*n, 8_int64, gpu%linked), err)
         if (.not. gpu%linked) return
-        call free_buffers(gpu%links%count, gpu%links%slice)
+        call free_buffers(gpu%links%count, gpu%links%loose, gpu%links%slice)
         call allocate_buffer(gpu%links%count, 4*n, err)
+        call allocate_buffer(gpu%links%loose, 4*n, err)
         call allocate_buffer(gpu%links%slice, 4*((n - 1)/slice_width + 2), err)
     end subroutine lay_arrays
 
@@ -355,6 +360,7 @@ contains
         associate (links => gpu%links, glue => gpu%glue, loads => gpu%loads)
             call free_buffers(links%ends, links%table, links%cell, links%press, links%slice, &
                 links%count, links%list, links%met)
+            call free_buffers(links%loose)
             call free_buffers(glue%law, glue%bit, glue%of, glue%first, glue%area, glue%gap, &
                 glue%rest, glue%weight)
             call free_buffers(glue%back_first, glue%back, glue%row, glue%pull, glue%push, &

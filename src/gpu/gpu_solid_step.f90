@@ -2,7 +2,7 @@
 !> One time step of the solids on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_solid_step
     use brz_buffers, only: doubles_t, from
-    use brz_device, only: clear_buffer, copy_out
+    use brz_device, only: clear_buffer, copy_out, side_by_side
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_cohesive, only: place_gpu_nodes
@@ -183,15 +183,19 @@ contains
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%rigid) cycle
             if (gpu%bodies(b)%asleep .neqv. present(of_sleepers)) cycle
+            call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
             call sum_moments(gpu, gpu%bodies(b), err)
         end do
+        call side_by_side(0)
         call add_bond_moments(gpu, err)
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%asleep .neqv. present(of_sleepers)) cycle
             if (gpu%bodies(b)%rigid) then
+                call side_by_side(0)
                 call fill_rigid(gpu, b, err)
                 cycle
             end if
+            call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
             call find_gradients(gpu, gpu%bodies(b), real(dt, rk), err)
             if (dt > 0) then
                 call free_faces(gpu, gpu%bodies(b), real(dt/2, rk), err)
@@ -200,6 +204,7 @@ contains
             end if
             call fill_rows(gpu, gpu%bodies(b), err)
         end do
+        call side_by_side(0)
     end subroutine gradient_pass
 
     subroutine sum_moments(gpu, body, err)
@@ -270,6 +275,7 @@ contains
 
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%asleep) cycle
+            call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
             associate (body => gpu%bodies(b))
                 call launch_solid_forces(body%forces, threads_of(body), gpu%n, real(dt, rk), &
                     merge(1, 0, gpu%linked), gpu%load, body%params, gpu%place, gpu%motion, &
@@ -277,6 +283,7 @@ contains
                     body%list, gpu%extra, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
             end associate
         end do
+        call side_by_side(0)
     end subroutine force_pass
 
     !> End the stiff hourglass force, and the tilt, for good where half of the intact neighbours are

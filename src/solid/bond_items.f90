@@ -119,11 +119,19 @@ contains
         real(rk), intent(in) :: held(n_held, *)
         integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: f(n_terms)
-        real(rk) :: s(3), r(3), dv(3), dx(3), g(3), other(n_pair), w, u, vr, jump, slope
+        real(dp) :: unloaded(3)
+        real(rk) :: own(n_pair), other(n_pair), s(3), r(3), dv(3), dx(3), g(3)
+        real(rk) :: w, u, vr, jump, slope
         integer :: a, b, j, k, n, t
         integer(int64) :: at
 
         a = owner_of(ends, i)
+        do t = 1, 3
+            unloaded(t) = x_ref(t, i)
+        end do
+        do t = 1, n_pair
+            own(t) = pair(t, i)
+        end do
         call links_of(lay, i, row, slice, count, t, n, at)
         do k = 0, n - 1
             call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
@@ -133,39 +141,39 @@ contains
                                  sqrt(r(1)**2 + r(2)**2 + r(3)**2))
             vr = dot_product(r, dv)
             if (table(a, b)%law == law_shared) then
-                if (.not. takes_part(table(a, b), mass(i), pair(pair_volume, i), mass(j), &
+                if (.not. takes_part(table(a, b), mass(i), own(pair_volume), mass(j), &
                                      pair(pair_volume, j), vr)) cycle
             end if
             do t = 1, 3
-                dx(t) = real(x_ref(t, i) - s(t)*x_ref(t, j), rk)
+                dx(t) = real(unloaded(t) - s(t)*x_ref(t, j), rk)
             end do
             call mirror_pair(s, pair(1, j), other)
-            w = pair(pair_volume, i)*other(pair_volume)*slope
+            w = own(pair_volume)*other(pair_volume)*slope
             jump = vr
-            if (table(a, b)%spares > 0) jump = jump_speed(1.0_rk, pair(pair_affine + 1, i), &
+            if (table(a, b)%spares > 0) jump = jump_speed(1.0_rk, own(pair_affine + 1), &
                                                           other(pair_affine + 1), r, vr)
             u = viscous_force(w, table(a, b)%h, dot_product(r, r), jump, &
-                              pair(pair_linear, i) + other(pair_linear), &
-                              pair(pair_quadratic, i) + other(pair_quadratic))
+                              own(pair_linear) + other(pair_linear), &
+                              own(pair_quadratic) + other(pair_quadratic))
             do t = 1, 3
                 f(at_drag + t) = f(at_drag + t) + u*r(t)
             end do
             f(at_heat) = f(at_heat) - u*vr/2
             if (table(a, b)%law == law_shared) then
-                call tilted_force(w, pair(pair_stress + 1, i), other(pair_stress + 1), r, r, g)
+                call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), r, r, g)
                 if (.not. dot_product(g, r) > 0) cycle ! never in tension
                 do t = 1, 3
                     f(t) = f(t) + g(t)
                 end do
                 cycle
             end if
-            call pull_bond(table(a, b), w, s, r, dx, pair(1, i), other, f)
-            w = w*pair(pair_keep, i)*other(pair_keep)
+            call pull_bond(table(a, b), w, s, r, dx, own, other, f)
+            w = w*own(pair_keep)*other(pair_keep)
             if (table(a, b)%formulation == form_bending) then
-                call bend_bond(table(a, b), w, s, r, dx, pair(1, i), other, hold(1, i), &
+                call bend_bond(table(a, b), w, s, r, dx, own, other, hold(1, i), &
                                hold(1, j), f)
             else if (table(a, b)%formulation == form_corrected_hourglass) then
-                call drag_bond(w, r, dv, pair(1, i), other, f)
+                call drag_bond(w, r, dv, own, other, f)
                 if (lay%holds == 1) call draw_bond(w, s, r, dv, dx, held(1, i), held(1, j), f)
             end if
         end do

@@ -58,9 +58,9 @@ module brz_solid_state
     integer, parameter :: n_pair = 24 !! a whole number of cache lines; also a buffer for sorting
 
     ! the same for the hold, in a row of `held`; brz_tension_hold
-    integer, parameter :: held_stiffness = 1 !! K [Pa]
-    integer, parameter :: held_affine = 1 !! + 1..9: K dx/dX [Pa]
-    integer, parameter :: held_energy = 11 !! that it holds [J]
+    integer, parameter :: held_affine = 0 !! + 1..9: K dx/dX [Pa]
+    integer, parameter :: held_energy = 10 !! that it holds [J]
+    integer, parameter :: held_stiffness = 11 !! K [Pa]
     integer, parameter :: held_whole = 12 !! 0: lost its support, holds nothing; else 1
     integer, parameter :: n_held = 12
 

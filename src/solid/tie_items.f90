@@ -1,0 +1,39 @@
+! SPDX-License-Identifier: MIT
+!> Which particles can have contact until lists are built anew, where no bond or interface lets go.
+module brz_tie_items
+    use brz_contact, only: law_shared, meeting_t
+    use brz_contact_items, only: links_of, owner_of
+    use brz_contact_release, only: is_tied
+    use brz_kinds, only: int32, int64
+    use brz_link_layout, only: link_layout_t, mask_unit
+    implicit none
+    private
+    public :: count_loose
+
+contains
+
+    !> Number of links of a particle, or 0 where all of them are tied: it then has no contact.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine count_loose(i, lay, ends, table, bond, joined, row, slice, count, list, loose)
+        integer, intent(in) :: i !! particles
+        type(link_layout_t), intent(in) :: lay
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
+        integer(int32), intent(inout) :: loose(*) !! as `count`
+        integer :: a, b, j, k, n, r
+        integer(int64) :: at
+
+        call links_of(lay, i, row, slice, count, r, n, at)
+        if (r == 0) return
+        loose(r) = 0
+        a = owner_of(ends, i)
+        do k = 0, n - 1
+            j = iand(list(at + k*lay%side), mask_unit - 1)
+            b = owner_of(ends, j)
+            if (table(a, b)%law == law_shared .or. .not. &
+                is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) loose(r) = n
+        end do
+    end subroutine count_loose
+end module brz_tie_items
