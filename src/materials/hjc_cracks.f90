@@ -118,8 +118,9 @@ contains
         real(rk), intent(out) :: strain !! equivalent plastic strain
         real(rk), intent(out) :: lost !! energy that the flow takes [J/m3]
         real(rk) :: values(3), held(3), keep, low, high, last, mises, yield, excess, before, least
+        real(rk) :: share
         integer :: pass, i
-        real(rk), parameter :: near = 1e-9_rk + 64*epsilon(1.0_rk)
+        real(rk), parameter :: near = 1e-9_rk + 64*epsilon(1.0_rk), least_kept = 1e-4_rk + faint
         integer, parameter :: passes = 30
 
         least = -par(p_t)*(1 - damage)
@@ -139,24 +140,25 @@ contains
                 do i = 1, 3
                     held(i) = values(i)
                 end do
-                if (excess <= 0 .or. .not. yield > 0) exit
+                if (excess <= 0) exit
             end if
-            if (abs(excess) <= near*yield .or. pass == passes) exit
+            if (abs(excess) <= near*yield .or. keep <= least_kept .or. pass == passes) exit
             if (excess > 0) high = keep
             if (.not. excess > 0) low = keep
-            mises = keep - excess*(last - keep)/(before - excess) ! of the secant
+            share = low ! the root of the secant
+            if (abs(before - excess) > 0) &
+                share = keep - excess*(last - keep)/(before - excess)
             last = keep
             before = excess
-            keep = mises
+            keep = max(share, least_kept)
             if (.not. (keep > low .and. keep < high)) keep = (low + high)/2
-            keep = max(keep, faint)
         end do
-        excess = 1 ! a cut of what is near would pull at the cracks
-        if (mises - yield > 2*near*yield) excess = yield/mises
-        strain = ((1 - keep)/keep*excess + 1 - excess)*mises/(3*par(p_shear))
+        share = 1 ! a cut of what is near would pull at the cracks
+        if (mises - yield > 2*near*yield) share = yield/mises
+        strain = ((1 - keep)/keep + 1 - share)*mises/(3*par(p_shear))
         least = max(p, least)
         do i = 1, 3
-            values(i) = excess*(values(i) + p) - least
+            values(i) = share*(values(i) + p) - least
         end do
         lost = spent(par, cracks, held, values)
         p = least
