@@ -9,7 +9,7 @@ module brz_solid_gradients
     use brz_kinds, only: dp, int64, int8, rk
     use brz_lone_layer, only: close_layer, face_power, lie_in_layer, open_faces, stay_in_layer, &
                               turn_layer
-    use brz_material, only: class_elastic, point_t, strength_left
+    use brz_material, only: class_elastic, point_t, secant_share, strength_left
     use brz_materials, only: unloaded_speed, update_material
     use brz_motion_items, only: fill_rigid_row
     use brz_ply_axes, only: axes_matrix
@@ -245,13 +245,25 @@ contains
                       strength_left(solid%materials(body%material)%fails, solid%damage(i)), cut, &
                       solid%pair(:, i))
         solid%cut(i) = int(cut, int8)
-        if (body%directional) call stiffen_along(body%axes(:, :, solid%ply(i)), solid%hold(:, i), &
-                                                 solid%pair(:, i))
+        if (body%directional) call stiffen_along(body%axes(:, :, solid%ply(i)), left_of( &
+            solid, body, i), solid%hold(:, i), solid%pair(:, i))
         if (.not. body%tension_hold > 0) return
         call hold_particle(solid, body, i, drawn, a, sums(at_s + 1:at_y), &
                            sum(sums(:solid%dimension)))
         if (solid%held(held_stiffness, i) > 0) solid%search%drawn(k) = .true.
     end subroutine advance
+
+    !> Share of the stiffness of the hourglass force along axes that plastic strain leaves.
+    pure real(rk) function left_of(solid, body, i) result(share)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+
+        share = 1
+        associate (yields => solid%materials(body%material)%yields)
+            if (yields > 0) share = secant_share(yields, solid%hist(1, i))
+        end associate
+    end function left_of
 
     !> The hold of particle i: nothing where it was not in tension or has lost its support.
     subroutine hold_particle(solid, body, i, drawn, a, s, trace)

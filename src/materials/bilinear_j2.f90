@@ -79,6 +79,7 @@ contains
             material%density = par(p_density)
             material%bulk = par(p_young)/(3*(1 - 2*par(p_poisson)))
             material%shear = par(p_young)/(2*(1 + par(p_poisson)))
+            material%yields = par(p_yield)/(3*material%shear)
             material%c_wave = sqrt((material%bulk + 4*material%shear/3)/material%density)
             par(p_block:p_block + n_block - 1) = 0
             par(p_block + k_kind - 1) = eos_linear

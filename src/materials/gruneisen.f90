@@ -62,6 +62,7 @@ contains
             gruneisen_block(material%density, material%par(p_eos:p_eos + n_gruneisen - 1))
         material%bulk = unloaded_bulk(material%par(p_block:p_block + n_block - 1))
         material%shear = merge(material%par(p_shear), 0.0_rk, material%par(p_yield) > 0)
+        if (material%shear > 0) material%yields = material%par(p_yield)/(3*material%shear)
         material%c_wave = sqrt((material%bulk + 4*material%shear/3)/material%density)
     end subroutine derive
 

@@ -141,6 +141,7 @@ contains
             material%density = par(p_density)
             material%bulk = unloaded_bulk(block)
             material%shear = par(p_shear)
+            material%yields = par(p_a)/(3*material%shear)
             material%c_wave = sqrt((material%bulk + 4*material%shear/3)/material%density)
             if (int(par(p_heating)) /= by_energy) material%n_hist = h_isentrope - 1
         end associate

@@ -8,7 +8,8 @@ module brz_material
     use brz_kinds, only: rk
     implicit none
     private
-    public :: material_t, point_t, n_par, n_hist, strength_left, fails_by_degrees, fails_at_once
+    public :: material_t, point_t, n_par, n_hist, strength_left, secant_share, &
+              fails_by_degrees, fails_at_once
     public :: class_elastic, class_metal, class_crumbling, class_fluid
     public :: material_ok, material_clamped, material_not_finite, material_step_too_large, &
               material_unknown
@@ -40,6 +41,7 @@ module brz_material
         real(rk) :: axial(3) !! Young's modulus along each axis of a ply; 0: no axes [Pa]
         real(rk) :: across !! the lesser shear modulus between plies; 0: no axes [Pa]
         real(rk) :: bulk !! bulk modulus for contact [Pa]
+        real(rk) :: yields !! yield stress over 3G if the first history is a plastic strain, or 0
         real(rk) :: crack !! widest crack that opens at full strength, 0: any [m]
         real(rk) :: c_wave !! fastest wave of the unloaded material, for the first time step [m/s]
         real(rk) :: par(n_par) !! slots named by the model
@@ -69,4 +71,17 @@ contains
         left = 1 - damage
         if (fails == fails_at_once .and. damage < 1) left = 1
     end function strength_left
+
+    !> Shear stress of a metal over that of its whole strain were it elastic: G_s/G of the theory of
+    !> deformation, y/(y + eps_p) without hardening.
+    !>
+    !> Source: Hencky 1924
+    !@cuf attributes(host,device) &
+    pure function secant_share(yields, plastic) result(share)
+        real(rk), intent(in) :: yields !! y, of a material_t that may yield: > 0
+        real(rk), intent(in) :: plastic !! eps_p, the first of its history
+        real(rk) :: share
+
+        share = yields/(yields + plastic)
+    end function secant_share
 end module brz_material

@@ -130,6 +130,7 @@ contains
         material%model = model%code
         material%class = model%class
         material%n_hist = model%n_hist
+        material%yields = 0
         do i = 1, size(model%keys)
             j = place_of(model%keys(i)%key, input)
             call load_one(model%keys(i), input, j, material%par(i), given(i), fault)

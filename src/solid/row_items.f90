@@ -97,10 +97,13 @@ contains
         call copy_matrix(q, row(pair_affine + 1))
     end subroutine fill_row
 
-    !> Stiffness of the hourglass force along axes times the deformation dx/dX in the row.
+    !> Stiffness of the hourglass force along axes times the deformation dx/dX in the row. Where a
+    !> metal has yielded it is a share of that of the axes: what keeps a layer from bending about
+    !> its own middle bears no more than the metal.
     !@cuf attributes(host,device) &
-    pure subroutine stiffen_along(axes, hold, row)
+    pure subroutine stiffen_along(axes, share, hold, row)
         real(rk), intent(in) :: axes(3, 4) !! of the ply; the last column: stiffness along each [Pa]
+        real(rk), intent(in) :: share !! secant_share of brz_material
         real(real32), intent(inout) :: hold(6) !! [Pa]
         real(rk), intent(inout) :: row(n_pair)
         real(rk) :: along(6), f(3, 3), g(3, 3), k(3, 3)
@@ -109,7 +112,7 @@ contains
         call copy_matrix(row(pair_affine + 1), f)
         call axial_stiffness(axes(1, 4), axes, f, along)
         do c = 1, 6
-            hold(c) = real(along(c), real32)
+            hold(c) = real(share*along(c), real32)
             along(c) = hold(c) ! as the pairs see it: no torque
         end do
         call to_matrix(along, k)
