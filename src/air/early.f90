@@ -14,6 +14,7 @@ module brz_early
         logical :: products = .false. !! the grid tells products from air
         real(dp) :: time = 0 !! at which the blast was put into the grid [s]
         real(dp) :: radius = 0 !! of its front then; in a plane the farthest place of it [m]
+        real(dp) :: contact = 0, fastest = 0 !! of products; largest u + c beyond [m], [m/s]
         integer :: steps = 0
         real(dp) :: before(7) = 0 !! mass, momentum x, y, z, energy, products; radial momentum
         real(dp) :: after(6) = 0 !! the same of the cells; both less the undisturbed air

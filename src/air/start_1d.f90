@@ -101,6 +101,8 @@ contains
         early%time = blast%time
         early%radius = blast%r(blast%front)
         early%steps = blast%cycle
+        early%contact = blast%r(blast%n_in)
+        early%fastest = maxval(blast%state(2, blast%n_in:) + blast%state(5, blast%n_in:))
     end subroutine run_free
 
     !> Keep what the gauges of the air see.

@@ -1,71 +1,48 @@
 ! SPDX-License-Identifier: MIT
 !> What `--check` says would be cheaper with the same answer, or what an answer would cost: planes
 !> of symmetry, a start in fewer dimensions, a load by curves in place of air, a body that need not
-!> be deformable, a box of air that is too small or larger than the blast comes in the run's time.
-!>
-!> Work is estimated with the rates of one core in docs/performance.md.
+!> be deformable, one gas in place of two, a box of air that is too small or larger than the blast
+!> comes in the run's time.
 module brz_advice
-    use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_advice_air, only: advise_one_gas, advise_still
     use brz_advice_bodies, only: advise_cracks, advise_rigid, advise_walls
     use brz_advice_start, only: advise_start
     use brz_advice_text, only: length_text, point_text, say_advice, say_more, time_text
     use brz_case, only: body_case_t, case_t, is_from_file
     use brz_check_bodies, only: body_box
+    use brz_early, only: early_t
     use brz_kinds, only: dp, real32
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast
     use brz_mirror_planes, only: mirror_planes
     use brz_scene_size, only: count_text
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
-    use omp_lib, only: omp_get_max_threads
+    use brz_work, only: core_seconds, work_t
     implicit none
     private
-    public :: work_t, print_work, print_advice
+    public :: print_advice
 
-    real(dp), parameter :: cell_rate = 4e6_dp, particle_rate = 1.3e6_dp !! steps of one core [1/s]
     real(dp), parameter :: nearest_load = 0.4_dp !! scaled distance of a load by curves [m/kg^(1/3)]
     real(dp), parameter :: sound = 340, ambient = 101325 !! undisturbed air [m/s], [Pa]
     real(dp), parameter :: square_on = 0.866_dp !! cosine of 30 degrees
     real(dp), parameter :: some = 0.02_dp !! share of a box that is worth a line
 
-    type :: work_t
-        real(dp) :: steps = 0 !! of the air, or of the bodies alone
-        real(dp) :: substeps = 1 !! of the bodies in each
-        real(dp) :: cells = 0, particles = 0
-    end type work_t
-
 contains
 
-    !> The time that one core would take [s].
-    pure real(dp) function core_seconds(work)
-        type(work_t), intent(in) :: work
-
-        core_seconds = work%steps*(work%cells/cell_rate &
-                                   + work%substeps*work%particles/particle_rate)
-    end function core_seconds
-
-    !> How long a run will take here, about.
-    subroutine print_work(work)
-        type(work_t), intent(in) :: work
-        integer :: threads
-
-        threads = omp_get_max_threads()
-        write (output_unit, '(3a, i0, a)') 'time         about ', &
-            time_text(core_seconds(work)/threads), ' on ', threads, &
-            ' cores of 4 M cell-steps or 1.3 M particle-steps a second, if all is awake'
-    end subroutine print_work
-
     !> All advice for a scene, a line each.
-    subroutine print_advice(case, solid, work)
+    subroutine print_advice(case, solid, work, early)
         type(case_t), intent(in) :: case
         type(solid_t), intent(in) :: solid !! its bodies and materials
         type(work_t), intent(in) :: work
+        type(early_t), intent(in) :: early !! a blast before the run, if it is known
 
         call advise_planes(case, work)
         call advise_start(case, core_seconds(work))
         call advise_load(case, work)
-        call advise_rigid(case)
-        call advise_cracks(case, solid)
+        call advise_rigid(case, work)
+        call advise_still(case, solid, work)
+        call advise_one_gas(case, early, work)
+        call advise_cracks(case, solid, work)
         call advise_walls(case, solid)
         call advise_box(case, work)
     end subroutine print_advice

@@ -2,13 +2,15 @@
 !> Advice on single bodies: one that need not be deformable, one that is finer than its cracks need,
 !> one with a thin round wall.
 module brz_advice_bodies
-    use brz_advice_text, only: say_advice, say_more
+    use brz_advice_text, only: millimetres, say_advice, say_more, time_text
     use brz_case, only: case_t, is_from_file
     use brz_check_bodies, only: body_box
     use brz_kinds, only: dp, real32
     use brz_material, only: class_metal
+    use brz_scene_size, only: count_text
     use brz_solid_state, only: form_corrected_hourglass, form_rigid, solid_t
     use brz_text, only: to_text
+    use brz_work, only: particle_seconds, work_t
     implicit none
     private
     public :: advise_rigid, advise_cracks, advise_walls
@@ -19,8 +21,9 @@ module brz_advice_bodies
 contains
 
     !> A body every particle of which is held needs no stress.
-    subroutine advise_rigid(case)
+    subroutine advise_rigid(case, work)
         type(case_t), intent(in) :: case
+        type(work_t), intent(in) :: work
         real(dp) :: lo(3), hi(3)
         integer :: b, d, k
 
@@ -33,7 +36,10 @@ contains
                     if (all(body%fix_box(1:2*d:2, k) <= lo(:d)) .and. &
                         all(body%fix_box(2:2*d:2, k) >= hi(:d))) then
                         call say_advice("'"//trim(body%id)//"' is held everywhere: with "// &
-                            "formulation='rigid' it stands as still and costs next to nothing")
+                            "formulation='rigid', fix='all' it stands as still")
+                        call say_more('and saves '//time_text(particle_seconds(work, b))// &
+                                      ' of one core ('//count_text(work%of_body(b))// &
+                                      ' particles)')
                         exit
                     end if
                 end do
@@ -44,9 +50,10 @@ contains
     !> A body with a fracture energy, of a spacing far below the largest at full strength, and of
     !> many rows: notched strips spend the same energy under the same load at twice the spacing
     !> (tests/python/test_cracks.py).
-    subroutine advise_cracks(case, solid)
+    subroutine advise_cracks(case, solid, work)
         type(case_t), intent(in) :: case
         type(solid_t), intent(in) :: solid
+        type(work_t), intent(in) :: work
         real(dp) :: lo(3), hi(3), most, most_of_cracks, thin
         integer :: b, d, times
 
@@ -68,8 +75,12 @@ contains
                 call say_advice("the cracks of '"//trim(input%id)//"' cost the same up to a "// &
                                 'spacing of '//millimetres(margin*most_of_cracks)//', it has '// &
                                 millimetres(body%spacing)//': where cracks')
-                call say_more('decide, '//millimetres(times*body%spacing)//' would do, for 1/'// &
-                              to_text(times**(d + 1))//' of the work of the body')
+                call say_more('decide, '//millimetres(times*body%spacing)//' would do: '// &
+                              time_text((1 - 1.0_dp/times**(d + 1))*particle_seconds(work, b))// &
+                              ' of one core less')
+                call say_more('('//count_text((1 - 1.0_dp/times**d)*work%of_body(b))// &
+                              ' particles less, and longer steps: 1/'//to_text(times**(d + 1))// &
+                              ' of the work of the body)')
             end associate
         end do
     end subroutine advise_cracks
@@ -97,14 +108,4 @@ contains
             end associate
         end do
     end subroutine advise_walls
-
-    !> A length as text, to three digits.
-    pure function millimetres(length) result(text)
-        real(dp), intent(in) :: length !! [m]
-        character(:), allocatable :: text
-        real(dp) :: unit
-
-        unit = 10.0_dp**(floor(log10(1e3_dp*length)) - 2)
-        text = to_text(real(unit*anint(1e3_dp*length/unit), real32))//' mm'
-    end function millimetres
 end module brz_advice_bodies

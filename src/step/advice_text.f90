@@ -6,7 +6,7 @@ module brz_advice_text
     use brz_text, only: to_text
     implicit none
     private
-    public :: say_advice, say_more, point_text, length_text, time_text
+    public :: say_advice, say_more, point_text, length_text, millimetres, time_text
 
 contains
 
@@ -41,7 +41,7 @@ contains
         text = to_text(nint(1e3_dp*length))//' mm'
     end function length_text
 
-    !> A time with two digits: '0.16 ms', '25 s', '12 min', '3.1 h'.
+    !> A time with two digits: '0.16 ms', '2.5 s', '25 s', '12 min', '3.1 h'.
     function time_text(seconds) result(text)
         real(dp), intent(in) :: seconds
         character(:), allocatable :: text
@@ -50,6 +50,9 @@ contains
         if (seconds < 0.1_dp) then
             write (digits, '(f0.2)') 1e3_dp*seconds
             text = trim(digits)//' ms'
+        else if (seconds < 10) then
+            write (digits, '(f0.1)') seconds
+            text = trim(digits)//' s'
         else if (seconds < 100) then
             write (digits, '(i0)') nint(seconds)
             text = trim(digits)//' s'
@@ -62,4 +65,14 @@ contains
         end if
         if (text(1:1) == '.') text = '0'//text
     end function time_text
+
+    !> A length as text, to three digits.
+    pure function millimetres(length) result(text)
+        real(dp), intent(in) :: length !! [m]
+        character(:), allocatable :: text
+        real(dp) :: unit
+
+        unit = 10.0_dp**(floor(log10(1e3_dp*length)) - 2)
+        text = to_text(real(unit*anint(1e3_dp*length/unit), real32))//' mm'
+    end function millimetres
 end module brz_advice_text

@@ -2,7 +2,7 @@
 !> What `--check` prints: what was discretised, whether it is resolved, and what it will cost.
 module brz_check
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
-    use brz_advice, only: print_advice, print_work, work_t
+    use brz_advice, only: print_advice
     use brz_air_setup, only: time_step_ramp
     use brz_body_setup, only: meeting_speed
     use brz_case, only: body_case_t, case_t
@@ -11,7 +11,9 @@ module brz_check
     use brz_cohesive_setup, only: interface_name, zone_over_spacing
     use brz_cohesive_state, only: cohesive_totals
     use brz_crack_band, only: crack_report
-    use brz_errors, only: error_t
+    use brz_early, only: early_t
+    use brz_errors, only: error_t, failed
+    use brz_gauges, only: gauges_t, set_up_gauges
     use brz_kinds, only: dp, real32
     use brz_material_report, only: material_report
     use brz_run_ranks, only: print_ranks, print_regions
@@ -23,6 +25,7 @@ module brz_check
     use brz_solid_step, only: solid_time_step
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
+    use brz_work, only: print_work, work_t
     implicit none
     private
     public :: print_check, print_outline
@@ -42,8 +45,11 @@ contains
         integer, intent(in) :: n !! processes that are thought of
         type(error_t), intent(inout) :: err
         type(scene_size_t) :: exact
+        type(gauges_t) :: gauges
         real(dp) :: dt
 
+        call set_up_gauges(sim%case, sim%solid, gauges, err) ! for what a run would refuse
+        if (failed(err)) return
         write (output_unit, '(a)') 'check of '//trim(sim%case%run%job)//': '//sim%case%run%title
         if (sim%air%present) call check_air(sim)
         if (sim%solid%present) call check_solid(sim)
@@ -51,11 +57,12 @@ contains
         if (sim%solid%present) call check_materials(sim%case, sim%solid)
         exact = size_of
         exact%particles = sim%solid%n
+        if (sim%solid%present) exact%of_body = sim%solid%bodies%last - sim%solid%bodies%first + 1
         call choose_time_step(sim, dt, err)
         if (sim%air%present) exact%dt_air = &
             min(dt/time_step_ramp(0, sim%case%air%ramp_steps), sim%case%run%dt_max)
         if (sim%solid%present) exact%dt_solid = solid_time_step(sim%solid)
-        call print_cost(sim%case, exact)
+        call print_cost(sim%case, exact, sim%early)
         call print_ranks(sim%case, size_of, n)
         call print_regions(sim%solid, n)
         call print_verdict(sim%case, sim%solid, 'the deck is sound')
@@ -82,22 +89,23 @@ contains
         end do
         if (size_of%solid%present) call print_meetings(case)
         if (size_of%solid%present) call check_materials(case, size_of%solid)
-        call print_cost(case, size_of)
+        call print_cost(case, size_of, early_t())
         call print_verdict(case, size_of%solid, 'sound as far as it can be read; a run builds '// &
                            'it and looks for bodies that overlap')
     end subroutine print_outline
 
     !> Memory, steps, output and time, and what would be cheaper.
-    subroutine print_cost(case, size_of)
+    subroutine print_cost(case, size_of, early)
         type(case_t), intent(in) :: case
         type(scene_size_t), intent(in) :: size_of
+        type(early_t), intent(in) :: early !! a blast before the run, if it is known
         real(dp), parameter :: slack = 1e-9_dp !! rounding of a time, in intervals
         type(work_t) :: work
         real(dp) :: dt, dumps, steps, substeps
 
         write (output_unit, '(2a)') 'memory       ', memory_text(size_of)
         dt = min(case%run%dt_max, merge(size_of%dt_air, size_of%dt_solid, case%air%present))
-        steps = max(1.0_dp, anint(case%run%t_end/dt))
+        steps = max(1.0_dp, anint((case%run%t_end - early%time)/dt))
         substeps = 1
         if (case%air%present .and. size_of%particles > 0) &
             substeps = max(1.0_dp, real(ceiling(dt/size_of%dt_solid), dp))
@@ -114,9 +122,9 @@ contains
         write (output_unit, '(3a, f0.1, a)') 'output       ', count_text(dumps), &
             ' dumps, about ', 1e-6_dp*dumps*(air_dump_bytes*size_of%cells + &
                                              solid_dump_bytes*size_of%particles), ' MB'
-        work = work_t(steps, substeps, size_of%cells, size_of%particles)
+        work = work_t(steps, substeps, size_of%cells, size_of%particles, size_of%of_body)
         call print_work(work)
-        call print_advice(case, size_of%solid, work)
+        call print_advice(case, size_of%solid, work, early)
     end subroutine print_cost
 
     !> What all of it comes to; warnings have been written on the error unit.
