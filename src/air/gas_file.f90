@@ -44,6 +44,7 @@ contains
         if (failed(err)) return
         if (index(input%file, '.csv') > 0) then
             call read_table(trim(input%file), air%n > 1, table, bad)
+            call judge_shift(input, table%axis, bad)
             if (.not. failed(bad)) then
                 if (table%axis > 0) then
                     call pour_profile(table, input%at, air)
@@ -54,10 +55,26 @@ contains
         else
             call read_gas_box(trim(input%file), real(air%scheme%gamma, dp), air%n_var == 6, &
                               air%n > 1, box, bad)
+            call judge_shift(input, 0, bad)
             if (.not. failed(bad)) call pour_box(box, input%move, air)
         end if
         if (failed(bad)) call raise(err, exit_deck, label('gas', input%id, input%place)//bad%text)
     end subroutine pour_gas_file
+
+    !> A shift that goes with what the file holds.
+    subroutine judge_shift(input, axis, err)
+        type(gas_case_t), intent(in) :: input
+        integer, intent(in) :: axis !! of a profile, 4: a radius; 0: points or a dump
+        type(error_t), intent(inout) :: err
+
+        if (axis /= 4 .and. any(abs(input%at) > 0)) then
+            call raise(err, exit_deck, trim(input%file)//': at is the centre of a profile '// &
+                       'along a radius r, which this is not; take it out')
+        else if (axis > 0 .and. any(abs(input%move) > 0)) then
+            call raise(err, exit_deck, trim(input%file)//': move shifts points and dumps; '// &
+                       'place a profile along r by at, one along x, y or z by its coordinates')
+        end if
+    end subroutine judge_shift
 
     !> Read and judge a table.
     subroutine read_table(path, active, table, err)

@@ -42,7 +42,7 @@ contains
     subroutine check_bodies(deck, case)
         type(deck_t), intent(inout) :: deck
         type(case_t), intent(inout) :: case
-        integer :: g, k
+        integer :: g, i, k
 
         k = 0
         do g = 1, deck%n
@@ -54,6 +54,11 @@ contains
             if (deck%groups(g)%bad) cycle
             call check_aspect(deck, g, case, case%bodies(k))
             call check_gaps(deck, g, case, case%bodies(k))
+            do i = 1, case%bodies(k)%n_rollers
+                if (index('xyz', case%bodies(k)%roller_axis(i)) > case%run%dimension) &
+                    call complain(deck, g, 'roller_axis', 'the scene has no direction '// &
+                        case%bodies(k)%roller_axis(i)//'; take that roller out')
+            end do
             if (case%bodies(k)%file /= '') then
                 call check_file(deck, g, case%run%dimension, case%bodies(k))
                 call check_cuts(deck, g, case, k)

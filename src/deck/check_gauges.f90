@@ -120,6 +120,11 @@ contains
             if (may_be_misspelt(deck)) return
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
                           "' needs &air; for a body add body='...'")
+        else if (gauge%body_index > 0 .and. .not. quantities(row)%whole > 0) then
+            if (case%bodies(gauge%body_index)%formulation == 'rigid' .and. &
+                .not. quantities(row)%moves) call complain(deck, g, 'quantity', &
+                'a rigid body has no '//trim(gauge%quantity)//'; measure how it moves, or '// &
+                'forces on it')
         else if (quantities(row)%whole > 0) then
             call check_whole(deck, g, case, trim(gauge%quantity))
         end if
@@ -141,6 +146,9 @@ contains
             .and. case%run%symmetry(axis)) then
             call complain(deck, g, 'quantity', quantity//' holds what the plane of symmetry '// &
                           'takes up, too; measure along the plane, or take symmetry out')
+        else if (index(quantity, 'contact') == 1 .and. size(case%bodies) == 1 .and. &
+                 .not. any(case%run%symmetry)) then
+            call complain(deck, g, 'quantity', 'there is no other body that the body could touch')
         else if (index(quantity, 'load') + index(quantity, 'impulse') == 1 .and. .not. loaded) then
             call complain(deck, g, 'quantity', quantity//' is that of the air or of a &load, '// &
                           'and the deck has neither; take the gauge out')

@@ -155,5 +155,7 @@ contains
         n = given/6
         if (mod(given, 6) /= 0) call complain(deck, g, key, key//' takes six numbers for '// &
             'each region: x0, x1, y0, y1, z0, z1; found '//to_text(given))
+        if (any(boxes(1::2, :n) > boxes(2::2, :n))) call complain(deck, g, key, key//' ends '// &
+            'before it begins; the lower corner of x, y and z comes first')
     end subroutine get_boxes
 end module brz_get

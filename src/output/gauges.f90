@@ -135,6 +135,10 @@ contains
         call choose_particle(solid, gauge%body, gauge%at, gauge%particle(1), gauge%place(1))
         if (gauge%quantity == 'strain') call find_end(input, solid, gauge, err)
         if (any(gauge%quantity == of_history)) call find_slot(input, solid, gauge, err)
+        if (gauge%quantity == 'damage' .and. &
+            solid%materials(solid%bodies(gauge%body)%material)%fails == 0) call raise(err, &
+            exit_deck, label('gauge', input%id, input%place)//'the material of body '// &
+            trim(input%body)//' has no strength that it could lose; take the gauge out')
     end subroutine set_up_gauge
 
     !> The two bodies of a force between them: they must meet by contact.

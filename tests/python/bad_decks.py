@@ -289,6 +289,37 @@ BAD = [
         4,
         "measure the speed",
     ),
+    swap(
+        "gauge_rigid",
+        "'steel' /\n&gauge id='g1', at=0.3,0.2,0.2 /\n&gauge id='g2', at=0.06,0.2,0.2,"
+        " quantity='displacement_x'",
+        "'steel', formulation='rigid' /\n&gauge id='g1', "
+        "at=0.3,0.2,0.2 /\n&gauge id='g2', at=0.06,0.2,0.2, quantity='stress_xx'",
+        11,
+        "no stress_xx",
+    ),
+    swap(
+        "box_inside_out",
+        "material='steel' /",
+        "material='steel', fix_box=1,0,0,1,0,1 /",
+        9,
+        "ends before it begins",
+    ),
+    swap("gauge_damage", "'displacement_x'", "'damage'", 11, "no strength"),
+    swap(
+        "gauge_alone",
+        "at=0.06,0.2,0.2, quantity='displacement_x'",
+        "quantity='contact_x'",
+        11,
+        "no other body",
+    ),
+    swap(
+        "gauge_unheld",
+        "at=0.06,0.2,0.2, quantity='displacement_x'",
+        "quantity='reaction_x'",
+        11,
+        "nothing holds",
+    ),
     swap("gauge_outside", "at=0.3,0.2,0.2", "at=-0.3,0.2,0.2", 10, "outside the air"),
     swap("gauge_off_body", "at=0.06,0.2,0.2", "at=0.3,0.2,0.2", 11, "outside the body"),
     swap("gauge_needs_body", ", body='plate'", "", 11, "add body"),
