@@ -3,7 +3,7 @@
 !> memory order, ghosts left out.
 module brz_cell_items
     use brz_cell_place, only: cell_number
-    use brz_coupling_box, only: box_t, is_gas, is_left, is_solid, place_at
+    use brz_coupling_box, only: box_t, is_gas, is_left, is_own, is_solid, place_at
     use brz_kinds, only: dp, int32, int8
     use brz_solid_state, only: is_gone
     implicit none
@@ -55,19 +55,24 @@ contains
     !> Count the cells that have changed between gas and solid, and mark those that the solid left.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine compare_cell(c, box, solid, mark, covered, uncovered)
+    pure subroutine compare_cell(c, box, solid, mark, covered, uncovered, own, left)
         integer, intent(in) :: c !! cells
         type(box_t), intent(in) :: box
         integer(int8), intent(in) :: solid(*) !! the present walls, ghosts included
         integer(int8), intent(inout) :: mark(*)
         integer, intent(inout) :: covered !@count cells that hold solid now
         integer, intent(inout) :: uncovered !@count cells that held solid
+        integer, intent(inout) :: own, left !@count the same of this process
         integer :: change
 
         change = change_of(solid(place_at(box, int(c, int32))), mark(c))
+        if (change == 0) return
+        if (change < 0) mark(c) = is_left
         if (change > 0) covered = covered + 1
         if (change < 0) uncovered = uncovered + 1
-        if (change < 0) mark(c) = is_left
+        if (.not. is_own(box, int(c, int32))) return
+        if (change > 0) own = own + 1
+        if (change < 0) left = left + 1
     end subroutine compare_cell
 
     !> 1 for a cell that the solid has covered, -1 for one that it has left, else 0.

@@ -10,9 +10,10 @@ module brz_coupling_part
     use brz_kinds, only: int32
     use brz_mail, only: mail_t
     use brz_solid_part, only: parcels_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: part_t
+    public :: part_t, introduce
 
     type :: part_t
         type(box_t), allocatable :: windows(:) !! (0:processes-1) cells of the grid that each sees
@@ -26,4 +27,19 @@ module brz_coupling_part
         type(parcels_t) :: faces_out, faces_in
         type(mail_t) :: guest_mail, load_mail, face_mail, debt_mail
     end type part_t
+
+contains
+
+    !> What the coupling must know of the bodies as a whole.
+    subroutine introduce(solid, guests)
+        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: guests
+        integer :: b
+
+        guests%time = solid%time
+        do b = 1, size(solid%bodies)
+            guests%bodies(b)%rigid = solid%bodies(b)%rigid
+            guests%bodies(b)%asleep = solid%bodies(b)%asleep
+        end do
+    end subroutine introduce
 end module brz_coupling_part

@@ -2,7 +2,7 @@
 !> Debts of gas cells: pay a part, settle those of covered cells, close the gaps in the list. One
 !> item is one debt.
 module brz_debt_items
-    use brz_coupling_box, only: box_t, place_at
+    use brz_coupling_box, only: box_t, is_own, place_at
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_ledger_rules, only: release_debt
     use brz_scheme, only: max_var
@@ -115,16 +115,19 @@ contains
         slot(cell(e)) = e
     end subroutine enter_debt
 
-    !> Sum of the debts.
+    !> Sum of the debts of this process.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine total_debt(e, n_var, debt, total)
+    pure subroutine total_debt(e, box, n_var, cell, debt, total)
         integer, intent(in) :: e !! debts
+        type(box_t), intent(in) :: box
         integer, intent(in) :: n_var !! variables
+        integer(int32), intent(in) :: cell(*)
         real(rk), intent(in) :: debt(n_var, *)
-        real(dp), intent(inout) :: total(6) !@sum per cell volume
+        real(dp), intent(inout) :: total(6) !@exact per cell volume
         integer :: k
 
+        if (.not. is_own(box, cell(e))) return
         do k = 1, 6
             if (k <= n_var) total(k) = total(k) + debt(k, e)
         end do

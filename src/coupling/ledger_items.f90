@@ -262,7 +262,7 @@ contains
         end do
     end subroutine give_excess
 
-    !> Sum of the ledgers.
+    !> Sum of the ledgers of this process.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine total_ledger(c, box, cell, u, total)
@@ -270,10 +270,11 @@ contains
         type(box_t), intent(in) :: box
         integer(int32), intent(in) :: cell(*)
         real(rk), intent(in) :: u(*)
-        real(dp), intent(inout) :: total(6) !@sum per cell volume
+        real(dp), intent(inout) :: total(6) !@exact per cell volume
         integer(int64) :: at
         integer :: k
 
+        if (.not. is_own(box, cell(c))) return
         at = place_at(box, cell(c))
         do k = 1, 6
             if (k <= box%n_var) total(k) = total(k) + u(at + (k - 1)*box%grid%apart)

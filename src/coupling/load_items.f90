@@ -3,7 +3,7 @@
 module brz_load_items
     use brz_air_grid, only: grid_t
     use brz_column_rules, only: direction_of
-    use brz_coupling_box, only: box_t
+    use brz_coupling_box, only: box_t, is_own
     use brz_kinds, only: dp, int32, rk
     use brz_load_rules, only: is_felt
     implicit none
@@ -13,15 +13,15 @@ module brz_load_items
 contains
 
     !> Count the particles of a body that lie in the column of a wall face that feels more than
-    !> rounding above or below the reference pressure.
+    !> rounding above or below the reference pressure. Others count those in cells of theirs.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine feel_load(t, first, box, dt, home, above, impulse, felt)
+    pure subroutine feel_load(t, first, box, dt, cell, home, above, impulse, felt)
         integer, intent(in) :: t !! particles of the body
         integer, intent(in) :: first !! the first of them
         type(box_t), intent(in) :: box
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
-        integer(int32), intent(in) :: home(*)
+        integer(int32), intent(in) :: cell(*), home(*)
         integer, intent(in) :: above(6, *)
         real(rk), intent(in) :: impulse(*)
         integer, intent(inout) :: felt !@count particles
@@ -29,6 +29,7 @@ contains
 
         c = home(first - 1 + t)
         if (c == 0) return
+        if (.not. is_own(box, cell(first - 1 + t))) return
         do row = 1, 6
             if (box%n(direction_of(row)) == 1) cycle
             f = above(row, c)

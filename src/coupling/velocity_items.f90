@@ -163,16 +163,17 @@ contains
     !> Keep the velocities for the forces of the next step.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine keep_velocity(p, wide, v, id, v_before)
+    pure subroutine keep_velocity(p, wide, step_d, step_p, v, id, v_before)
         integer, intent(in) :: p !! particles
         integer, intent(in) :: wide !! rows of v
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in v_before
         real(rk), intent(in) :: v(wide, *)
         integer(int32), intent(in) :: id(*)
-        real(rk), intent(inout) :: v_before(3, *)
+        real(rk), intent(inout) :: v_before(*)
         integer :: d
 
         do d = 1, 3
-            v_before(d, id(p)) = v(d, p)
+            v_before(1 + (id(p) - 1)*step_p + (d - 1)*step_d) = v(d, p)
         end do
     end subroutine keep_velocity
 end module brz_velocity_items

@@ -7,6 +7,7 @@ module brz_coupling_guests
     use brz_cell_place, only: cell_number
     use brz_cell_shells, only: cell_at
     use brz_coupling_box, only: is_own
+    use brz_coupling_part, only: introduce
     use brz_carrier_steps, only: sum_shifts
     use brz_coupling_state, only: coupling_t
     use brz_fetch, only: fetch
@@ -204,19 +205,6 @@ contains
         allocate (coupling%cell_of(n), coupling%place_of(n), coupling%binned(n))
         coupling%part%seat = [(p, p=1, n)]
     end subroutine make_seats
-
-    !> What the coupling must know of the bodies as a whole.
-    subroutine introduce(solid, guests)
-        type(solid_t), intent(in) :: solid
-        type(solid_t), intent(inout) :: guests
-        integer :: b
-
-        guests%time = solid%time
-        do b = 1, size(solid%bodies)
-            guests%bodies(b)%rigid = solid%bodies(b)%rigid
-            guests%bodies(b)%asleep = solid%bodies(b)%asleep
-        end do
-    end subroutine introduce
 
     !> Give every particle the load that the process found in whose cell it is; none outside.
     subroutine send_loads_home(guests, solid, coupling)

@@ -2,12 +2,10 @@
 !> Loads on the particles from the impulses that the air has given to the walls.
 module brz_coupling_load
     use brz_carrier_steps, only: sum_loads
-    use brz_coupling_box, only: is_own
     use brz_coupling_guests, only: send_loads_home
     use brz_coupling_shared, only: share_impulses
     use brz_coupling_state, only: coupling_t
     use brz_kinds, only: dp, int64
-    use brz_load_items, only: feel_load
     use brz_load_loops, only: each_feel_load
     use brz_ranks, only: several, sum_of_all
     use brz_solid_sleep, only: wake_met
@@ -61,41 +59,23 @@ contains
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(in) :: coupling
         real(dp), intent(in) :: dt !! step over which the impulses were added up [s]
+        type(body_t) :: body
         integer :: b, felt
         integer(int64) :: all_felt(size(solid%bodies))
 
         all_felt = 0
         do b = 1, size(solid%bodies)
-            associate (body => solid%bodies(b))
-                if (.not. body%asleep) cycle
-                felt = 0
-                if (several(solid%ranks)) then
-                    call feel_loads(coupling%guests%bodies(b), coupling, dt, felt)
-                else
-                    call each_feel_load(body%last - body%first + 1, body%first, coupling%box, dt, &
-                                        coupling%place_of, coupling%above, coupling%wall%impulse, &
-                                        felt)
-                end if
-                all_felt(b) = felt
-            end associate
+            if (.not. solid%bodies(b)%asleep) cycle
+            body = solid%bodies(b)
+            if (several(solid%ranks)) body = coupling%guests%bodies(b)
+            felt = 0
+            call each_feel_load(body%last - body%first + 1, body%first, coupling%box, dt, &
+                                coupling%cell_of, coupling%place_of, coupling%above, &
+                                coupling%wall%impulse, felt)
+            all_felt(b) = felt
         end do
         call sum_of_all(solid%ranks, all_felt)
         solid%bodies%asleep = solid%bodies%asleep .and. all_felt == 0
         call wake_met(solid)
     end subroutine wake_loaded
-
-    !> Count the guests in cells of this process that feel a load.
-    subroutine feel_loads(body, coupling, dt, felt)
-        type(body_t), intent(in) :: body
-        type(coupling_t), intent(in) :: coupling
-        real(dp), intent(in) :: dt !! step of the air [s]
-        integer, intent(inout) :: felt
-        integer :: p
-
-        do p = body%first, body%last
-            if (.not. is_own(coupling%box, coupling%cell_of(p))) cycle
-            call feel_load(p - body%first + 1, body%first, coupling%box, dt, coupling%place_of, &
-                           coupling%above, coupling%wall%impulse, felt)
-        end do
-    end subroutine feel_loads
 end module brz_coupling_load

@@ -13,7 +13,7 @@ module brz_coupling_setup
     use brz_coupling_guests, only: invite_guests, open_windows, see_window
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: move_walls
-    use brz_debt_steps, only: enter_debts
+    use brz_debt_steps, only: enter_debts, size_debts
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int32, rk
     use brz_positivity, only: floors_of
@@ -188,6 +188,7 @@ contains
         call fill_bins(solid, coupling)
         call move_walls(solid, solid, coupling)
         coupling%slot = 0
+        call size_debts(coupling, 0)
         call enter_debts(coupling)
     end subroutine put_up_walls
 end module brz_coupling_setup

@@ -3,7 +3,6 @@
 module brz_coupling_totals
     use brz_air_state, only: air_t
     use brz_air_sums, only: air_totals
-    use brz_coupling_box, only: is_own
     use brz_coupling_state, only: coupling_books_t, coupling_t
     use brz_debt_loops, only: each_total_debt
     use brz_exact_sum, only: exact_sums
@@ -28,7 +27,10 @@ contains
 
         call air_totals(air, coupling%wall, gas, ledger, kinetic, products)
         if (coupling%paper) ledger = 0 ! there is none: solid cells hold gas that is made up
-        call sum_debts(air, coupling, owed)
+        owed = 0
+        if (coupling%present) call each_total_debt(coupling%n_debts, air%part%ranks, coupling%box, &
+            coupling%n_var, coupling%debt_cell, coupling%debt, owed)
+        owed = owed*product(air%dx)
         debt = owed(1:5)
         if (present(products)) products = products + owed(6)
     end subroutine coupling_totals
@@ -39,12 +41,13 @@ contains
         type(coupling_t), intent(in) :: coupling
         real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
         real(dp), intent(out) :: products !! mass of products of explosives [kg]
-        real(dp) :: total(6)
+        real(dp) :: total(6), owed(6)
 
-        total = 0
-        call each_total_ledger(coupling%wall%n_cells, coupling%box, coupling%cell, air%u, total)
-        if (coupling%n_debts > 0) &
-            call each_total_debt(coupling%n_debts, coupling%n_var, coupling%debt, total)
+        call each_total_ledger(coupling%wall%n_cells, air%part%ranks, coupling%box, coupling%cell, &
+                               air%u, total)
+        call each_total_debt(coupling%n_debts, air%part%ranks, coupling%box, coupling%n_var, &
+                             coupling%debt_cell, coupling%debt, owed)
+        total = total + owed
         kept = total(1:5)*product(air%dx)
         products = total(6)*product(air%dx)
     end subroutine ledger_totals
@@ -75,22 +78,4 @@ contains
         books%ledger_low = real(least(1), rk)
         books%ledger_high = real(-least(2), rk)
     end subroutine books_of_all
-
-    !> Exact sums of the debts of all processes.
-    subroutine sum_debts(air, coupling, owed)
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(in) :: coupling
-        real(dp), intent(out) :: owed(6) !! mass [kg], momentum [kg m/s], energy [J], products [kg]
-        real(dp) :: terms(6, coupling%n_debts)
-        integer :: e
-
-        terms = 0
-        do e = 1, coupling%n_debts
-            if (is_own(coupling%box, coupling%debt_cell(e))) &
-                terms(:coupling%n_var, e) = coupling%debt(:, e)
-        end do
-        owed = 0
-        if (coupling%present) call exact_sums(air%part%ranks, terms, owed)
-        owed = owed*product(air%dx)
-    end subroutine sum_debts
 end module brz_coupling_totals

@@ -278,7 +278,7 @@ contains
     !> Refresh the host's conserved variables in a list of cells, of which those of others are left.
     subroutine fetch_cells(gpu, cell, air, err)
         type(gpu_air_t), intent(in) :: gpu
-        integer, intent(in) :: cell(:, :) !! (3, n) indices in the whole grid
+        integer, intent(in) :: cell(:, :) !! (3, n) indices in the box of this process
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
         integer(int64), allocatable :: place(:)
@@ -289,7 +289,7 @@ contains
 
         n = 0
         do c = 1, size(cell, 2)
-            at(:, n + 1) = cell(:, c) - air%before
+            at(:, n + 1) = cell(:, c)
             if (all(at(:, n + 1) >= 1 - air%g .and. at(:, n + 1) <= air%n + air%g)) n = n + 1
         end do
         if (gpu%fetched .or. n == 0) return

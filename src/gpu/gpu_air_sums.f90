@@ -18,16 +18,18 @@ module brz_gpu_air_sums
 contains
 
     !> Largest stable time step [s], as air_time_step has it.
-    real(dp) function gpu_air_time_step(gpu, air, cfl, err) result(dt)
+    real(dp) function gpu_air_time_step(gpu, air, cfl, err, fastest) result(dt)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: cfl !! Courant number [-]
         type(error_t), intent(inout) :: err
+        real(dp), intent(in), optional :: fastest !! of the walls [1/s]
         real(dp) :: least(1)
 
         call gpu%kernels%air_speed([air%n(1:2), 1], gpu%grid, air%scheme, gpu%u, &
                                    gpu%walls%solid, gpu%bricks%awake, gpu%part, err)
         least = cfl/gpu%common%largest(gpu%part, air%n(1)*air%n(2), err)
+        if (present(fastest)) least = min(least, cfl/max(fastest, tiny(dt)))
         call agree(air%part%ranks, err, least)
         dt = least(1)
     end function gpu_air_time_step

@@ -11,13 +11,15 @@ module brz_gpu_coupling_copy
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_layout, only: book_given, book_high, book_low, book_taken, &
         book_taken_work, book_threads, book_work, n_book, n_count
-    use brz_gpu_coupling_state, only: gpu_coupling_t, open_memory, particles_t, seen
+    use brz_gpu_coupling_guests, only: invite_gpu_guests, open_gpu_windows
+    use brz_gpu_coupling_shared, only: list_gpu_faces
+    use brz_gpu_coupling_state, only: gpu_coupling_t, open_memory, particles_t, seen, seen_t
     use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
         look_at_particles
     use brz_gpu_debt_steps, only: enter_debts, size_debts
     use brz_gpu_wall_steps, only: find_mean_velocity
     use brz_kinds, only: dp, int64, rk
-    use brz_scheme, only: max_var
+    use brz_ranks, only: agree, several
     implicit none
     private
     public :: open_gpu_coupling, fetch_coupling, fetch_books, gpu_ledger_totals, gpu_fastest_wall
@@ -29,22 +31,32 @@ contains
     subroutine open_gpu_coupling(device, air, coupling, particles, there, gpu, err)
         type(device_t), intent(in) :: device
         type(air_t), intent(in) :: air
-        type(coupling_t), intent(in) :: coupling
+        type(coupling_t), intent(inout) :: coupling !! its guests are those on the GPU
         type(particles_t), intent(in) :: particles
         type(gpu_air_t), intent(inout) :: there !! opened with walls
         type(gpu_coupling_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
         integer :: counts(n_count), n
+        type(seen_t) :: p
 
-        call open_memory(device, coupling, particles%n, gpu, err)
+        call open_memory(device, air%part%ranks, coupling, particles%n, gpu, err)
+        call agree(air%part%ranks, err)
         if (failed(err)) return
+        p = seen(particles)
+        if (several(air%part%ranks)) then
+            call open_gpu_windows(device, air, coupling, gpu, err)
+            call invite_gpu_guests(gpu, particles, coupling%guests, err)
+            p = gpu%guests
+        end if
         call clear_buffer(there%walls%solid, err)
-        call look_at_particles(gpu, there, particles, counts, err)
+        call look_at_particles(gpu, there, p, counts, err)
         call list_cells_of_kind(gpu, is_solid, err, total=n)
         call build_gpu_walls(gpu, there, air, n, err)
-        call fill_gpu_bins(gpu, there, particles, err)
-        call find_mean_velocity(seen(particles), gpu, err)
-        call copy_in(coupling%v_before, gpu%v_before, 3*bytes_of_real*particles%n, err)
+        if (several(air%part%ranks)) call list_gpu_faces(gpu, err)
+        call fill_gpu_bins(gpu, there, p, err)
+        call find_mean_velocity(p, gpu, err)
+        if (allocated(coupling%v_before)) &
+            call copy_in(coupling%v_before, gpu%v_before, 3*bytes_of_real*particles%n, err)
         call put_debts(gpu, coupling, err)
         call put_books(gpu, coupling, err)
     end subroutine open_gpu_coupling
@@ -116,7 +128,7 @@ contains
             gpu%fetched_changes = changes
         end if
         call copy_out(there%walls%v, coupling%wall%v, 3*bytes_of_real*gpu%wall%n_cells, err)
-        call copy_out(gpu%v_before, coupling%v_before, &
+        if (allocated(coupling%v_before)) call copy_out(gpu%v_before, coupling%v_before, &
                       size(coupling%v_before, kind=int64)*bytes_of_real, err)
         call fetch_debts(gpu, coupling, err)
         call fetch_books(gpu, coupling, err)
@@ -139,22 +151,22 @@ contains
 
     !> Totals of ledgers and debts, as ledger_totals has them.
     subroutine gpu_ledger_totals(gpu, there, air, kept, products, err)
-        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_coupling_t), intent(inout) :: gpu
         type(gpu_air_t), intent(in) :: there
         type(air_t), intent(in) :: air
         real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
         real(dp), intent(out) :: products !! mass of products of explosives [kg]
         type(error_t), intent(inout) :: err
-        real(dp) :: part(book_threads, max_var)
+        real(dp) :: total(6)
 
-        call clear_buffer(gpu%part, err)
         call gpu%ledger_kernels%total_ledger(gpu%wall%n_cells, gpu%box, gpu%cell, there%u, &
-                                             gpu%part, err)
-        call gpu%debt_kernels%total_debt(gpu%n_debts, gpu%box%n_var, gpu%debt, gpu%part, err)
-        part = 0
-        call copy_out(gpu%part, part, 8_int64*size(part), err)
-        kept = sum(part(:, 1:5), 1)*product(air%dx)
-        products = sum(part(:, 6))*product(air%dx)
+                                             gpu%exact, err)
+        total = gpu%exact%total(:6)
+        call gpu%debt_kernels%total_debt(gpu%n_debts, gpu%box, gpu%box%n_var, gpu%debt_cell, &
+                                         gpu%debt, gpu%exact, err)
+        total = (total + gpu%exact%total(:6))*product(air%dx)
+        kept = total(1:5)
+        products = total(6)
     end subroutine gpu_ledger_totals
 
     !> Largest sum_d |v_d|/dx_d of the walls [1/s].

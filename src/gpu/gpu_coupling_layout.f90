@@ -5,17 +5,18 @@ module brz_gpu_coupling_layout
     implicit none
     private
     public :: book_threads, n_book
-    public :: count_moved, count_outside, count_covered, count_uncovered, count_over, count_kept, &
-              n_count
+    public :: count_moved, count_outside, count_covered, count_uncovered, count_own, count_over, &
+              count_kept, n_count
     public :: book_work, book_taken_work, book_given, book_taken, book_low, book_high
 
     ! what the kernels count
     integer, parameter :: count_moved = 1 !! particles that have changed their cell
     integer, parameter :: count_outside = 2 !! particles outside the box
     integer, parameter :: count_covered = 3, count_uncovered = 4 !! cells
-    integer, parameter :: count_over = 5 !! ledgers beyond their band
-    integer, parameter :: count_kept = 6 !! buried ledgers that found no taker
-    integer, parameter :: n_count = 6
+    integer, parameter :: count_own = 4 !! + 1..2: both, of this process
+    integer, parameter :: count_over = 7 !! ledgers beyond their band
+    integer, parameter :: count_kept = 8 !! buried ledgers that found no taker
+    integer, parameter :: n_count = 8
 
     ! the books, as partial results of `book_threads` threads: part(book_threads, n_book)
     integer, parameter :: book_threads = tally_threads

@@ -20,6 +20,7 @@ module brz_gpu_coupling_state
         reserve_buffer
     use brz_donor_launches, only: donor_kernels_t
     use brz_errors, only: error_t
+    use brz_gpu_coupling_part, only: close_gpu_part, gpu_part_t
     use brz_gpu_exact, only: gpu_exact_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, gpu_walls_t
     use brz_gpu_common, only: gpu_common_t
@@ -44,6 +45,9 @@ module brz_gpu_coupling_state
         type(reals_t) :: motion, state
         type(integers_t) :: tag
         integer :: load = 0 !! columns of `state` before those of the load of the air
+        ! on several processes
+        integer :: before = 0 !! columns before those of the velocity a step of the air before
+        integer, allocatable :: first(:), last(:) !! (bodies) those of this process
     end type particles_t
 
     !> The same as the steps have them, array by array, see solid_t.
@@ -75,6 +79,8 @@ module brz_gpu_coupling_state
         type(buffer_t) :: carrier_there !! the same
         real(dp), allocatable :: shift(:, :) !! on the host
         type(gpu_exact_t) :: exact !! sums over one of them
+        type(gpu_part_t) :: shared !! on several processes
+        type(seen_t) :: guests !! as in coupling_t
         type(integers_t) :: cell_of, place_of, binned !! (particles) cell, its place, bins
         type(reals_t) :: v_before !! (3, particles by id) velocity a step of the air before [m/s]
         type(integers_t) :: ends !! (n_cells + 1) of the bins
@@ -106,8 +112,9 @@ module brz_gpu_coupling_state
 contains
 
     !> Reserve what does not grow, and find the kernels.
-    subroutine open_memory(device, coupling, particles, gpu, err)
+    subroutine open_memory(device, ranks, coupling, particles, gpu, err)
         type(device_t), intent(in) :: device
+        type(ranks_t), intent(in) :: ranks
         type(coupling_t), intent(in) :: coupling
         integer, intent(in) :: particles
         type(gpu_coupling_t), intent(out) :: gpu
@@ -144,7 +151,7 @@ contains
         gpu%carrier = coupling%carrier
         bytes = storage_size(coupling%carrier)/8
         call put_buffer(gpu%carrier, gpu%carrier_there, gpu%bodies*bytes, err)
-        call gpu%exact%open(device, ranks_t(), err)
+        call gpu%exact%open(device, ranks, err)
     end subroutine open_memory
 
     !> Room for n solid cells.
@@ -264,6 +271,10 @@ contains
         call free_buffers(gpu%start, gpu%uncovered, gpu%donor, gpu%donor_shell, gpu%donation, &
             gpu%debt_cell, gpu%next_cell, gpu%debt)
         call free_buffers(gpu%next_debt, gpu%carrier_there)
+        associate (p => gpu%guests)
+            call free_buffers(p%x, p%v, p%mass, p%load, p%fixed, p%id)
+        end associate
+        call close_gpu_part(gpu%shared)
         call gpu%exact%close()
         call gpu%common%close()
     end subroutine close_gpu_coupling

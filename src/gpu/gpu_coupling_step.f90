@@ -7,13 +7,16 @@ module brz_gpu_coupling_step
     use brz_air_state, only: air_t
     use brz_buffers, only: from
     use brz_coupling_box, only: is_left
+    use brz_coupling_part, only: introduce
     use brz_coupling_state, only: coupling_t
     use brz_device, only: clear_buffer, copy_out, reserve_buffer
-    use brz_errors, only: error_t, failed
+    use brz_errors, only: error_t
     use brz_gpu_air_state, only: gpu_air_t
     use brz_gpu_carrier_steps, only: sum_loads
-    use brz_gpu_coupling_layout, only: count_covered, count_moved, count_outside, &
+    use brz_gpu_coupling_guests, only: invite_gpu_guests, see_gpu_window, send_gpu_loads_home
+    use brz_gpu_coupling_layout, only: count_covered, count_moved, count_outside, count_own, &
         count_uncovered, n_count
+    use brz_gpu_coupling_shared, only: list_gpu_faces, share_gpu_debts, share_gpu_impulses
     use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t, seen, seen_t
     use brz_gpu_coupling_steps, only: find_velocities, settle_ledgers
     use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
@@ -22,6 +25,7 @@ module brz_gpu_coupling_step
     use brz_gpu_lists, only: at_least
     use brz_gpu_wall_steps, only: keep_velocities, press_bodies
     use brz_kinds, only: dp, int64
+    use brz_ranks, only: several, sum_of_all
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -40,8 +44,14 @@ contains
         type(error_t), intent(inout) :: err
         type(seen_t) :: p
 
-        p = seen(particles)
         gpu%dt_before = coupling%dt_before
+        if (several(solid%ranks)) then
+            call find_velocities(there, coupling%guests, gpu%guests, gpu, dt, gpu%shared%v_before, &
+                                 gpu%shared%seat, err)
+            coupling%dt_before = dt
+            return
+        end if
+        p = seen(particles)
         call find_velocities(there, solid, p, gpu, dt, gpu%v_before, p%id, err)
         call keep_velocities(p, gpu, err)
         coupling%dt_before = dt
@@ -60,9 +70,16 @@ contains
         integer :: b
 
         p = seen(particles)
-        call press_bodies(p, gpu, dt, err)
-        if (.not. allocated(solid%bodies)) return
-        call sum_loads(solid, p, gpu, load, err)
+        if (several(solid%ranks)) then
+            call share_gpu_impulses(gpu, err)
+            call press_bodies(gpu%guests, gpu, dt, err)
+            call send_gpu_loads_home(gpu, particles, err)
+            call sum_loads(gpu%shared%own, p, gpu, load, err)
+        else
+            call press_bodies(p, gpu, dt, err)
+            if (.not. allocated(solid%bodies)) return
+            call sum_loads(solid, p, gpu, load, err)
+        end if
         do b = 1, gpu%bodies
             solid%bodies(b)%rigid%load = load(:, b)
         end do
@@ -77,17 +94,21 @@ contains
         logical, intent(out) :: loaded(:)
         type(error_t), intent(inout) :: err
         integer :: b, marks(size(first))
+        integer(int64) :: all(size(first))
 
         call reserve_buffer(gpu%felt, 4_int64*size(first), err)
         call clear_buffer(gpu%felt, err)
         do b = 1, size(first)
             call gpu%load_kernels%feel_load(last(b) - first(b) + 1, first(b), gpu%box, dt, &
-                                            gpu%place_of, gpu%above, there%walls%impulse, &
+                                            gpu%cell_of, gpu%place_of, gpu%above, &
+                                            there%walls%impulse, &
                                             from(gpu%felt, int(b, int64)), err)
         end do
         marks = 0
         call copy_out(gpu%felt, marks, 4_int64*size(marks), err)
-        loaded = marks /= 0
+        all = marks
+        call sum_of_all(gpu%exact%ranks, all)
+        loaded = all /= 0
     end subroutine gpu_is_loaded
 
     !> Bring walls, ledgers and gas up to date with the particles, as reclassify does.
@@ -99,22 +120,44 @@ contains
         type(solid_t), intent(in) :: solid !! its bodies
         type(coupling_t), intent(inout) :: coupling !! its counters are brought up to date
         type(error_t), intent(inout) :: err
+
+        if (several(solid%ranks)) then
+            call introduce(solid, coupling%guests)
+            call invite_gpu_guests(gpu, particles, coupling%guests, err)
+            call see_gpu_window(gpu, there, err)
+            call share_gpu_debts(gpu, err)
+            coupling%rebuilds = -1 ! a guest's place is another one's in the next step
+            call move_on(gpu, there, gpu%guests, air, coupling%guests, coupling, err)
+            call see_gpu_window(gpu, there, err)
+        else
+            call move_on(gpu, there, seen(particles), air, solid, coupling, err)
+        end if
+    end subroutine gpu_reclassify
+
+    !> The same for the particles in the box.
+    subroutine move_on(gpu, there, p, air, solid, coupling, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(gpu_air_t), intent(inout) :: there
+        type(seen_t), intent(in) :: p
+        type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid !! its bodies
+        type(coupling_t), intent(inout) :: coupling
+        type(error_t), intent(inout) :: err
         integer :: counts(n_count)
 
-        call look_at_particles(gpu, there, particles, counts, err)
-        if (failed(err)) return
+        call look_at_particles(gpu, there, p, counts, err)
         coupling%outside = counts(count_outside)
         if (counts(count_moved) > 0 .or. solid%rebuilds /= coupling%rebuilds) then
             if (counts(count_covered) + counts(count_uncovered) > 0) &
                 call change_hands(gpu, there, air, coupling, counts, err)
-            call fill_gpu_bins(gpu, there, particles, err)
+            call fill_gpu_bins(gpu, there, p, err)
         end if
         coupling%rebuilds = solid%rebuilds ! where they were sorted anew, so are those of a cell
-        call settle_ledgers(there, solid, seen(particles), gpu, err)
+        call settle_ledgers(there, solid, p, gpu, err)
         there%fetched = .false.
         coupling%n_debts = gpu%n_debts
         coupling%books%kept = gpu%books%kept
-    end subroutine gpu_reclassify
+    end subroutine move_on
 
     !> The map has changed: fill what the solid left, put the new walls up, pass the rest on.
     subroutine change_hands(gpu, there, air, coupling, counts, err)
@@ -129,13 +172,14 @@ contains
         gpu%n_uncovered = counts(count_uncovered)
         coupling%n_covered = gpu%n_covered
         coupling%n_uncovered = gpu%n_uncovered
-        coupling%books%covered = coupling%books%covered + gpu%n_covered
-        coupling%books%uncovered = coupling%books%uncovered + gpu%n_uncovered
+        coupling%books%covered = coupling%books%covered + counts(count_own + 1)
+        coupling%books%uncovered = coupling%books%uncovered + counts(count_own + 2)
         call at_least(gpu%uncovered, gpu%n_uncovered, err)
         call list_cells_of_kind(gpu, is_left, err, list=gpu%uncovered)
         call fill_uncovered(there, gpu, err)
         call build_gpu_walls(gpu, there, air, gpu%wall%n_cells + gpu%n_covered &
                              - gpu%n_uncovered, err)
+        if (several(air%part%ranks)) call list_gpu_faces(gpu, err)
         call settle_covered(there, gpu, err)
         call donate(there, gpu, err)
     end subroutine change_hands

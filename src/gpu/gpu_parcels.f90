@@ -38,7 +38,7 @@ module brz_gpu_parcels
         type(peers_t) :: peers
         type(place_kernels_t) :: kernels
     contains
-        procedure :: open, close, refresh, bring, move
+        procedure :: open, close, refresh, send, move
     end type gpu_parcels_t
 
 contains
@@ -108,29 +108,40 @@ contains
         type(rows_t), intent(in) :: arrays(:)
         type(error_t), intent(inout) :: err
 
-        call self%bring(self%out, self%in, arrays, err)
+        call bring(self, self%out, self%in, arrays, arrays, err)
     end subroutine refresh
 
-    !> Send the rows of listed particles, and put those that come where a list says. All processes
-    !> have told each other how many there are (`peers%aim`).
-    subroutine bring(self, out, in, arrays, err)
+    !> The same for other particles, of whom each process has told the others how many it sends.
+    subroutine send(self, out, in, from, to, err)
         class(gpu_parcels_t), intent(inout) :: self
         type(gpu_places_t), intent(in) :: out, in
-        type(rows_t), intent(in) :: arrays(:)
+        type(rows_t), intent(in) :: from(:), to(:) !! arrays with as many words of a particle
+        type(error_t), intent(inout) :: err
+
+        call self%peers%aim(self%ranks, int(out%first, int64), int(in%first, int64), &
+                            4*self%most, err)
+        call bring(self, out, in, from, to, err)
+    end subroutine send
+
+    !> Send the rows of listed particles, and put those that come where a list says.
+    subroutine bring(self, out, in, from, to, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        type(gpu_places_t), intent(in) :: out, in
+        type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
         integer :: n, wide
 
         n = self%ranks%n
-        wide = width_of(arrays)
+        wide = width_of(from)
         if (wide > self%most) call raise(err, exit_device, 'a message of particles is longer '// &
                                          'than what was reserved for it: this is an error of '// &
                                          'the program')
         call make_room(self%ranks, 4_int64*wide*(out%first(1:n) - out%first(0:n - 1)), &
                        4_int64*wide*(in%first(1:n) - in%first(0:n - 1)), self%mail)
         call reserve_buffer(self%words, 4_int64*wide*max(out%first(n), in%first(n)), err)
-        call pick(self, out%place, out%first(n) - 1, arrays, err)
+        call pick(self, out%place, out%first(n) - 1, from, err)
         call self%peers%swap(self%ranks, self%mail, 4*wide, self%words, self%came, err)
-        call put(self, self%came, in%place, in%first(n) - 1, arrays, err)
+        call put(self, self%came, in%place, in%first(n) - 1, to, err)
     end subroutine bring
 
     !> Move the rows of listed particles to other places of this process, which none of them has.

@@ -10,15 +10,17 @@ module brz_gpu_solid_home
     use brz_buffers, only: from
     use brz_device, only: clear_buffer, copy_in, copy_out, free_buffers, reserve_buffer
     use brz_errors, only: error_t
+    use brz_gpu_marks, only: find_firsts
     use brz_gpu_parcels, only: gpu_places_t, put_places
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_links, only: build_gpu_links, settle_gpu_links
-    use brz_gpu_solid_marks, only: find_firsts, list_marks, mark_ghosts, mark_leaving
+    use brz_gpu_solid_marks, only: list_places, mark_ghosts, mark_leaving
     use brz_gpu_solid_search, only: begin_body, build_list, find_box, sort_body
     use brz_gpu_solid_state, only: book_of, gpu_solid_t, lay_arrays, record_of
     use brz_gpu_solid_sums, only: fetch_ledgers
     use brz_kinds, only: dp, int64
     use brz_mail, only: tell_counts
+    use brz_ranks, only: most_of_all
     use brz_solid_home, only: all_particles, uneven
     use brz_solid_regions, only: cut_regions
     use brz_solid_state, only: solid_t
@@ -37,6 +39,7 @@ contains
         logical, intent(out) :: recut !! all bodies may have other particles
         type(error_t), intent(inout) :: err
         logical :: grown
+        integer(int64) :: any_grown(1)
         integer :: b
 
         do b = 1, size(stale)
@@ -50,6 +53,9 @@ contains
         end do
         call settle_gpu_links(gpu, solid, .false.)
         call lay_ghosts(gpu, solid, grown, err)
+        any_grown = merge(1, 0, grown)
+        if (.not. all(stale)) call most_of_all(solid%ranks, any_grown) ! all build the same lists
+        grown = any_grown(1) > 0
         do b = 1, size(stale) ! ghosts of others are as they were, unless links reach them
             if (stale(b) .or. recut .or. grown .or. gpu%linked) call build_list(gpu, solid, b, err)
         end do
@@ -135,15 +141,13 @@ contains
 
         changed = sum(out, dim=2) + sum(in, dim=2) > 0
         if (any(changed)) call close_books(gpu, solid, changed, err)
-        call list_marks(gpu, out, leaving, err)
+        call list_places(gpu, out, leaving, err)
         allocate (gone(sum(out)), source=0)
         call copy_out(leaving%place, gone, 4_int64*size(gone), err)
         call choose_places(gpu, gone, leaving%first, out, in, place, old, new)
         call find_firsts(in, coming%first)
         call put_places(place, coming%place, err)
-        call gpu%ghosts%peers%aim(solid%ranks, int(leaving%first, int64), &
-                                  int(coming%first, int64), 4*gpu%ghosts%most, err)
-        call gpu%ghosts%bring(leaving, coming, record_of(gpu), err)
+        call gpu%ghosts%send(leaving, coming, record_of(gpu), record_of(gpu), err)
         call gpu%ghosts%move(old, new, record_of(gpu), err)
         call free_buffers(leaving%place, coming%place)
     end subroutine change_places
@@ -231,7 +235,7 @@ contains
                        now, err)
         grown = grown .or. now
         if (now) call mark_ghosts(gpu, solid, out, err)
-        call list_marks(gpu, out, gpu%ghosts%out, err)
+        call list_places(gpu, out, gpu%ghosts%out, err)
         next = gpu%bodies%last
         allocate (place(0))
         do r = 1, solid%ranks%n
@@ -243,9 +247,7 @@ contains
         gpu%bodies%rim = next
         call find_firsts(in, gpu%ghosts%in%first)
         call put_places(place, gpu%ghosts%in%place, err)
-        call gpu%ghosts%peers%aim(solid%ranks, int(gpu%ghosts%out%first, int64), &
-                                  int(gpu%ghosts%in%first, int64), 4*gpu%ghosts%most, err)
-        call gpu%ghosts%bring(gpu%ghosts%out, gpu%ghosts%in, record_of(gpu), err)
+        call gpu%ghosts%send(gpu%ghosts%out, gpu%ghosts%in, record_of(gpu), record_of(gpu), err)
         call tell_kernels(gpu, err)
     end subroutine lay_ghosts
 

@@ -114,6 +114,7 @@ module brz_gpu_solid_state
         integer :: owed = 0 !! energy that the hold owes [J]
         integer :: lift = 0 !! of total-Lagrangian plates [1/m]
         integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
+        integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
@@ -277,6 +278,7 @@ contains
         gpu%owed = column_of_field(fields, 'owed')
         gpu%lift = column_of_field(fields, 'lift')
         if (loaded) gpu%load = column_of_field(fields, 'load') - 1
+        if (allocated(solid%v_before)) gpu%before = column_of_field(fields, 'v_before') - 1
         if (allocated(solid%grip)) gpu%grip = column_of_field(fields, 'grip') - 1
     end subroutine number_columns
 

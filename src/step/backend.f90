@@ -136,7 +136,9 @@ contains
 
         associate (solid => backend%solid)
             particles = particles_t(solid%n, solid%place, solid%motion, solid%state, &
-                                    solid%tag, solid%load)
+                                    solid%tag, solid%load, solid%before)
+            particles%first = solid%bodies%first
+            particles%last = solid%bodies%last
         end associate
     end function particles_of
 end module brz_backend

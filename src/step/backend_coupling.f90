@@ -13,8 +13,9 @@ module brz_backend_coupling
     use brz_gpu_coupling_step, only: gpu_is_loaded, gpu_reclassify, gpu_set_wall_velocity, &
         gpu_spread_load
     use brz_kinds, only: dp
+    use brz_ranks, only: agree, several
     use brz_solid_sleep, only: wake_met
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: body_t, solid_t
     implicit none
     private
     public :: set_walls, load_bodies, exchange_gas
@@ -51,7 +52,8 @@ contains
             call gpu_spread_load(backend%coupling, particles_of(backend), solid, dt, err)
             call wait_for_device(err)
             backend%solid%fetched = .false.
-            if (any(solid%bodies%asleep)) call wake_on_gpu(backend, solid, dt, err)
+            if (any(solid%bodies%asleep)) call wake_on_gpu(backend, solid, coupling, dt, err)
+            call agree(solid%ranks, err)
         else
             call spread_load(solid, coupling, dt)
             if (any(solid%bodies%asleep)) call wake_loaded(solid, coupling, dt)
@@ -59,15 +61,19 @@ contains
     end subroutine load_bodies
 
     !> Wake the bodies that feel a load on the GPU, and what they meet.
-    subroutine wake_on_gpu(backend, solid, dt, err)
+    subroutine wake_on_gpu(backend, solid, coupling, dt, err)
         type(backend_t), intent(inout) :: backend
-        type(solid_t), intent(inout) :: solid
+        type(solid_t), intent(inout), target :: solid
+        type(coupling_t), intent(in), target :: coupling
         real(dp), intent(in) :: dt !! step of the air [s]
         type(error_t), intent(inout) :: err
         logical :: loaded(size(solid%bodies))
+        type(body_t), pointer :: bodies(:)
 
-        call gpu_is_loaded(backend%coupling, backend%air, dt, solid%bodies%first, &
-                           solid%bodies%last, loaded, err)
+        bodies => solid%bodies
+        if (several(solid%ranks)) bodies => coupling%guests%bodies
+        call gpu_is_loaded(backend%coupling, backend%air, dt, bodies%first, bodies%last, loaded, &
+                           err)
         if (failed(err)) return
         solid%bodies%asleep = solid%bodies%asleep .and. .not. loaded
         call wake_met(solid)

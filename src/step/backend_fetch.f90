@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> What results need of the state, wherever it is: totals, cells and particles of gauges, all of it.
 module brz_backend_fetch
-    use brz_air_probe, only: cells_around
+    use brz_air_probe, only: cells_around, has_point
     use brz_air_state, only: air_t, wall_t
     use brz_backend, only: backend_t
     use brz_cell_shells, only: reach
@@ -28,7 +28,7 @@ contains
 
     !> Totals of the air; what left through its boundaries is brought up to date in `air`.
     subroutine stock_of_air(backend, air, coupling, gas, kept, kinetic, products, err)
-        type(backend_t), intent(in) :: backend
+        type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
         type(coupling_t), intent(inout) :: coupling !! its work and impulse are brought up to date
         real(dp), intent(out) :: gas(5) !! mass [kg], momentum [kg m/s], energy [J]
@@ -163,21 +163,25 @@ contains
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
-        integer :: around(3, 0:7, size(points, 2)), g, known
+        integer :: around(3, 0:7, size(points, 2)), g, known, n
         integer, allocatable :: cells(:, :)
 
-        if (failed(err) .or. size(points, 2) == 0) return
-        do g = 1, size(points, 2)
-            call cells_around(air, points(:, g), around(:, :, g))
+        n = 0
+        do g = 1, size(points, 2) ! with walls another process may have the point
+            if (backend%coupling_on_gpu .and. .not. has_point(air, points(:, g))) cycle
+            n = n + 1
+            call cells_around(air, points(:, g), around(:, :, n))
+            around(:, :, n) = around(:, :, n) - spread(air%before, 2, 8)
         end do
-        cells = reshape(around, [3, 8*size(points, 2)])
+        if (failed(err) .or. n == 0) return
+        cells = reshape(around(:, :, :n), [3, 8*n])
         if (backend%coupling_on_gpu) then
-            do g = 1, size(points, 2)
+            do g = 1, n
                 call add_block(air, around(:, 0, g) - 1, around(:, 7, g) + 1, cells)
             end do
             known = size(cells, 2)
             call fetch_walls(backend%air, cells, wall, err)
-            do g = 1, size(points, 2)
+            do g = 1, n
                 associate (low => around(:, 0, g), high => around(:, 7, g))
                     if (all(wall%solid(low(1):high(1), low(2):high(2), low(3):high(3)) /= 0)) &
                         call add_block(air, low - reach - 1, high + reach + 1, cells)

@@ -36,7 +36,7 @@ contains
     subroutine start_backend(backend, air, coupling, solid, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air
-        type(coupling_t), intent(in) :: coupling
+        type(coupling_t), intent(inout) :: coupling
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
@@ -92,11 +92,10 @@ contains
         real(dp) :: fastest
 
         if (backend%on_gpu) then
-            dt = gpu_air_time_step(backend%air, air, cfl, err)
             fastest = 0
             if (backend%coupling_on_gpu) &
                 fastest = gpu_fastest_wall(backend%coupling, backend%air, err)
-            dt = min(dt, cfl/max(fastest, tiny(dt)))
+            dt = gpu_air_time_step(backend%air, air, cfl, err, fastest)
         else
             dt = air_time_step(air, wall, cfl)
         end if

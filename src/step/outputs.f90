@@ -87,7 +87,8 @@ contains
                          outputs%continued .and. leads, sim%clock, err)
         outputs%saves%dumps%leads = leads
         if (leads .and. outputs%resumed) call go_on(sim, outputs, err)
-        if (leads .and. .not. outputs%resumed) call write_early(sim, outputs, err)
+        call agree(sim%ranks, err)
+        if (.not. outputs%resumed) call write_early(sim, outputs, err)
         call agree(sim%ranks, err)
     end subroutine open_outputs
 

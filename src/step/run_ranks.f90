@@ -37,8 +37,6 @@ contains
             what = missing_of_bodies(case, n)
             if (what == '') deallocate (what)
         end if
-        if (case%run%backend == 'gpu' .and. size(case%bodies) > 0 .and. case%air%present &
-            .and. .not. allocated(what)) what = 'bodies in air on GPUs'
         if (allocated(what)) then
             call raise(err, exit_deck, 'this version does not have '//what//' on several '// &
                        'processes ('//to_text(n)//' are wanted): run one, with OMP_NUM_THREADS '// &

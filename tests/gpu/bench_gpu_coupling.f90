@@ -19,7 +19,7 @@ program bench_gpu_coupling
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, open_gpu_air
     use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
     use brz_gpu_coupling_layout, only: n_count
-    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
+    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t, seen
     use brz_gpu_coupling_step, only: gpu_reclassify, gpu_set_wall_velocity, gpu_spread_load
     use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles
     use brz_gpu_solid_layout, only: at_mass, n_tag
@@ -157,10 +157,10 @@ contains
             speed = gpu_fastest_wall(gpu, there, err)
             ms(4) = ms(4) + 1e3_dp*stop_timer(device, err)/steps
             call start_timer(device, err)
-            call look_at_particles(gpu, there, particles, counts, err)
+            call look_at_particles(gpu, there, seen(particles), counts, err)
             ms(5) = ms(5) + 1e3_dp*stop_timer(device, err)/steps
             call start_timer(device, err)
-            call fill_gpu_bins(gpu, there, particles, err)
+            call fill_gpu_bins(gpu, there, seen(particles), err)
             ms(6) = ms(6) + 1e3_dp*stop_timer(device, err)/steps
         end do
         changed = coupling%books%covered + coupling%books%uncovered

@@ -1,0 +1,43 @@
+! SPDX-License-Identifier: MIT
+!> What the coupling on the GPU of one process has to do with those of others, as
+!> brz_coupling_part has it: windows, parcels, lists of what is in them.
+module brz_gpu_coupling_part
+    use brz_boxes, only: box_t
+    use brz_buffers, only: integers_t, reals_t
+    use brz_device, only: free_buffers
+    use brz_gpu_fetch, only: gpu_fetch_t
+    use brz_gpu_parcels, only: gpu_parcels_t, gpu_places_t
+    use brz_guest_launches, only: guest_kernels_t
+    use brz_kinds, only: int64
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: gpu_part_t, close_gpu_part
+
+    type :: gpu_part_t
+        type(box_t), allocatable :: boxes(:), windows(:) !! (0:processes - 1)
+        type(gpu_fetch_t) :: window !! gas and ledgers of others in the window
+        type(gpu_parcels_t) :: parcels
+        integer(int64), allocatable :: came(:, :) !! (bodies, processes) guests
+        type(gpu_places_t) :: out, in !! particles of this process in windows, guests
+        type(gpu_places_t) :: loads_out, loads_in !! guests, particles of this process
+        type(gpu_places_t) :: faces_out, faces_in
+        type(integers_t) :: mark, seat !! seat: 1, 2, 3, ...
+        type(reals_t) :: v_before !! (3, guests)
+        type(solid_t) :: own !! the bodies, as the particles of this process lie on the GPU
+        type(guest_kernels_t) :: kernels
+    end type gpu_part_t
+
+contains
+
+    !> Give the memory back.
+    subroutine close_gpu_part(part)
+        type(gpu_part_t), intent(inout) :: part
+
+        call free_buffers(part%out%place, part%in%place, part%loads_out%place, &
+            part%loads_in%place, part%faces_out%place, part%faces_in%place, part%mark, part%seat)
+        call free_buffers(part%v_before)
+        call part%window%close()
+        call part%parcels%close()
+    end subroutine close_gpu_part
+end module brz_gpu_coupling_part

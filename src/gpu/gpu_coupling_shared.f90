@@ -1,0 +1,126 @@
+! SPDX-License-Identifier: MIT
+!> What several processes tell each other about the walls on their GPUs, as brz_coupling_shared has
+!> it: the impulses of wall faces, and debts.
+module brz_gpu_coupling_shared
+    use brz_boxes, only: cells_t => box_t, common, widened
+    use brz_buffers, only: from, integers_t
+    use brz_coupling_box, only: box_t
+    use brz_device, only: free_buffers
+    use brz_errors, only: error_t
+    use brz_gpu_air_state, only: bytes_of_real
+    use brz_gpu_coupling_state, only: gpu_coupling_t
+    use brz_gpu_debt_steps, only: drop_paid, enter_debts, size_debts
+    use brz_gpu_lists, only: at_least
+    use brz_gpu_marks, only: begin_marks, count_marks, find_firsts, list_marks
+    use brz_gpu_parcels, only: gpu_places_t, put_places, rows_of
+    use brz_kinds, only: int64
+    use brz_mail, only: tell_counts
+    implicit none
+    private
+    public :: list_gpu_faces, share_gpu_impulses, share_gpu_debts
+
+    integer, parameter :: w = int(bytes_of_real/4) !! words of a real number
+
+contains
+
+    !> List the faces whose gas is in the box of one process and whose columns may reach into that
+    !> of another, in the order of the grid.
+    subroutine list_gpu_faces(gpu, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        type(cells_t) :: near(0:ubound(gpu%shared%boxes, 1)) !! boxes and what loads them
+        integer :: r
+        integer(int64) :: number(1, size(near))
+
+        do r = 0, ubound(near, 1)
+            near(r) = widened(gpu%shared%boxes(r), spread(gpu%box%layers + 2, 1, 3))
+        end do
+        associate (part => gpu%shared, me => gpu%shared%own%ranks%rank, n => gpu%wall%n_faces)
+            call list_cells(gpu, n, gpu%gas, common(part%boxes(me), near), number, &
+                            part%faces_out, err)
+            call list_cells(gpu, n, gpu%gas, common(part%boxes, near(me)), number, part%faces_in, &
+                            err)
+        end associate
+    end subroutine list_gpu_faces
+
+    !> List what of n cells lies in boxes for all processes but this one.
+    subroutine list_cells(gpu, n, cell, boxes, number, list, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        integer, intent(in) :: n
+        type(integers_t), intent(in) :: cell !! (n) numbers of cells in the window
+        type(cells_t), intent(in) :: boxes(0:) !! (processes) cells of the grid
+        integer(int64), intent(out) :: number(:, :) !! (1, processes)
+        type(gpu_places_t), intent(inout) :: list
+        type(error_t), intent(inout) :: err
+        type(box_t) :: box
+        integer :: r
+
+        box = gpu%box
+        associate (part => gpu%shared)
+            call begin_marks(n, size(boxes), part%mark, err)
+            do r = 0, ubound(boxes, 1)
+                if (r == part%own%ranks%rank) cycle
+                box%own(:, 1) = boxes(r)%lo - box%before
+                box%own(:, 2) = boxes(r)%hi - box%before
+                call part%kernels%mark_own(n, box, cell, from(part%mark, int(n, int64)*r + 1), err)
+            end do
+            call count_marks(n, [1], gpu%common, part%parcels%kernels, part%mark, number, err)
+            call list_marks(n, number, part%parcels%kernels, part%mark, list, err)
+        end associate
+    end subroutine list_cells
+
+    !> Give every process the impulses of the faces whose columns may reach into its box.
+    subroutine share_gpu_impulses(gpu, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+
+        associate (part => gpu%shared, impulse => rows_of(gpu%wall%impulse, w))
+            call part%parcels%send(part%faces_out, part%faces_in, [impulse], [impulse], err)
+        end associate
+    end subroutine share_gpu_impulses
+
+    !> Renew the debts of other processes that this one sees.
+    subroutine share_gpu_debts(gpu, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        integer(int64), dimension(1, size(gpu%shared%boxes)) :: out, in
+        type(gpu_places_t) :: go, come
+        type(box_t) :: grid
+        integer :: k, more, n
+
+        grid = gpu%box
+        grid%before = 0
+        grid%n = grid%whole
+        associate (part => gpu%shared, ranks => gpu%shared%own%ranks)
+            call keep_own(gpu, err)
+            n = gpu%n_debts
+            call list_cells(gpu, n, gpu%debt_cell, part%windows, out, go, err)
+            call tell_counts(ranks, out, in)
+            more = int(sum(in))
+            call size_debts(gpu, n + more, err)
+            call at_least(gpu%next_cell, n + more, err)
+            call part%kernels%renumber(n, gpu%box, grid, gpu%debt_cell, gpu%next_cell, err)
+            call find_firsts(in, come%first)
+            call put_places([(n + k, k=1, more)], come%place, err)
+            call part%parcels%send(go, come, &
+                [rows_of(gpu%next_cell, 1), rows_of(gpu%debt, gpu%n_var*w)], &
+                [rows_of(gpu%next_cell, 1), rows_of(gpu%debt, gpu%n_var*w)], err)
+            call part%kernels%renumber(more, grid, gpu%box, from(gpu%next_cell, n + 1_int64), &
+                                       from(gpu%debt_cell, n + 1_int64), err)
+            gpu%n_debts = n + more
+            call enter_debts(gpu, err)
+            call free_buffers(go%place, come%place)
+        end associate
+    end subroutine share_gpu_debts
+
+    !> Drop the debts of cells of others.
+    subroutine keep_own(gpu, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+
+        if (gpu%n_debts == 0) return
+        call at_least(gpu%start, gpu%n_debts + 1, err)
+        call gpu%shared%kernels%mark_own(gpu%n_debts, gpu%box, gpu%debt_cell, gpu%start, err)
+        call drop_paid(gpu, err)
+    end subroutine keep_own
+end module brz_gpu_coupling_shared
