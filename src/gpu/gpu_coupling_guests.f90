@@ -95,7 +95,7 @@ contains
 
         associate (part => gpu%shared, first => particles%first, last => particles%last, &
                    n => particles%n)
-            call begin_marks(n, size(cells), part%mark, err)
+            call begin_marks(n, size(cells), part%marks, err)
             do r = 0, ubound(cells, 1)
                 box = gpu%box
                 box%before = cells(r)%lo - 1
@@ -103,11 +103,12 @@ contains
                 do b = 1, size(first)
                     if (last(b) >= first(b)) call part%kernels%mark_guest( &
                         last(b) - first(b) + 1, first(b), box, 4, particles%place, &
-                        tags_of(particles, tag_fixed), from(part%mark, int(n, int64)*r + 1), err)
+                        tags_of(particles, tag_fixed), &
+                        from(part%marks%mark, int(n, int64)*r + 1), err)
                 end do
             end do
-            call count_marks(n, first, gpu%common, part%parcels%kernels, part%mark, number, err)
-            call list_marks(n, number, part%parcels%kernels, part%mark, list, err)
+            call count_marks(n, first, gpu%common, part%parcels%kernels, part%marks, number, err)
+            call list_marks(n, number, part%parcels%kernels, part%marks, list, err)
         end associate
     end subroutine list_guests
 
@@ -206,19 +207,19 @@ contains
         type(rows_t) :: loads(2)
 
         associate (part => gpu%shared, p => particles, n => gpu%guests%n)
-            call begin_marks(n, size(number), part%mark, err)
+            call begin_marks(n, size(number), part%marks, err)
             at = 1
             do b = 1, size(part%came, 1)
                 do r = 1, size(part%came, 2)
                     if (part%came(b, r) == 0) cycle
                     call part%kernels%mark_own(int(part%came(b, r)), gpu%box, &
                         from(gpu%cell_of, int(at, int64)), &
-                        from(part%mark, (r - 1)*int(n, int64) + at), err)
+                        from(part%marks%mark, (r - 1)*int(n, int64) + at), err)
                     at = at + int(part%came(b, r))
                 end do
             end do
-            call count_marks(n, [1], gpu%common, part%parcels%kernels, part%mark, number, err)
-            call list_marks(n, number, part%parcels%kernels, part%mark, part%loads_out, err)
+            call count_marks(n, [1], gpu%common, part%parcels%kernels, part%marks, number, err)
+            call list_marks(n, number, part%parcels%kernels, part%marks, part%loads_out, err)
             call clear_buffer(column_of(p, p%load + 1), err, 3*bytes_of_real*p%n)
             loads = [rows_of(gpu%guests%load, 3*w), rows_of(column_of(p, p%load + 1), w, 3, p%n)]
             call part%parcels%send(part%loads_out, part%loads_in, loads(1:1), loads(2:2), err)

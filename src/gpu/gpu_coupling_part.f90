@@ -6,6 +6,7 @@ module brz_gpu_coupling_part
     use brz_buffers, only: integers_t, reals_t
     use brz_device, only: free_buffers
     use brz_gpu_fetch, only: gpu_fetch_t
+    use brz_gpu_marks, only: gpu_marks_t
     use brz_gpu_parcels, only: gpu_parcels_t, gpu_places_t
     use brz_guest_launches, only: guest_kernels_t
     use brz_kinds, only: int64
@@ -22,7 +23,9 @@ module brz_gpu_coupling_part
         type(gpu_places_t) :: out, in !! particles of this process in windows, guests
         type(gpu_places_t) :: loads_out, loads_in !! guests, particles of this process
         type(gpu_places_t) :: faces_out, faces_in
-        type(integers_t) :: mark, seat !! seat: 1, 2, 3, ...
+        type(gpu_places_t) :: debts_out, debts_in
+        type(gpu_marks_t) :: marks
+        type(integers_t) :: seat !! 1, 2, 3, ...
         type(reals_t) :: v_before !! (3, guests)
         type(solid_t) :: own !! the bodies, as the particles of this process lie on the GPU
         type(guest_kernels_t) :: kernels
@@ -35,8 +38,10 @@ contains
         type(gpu_part_t), intent(inout) :: part
 
         call free_buffers(part%out%place, part%in%place, part%loads_out%place, &
-            part%loads_in%place, part%faces_out%place, part%faces_in%place, part%mark, part%seat)
-        call free_buffers(part%v_before)
+            part%loads_in%place, part%faces_out%place, part%faces_in%place, part%debts_out%place, &
+            part%debts_in%place)
+        call free_buffers(part%v_before, part%seat, part%marks%mark, part%marks%ends, &
+            part%marks%sums)
         call part%window%close()
         call part%parcels%close()
     end subroutine close_gpu_part

@@ -5,7 +5,6 @@ module brz_gpu_coupling_shared
     use brz_boxes, only: cells_t => box_t, common, widened
     use brz_buffers, only: from, integers_t
     use brz_coupling_box, only: box_t
-    use brz_device, only: free_buffers
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real
     use brz_gpu_coupling_state, only: gpu_coupling_t
@@ -57,15 +56,16 @@ contains
 
         box = gpu%box
         associate (part => gpu%shared)
-            call begin_marks(n, size(boxes), part%mark, err)
+            call begin_marks(n, size(boxes), part%marks, err)
             do r = 0, ubound(boxes, 1)
                 if (r == part%own%ranks%rank) cycle
                 box%own(:, 1) = boxes(r)%lo - box%before
                 box%own(:, 2) = boxes(r)%hi - box%before
-                call part%kernels%mark_own(n, box, cell, from(part%mark, int(n, int64)*r + 1), err)
+                call part%kernels%mark_own(n, box, cell, &
+                                           from(part%marks%mark, int(n, int64)*r + 1), err)
             end do
-            call count_marks(n, [1], gpu%common, part%parcels%kernels, part%mark, number, err)
-            call list_marks(n, number, part%parcels%kernels, part%mark, list, err)
+            call count_marks(n, [1], gpu%common, part%parcels%kernels, part%marks, number, err)
+            call list_marks(n, number, part%parcels%kernels, part%marks, list, err)
         end associate
     end subroutine list_cells
 
@@ -84,7 +84,6 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64), dimension(1, size(gpu%shared%boxes)) :: out, in
-        type(gpu_places_t) :: go, come
         type(box_t) :: grid
         integer :: k, more, n
 
@@ -94,22 +93,21 @@ contains
         associate (part => gpu%shared, ranks => gpu%shared%own%ranks)
             call keep_own(gpu, err)
             n = gpu%n_debts
-            call list_cells(gpu, n, gpu%debt_cell, part%windows, out, go, err)
+            call list_cells(gpu, n, gpu%debt_cell, part%windows, out, part%debts_out, err)
             call tell_counts(ranks, out, in)
             more = int(sum(in))
             call size_debts(gpu, n + more, err)
             call at_least(gpu%next_cell, n + more, err)
             call part%kernels%renumber(n, gpu%box, grid, gpu%debt_cell, gpu%next_cell, err)
-            call find_firsts(in, come%first)
-            call put_places([(n + k, k=1, more)], come%place, err)
-            call part%parcels%send(go, come, &
+            call find_firsts(in, part%debts_in%first)
+            call put_places([(n + k, k=1, more)], part%debts_in%place, err)
+            call part%parcels%send(part%debts_out, part%debts_in, &
                 [rows_of(gpu%next_cell, 1), rows_of(gpu%debt, gpu%n_var*w)], &
                 [rows_of(gpu%next_cell, 1), rows_of(gpu%debt, gpu%n_var*w)], err)
             call part%kernels%renumber(more, grid, gpu%box, from(gpu%next_cell, n + 1_int64), &
                                        from(gpu%debt_cell, n + 1_int64), err)
             gpu%n_debts = n + more
             call enter_debts(gpu, err)
-            call free_buffers(go%place, come%place)
         end associate
     end subroutine share_gpu_debts
 

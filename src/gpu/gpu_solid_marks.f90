@@ -28,12 +28,13 @@ contains
         type(doubles_t) :: region
         integer :: b
 
-        call begin_marks(gpu%n, solid%ranks%n, gpu%mark, err)
+        call begin_marks(gpu%n, solid%ranks%n, gpu%marks, err)
         call put_buffer(solid%part%region, region, 48_int64*solid%ranks%n, err)
         do b = 1, size(which)
             associate (body => gpu%bodies(b))
                 if (which(b)) call gpu%homes%mark_home(body%last - body%first + 1, body%first, &
-                    gpu%n, solid%ranks%n, solid%ranks%rank, region, gpu%built, gpu%mark, err)
+                    gpu%n, solid%ranks%n, solid%ranks%rank, region, gpu%built, &
+                    gpu%marks%mark, err)
             end associate
         end do
         call free_buffers(region)
@@ -50,7 +51,7 @@ contains
         real(dp), allocatable :: want(:, :)
         integer :: b, r
 
-        call begin_marks(gpu%n, solid%ranks%n, gpu%mark, err)
+        call begin_marks(gpu%n, solid%ranks%n, gpu%marks, err)
         call put_buffer(solid%part%region, region, 48_int64*solid%ranks%n, err)
         do b = 1, size(number, 1)
             want = wants_of(solid, b)
@@ -61,8 +62,8 @@ contains
                 associate (body => gpu%bodies(b))
                     call gpu%homes%mark_near(body%last - body%first + 1, body%first, is_gone, &
                         planes_of(solid), size(want, 2), wants, from(region, 6_int64*r + 1), &
-                        gpu%built, tags_of(gpu, tag_fixed), from(gpu%mark, int(gpu%n, int64)*r &
-                        + 1), err)
+                        gpu%built, tags_of(gpu, tag_fixed), &
+                        from(gpu%marks%mark, int(gpu%n, int64)*r + 1), err)
                 end associate
             end do
             call free_buffers(wants)
@@ -77,7 +78,7 @@ contains
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
         type(error_t), intent(inout) :: err
 
-        call count_marks(gpu%n, gpu%bodies%first, gpu%common, gpu%ghosts%kernels, gpu%mark, &
+        call count_marks(gpu%n, gpu%bodies%first, gpu%common, gpu%ghosts%kernels, gpu%marks, &
                          number, err)
     end subroutine count_places
 
@@ -88,6 +89,6 @@ contains
         type(gpu_places_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
 
-        call list_marks(gpu%n, number, gpu%ghosts%kernels, gpu%mark, list, err)
+        call list_marks(gpu%n, number, gpu%ghosts%kernels, gpu%marks, list, err)
     end subroutine list_places
 end module brz_gpu_solid_marks

@@ -17,6 +17,7 @@ module brz_gpu_solid_state
     use brz_force_launches, only: force_kernels_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_exact, only: gpu_exact_t
+    use brz_gpu_marks, only: gpu_marks_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, rows_t
     use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_terms, n_total, &
         slice_width
@@ -122,7 +123,7 @@ module brz_gpu_solid_state
         type(doubles_t) :: place, reference, built, book, rate, region, box, part
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(integers_t) :: tag, flags, count, cell, order, start, code
-        type(integers_t) :: mark, marked !! who goes where, see brz_gpu_solid_home
+        type(gpu_marks_t) :: marks !! who goes where, see brz_gpu_solid_home
         type(buffer_t) :: hold, grid
         type(solid_kernels_t) :: kernels
         type(force_kernels_t) :: forces
@@ -355,7 +356,7 @@ contains
             gpu%region, gpu%extra)
         call free_buffers(gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
             gpu%part, gpu%box)
-        call free_buffers(gpu%sums_of_forces, gpu%mark, gpu%marked)
+        call free_buffers(gpu%sums_of_forces, gpu%marks%mark, gpu%marks%ends, gpu%marks%sums)
         call gpu%ghosts%close()
         call gpu%exact%close()
         call gpu%common%close()
