@@ -149,7 +149,7 @@ def test_bodies_in_air_go_on_on_other_processes(n, m, alone, tmp_path):
 # Scenes of other tests: a blast that starts in one dimension between planes of symmetry, bodies
 # that sleep and are bonded, one that is clamped beside one that stands.
 SHORT = {"struck_fragment": 100, "two_plates": 200, "panel": 60}
-SEEN = "&gauge id = 'seen', at = 0, 0, -0.3, quantity = 'pressure' /\n"  # of the start on the radius
+SEEN = "&gauge id = 'seen', at = 0, 0, -0.3, quantity = 'pressure' /\n"  # of the early rows, too
 
 
 @needs_mpirun
