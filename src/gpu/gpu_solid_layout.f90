@@ -4,6 +4,7 @@
 !> What neighbours read is gathered row by row, in rows of 16 B and multiples of it:
 !>     place(4, n)      x, y, z, smoothing length where it varies [m]; built: likewise; reference:
 !>                      with the tilt of the gradient where bodies have tilts [1/m]
+!>     near, far(4, n)  place and reference as pairs read them, in mixed precision packed into 16 B
 !>     motion(4, n)     velocity [m/s], volume [m3]
 !>     row(n_pair, n)   what pass 2 needs, slots of brz_solid_state
 !>     hold(6, n)       hourglass stiffness along axes [Pa]; in pass 1 the tilt [1/m] in slot 1

@@ -122,6 +122,7 @@ module brz_gpu_solid_state
         real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
         type(doubles_t) :: place, reference, built, book, rate, region, box, part
         type(reals_t) :: motion, state, row, grad, held, axes, extra
+        type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order, start, code
         type(gpu_marks_t) :: marks !! who goes where, see brz_gpu_solid_home
         type(buffer_t) :: hold, grid
@@ -297,6 +298,7 @@ contains
         bytes = bytes + solid%n*(bytes_of_real*(4 + n_state + n_pair + 9) + 8*n_book &
                          + 4*n_tag + 3*32 + 8 + 3*4 + 8 + 4*neighbours_guess &
                          + merge(20*bytes_of_real, 0_int64, solid%links%present) &
+                         + merge(32, 0, words_of_real == 1) &
                          + merge(24, 0, allocated(solid%hold) .or. allocated(solid%tilt)) &
                          + merge(n_held*bytes_of_real, 0_int64, allocated(solid%held)))
         if (bytes > device%free_bytes) call raise(err, exit_device, 'the bodies need about '// &
@@ -357,6 +359,7 @@ contains
         call free_buffers(gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
             gpu%part, gpu%box)
         call free_buffers(gpu%sums_of_forces, gpu%marks%mark, gpu%marks%ends, gpu%marks%sums)
+        if (words_of_real == 1) call free_buffers(gpu%near, gpu%far)
         call gpu%ghosts%close()
         call gpu%exact%close()
         call gpu%common%close()

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> One time step of the solids on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_solid_step
-    use brz_buffers, only: doubles_t, from
-    use brz_device, only: clear_buffer, copy_out, side_by_side
+    use brz_buffers, only: doubles_t, from, reals_t
+    use brz_device, only: clear_buffer, copy_out, reserve_buffer, side_by_side
     use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_cohesive, only: place_gpu_nodes
@@ -17,7 +17,7 @@ module brz_gpu_solid_step
     use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: book_of, column_of, gpu_solid_body_t, gpu_solid_t, &
-        moved_flags, tags_of, threads_of
+        moved_flags, tags_of, threads_of, words_of_real
     use brz_gpu_solid_sums, only: fetch_limit, sums_of_body
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: drift_bodies, find_stale, level_unit
@@ -174,12 +174,13 @@ contains
     !> Pass 1, and the material over the step just made; with dt = 0 no material. Of bodies that are
     !> awake, or of the others.
     subroutine gradient_pass(gpu, dt, err, of_sleepers)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_t), intent(inout) :: gpu
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         logical, intent(in), optional :: of_sleepers
         integer :: b
 
+        call pack_places(gpu, err)
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%rigid) cycle
             if (gpu%bodies(b)%asleep .neqv. present(of_sleepers)) cycle
@@ -207,21 +208,42 @@ contains
         call side_by_side(0)
     end subroutine gradient_pass
 
+    !> Places and reference positions as pairs read them: in real64 they are these themselves.
+    subroutine pack_places(gpu, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+
+        if (words_of_real == 1) then
+            call reserve_buffer(gpu%near, 16_int64*gpu%n, err)
+            call reserve_buffer(gpu%far, 16_int64*gpu%n, err)
+            call gpu%kernels%solid_pack([gpu%n, 1, 1], gpu%n, gpu%place, gpu%reference, gpu%near, &
+                gpu%far, err)
+        else
+            gpu%near%address = gpu%place%address
+            gpu%far%address = gpu%reference%address
+        end if
+    end subroutine pack_places
+
     subroutine sum_moments(gpu, body, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
         type(doubles_t) :: place, other
+        type(reals_t) :: near, far
 
         place = gpu%place
         other = gpu%reference
+        near = gpu%near
+        far = gpu%far
         if (body%total) then ! pairs are weighed by X_ij, and the sums lead to dx/dX
             place = gpu%reference
             other = gpu%place
+            near = gpu%far
+            far = gpu%near
         end if
         call launch_solid_moments(body%moments, threads_of(body), gpu%n, body%params, place, &
-            other, gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, gpu%state, &
-            gpu%tag, gpu%hold, gpu%held, err)
+            other, near, far, gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, &
+            gpu%state, gpu%tag, gpu%hold, gpu%held, err)
     end subroutine sum_moments
 
     subroutine find_gradients(gpu, body, dt, err)
@@ -278,8 +300,8 @@ contains
             call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
             associate (body => gpu%bodies(b))
                 call launch_solid_forces(body%forces, threads_of(body), gpu%n, real(dt, rk), &
-                    merge(1, 0, gpu%linked), gpu%load, body%params, gpu%place, gpu%motion, &
-                    gpu%row, gpu%reference, gpu%hold, gpu%held, body%slice, gpu%count, &
+                    merge(1, 0, gpu%linked), gpu%load, body%params, gpu%place, gpu%near, &
+                    gpu%far, gpu%motion, gpu%row, gpu%hold, gpu%held, body%slice, gpu%count, &
                     body%list, gpu%extra, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
             end associate
         end do
