@@ -58,13 +58,14 @@ contains
         exact = size_of
         exact%particles = sim%solid%n
         if (sim%solid%present) exact%of_body = sim%solid%bodies%last - sim%solid%bodies%first + 1
+        sim%backend%on_gpu = .false. ! nothing has been brought there
         call choose_time_step(sim, dt, err)
         if (sim%air%present) exact%dt_air = &
             min(dt/time_step_ramp(0, sim%case%air%ramp_steps), sim%case%run%dt_max)
         if (sim%solid%present) exact%dt_solid = solid_time_step(sim%solid)
         call print_cost(sim%case, exact, sim%early)
         call print_ranks(sim%case, size_of, n)
-        call print_regions(sim%solid, n)
+        call print_regions(sim%case, sim%solid, n)
         call print_verdict(sim%case, sim%solid, 'the deck is sound')
     end subroutine print_check
 

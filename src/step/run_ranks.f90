@@ -3,6 +3,7 @@
 module brz_run_ranks
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_air_grid, only: brick
+    use brz_air_part, only: layers_seen
     use brz_air_state, only: n_ghost
     use brz_boxes, only: box_t, cells_of, common, cut_grid, most_boxes, widened
     use brz_case, only: case_t, interaction_case_t
@@ -96,6 +97,8 @@ contains
         if (n < 2 .or. .not. case%air%present) return
         call cut_grid(case%air%cells, brick, boxes)
         layers = merge(n_ghost, 0, case%air%cells > 1)
+        if (size(case%bodies) > 0) & ! the window
+            layers = merge(layers_seen(case%coupling%spread), 0, case%air%cells > 1)
         write (output_unit, '(a, i0, a, f0.3, a)') 'processes    ', n, &
             ', the largest box over the mean ', maxval(real(cells_of(boxes), dp))*n/size_of%cells
         do r = 0, n - 1
@@ -111,11 +114,12 @@ contains
     end subroutine print_ranks
 
     !> Print the particles of each process and their memory, without MPI.
-    subroutine print_regions(solid, n)
+    subroutine print_regions(case, solid, n)
+        type(case_t), intent(in) :: case
         type(solid_t), intent(inout) :: solid !! built
         integer, intent(in) :: n !! processes
         real(dp) :: region(3, 2, 0:n - 1)
-        integer :: ghosts(0:n - 1), own(0:n - 1), r
+        integer :: ghosts(0:n - 1), guests(0:n - 1), own(0:n - 1), r
 
         if (n < 2 .or. .not. solid%present) return
         call cut_regions(solid%ranks, solid%x_built(:, :solid%n), region)
@@ -127,7 +131,39 @@ contains
                 own(r), ' particles of its own, ', ghosts(r), ' of neighbours, ', &
                 1e-6_dp*bytes_per_particle(solid)*(own(r) + ghosts(r)), ' MB'
         end do
+        if (.not. case%air%present) return
+        call count_guests(case, solid, guests)
+        do r = 0, n - 1
+            write (output_unit, '(a, i5, a, i0, a)') '     process', r + 1, ': ', guests(r), &
+                ' particles in its window of the air, copies'
+        end do
     end subroutine print_regions
+
+    !> Particles in the window of each process.
+    subroutine count_guests(case, solid, guests)
+        type(case_t), intent(in) :: case
+        type(solid_t), intent(in) :: solid
+        integer, intent(out) :: guests(0:) !! (processes)
+        type(box_t) :: boxes(0:ubound(guests, 1)), windows(0:ubound(guests, 1))
+        integer :: b, cell(3), i, r
+
+        call cut_grid(case%air%cells, brick, boxes)
+        do r = 0, ubound(guests, 1)
+            windows(r) = widened(boxes(r), spread(layers_seen(case%coupling%spread), 1, 3))
+            windows(r) = common(windows(r), box_t([1, 1, 1], case%air%cells))
+        end do
+        guests = 0
+        do b = 1, size(solid%bodies)
+            do i = solid%bodies(b)%first, solid%bodies(b)%last
+                cell = merge(floor((solid%x(:, i) - case%air%lo)*case%air%cells &
+                                   /(case%air%hi - case%air%lo)) + 1, 1, case%air%cells > 1)
+                do r = 0, ubound(guests, 1)
+                    if (all(cell >= windows(r)%lo .and. cell <= windows(r)%hi)) &
+                        guests(r) = guests(r) + 1
+                end do
+            end do
+        end do
+    end subroutine count_guests
 
     !> Particles in each region, and those of others that its lists may reach.
     subroutine count_in_regions(solid, region, own, ghosts)

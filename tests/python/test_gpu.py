@@ -61,6 +61,12 @@ def test_gpu_gives_what_the_cpu_gives(deck):
             assert a == pytest.approx(b, rel=1e-9, abs=1e-9)
 
 
+def test_a_check_needs_no_state_on_the_gpu(deck):
+    done = run(deck, "a.nml", "--backend", "gpu", "--check")
+    assert done.returncode == 0, done.stderr
+    assert "the deck is sound" in done.stdout
+
+
 def test_a_checkpoint_of_one_backend_serves_the_other(deck):
     assert run(deck, "a.nml", "--backend", "gpu", "--out", "whole").returncode == 0
     first = ("--set", "run.max_steps=12", "--out", "parts")

@@ -181,3 +181,19 @@ def test_what_bodies_in_air_cannot_do_is_refused(deck, args, reason, tmp_path):
     assert done.returncode == 2
     assert reason in done.stderr.splitlines()[-1]
     assert not (tmp_path / "out").exists()
+
+
+def test_a_check_counts_the_window_and_what_is_in_it(tmp_path):
+    """Ten layers of cells beyond the box; three of six layers of particles lie in both windows."""
+    (tmp_path / "deck.nml").write_text(
+        "&run t_end = 1e-5 /\n"
+        "&air box = 0, 0.16, 0, 0.16, 0, 0.32, cells = 16, 16, 32 /\n"
+        "&material id = 's', preset = 'rebar' /\n"
+        "&body id = 'p', shape = 'box', box = 0.02, 0.12, 0.02, 0.14, 0.245, 0.275,\n"
+        "     spacing = 5e-3, material = 's' /\n"
+    )
+    done = start(0, "run", "deck.nml", "--check", "--ranks", "2", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.count("4096 of its own, 2560 of neighbours") == 2
+    assert "process    1: 1440 particles in its window" in done.stdout
+    assert "process    2: 2880 particles in its window" in done.stdout
