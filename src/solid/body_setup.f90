@@ -6,7 +6,7 @@ module brz_body_setup
     use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: axis_of, shape_t
     use brz_body_start, only: hold_body, move_body
-    use brz_body_warnings, only: judge_bars, judge_gauges, judge_spacing
+    use brz_body_warnings, only: judge_bars, judge_distance, judge_gauges, judge_spacing
     use brz_case, only: body_case_t, case_t
     use brz_cohesive_setup, only: set_up_cohesive
     use brz_crack_band, only: judge_crack
@@ -162,6 +162,7 @@ contains
                 call settle_layer(case, b, points(b)%shape, solid%materials(m), solid%bodies(b))
             end associate
             call judge_spacing(case%bodies(b), points(b)%shape, solid%notes)
+            call judge_distance(case%bodies(b), points(b)%shape, solid%notes)
             call judge_crack(case%bodies(b), solid%bodies(b), &
                              solid%materials(case%bodies(b)%material_index), solid%notes, err)
             if (case%bodies(b)%shape == 'bars') &

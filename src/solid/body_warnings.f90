@@ -5,14 +5,16 @@ module brz_body_warnings
     use brz_body_points, only: points_t
     use brz_body_shape, only: inside, shape_t
     use brz_case, only: body_case_t, case_t, label
-    use brz_kinds, only: dp, real32
+    use brz_kinds, only: dp, real32, rk
     use brz_stl, only: is_inside
     use brz_text, only: to_text
     implicit none
     private
-    public :: judge_gauges, judge_spacing, judge_bars
+    public :: judge_gauges, judge_spacing, judge_distance, judge_bars
 
     real(dp), parameter :: anisotropy = 0.02_dp !! larger differences of the spacings are reported
+    ! In mixed precision a GPU reads places to 2.4e-10 of themselves: 5e-6 of this many spacings.
+    real(dp), parameter :: far = 2e4_dp
 
 contains
 
@@ -68,6 +70,22 @@ contains
             'number of spacings; layers are '//d(1)//', '//d(2)//', '//d(3)//' m apart'// &
             new_line('a')
     end subroutine judge_spacing
+
+    !> Report a body that lies too far from the origin for the places of mixed precision.
+    subroutine judge_distance(input, shape, notes)
+        type(body_case_t), intent(in) :: input
+        type(shape_t), intent(in) :: shape
+        character(:), allocatable, intent(inout) :: notes
+        real(dp) :: away
+
+        if (rk == dp) return
+        away = max(maxval(abs(shape%lo)), maxval(abs(shape%hi)))
+        if (away <= far*input%spacing) return
+        notes = notes//label('body', input%id, input%place)//'warning: it reaches '// &
+            to_text(real(away/input%spacing, real32))//' spacings from the origin, where mixed '// &
+            'precision blurs distances on a GPU; lay the origin near it, or use real64'// &
+            new_line('a')
+    end subroutine judge_distance
 
     !> Particles across a bar; one alone has the right area but not the right stiffness.
     subroutine judge_bars(input, across, notes)
