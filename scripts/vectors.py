@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 MODULES = ("brz_solid_gradient_sums", "brz_solid_pair_sums")
-EXPECTED = 16
+EXPECTED = 19
 LEAST = 30
 ARITHMETIC = re.compile(r"v?(?:fn?m(?:add|sub)\d*|mul|add|sub|div|sqrt|max|min)([ps])[sd]$")
 WIDTH = {"x": 16, "y": 32, "z": 64}

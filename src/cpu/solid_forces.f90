@@ -185,7 +185,8 @@ contains
             s = signs(int(solid%mask(e)))
             rows%pair(:, n) = mirrored_row(s, solid%pair(:, j))
             if (p%held) rows%held(:, n) = mirrored_hold(s, solid%held(:, j))
-            rows%pair(pair_tilt, n) = mirrored_tilt(s, p%normal, solid%pair(pair_tilt, j))
+            if (.not. p%curved) &
+                rows%pair(pair_tilt, n) = mirrored_tilt(s, p%normal, solid%pair(pair_tilt, j))
             if (p%directional .and. p%formulation == form_total) &
                 rows%pair(pair_hold, n) = dot_product(s, p%normal)*solid%pair(pair_hold, j)
             if (p%directional) rows%hold(:, n) = real(mirrored(s, solid%hold(:, j)), real32)

@@ -9,18 +9,19 @@ module brz_solid_gradient_sums
     use brz_kinds, only: dp, int32, rk
     use brz_solid_lanes, only: body_kernel, group_t, kernel_t, pair_kernels
     use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, form_bending, form_total, lanes, n_sums
-    use brz_tilted_arm, only: lifted_arm, tilted_arm
+    use brz_tilted_arm, only: lifted_arm, ply_arm, tilted_arm
     implicit none
     private
     public :: add_neighbours
     ! loops of their own, each: make vectors looks at them
-    public :: sum_plain, sum_bending, sum_drawn, sum_tilted, sum_referred
+    public :: sum_plain, sum_bending, sum_drawn, sum_tilted, sum_curved, sum_referred
 
     integer, parameter :: n_moment = 6, n_outer = 9
     ! kinds, by the number of sums: moments and velocity; also the reference position; also its
-    ! moments, for the hold; also the arms of tilts; those of total-Lagrangian bodies that bend
+    ! moments, for the hold; also the arms of tilts; those of curved walls, with one sum more, which
+    ! stays 0; those of total-Lagrangian bodies that bend
     integer, parameter :: plain = at_x, bending = at_s, drawn = at_y, tilted = at_f, &
-                          referred = n_sums
+                          curved = at_f + 1, referred = n_sums
 
 contains
 
@@ -43,6 +44,8 @@ contains
             else
                 call sum_bending(q, x_ref, v, x, volume, h, list, sums)
             end if
+        else if (any(abs(p%tilt) > 0) .and. p%curved) then
+            call sum_curved(p, x, v, x_ref, volume, h, list, sums)
         else if (any(abs(p%tilt) > 0)) then
             call sum_tilted(p, x, v, x_ref, volume, h, list, sums)
         else if (p%formulation == form_bending) then
@@ -59,6 +62,7 @@ contains
     !@variant sum_bending: bending
     !@variant sum_drawn: drawn
     !@variant sum_tilted: tilted
+    !@variant sum_curved: curved
     !@variant sum_referred: referred
     subroutine sum_neighbours(kind, p, x, v, x_ref, volume, h, list, sums)
         integer, intent(in) :: kind !! of sums, known to the compiler
@@ -68,6 +72,7 @@ contains
         integer(int32), intent(in) :: list(*)
         real(rk), intent(inout) :: sums(lanes, n_sums)
         real(rk) :: acc(lanes, n_sums), r(3), dv(3), dx(3), y(3), m(n_moment), s(n_moment), w
+        real(rk) :: n(3)
         real(rk) :: g(n_outer), a(n_outer), b(n_outer), f(n_outer)
         type(kernel_t) :: q
         integer :: k, l, j, t
@@ -84,20 +89,22 @@ contains
                     if (kind > plain) dx(t) = real(p%x_ref(l, t) - x_ref(t, j), rk)
                     dv(t) = p%v(l, t) - v(t, j)
                     y(t) = r(t)
+                    if (kind == curved) n(t) = p%normals(l, t)
                 end do
                 w = volume(j)*kernel_slope(q%scale(l), q%half_over_h(l), &
                                            sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
                 if (kind == tilted) call tilted_arm(p%tilt(l), p%normal, dx, r, y)
+                if (kind == curved) call ply_arm(p%tilt(l), n, dx, r, y)
                 if (kind == referred) call lifted_arm(p%tilt(l), p%lift(l), p%normal, r, y)
                 call moment_terms(w, r, m)
                 call outer_terms(w, dv, y, g)
                 if (kind > plain) call outer_terms(w, dx, r, a)
-                if (kind == drawn .or. kind == tilted) call moment_terms(w, dx, s)
+                if (kind >= drawn .and. kind <= curved) call moment_terms(w, dx, s)
                 if (kind >= tilted) call outer_terms(w, r, y, b)
                 if (kind == referred) call outer_terms(w, dx, y, f)
                 do t = 1, n_moment
                     acc(l, t) = acc(l, t) + m(t)
-                    if (kind /= drawn .and. kind /= tilted) cycle
+                    if (kind < drawn .or. kind > curved) cycle
                     acc(l, at_s + t) = acc(l, at_s + t) + s(t)
                 end do
                 do t = 1, n_outer

@@ -11,6 +11,7 @@ module brz_solid_lanes
     use brz_kinds, only: dp, int32, int64, rk
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, lanes, n_held, n_pair, n_terms, solid_t
+    use brz_tilted_arm, only: radial_normal
     implicit none
     private
     public :: centre_t, group_t, group_of, place_body, place_group
@@ -27,6 +28,8 @@ module brz_solid_lanes
         real(rk) :: scale = 0, half_over_h = 0 !! see brz_kernel
         real(rk) :: h = 0 !! smoothing length [m]
         real(rk) :: normal(3) = 0 !! of the layers, see brz_tilted_arm; 0: no tilts
+        logical :: curved = .false. !! that of a particle is radial, see brz_solid_state
+        real(dp) :: middle(3) = 0 !! on the axis of such a wall [m]
     end type centre_t
 
     !> The particles of a group. Where they are fewer than lanes, the last one is in all others.
@@ -44,6 +47,8 @@ module brz_solid_lanes
         integer(int64) :: list = 1 !! the first of them
         real(dp) :: x(lanes, 3) = 0, x_ref(lanes, 3) = 0 !! [m]
         real(rk) :: v(lanes, 3) = 0 !! [m/s]
+        real(rk) :: normals(lanes, 3) = 0 !! of its members, in a curved wall
+        real(rk), allocatable :: there(:, :) !! the same of their neighbours, for pass 2
         real(rk) :: tilt(lanes) = 0 !! for pass 1 [1/m]
         real(rk) :: lift(lanes) = 0 !! the same, of total-Lagrangian plates [1/m]
         logical :: drawn(lanes) = .false. !! for pass 1: was in tension
@@ -97,6 +102,7 @@ contains
             p%x(l, :) = solid%x(:, i)
             p%x_ref(l, :) = solid%x_ref(:, i)
             p%v(l, :) = solid%v(:, i)
+            if (p%curved) call radial_normal(p%normal, p%middle, solid%x_ref(:, i), p%normals(l, :))
             if (body%variable) p%size(l) = solid%h(i)
         end do
     end subroutine place_group
@@ -111,6 +117,8 @@ contains
         p%half_over_h = 1/(2*body%h)
         p%h = body%h
         p%normal = body%normal
+        p%curved = body%curved
+        p%middle = body%round%centre
         p%formulation = body%formulation
         p%directional = body%directional
         p%width = real(1/body%stretch, rk)

@@ -15,21 +15,22 @@ module brz_solid_pair_sums
                                held_whole, lanes, n_held, n_pair, n_terms, pair_affine, pair_hold, &
                                pair_keep, pair_linear, pair_quadratic, pair_stress, pair_tilt, &
                                pair_volume
-    use brz_tilted_arm, only: lifted_arm, ply_arm, tilted_arm, tilted_force
+    use brz_tilted_arm, only: lifted_arm, ply_arm, radial_normal, tilted_arm, tilted_force
     implicit none
     private
     public :: add_pairs
     ! loops of their own, each: make vectors looks at them
     public :: sum_plain, sum_viscous, sum_held, sum_plate, sum_stiff, sum_total, sum_axial, sum_wide
-    public :: sum_viscous_jump, sum_held_jump, sum_plate_jump
+    public :: sum_viscous_jump, sum_held_jump, sum_plate_jump, sum_wall, sum_wall_jump
 
     ! Forces besides those of stress and viscosity: none; the viscous hourglass force; also the
-    ! hold; also tilts (plates), each of the three also with a viscosity that sees jumps alone; the
-    ! stiff hourglass force; the same in total-Lagrangian bodies, where X_ij weighs the pairs and
-    ! the stress (Piola's) acts along it; the stiff one along the axes of the material, and tilts;
-    ! the same in total-Lagrangian bodies, in the metric of their lattice.
+    ! hold; also tilts (plates); those of curved walls, each of the four also with a viscosity that
+    ! sees jumps alone; the stiff hourglass force; the same in total-Lagrangian bodies, where X_ij
+    ! weighs the pairs and the stress (Piola's) acts along it; the stiff one along the axes of the
+    ! material, and tilts; the same in total-Lagrangian bodies, in the metric of their lattice.
     integer, parameter :: plain = 1, viscous = 2, viscous_jump = 3, held = 4, held_jump = 5, &
-                          plate = 6, plate_jump = 7, stiff = 8, total = 9, axial = 10, wide = 11
+                          plate = 6, plate_jump = 7, wall = 8, wall_jump = 9, stiff = 10, &
+                          total = 11, axial = 12, wide = 13
 
 contains
 
@@ -43,7 +44,12 @@ contains
         real(real32), intent(in), optional :: hold(6, *) !! only with a stiffness along axes
         real(rk), intent(in), optional :: drawn(n_held, *) !! only with the hold
 
-        if (p%jumps .and. p%held .and. any(p%normal > 0)) then
+        if (p%held .and. p%curved) call find_normals(p, x_ref, list)
+        if (p%jumps .and. p%held .and. p%curved) then
+            call sum_wall_jump(p, x, v, x_ref, pair, h, list, hold, drawn)
+        else if (p%held .and. p%curved) then
+            call sum_wall(p, x, v, x_ref, pair, h, list, hold, drawn)
+        else if (p%jumps .and. p%held .and. any(p%normal > 0)) then
             call sum_plate_jump(p, x, v, x_ref, pair, h, list, hold, drawn)
         else if (p%jumps .and. p%held) then
             call sum_held_jump(p, x, v, x_ref, pair, h, list, hold, drawn)
@@ -76,6 +82,8 @@ contains
     !@variant sum_held_jump: held_jump
     !@variant sum_plate: plate
     !@variant sum_plate_jump: plate_jump
+    !@variant sum_wall: wall
+    !@variant sum_wall_jump: wall_jump
     !@variant sum_stiff: stiff
     !@variant sum_total: total
     !@variant sum_axial: axial
@@ -89,7 +97,7 @@ contains
         real(real32), intent(in), optional :: hold(6, *)
         real(rk), intent(in), optional :: drawn(n_held, *)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), f(3), g(3), d(3), e(3)
-        real(rk) :: w, u, y, r2, s2, vr, jump, heat
+        real(rk) :: w, u, y, r2, s2, vr, jump, heat, across(3)
         type(kernel_t) :: q
         integer :: k, l, j, n, t
 
@@ -105,6 +113,7 @@ contains
                     r(t) = real(p%x(l, t) - x(t, j), rk)
                     if (kind > viscous_jump) dx(t) = real(p%x_ref(l, t) - x_ref(t, j), rk)
                     dv(t) = p%v(l, t) - v(t, j)
+                    if (kind == wall .or. kind == wall_jump) across(t) = p%normals(l, t)
                 end do
                 do t = 1, 8
                     own(t) = p%row(l, t)
@@ -117,17 +126,22 @@ contains
                 if (kind == total .or. kind == wide) s2 = dx(1)*dx(1) + dx(2)*dx(2) + dx(3)*dx(3)
                 w = own(pair_volume)*pair(pair_volume, j) &
                     *kernel_slope(q%scale(l), q%half_over_h(l), sqrt(s2))
-                call pull(kind, p%normal, own, pair(1, j), r, dx, w, g)
+                if (kind == wall .or. kind == wall_jump) then
+                    call pull_in_wall(across, p%there(1, k), own, pair(1, j), r, dx, w, g)
+                else
+                    call pull(kind, p%normal, own, pair(1, j), r, dx, w, g)
+                end if
                 s2 = 1
                 if (kind == wide) s2 = metric_square(dx, p%width*dx)
                 jump = vr
-                if (kind == viscous_jump .or. kind == held_jump .or. kind == plate_jump) &
+                if (kind == viscous_jump .or. kind == held_jump .or. &
+                    kind == plate_jump .or. kind == wall_jump) &
                     jump = jump_speed(1.0_rk, own(pair_affine + 1), pair(pair_affine + 1, j), r, vr)
                 u = viscous_force(w*s2, q%h(l)/sqrt(s2), r2, jump, &
                                   own(pair_linear) + pair(pair_linear, j), &
                                   own(pair_quadratic) + pair(pair_quadratic, j))
                 y = w*own(pair_keep)*pair(pair_keep, j)
-                if (kind >= viscous .and. kind <= plate_jump) &
+                if (kind >= viscous .and. kind <= wall_jump) &
                     call hourglass_viscous(y*own(pair_hold), y*pair(pair_hold, j), &
                                            own(pair_affine + 1), pair(pair_affine + 1, j), dv, r, &
                                            d, heat)
@@ -136,20 +150,48 @@ contains
                 do t = 1, 3
                     acc(l, t) = acc(l, t) + g(t)
                     f(t) = u*r(t)
-                    if (kind >= viscous .and. kind <= plate_jump) f(t) = f(t) + d(t)
+                    if (kind >= viscous .and. kind <= wall_jump) f(t) = f(t) + d(t)
                     acc(l, at_drag + t) = acc(l, at_drag + t) + f(t)
                     if (kind > viscous_jump) acc(l, at_hold + t) = acc(l, at_hold + t) + e(t)
                 end do
                 acc(l, at_heat) = acc(l, at_heat) - u*vr/2
-                if (kind >= viscous .and. kind <= plate_jump) &
+                if (kind >= viscous .and. kind <= wall_jump) &
                     acc(l, at_friction) = acc(l, at_friction) + heat
-                if (kind >= held .and. kind <= plate_jump) &
+                if (kind >= held .and. kind <= wall_jump) &
                     acc(l, at_work) = acc(l, at_work) - (e(1)*dv(1) + e(2)*dv(2) + e(3)*dv(3))/2
             end do
         end do
         p%sums(:, :n) = acc(:, :n)
         p%sums(:, n + 1:) = 0
     end subroutine sum_pairs
+
+    !> Normals at the neighbours of a list in a wall round an axis.
+    subroutine find_normals(p, x_ref, list)
+        type(group_t), intent(inout) :: p
+        real(dp), intent(in) :: x_ref(3, *)
+        integer(int32), intent(in) :: list(*)
+        integer :: k
+
+        if (allocated(p%there)) then
+            if (size(p%there, 2) < p%count) deallocate (p%there)
+        end if
+        if (.not. allocated(p%there)) allocate (p%there(3, 2*p%count))
+        do k = 1, p%count
+            call radial_normal(p%normal, p%middle, x_ref(1, list(k)), p%there(1, k))
+        end do
+    end subroutine find_normals
+
+    !> Force of the stresses of a pair in a wall round an axis, along its arms.
+    pure subroutine pull_in_wall(n, n_j, own, other, r, dx, w, g)
+        real(rk), intent(in) :: n(3), n_j(3) !! normals of both
+        real(rk), intent(in) :: own(n_pair), other(n_pair), r(3), dx(3), w
+        real(rk), intent(out) :: g(3)
+        real(rk) :: arm(3), arm_j(3)
+
+        call ply_arm(own(pair_tilt), n, dx, r, arm)
+        call ply_arm(-other(pair_tilt), n_j, dx, r, arm_j)
+        call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
+    end subroutine pull_in_wall
 
     !> Force of the stresses of a pair, along its arms.
     !@variant
@@ -192,7 +234,7 @@ contains
         real(rk) :: mine(n_held), axes(6), unloaded(3)
         integer :: t
 
-        if (kind >= held .and. kind <= plate_jump) then
+        if (kind >= held .and. kind <= wall_jump) then
             do t = 1, 6
                 mine(t) = p%own(l, t)
                 mine(t + 6) = p%own(l, t + 6)

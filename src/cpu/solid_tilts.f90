@@ -4,12 +4,12 @@
 module brz_solid_tilts
     use brz_contact_items, only: owner_of
     use brz_kernel, only: kernel_scale, kernel_slope
-    use brz_kinds, only: int64, real32, rk
+    use brz_kinds, only: dp, int64, real32, rk
     use brz_solid_lanes, only: group_of
     use brz_solid_links, only: first_link, is_bonded, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, form_total, solid_t, worth_threads
-    use brz_tilted_arm, only: pack_tilt
+    use brz_tilted_arm, only: pack_tilt, radial_normal
     implicit none
     private
     public :: find_tilts
@@ -50,12 +50,13 @@ contains
         real(rk), intent(out) :: lift !! see lifted_arm [1/m]
         real(rk) :: sums(7), scale
         integer(int64) :: k
-        integer :: across(2), g, j
+        real(rk) :: across(3, 2)
+        integer :: g, j
         logical :: glued
 
-        across = directions(body%normal)
+        across = directions(body, solid%x_ref(:, i))
         sums = 0
-        glued = .false.
+        glued = body%curved ! no layer of a wall is quite even: its faces alone are tilted
         scale = kernel_scale(body%h, solid%dimension)
         g = group_of(body, i)
         do k = solid%first(g), solid%first(g + 1) - 1
@@ -81,27 +82,36 @@ contains
         end if
         lift = 0
         if (sums(7) > 0) lift = -sums(1)/sums(7)
-        if (across(2) == 0) then
+        if (.not. any(across(:, 2) > 0)) then
             tilt = one_way(body, glued, sums(1), sums(3), sums(6))
         else
             tilt = pack_tilt(both_ways(body, glued, sums)/maxval(body%normal))
         end if
     end subroutine tilt_of
 
-    !> Directions across a body: one of a plate, two of a bar.
-    pure function directions(normal) result(across)
-        real(rk), intent(in) :: normal(3)
-        integer :: across(2)
+    !> Directions across a body at a place: one of a plate or a wall, two of a bar.
+    pure function directions(body, x) result(across)
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: x(3) !! [m]
+        real(rk) :: across(3, 2)
+        integer :: a, b
 
-        across(1) = findloc(normal > 0, .true., dim=1)
-        across(2) = findloc(normal > 0, .true., dim=1, back=.true.)
-        if (across(2) == across(1)) across(2) = 0
+        across = 0
+        if (body%curved) then
+            call radial_normal(body%normal, body%round%centre, x, across(:, 1))
+            return
+        end if
+        a = findloc(body%normal > 0, .true., dim=1)
+        b = findloc(body%normal > 0, .true., dim=1, back=.true.)
+        across(a, 1) = 1
+        if (b /= a) across(b, 2) = 1
     end function directions
 
     !> Tilt in one direction, from the sums of w t^2 z, of w t^2 z^2 and of w t^2 [1/m].
     pure real(rk) function one_way(body, glued, first, second, plain) result(tilt)
         type(body_t), intent(in) :: body
-        logical, intent(in) :: glued !! to particles of another body: a free face alone is tilted
+        logical, intent(in) :: glued !! to particles of another body, or in a wall round an axis: a
+                                     !! free face alone is tilted
         real(rk), intent(in) :: first, second, plain
         real(rk) :: d
 
@@ -142,15 +152,15 @@ contains
     !> y^2, z^2, y z, 1 and t^2, with y and z the directions across; of a plate there is no z.
     pure subroutine add(solid, across, i, j, mask, scale, half_over_h, sums)
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: across(2), i, j, mask
+        real(rk), intent(in) :: across(3, 2)
+        integer, intent(in) :: i, j, mask
         real(rk), intent(in) :: scale, half_over_h !! see brz_kernel
         real(rk), intent(inout) :: sums(7)
         real(rk) :: r(3), w, y, z
 
         r = real(solid%x_ref(:, i) - signs(mask)*solid%x_ref(:, j), rk)
-        y = r(across(1))
-        z = 0
-        if (across(2) > 0) z = r(across(2))
+        y = dot_product(across(:, 1), r)
+        z = dot_product(across(:, 2), r)
         w = solid%volume(j)*kernel_slope(scale, half_over_h, norm2(r))
         w = w*(dot_product(r, r) - y*y - z*z)
         sums = sums + w*[y, z, y*y, z*z, y*z, 1.0_rk, dot_product(r, r) - y*y - z*z]

@@ -68,6 +68,11 @@ contains
                       meaning='Ids of bodies that make room for this one where they overlap.'), &
                 key_t(group=g, key='spacing', unit='m', default=required, lower=zero, &
                       open_lower=.true., meaning='Distance of the particles.'), &
+                key_t(group=g, key='lattice', kind=kind_text, default='cubic', &
+                      choices='cubic|layered', &
+                      meaning='layered: a cylinder with a hole is laid in rings round its '// &
+                      'axis, in corrected_hourglass, so that walls of three layers and more '// &
+                      'bend right.'), &
                 key_t(group=g, key='aspect', n_min=3, n_max=3, default='1.0, 1.0, 1.0', &
                       lower=one, upper=6*one, &
                       meaning='Box, total_lagrangian: width of a particle along x, y, z over '// &

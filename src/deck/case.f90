@@ -141,6 +141,7 @@ module brz_case
         real(dp) :: scale = 1, move(3) = 0 !! of the coordinates in the file [-], [m]
         character(name_len) :: cuts(8) = '' !! bodies that make room for this one
         real(dp) :: spacing = 0 !! distance of the particles [m]
+        logical :: layered = .false. !! in rings round the axis of a cylinder with a hole
         character(name_len) :: material = ''
         integer :: material_index = 0
         integer :: n_plies = 0
@@ -206,7 +207,7 @@ module brz_case
         character(name_len) :: id = ''
         character(:), allocatable :: place !! in front of messages, 'deck.nml:14: '
         integer :: body = 0 !! its place
-        logical :: faces(6) = .false. !! x-, x+, y-, ...
+        logical :: faces(8) = .false. !! x-, x+, y-, ..., inside and outside of a layered wall
         real(dp), allocatable :: time(:), pressure(:) !! history of the overpressure [s, Pa]
         real(dp) :: mass = 0 !! of a charge of TNT; 0: the history [kg]
         logical :: on_ground = .false. !! a hemisphere on the ground, no sphere in free air

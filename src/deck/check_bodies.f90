@@ -3,6 +3,7 @@
 module brz_check_bodies
     use brz_case, only: body_case_t, case_t, means
     use brz_check_aspect, only: check_aspect
+    use brz_check_lattice, only: check_lattice
     use brz_check_air, only: box_text, check_corners
     use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
     use brz_files, only: file_exists
@@ -53,6 +54,7 @@ contains
             call check_width(deck, g, case%bodies(k))
             if (deck%groups(g)%bad) cycle
             call check_aspect(deck, g, case, case%bodies(k))
+            call check_lattice(deck, g, case, case%bodies(k))
             call check_gaps(deck, g, case, case%bodies(k))
             do i = 1, case%bodies(k)%n_rollers
                 if (index('xyz', case%bodies(k)%roller_axis(i)) > case%run%dimension) &

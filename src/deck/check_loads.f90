@@ -15,7 +15,8 @@ module brz_check_loads
     public :: load_keys, check_loads
 
     integer, parameter :: most_points = 200 !! of a history
-    character(2), parameter :: names(6) = ['x-', 'x+', 'y-', 'y+', 'z-', 'z+']
+    character(8), parameter :: names(8) = [character(8) :: 'x-', 'x+', 'y-', 'y+', 'z-', 'z+', &
+                                           'inside', 'outside']
 
 contains
 
@@ -33,9 +34,10 @@ contains
                 key_t(group=g, key='body', kind=kind_text, default=required, &
                       meaning='Id of the body that is loaded.'), &
                 key_t(group=g, key='faces', kind=kind_text, n_max=6, &
-                      choices='x-|x+|y-|y+|z-|z+', &
+                      choices='x-|x+|y-|y+|z-|z+|inside|outside', &
                       meaning='pressure, mass: faces of it, seen along an axis: the outermost '// &
-                      'particles there.'), &
+                      "particles there; with lattice='layered' inside (pressure) or outside of "// &
+                      'the wall.'), &
                 key_t(group=g, key='patch', kind=kind_text, longest=256, &
                       meaning='faces: only what lies under this surface is loaded, an STL file '// &
                       'that may be open, seen along the axis of the face, within two spacings.'), &
@@ -79,6 +81,7 @@ contains
             call fill(deck, g, case, case%loads(k))
             call check_keys(deck, g, case%loads(k))
             call check_planes(deck, g, case, case%loads(k))
+            call check_faces(deck, g, case, case%loads(k))
             if (case%air%present) call complain(deck, g, 'body', group_label(deck%groups(g))// &
                 'is for scenes without air, and this one has &air; take one of them out')
         end do
@@ -102,7 +105,7 @@ contains
                                                                           case%bodies%id))
         faces = ''
         call get(deck%groups(g), 'faces', faces, n)
-        load%faces = [(any(faces == names(i)), i=1, 6)]
+        load%faces = [(any(faces == names(i)), i=1, size(names))]
         call get_list(deck%groups(g), 'time', load%time)
         call get_list(deck%groups(g), 'pressure', load%pressure)
         call get_path(deck, g, 'patch', load%patch)
@@ -221,6 +224,27 @@ contains
                 'the times must grow')
         end associate
     end subroutine check_history
+
+    !> Layered walls are loaded inside and outside, all others along the axes.
+    subroutine check_faces(deck, g, case, load)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(load_case_t), intent(in) :: load
+
+        if (deck%groups(g)%bad .or. load%body == 0) return
+        if (case%bodies(load%body)%layered) then
+            if (any(load%faces(:6))) call complain(deck, g, 'faces', "a body with lattice="// &
+                "'layered' carries pressure inside and outside of its wall; name these faces")
+            if (load%patch /= '') call complain(deck, g, 'patch', "a body with lattice="// &
+                "'layered' carries pressure on all of a face; take the patch out")
+            if (load%faces(7) .and. load%mass > 0) call complain(deck, g, 'faces', 'the curves '// &
+                'of a blast in free air do not hold inside a pipe; compute the air')
+        else if (any(load%faces(7:))) then
+            call complain(deck, g, 'faces', 'inside and outside are faces of a body with '// &
+                          "lattice='layered'; name faces along the axes")
+        end if
+    end subroutine check_faces
 
     !> A plane of symmetry, or a direction that is not modelled, takes no acceleration and no force.
     subroutine check_planes(deck, g, case, load)

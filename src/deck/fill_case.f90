@@ -186,8 +186,10 @@ contains
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(body_case_t), intent(inout) :: body
+        character(len(body%shape)) :: lattice
         integer :: n
 
+        lattice = ''
         associate (group => deck%groups(g))
             body%id = group%id
             body%place = place(deck, group%line)
@@ -205,6 +207,8 @@ contains
             call get(group, 'scale', body%scale)
             call get(group, 'move', body%move)
             call get(group, 'spacing', body%spacing)
+            call get(group, 'lattice', lattice)
+            body%layered = lattice == 'layered'
             call get(group, 'aspect', body%aspect)
             call get(group, 'material', body%material)
             call get(group, 'ply_axis', body%ply_axis)

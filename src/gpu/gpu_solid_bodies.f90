@@ -37,6 +37,7 @@ contains
             end associate
         end do
         if (solid%remove) why = "leave='remove'"
+        if (any(solid%bodies%curved)) why = "lattice='layered'"
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
 
@@ -176,6 +177,8 @@ contains
         p%artificial_power = body%artificial_power
         p%shape_at_spacing = body%shape_at_spacing
         p%normal = body%normal
+        p%curved = merge(1, 0, body%curved)
+        p%middle = body%round%centre
         p%width = real(1/body%stretch, rk)
         p%at_rest = body%at_rest
         p%lift = 0
@@ -194,6 +197,7 @@ contains
         if (p%formulation == form_bending .or. p%formulation == form_total) name = 'beside'
         if (p%tension_hold > 0) name = 'drawn'
         if (any(p%normal > 0)) name = 'tilted'
+        if (p%curved == 1) name = 'curved'
         if (any(p%normal > 0) .and. p%formulation == form_total) name = 'referred'
     end function moment_name
 
@@ -211,6 +215,7 @@ contains
             name = 'viscous'
             if (p%tension_hold > 0) name = 'drawn'
             if (any(p%normal > 0)) name = 'plate'
+            if (p%curved == 1) name = 'wall'
         case default
             name = 'plain'
             if (p%artificial /= artificial_none) name = 'artificial'

@@ -85,6 +85,8 @@ module brz_gpu_solid_layout
         real(rk) :: spares !! 1: the viscosity spares smooth flow, see jump_speed
         real(rk) :: artificial_power, shape_at_spacing
         real(rk) :: normal(3) !! of the layers, 0: no tilted gradients
+        integer :: curved !! 1: that of a particle is radial, see brz_solid_state
+        real(dp) :: middle(3) !! on the axis of such a wall [m]
         real(rk) :: width(3), at_rest !! of the lattice, see brz_wide_lattice
         integer :: lift !! column of `state` with the lift of total-Lagrangian plates, 0: none
         integer :: layer !! normal of a membrane of one layer, 0: none

@@ -9,6 +9,7 @@ module brz_body_points
     use brz_case, only: body_case_t, case_t, label, means
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, real32
+    use brz_layered_wall, only: lay_wall
     use brz_particle_file, only: read_particles
     use brz_stl, only: is_inside, mesh_t, read_stl
     use brz_text, only: to_text
@@ -59,7 +60,7 @@ contains
         if (failed(err)) return
         do b = 1, size(points)
             if (case%bodies(b)%shape == 'particles') cycle
-            call share_lattice(case%bodies, points, b)
+            if (.not. case%bodies(b)%layered) call share_lattice(case%bodies, points, b)
             if (case%bodies(b)%shape /= 'stl') &
                 points(b)%exact = exact_volume(case%bodies(b), points(b)%shape)
         end do
@@ -76,7 +77,11 @@ contains
         do b = 1, size(points)
             if (case%bodies(b)%shape == 'particles') cycle
             if (case%bodies(b)%shape == 'stl') call mark_lattice(points(b))
-            call fill_lattice(case%bodies(b), points(b))
+            if (case%bodies(b)%layered) then
+                call lay_wall(case%bodies(b), points(b)%shape, points(b)%x, points(b)%volume)
+            else
+                call fill_lattice(case%bodies(b), points(b))
+            end if
             call judge_length(case%bodies(b), points(b))
         end do
         do b = 1, size(points)
@@ -112,6 +117,7 @@ contains
             p%volume = volume*p%volume/max(tiny(volume), sum(p%volume))
             if (bodies(b)%shape == 'particles') return
             p%scale = volume/cell/max(1, size(p%volume))
+            if (bodies(b)%layered) p%scale = 1 ! of the cells of its rings
             if (bodies(b)%shape == 'bars' .or. &
                 (p%scale >= scales(1) .and. p%scale <= scales(2))) return
             call raise(err, exit_deck, label('body', bodies(b)%id, bodies(b)%place)//'its '// &

@@ -9,7 +9,7 @@ module brz_body_shape
     implicit none
     private
     public :: shape_t, lay_shape, take_lattice, point_of, inside, exact_volume, modelled_share, &
-              axis_of, bar_weight, overlap, whole_sides
+              axis_of, bar_weight, layers_of, overlap, whole_sides
 
     real(dp), parameter :: pi = acos(-1.0_dp)
 
@@ -51,6 +51,7 @@ contains
         do a = 1, 3
             apart = body%spacing*body%aspect(a)
             s%spacing(a) = apart
+            if (body%layered) s%spacing(a) = (body%radius - body%inner_radius)/layers_of(body)
             if (a > dimension) then
                 s%lo(a) = middle(a) - apart/2
                 s%hi(a) = middle(a) + apart/2
@@ -136,6 +137,13 @@ contains
 
         axis_of = max(1, index('xyz', body%axis))
     end function axis_of
+
+    !> Layers across the wall of a cylinder with a hole.
+    pure integer function layers_of(body)
+        type(body_case_t), intent(in) :: body
+
+        layers_of = max(1, nint((body%radius - body%inner_radius)/body%spacing))
+    end function layers_of
 
     !> Lattice point of the layers i.
     pure function point_of(s, i) result(x)

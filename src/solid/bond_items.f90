@@ -16,7 +16,7 @@ module brz_bond_items
         at_y, bond_breaks, bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
         held_affine, held_stiffness, held_whole, n_held, n_moments, n_pair, n_terms, pair_affine, &
         pair_hold, pair_keep, pair_linear, pair_quadratic, pair_stress, pair_tilt, pair_volume
-    use brz_tilted_arm, only: tilted_arm, tilted_force
+    use brz_tilted_arm, only: tilted_arm, tilted_force, wall_arm
     implicit none
     private
     public :: sum_bonds, pull_bonds, break_bond, pull_links
@@ -36,7 +36,7 @@ contains
         real(rk), intent(in) :: v(lay%wide, *), volume(lay%step_v, *), mass(*)
         integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: sums(n_moments) !! slots at_g, ...
-        real(rk) :: s(3), r(3), dv(3), dx(3), y(3), m(6), g(9), other(6), normal(3), w, vr
+        real(rk) :: s(3), r(3), dv(3), dx(3), y(3), m(6), g(9), other(6), one(3), w, vr
         integer :: a, b, j, k, n, t
         integer(int64) :: at
 
@@ -51,7 +51,7 @@ contains
             if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
             do t = 1, 3
                 dx(t) = real(x_ref(t, i) - s(t)*x_ref(t, j), rk)
-                normal(t) = table(a, b)%normal(t, 1)
+                one(t) = 1
             end do
             w = volume(1, j)*kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
                                           sqrt(r(1)**2 + r(2)**2 + r(3)**2))
@@ -73,7 +73,7 @@ contains
                 end do
                 cycle
             end if
-            call tilted_arm(tilt, normal, dx, r, y)
+            call arm_of(table(a, b), 1, tilt, x_ref(1, i), one, dx, r, y)
             do t = 1, 6
                 sums(t) = sums(t) + m(t)
             end do
@@ -167,11 +167,10 @@ contains
                 end do
                 cycle
             end if
-            call pull_bond(table(a, b), w, s, r, dx, own, other, f)
+            call pull_bond(table(a, b), w, s, r, dx, unloaded, x_ref(1, j), own, other, f)
             w = w*own(pair_keep)*other(pair_keep)
             if (table(a, b)%formulation == form_bending) then
-                call bend_bond(table(a, b), w, s, r, dx, own, other, hold(1, i), &
-                               hold(1, j), f)
+                call bend_bond(table(a, b), w, s, r, dx, own, other, hold(1, i), hold(1, j), f)
             else if (table(a, b)%formulation == form_corrected_hourglass) then
                 call drag_bond(w, r, dv, own, other, f)
                 if (lay%holds == 1) call draw_bond(w, s, r, dv, dx, held(1, i), held(1, j), f)
@@ -199,26 +198,44 @@ contains
 
     !> Force of the stress of a bonded pair.
     !@cuf attributes(host,device) &
-    pure subroutine pull_bond(m, w, s, r, dx, own, other, f)
+    pure subroutine pull_bond(m, w, s, r, dx, x_i, x_j, own, other, f)
         type(meeting_t), intent(in) :: m
         real(rk), intent(in) :: w, s(3), r(3), dx(3), own(n_pair), other(n_pair)
+        real(dp), intent(in) :: x_i(3), x_j(3) !! places in the unloaded bodies [m]
         real(rk), intent(inout) :: f(n_terms)
-        real(rk) :: arm(3), arm_j(3), normal(3), g(3)
+        real(rk) :: arm(3), arm_j(3), one(3), g(3)
         integer :: t
 
         do t = 1, 3
-            normal(t) = m%normal(t, 1)
+            one(t) = 1
         end do
-        call tilted_arm(own(pair_tilt), normal, dx, r, arm)
-        do t = 1, 3
-            normal(t) = s(t)*m%normal(t, 2)
-        end do
-        call tilted_arm(-other(pair_tilt), normal, dx, r, arm_j)
+        call arm_of(m, 1, own(pair_tilt), x_i, one, dx, r, arm)
+        call arm_of(m, 2, -other(pair_tilt), x_j, s, dx, r, arm_j)
         call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
         do t = 1, 3
             f(t) = f(t) + g(t)
         end do
     end subroutine pull_bond
+
+    !> Arm of a bonded pair at the particle of one of the two bodies, or at its image.
+    !@cuf attributes(host,device) &
+    pure subroutine arm_of(m, side, c, x, s, dx, r, y)
+        type(meeting_t), intent(in) :: m
+        integer, intent(in) :: side !! 1: first body, 2: second
+        real(rk), intent(in) :: c, s(3), dx(3), r(3) !! tilt; signs of an image; X_ij, x_ij [m]
+        real(dp), intent(in) :: x(3) !! place in the unloaded body [m]
+        real(rk), intent(out) :: y(3) !! [m]
+        real(rk) :: normal(3)
+        real(dp) :: image(3)
+        integer :: t
+
+        do t = 1, 3
+            normal(t) = s(t)*m%normal(t, side)
+            image(t) = s(t)*x(t)
+        end do
+        if (.not. m%curved(side)) call tilted_arm(c, normal, dx, r, y)
+        if (m%curved(side)) call wall_arm(m%normal(1, side), m%middle(1, side), image, c, dx, r, y)
+    end subroutine arm_of
 
     !> Stiff hourglass force of a bonded pair.
     !@cuf attributes(host,device) &

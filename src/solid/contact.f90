@@ -54,6 +54,8 @@ module brz_contact
         real(rk) :: arm(2) !! share of x_ij from each to the common surface; 0: it does not turn
         real(rk) :: rest(2) !! volume per mass of both, unloaded [m3/kg]
         real(rk) :: normal(3, 2) !! of the layers of the first and of the second, 0: no tilts
+        logical :: curved(2) !! these are radial at each particle, see brz_solid_state
+        real(dp) :: middle(3, 2) !! a point of the axes of such walls [m]
         real(rk) :: tensile, shear !! strengths of a bond [Pa]
         logical :: quadratic !! both strengths act together
         integer :: bit !! of a cohesive interface in `joined` of links_t, else 0

@@ -11,7 +11,7 @@ module brz_face_load
     use brz_time_table, only: mean_over
     implicit none
     private
-    public :: loads_t, facets_t, history_t, mean_pressures, pushes, find_places
+    public :: loads_t, facets_t, history_t, lay_out, mean_pressures, pushes, find_places
 
     !> Facets, those of a particle one after the other.
     type :: facets_t
@@ -51,6 +51,17 @@ module brz_face_load
     end type loads_t
 
 contains
+
+    !> Room for n facets.
+    subroutine lay_out(facets, n)
+        type(facets_t), intent(out) :: facets
+        integer, intent(in) :: n
+
+        facets%n = n
+        allocate (facets%id(n), facets%load(n), facets%side(n), facets%beside(4, n), &
+                  facets%mirror(4, n), facets%width(2, n), facets%most(2, n), facets%wave(6, n))
+        facets%wave = 0
+    end subroutine lay_out
 
     !> Mean pressure of each load over a step; 0 of pushes and of blasts [Pa].
     pure function mean_pressures(loads, time, dt) result(p)

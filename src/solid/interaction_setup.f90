@@ -122,6 +122,8 @@ contains
             m%directional = p%directional .and. q%directional
             if (p%directional .neqv. q%directional) m%formulation = 0
             m%normal = reshape([p%normal, q%normal], [3, 2])
+            m%curved = [p%curved, q%curved]
+            m%middle = reshape([p%round%centre, q%round%centre], [3, 2])
             m%rest = [1/s%density, 1/t%density]
             m%arm = real([p%spacing, q%spacing]/(p%spacing + q%spacing), rk)
             where ([p%formulation, q%formulation] /= form_rigid) m%arm = 0

@@ -4,7 +4,7 @@ module brz_load_setup
     use brz_body_shape, only: shape_t
     use brz_case, only: case_t, load_case_t, label
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_face_load, only: facets_t, find_places
+    use brz_face_load, only: facets_t, find_places, lay_out
     use brz_kinds, only: dp, rk
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest, &
                                    nearest_ground, surface_blast
@@ -12,6 +12,7 @@ module brz_load_setup
     use brz_solid_state, only: body_t, solid_t
     use brz_stl, only: mesh_t, read_stl
     use brz_text, only: to_text
+    use brz_wall_facets, only: find_wall_facets
     use brz_wide_lattice, only: unloaded_place
     implicit none
     private
@@ -50,8 +51,14 @@ contains
                     history%push = push_of(load, solid)
                     cycle
                 end if
-                call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), &
-                                 facets(k), err)
+                if (case%bodies(load%body)%layered) then
+                    call find_wall_facets(case%bodies(load%body), shapes(load%body), &
+                                          load%faces(7:8), most_stretch, solid, &
+                                          solid%bodies(load%body), facets(k))
+                else
+                    call find_facets(load, shapes(load%body), solid, solid%bodies(load%body), &
+                                     facets(k), err)
+                end if
                 if (failed(err)) return
                 facets(k)%load = k
                 if (facets(k)%n == 0) call raise(err, exit_deck, label('load', load%id, &
@@ -77,17 +84,6 @@ contains
                    + load%force/sum(real(solid%mass(body%first:body%last), dp))
         end associate
     end function push_of
-
-    !> Room for n facets.
-    subroutine lay_out(facets, n)
-        type(facets_t), intent(out) :: facets
-        integer, intent(in) :: n
-
-        facets%n = n
-        allocate (facets%id(n), facets%load(n), facets%side(n), facets%beside(4, n), &
-                  facets%mirror(4, n), facets%width(2, n), facets%most(2, n), facets%wave(6, n))
-        facets%wave = 0
-    end subroutine lay_out
 
     !> The facets of all loads in one list, those of a particle one after the other.
     subroutine join(parts, all)
@@ -271,7 +267,7 @@ contains
         type(facets_t), intent(inout) :: facets
         type(error_t), intent(inout) :: err
         type(blast_t) :: blast
-        real(dp) :: arm(3), c, distance, near, far, least
+        real(dp) :: arm(3), outward(3), c, distance, near, far, least
         integer :: i, k
 
         near = huge(near)
@@ -290,7 +286,13 @@ contains
             else
                 blast = free_air_blast(load%mass, distance)
             end if
-            c = max(sign(1, facets%side(k))*arm(abs(facets%side(k)))/distance, 0.0_dp)
+            outward = 0
+            outward(abs(facets%side(k))) = sign(1, facets%side(k))
+            associate (round => solid%bodies(load%body)%round)
+                if (load%faces(8)) outward = unloaded_place(solid, load%body, i) - round%centre
+                if (load%faces(8)) outward(round%axis) = 0
+            end associate
+            c = max(dot_product(arm, outward)/(distance*norm2(outward)), 0.0_dp)
             facets%wave(:, k) = [load%start + blast%arrival, blast%duration, &
                 c*c*blast%reflected, (1 + c*c - 2*c)*blast%peak, &
                 friedlander_decay(blast%reflected, blast%duration, blast%reflected_impulse), &

@@ -40,6 +40,10 @@ contains
         integer :: a, along
         logical :: bends
 
+        if (input%layered) then
+            call settle_wall(input, speed, shape, body, err)
+            return
+        end if
         along = 0
         bends = body%tension_hold > 0 .or. body%formulation == form_total
         a = index('xyz', trim(input%plate_axis))
@@ -68,6 +72,27 @@ contains
         body%normal(a) = 1
         body%outward = real(further_out*shape%spacing(a)*body%stretch(a), rk)
     end subroutine settle_plate
+
+    !> A wall round an axis: radial normals.
+    subroutine settle_wall(input, speed, shape, body, err)
+        type(body_case_t), intent(in) :: input
+        real(dp), intent(in) :: speed !! see settle_plate
+        type(shape_t), intent(in) :: shape
+        type(body_t), intent(inout) :: body
+        type(error_t), intent(inout) :: err
+        integer :: a
+
+        if (.not. body%tension_hold > 0) call raise(err, exit_deck, &
+            label('body', input%id, input%place)//"lattice='layered' is for bodies in "// &
+            "formulation='corrected_hourglass' with a tension_hold, whose faces have tilted "// &
+            'gradients; leave it out')
+        if (input%plate_axis == 'none' .or. speed > fast) return
+        a = mod(axis_of(input), 3) + 1
+        body%curved = .true.
+        body%normal = 1
+        body%normal(axis_of(input)) = 0
+        body%outward = real(further_out*shape%spacing(a), rk)
+    end subroutine settle_wall
 
     !> Direction of a bar with square edges, thin in both others: a box, or `bars`; 0: it is none.
     pure integer function bar_axis(input, shape) result(along)

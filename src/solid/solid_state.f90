@@ -131,6 +131,8 @@ module brz_solid_state
                                                !! column, and the stiffness along them [Pa]
         real(rk) :: normal(3) = 0 !! of its plies, or of a plate of metal, in the unloaded body;
                                   !! 0: no tilted gradients
+        logical :: curved = .false. !! a wall round the axis of `round`: the normal of a particle is
+                                    !! radial, and `normal` 1 in the directions across the axis
         integer :: layer = 0 !! normal of a body of a single layer that is a membrane; 0: none
         real(rk) :: layer_stiffness(9) = 0 !! C11, C22, C33, C12, C23, C13, G12, G23, G13 [Pa]
         logical :: layer_of_ply = .false. !! these along the axes of a ply

@@ -14,16 +14,18 @@
 !> and n holds, in place of a normal, the unit of C twice, in the directions across; both parts of
 !> C lie in one number, as whole multiples of that unit.
 !>
+!> In a wall round an axis n is radial at each particle.
+!>
 !> Source: docs/solid.md section 4
 module brz_tilted_arm
     use brz_algebra, only: inverse3
     use brz_gradient, only: weakest_of
-    use brz_kinds, only: rk
+    use brz_kinds, only: dp, rk
     use brz_pair_force, only: most_bent, overstretched
     implicit none
     private
-    public :: lifted_arm, mirrored_tilt, pack_tilt, ply_arm, tilted_arm, tilted_correction, &
-              tilted_force
+    public :: lifted_arm, mirrored_tilt, pack_tilt, ply_arm, radial_normal, tilted_arm, &
+              tilted_correction, tilted_force, wall_arm
 
     real(rk), parameter :: shift = 4096 !! of the first part of a packed tilt
     !> Added and taken away again it leaves the nearest whole number, in vector code too.
@@ -62,7 +64,8 @@ contains
         end do
     end subroutine tilted_arm
 
-    !> The same in laminates, which are no bars.
+    !> The same in laminates, which are no bars, and in curved walls: any normal.
+    !@cuf attributes(host,device) &
     pure subroutine ply_arm(c, n, x_ref, r, y)
         real(rk), intent(in) :: c, n(3), x_ref(3), r(3)
         real(rk), intent(out) :: y(3)
@@ -98,6 +101,38 @@ contains
         y(2) = (1 + c*z)*x_ref(2) + across*n(2)
         y(3) = (1 + c*z)*x_ref(3) + across*n(3)
     end subroutine lifted_arm
+
+    !> Normal of a wall at a place of the unloaded body.
+    !@cuf attributes(host,device) &
+    pure subroutine radial_normal(across, middle, x, n)
+        real(rk), intent(in) :: across(3) !! 1 in the directions across the axis, else 0
+        real(dp), intent(in) :: middle(3), x(3) !! a point of the axis, the place [m]
+        real(rk), intent(out) :: n(3)
+        real(rk) :: r(3), length
+        integer :: t
+
+        do t = 1, 3
+            r(t) = across(t)*real(x(t) - middle(t), rk)
+        end do
+        length = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
+        do t = 1, 3
+            n(t) = r(t)/max(length, tiny(length))
+        end do
+    end subroutine radial_normal
+
+    !> The same in a wall round an axis, at a particle there, or at its image in a plane through the
+    !> axis.
+    !@cuf attributes(host,device) &
+    pure subroutine wall_arm(across, middle, x, c, x_ref, r, y)
+        real(rk), intent(in) :: across(3) !! see radial_normal
+        real(dp), intent(in) :: middle(3), x(3) !! see radial_normal [m]
+        real(rk), intent(in) :: c, x_ref(3), r(3) !! see tilted_arm
+        real(rk), intent(out) :: y(3) !! [m]
+        real(rk) :: n(3)
+
+        call radial_normal(across, middle, x, n)
+        call ply_arm(c, n, x_ref, r, y)
+    end subroutine wall_arm
 
     !> 1 where two components of a vector are not zero, as of a bar; else 0.
     !@cuf attributes(host,device) &

@@ -97,14 +97,14 @@ contains
         do b = 1, size(case%bodies)
             associate (input => case%bodies(b), body => solid%bodies(b))
                 if (input%shape /= 'cylinder' .or. .not. input%inner_radius > 0) cycle
+                if (input%layered) cycle
                 layers = nint((input%radius - input%inner_radius)/input%spacing)
                 if (layers > many .or. body%formulation /= form_corrected_hourglass .or. &
                     any(body%normal > 0)) cycle
                 if (solid%materials(body%material)%class /= class_metal) cycle
                 call say_advice("the wall of '"//trim(input%id)//"' has "//to_text(layers)// &
                                 ' layers round an axis and bends too softly (a period 60 % too')
-                call say_more("long with 3, 20 % with 5): formulation='bending' where it stays "// &
-                              'elastic, more layers where it yields')
+                call say_more("long with 3, 20 % with 5): lattice='layered' lays it round the axis")
             end associate
         end do
     end subroutine advise_walls

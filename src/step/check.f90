@@ -284,9 +284,10 @@ contains
             if (body%tension_hold > 0) &
                 text = text//', held by '//to_text(real(body%tension_hold, real32))// &
                        ' times its tension'
+            if (body%curved) text = text//', a wall round '//axis_names(minloc(body%normal, dim=1))
             if (body%formulation /= form_bending .and. count(body%normal > 0) == 1) &
                 text = text//', a plate across '//axis_names(maxloc(body%normal, dim=1))
-            if (body%tension_hold > 0 .and. count(body%normal > 0) == 2) &
+            if (body%tension_hold > 0 .and. count(body%normal > 0) == 2 .and. .not. body%curved) &
                 text = text//', a bar along '//axis_names(minloc(body%normal, dim=1))
             if (body%formulation == form_total) &
                 text = text//', its step falls as far as it is pressed thinner'

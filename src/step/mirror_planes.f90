@@ -93,7 +93,7 @@ contains
         image = p%shape == q%shape .and. .not. is_from_file(p) .and. &
                 p%file == '' .and. p%start_file == '' .and. p%material == q%material .and. &
                 p%axis == q%axis .and. p%formulation == q%formulation .and. &
-                (p%variable_h .eqv. q%variable_h)
+                (p%variable_h .eqv. q%variable_h) .and. (p%layered .eqv. q%layered)
         if (.not. image) return
         image = all(same([p%spacing, p%radius, p%length, p%inner_radius, p%diameter], &
                          [q%spacing, q%radius, q%length, q%inner_radius, q%diameter])) &

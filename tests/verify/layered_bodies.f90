@@ -10,7 +10,7 @@ module layered_bodies
     use solid_scenes, only: metal, noise, scene_t
     implicit none
     private
-    public :: alike, carbon, block, sheet, strain, linear_field, take_steps, difference, &
+    public :: alike, carbon, block, sheet, pipe, strain, linear_field, take_steps, difference, &
               breathing, turned
 
     real(dp), parameter :: alike(9) = [1.0_dp, 1.0_dp, 1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp, 0.5_dp, &
@@ -56,6 +56,24 @@ contains
             body%spacing = 1
         end associate
     end subroutine sheet
+
+    !> A ring of so many layers, a spacing apart, of E = 1, nu = 0; of length 0 in plane strain.
+    subroutine pipe(layers, radius, length, yield, s)
+        integer, intent(in) :: layers, length
+        real(dp), intent(in) :: radius !! of the middle of the wall
+        real(dp), intent(in) :: yield !! stress
+        type(scene_t), intent(out) :: s
+
+        call sheet([1, 1, 1], yield, s)
+        if (length == 0) s%case%run%dimension = 2
+        associate (body => s%case%bodies(1))
+            body%shape = 'cylinder'
+            body%layered = .true.
+            body%radius = radius + layers/2.0_dp
+            body%inner_radius = radius - layers/2.0_dp
+            body%length = max(length, 1)
+        end associate
+    end subroutine pipe
 
     !> Strain rates that particles see now: of plies, whose rows do not hold them, by their stress.
     subroutine strain(s, rate)

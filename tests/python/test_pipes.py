@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: MIT
+"""Pipes on layered lattices: loads, bonds, contact, air, restarts, processes, the GPU."""
+
+import subprocess
+
+import numpy as np
+import pytest
+from notes import note
+from test_gpu import EMULATOR, stamp
+from test_gpu import run as on_gpu
+from test_loads import BRISANCE
+from test_ranks import equal_bodies, needs_mpirun, start
+from test_run import history
+
+METAL = """\
+&material id='m', model='bilinear_j2', density=7800, youngs_modulus=200e9, poisson_ratio=0.3,
+    yield_stress=350e6, tangent_modulus=1e9 /
+"""
+LAYERED = "shape='cylinder', lattice='layered', spacing=1e-3, material='m', centre=0,0,0,"
+# Two pipes, one bonded around the other, burst from within, under a blast from outside; a block is
+# thrown at them.
+PIPES = f"""\
+&run title='pipes', t_end=1.5e-5, symmetry='z' /
+{METAL}
+&body id='in', {LAYERED} radius=0.008, inner_radius=0.005, length=0.012 /
+&body id='out', {LAYERED} radius=0.011, inner_radius=0.008, length=0.012 /
+&body id='block', box=0.0113,0.0153, -0.003,0.003, 0,0.006, spacing=1e-3, material='m',
+    velocity=-80,0,0 /
+&interaction law='contact' /
+&interaction bodies='in','out', law='bonded' /
+&load body='in', faces='inside', time=0,1e-5,2e-5, pressure=3e8,3e8,0 /
+&load body='out', faces='outside', mass=1e-3, at=-0.05,0,0, detonation_time=-1e-5 /
+&gauge id='x', body='out', at=-0.011,0,0, quantity='displacement_x' /
+&gauge id='y', body='in', at=0,0.005,0, quantity='displacement_y' /
+&output history_every=0, checkpoint_every=5e-6, dump_every=1e-5 /
+"""
+
+
+@pytest.fixture(name="alone", scope="module")
+def _alone(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("pipes")
+    (folder / "deck.nml").write_text(PIPES)
+    done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    values = history(folder / "out/gauges.csv")
+    assert all(np.abs(values[name]).max() > 0 for name in values.dtype.names)
+    error = np.abs(history(folder / "out/energy.csv")["error[-]"]).max()
+    note("pipes_energy", error)
+    assert error < 5e-3
+    return folder / "out"
+
+
+@needs_mpirun
+@pytest.mark.parametrize(("n", "m"), [(3, None), (0, 0), (2, 4)])
+def test_pipes_on_several_processes_and_after_a_restart(n, m, alone, tmp_path):
+    """The bytes of one run on one process."""
+    (tmp_path / "deck.nml").write_text(PIPES)
+    parts = [(n, ())]
+    if m is not None:
+        parts = [(n, ("--set", "run.max_steps=60")), (m, ("--restart", "latest"))]
+    for k, more in parts:
+        done = start(k, "run", "deck.nml", "--out", "out", *more, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    equal_bodies(alone, tmp_path / "out")
+    assert (tmp_path / "out/gauges.csv").read_text() == (alone / "gauges.csv").read_text()
+
+
+@pytest.mark.skipif(not EMULATOR.exists(), reason="make emulator builds it")
+def test_the_gpu_refuses_them(tmp_path):
+    (tmp_path / "deck.nml").write_text(PIPES)
+    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
+    done = on_gpu(tmp_path, "deck.nml", "--out", "gpu", "--backend", "gpu")
+    assert done.returncode == 2 and "lattice='layered'" in done.stderr, done.stderr
+
+
+def test_a_pipe_in_a_blast(tmp_path):
+    """It runs to its end, pushed along, and its energy closes."""
+    deck = """\
+&run t_end=6e-4, symmetry='z' /
+{metal}
+&air box=0,0.5, -0.15,0.15, 0,0.1, cells=40,24,8, density=1.2, pressure=1e5 /
+&inflow face='x-', time=2e-5,4e-5,3e-4, overpressure=8e5,6e5,0 /
+&body id='b', shape='cylinder', lattice='layered', axis='z', centre=0.2,0,0, radius=0.06,
+    inner_radius=0.036, length=0.16, spacing=8e-3, material='m' /
+&output history_every=1e-5, dump_every=1 /
+"""
+    (tmp_path / "deck.nml").write_text(deck.format(metal=METAL))
+    done = start(0, "run", "deck.nml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    bodies = history(tmp_path / "out" / "bodies.csv")
+    assert bodies["b:velocity_x[m/s]"][-1] > 0
+    energy = history(tmp_path / "out" / "energy.csv")
+    assert np.abs(energy["error[-]"]).max() < 5e-3
+
+
+BAD = {
+    "radius=0.008, lattice='layered'": "with an inner_radius",
+    "radius=0.008, inner_radius=0.006, lattice='layered'": "less than three layers",
+    "radius=0.008, inner_radius=0.0005, lattice='layered'": "at most the inner_radius",
+    "radius=0.008, inner_radius=0.005, lattice='layered', formulation='bending'": "tension_hold",
+    "radius=0.008, inner_radius=0.005, lattice='layered', plate_axis='x'": "radial normals",
+    "radius=0.008, inner_radius=0.005, lattice='layered', variable_h=T": "leave variable_h out",
+    "radius=0.008, inner_radius=0.005, lattice='layered', centre=0.003,0,0": "through the axis",
+    "radius=0.008, inner_radius=0.005, lattice='layered' /\n&load body='b', faces='x+', pressure=1":
+        "inside and outside of its wall",
+    "radius=0.008, inner_radius=0.005 /\n&load body='b', faces='inside', pressure=1":
+        "are faces of a body with lattice='layered'",
+    "radius=0.008, inner_radius=0.005, lattice='layered' /\n"
+    "&load body='b', faces='inside', mass=1, at=0,0,0": "compute the air",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("keys", BAD)
+def test_what_no_layers_fill_is_refused(keys, tmp_path):
+    centre = "" if "centre" in keys else "centre=0,0,0, "
+    (tmp_path / "bad.nml").write_text(
+        f"&run t_end=1e-6, symmetry='x' /\n{METAL}&body id='b', shape='cylinder', {centre}"
+        f"length=0.01, spacing=1e-3, material='m', {keys} /\n"
+    )
+    done = subprocess.run([BRISANCE, "run", "bad.nml"], cwd=tmp_path, capture_output=True,
+                          text=True)  # fmt: skip
+    assert done.returncode == 2 and BAD[keys] in done.stderr, done.stderr
+    assert "bad.nml:" in done.stderr
+
+
+def test_check_names_the_wall(tmp_path):
+    (tmp_path / "deck.nml").write_text(PIPES)
+    done = start(0, "run", "deck.nml", "--check", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "a wall round z" in done.stdout
+    assert "a bar along" not in done.stdout
