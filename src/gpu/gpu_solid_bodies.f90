@@ -37,7 +37,6 @@ contains
             end associate
         end do
         if (solid%remove) why = "leave='remove'"
-        if (any(solid%bodies%curved)) why = "lattice='layered'"
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
 
