@@ -170,7 +170,7 @@ $(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%
 
 # --- what users and CI call ---------------------------------------------------------------------
 FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90' '*.CUF')
-PARTS  := all unit verify+unit-mixed+lint+gpu-check+gpu emulated python figures check-docs vectors
+PARTS  := all unit verify+unit-mixed+lint+gpu-check+gpu+emulated python figures check-docs vectors
 setup: ## install what is missing
 	@scripts/setup.sh
 test: setup ## build and run every test
