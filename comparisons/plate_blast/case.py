@@ -68,6 +68,7 @@ CASE = Case(
         _ours(THREE, LOAD, "Brisance, &load, 3 layers"),
         _ours(plate.Shape(HALF, THICK, 5), LOAD, "Brisance, &load, 5 layers"),
         _ours(WIDE, LOAD, "Brisance, &load, 3 wide layers", slow=False),
+        _ours(plate.Shape(HALF, THICK, 5, 3), LOAD, "Brisance, &load, 5 wide layers", slow=False),
         _ours(THREE, AIR, "Brisance, air, 3 layers", ", 207,360 cells"),
         _ours(THREE, RADIAL, "Brisance, air, JWL, 1-D, 3 layers", ", 292,608 cells"),
         Run(

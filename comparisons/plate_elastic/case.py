@@ -29,7 +29,14 @@ def make(pressure: float, name: str, mark: str, title: str, **more) -> Case:
                            {"STEEL": bricks.isotropic(200e9, 0.3, 7800)}, END, 2.5e-6)  # fmt: skip
         return bricks.run(fem, pressure, 50e-6, partial(plate.measures, swing=True), slow)
 
-    runs = (ours(3), ours(4), ours(4, 3, 0.27), peer(10, 1), peer(20, 2, slow=True))
+    runs = (
+        ours(3),
+        ours(4),
+        ours(4, 3, 0.27),
+        ours(5, 3, 0.27),
+        peer(10, 1),
+        peer(20, 2, slow=True),
+    )
     return Case(name=name, mark=mark, title=title, runs=runs, **more)
 
 

@@ -31,7 +31,7 @@ CASE = Case(
         Quantity("peak", "peak", "mm", 1e3, 3, 6.95e-3, 0.04),
         Quantity("peak_time", "at", "us", 1e6, 3, 440e-6, 0.03),
     ),
-    runs=(_ours(3, slow=True), _ours(3, 3)),
+    runs=(_ours(3, slow=True), _ours(3, 3), _ours(5, 3)),
     axes=("time [us]", "deflection [mm]"),
     scales=(1e6, 1e3),
     remarks={
