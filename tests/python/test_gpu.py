@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import h5py
+import numpy as np
 import pytest
 from test_damage import seal
 
@@ -43,6 +44,18 @@ def run(folder, *arguments, driver=True, limit="unlimited", **extra):
     limited = f'ulimit -f {limit}; exec "$@"'  # of the size of a file, in kB
     command = ["bash", "-c", limited, "bash", str(BINARY), "run", *arguments]
     return subprocess.run(command, cwd=folder, env=env, capture_output=True, text=True, check=False)
+
+
+def follows_the_cpu(alone, folder):
+    """Run deck.nml of a folder on the GPU: its histories are those in `alone`, of the CPU."""
+    (folder / "good.ptx").write_text(f"// {stamp()}\n", encoding="utf-8")
+    done = run(folder, "deck.nml", "--out", "out", "--backend", "gpu")
+    assert done.returncode == 0, done.stderr
+    for name in ("gauges", "bodies"):
+        one, other = (np.loadtxt(f / f"{name}.csv", delimiter=",", skiprows=1)
+                      for f in (alone, folder / "out"))  # fmt: skip
+        assert one.shape == other.shape
+        assert (abs(one - other).max(axis=0) <= 1e-8 * abs(one).max(axis=0) + 1e-12).all(), name
 
 
 def rows(path):

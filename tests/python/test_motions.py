@@ -6,10 +6,9 @@ import subprocess
 import numpy as np
 import pytest
 from notes import note
-from test_gpu import EMULATOR, stamp
-from test_gpu import run as on_gpu
+from test_gpu import EMULATOR, follows_the_cpu
 from test_loads import BRISANCE, run
-from test_ranks import equal_bodies, needs_mpirun, start
+from test_ranks import equal_bodies, in_two, needs_mpirun, start
 from test_run import history
 
 STEEL = """\
@@ -190,9 +189,7 @@ def test_motions_do_not_depend_on_processes(n, alone, tmp_path):
 @pytest.mark.parametrize(("n", "m"), [(0, 0), (2, 0), (0, 4)])
 def test_motions_go_on_after_a_restart(n, m, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(MOVED)
-    for k, more in ((n, ("--set", "run.max_steps=90")), (m, ("--restart", "latest"))):
-        done = start(k, "run", "deck.nml", "--out", "out", *more, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
+    in_two(n, m, 90, tmp_path)
     equal_bodies(alone, tmp_path / "out")
     assert (tmp_path / "out/gauges.csv").read_text() == (alone / "gauges.csv").read_text()
 
@@ -200,11 +197,4 @@ def test_motions_go_on_after_a_restart(n, m, alone, tmp_path):
 @pytest.mark.skipif(not EMULATOR.exists(), reason="make emulator builds it")
 def test_motions_on_the_gpu(alone, tmp_path):
     (tmp_path / "deck.nml").write_text(MOVED)
-    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
-    done = on_gpu(tmp_path, "deck.nml", "--out", "out", "--backend", "gpu")
-    assert done.returncode == 0, done.stderr
-    for name in ("gauges", "bodies"):
-        one, other = (np.loadtxt(f / f"{name}.csv", delimiter=",", skiprows=1)
-                      for f in (alone, tmp_path / "out"))  # fmt: skip
-        assert one.shape == other.shape
-        assert (abs(one - other).max(axis=0) <= 1e-8 * abs(one).max(axis=0) + 1e-12).all(), name
+    follows_the_cpu(alone, tmp_path)

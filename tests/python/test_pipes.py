@@ -6,10 +6,9 @@ import subprocess
 import numpy as np
 import pytest
 from notes import note
-from test_gpu import EMULATOR, stamp
-from test_gpu import run as on_gpu
+from test_gpu import EMULATOR, follows_the_cpu
 from test_loads import BRISANCE
-from test_ranks import equal_bodies, needs_mpirun, start
+from test_ranks import equal_bodies, in_two, needs_mpirun, start
 from test_run import history
 
 METAL = """\
@@ -51,31 +50,26 @@ def _alone(tmp_path_factory):
 
 
 @needs_mpirun
-@pytest.mark.parametrize(("n", "m"), [(3, None), (0, 0), (2, 4)])
-def test_pipes_on_several_processes_and_after_a_restart(n, m, alone, tmp_path):
+def test_pipes_on_several_processes(alone, tmp_path):
     """The bytes of one run on one process."""
     (tmp_path / "deck.nml").write_text(PIPES)
-    parts = [(n, ())]
-    if m is not None:
-        parts = [(n, ("--set", "run.max_steps=60")), (m, ("--restart", "latest"))]
-    for k, more in parts:
-        done = start(k, "run", "deck.nml", "--out", "out", *more, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
+    done = start(3, "run", "deck.nml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
     equal_bodies(alone, tmp_path / "out")
-    assert (tmp_path / "out/gauges.csv").read_text() == (alone / "gauges.csv").read_text()
+
+
+@needs_mpirun
+@pytest.mark.parametrize(("n", "m"), [(0, 0), (2, 4)])
+def test_pipes_go_on_after_a_restart(n, m, alone, tmp_path):
+    (tmp_path / "deck.nml").write_text(PIPES)
+    in_two(n, m, 60, tmp_path)
+    equal_bodies(alone, tmp_path / "out")
 
 
 @pytest.mark.skipif(not EMULATOR.exists(), reason="make emulator builds it")
 def test_pipes_on_the_gpu(alone, tmp_path):
     (tmp_path / "deck.nml").write_text(PIPES)
-    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
-    done = on_gpu(tmp_path, "deck.nml", "--out", "out", "--backend", "gpu")
-    assert done.returncode == 0, done.stderr
-    for name in ("gauges", "bodies"):
-        one, other = (np.loadtxt(f / f"{name}.csv", delimiter=",", skiprows=1)
-                      for f in (alone, tmp_path / "out"))  # fmt: skip
-        assert one.shape == other.shape
-        assert (abs(one - other).max(axis=0) <= 1e-8 * abs(one).max(axis=0) + 1e-12).all(), name
+    follows_the_cpu(alone, tmp_path)
 
 
 def test_a_pipe_in_a_blast(tmp_path):

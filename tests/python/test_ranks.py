@@ -309,6 +309,13 @@ def test_a_killed_process_ends_all_and_the_wall_clock_stops_all(tmp_path):
 
 # Bodies that meet: friction, a rigid body that turns and one that is driven, bonds that break, at a
 # plane of symmetry.
+def in_two(n, m, steps, folder):
+    """Run deck.nml of a folder for some steps on n processes, then to its end on m."""
+    for k, more in ((n, ("--set", f"run.max_steps={steps}")), (m, ("--restart", "latest"))):
+        done = start(k, "run", "deck.nml", "--out", "out", *more, cwd=folder)
+        assert done.returncode == 0, done.stderr
+
+
 def equal_bodies(one, other):
     """Dumps and gauges are the same; books are sums over steps, which processes round apart."""
     assert (one / "gauges.csv").read_text() == (other / "gauges.csv").read_text()

@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from test_ranks import equal_bodies, needs_mpirun, start
+from test_ranks import equal_bodies, in_two, needs_mpirun, start
 from test_run import history
 
 # A blast on a plate at a plane of symmetry, a history on all sides of a block that
@@ -59,10 +59,7 @@ def test_loads_do_not_depend_on_processes(n, alone, tmp_path):
 @pytest.mark.parametrize(("n", "m"), [(0, 2), (3, 0), (2, 4)])
 def test_loaded_bodies_go_on_on_other_processes(n, m, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(LOADED)
-    done = start(n, "run", "deck.nml", "--out", "out", "--set", "run.max_steps=15", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    done = start(m, "run", "deck.nml", "--out", "out", "--restart", "latest", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    in_two(n, m, 15, tmp_path)
     equal_bodies(alone, tmp_path / "out")
 
 
@@ -121,7 +118,5 @@ def test_forces_on_bodies_do_not_depend_on_processes(n, met, tmp_path):
 @pytest.mark.parametrize(("n", "m"), [(0, 2), (4, 0)])
 def test_forces_on_bodies_go_on_on_other_processes(n, m, met, tmp_path):
     (tmp_path / "deck.nml").write_text(MET)
-    for k, more in ((n, ("--set", "run.max_steps=150")), (m, ("--restart", "latest"))):
-        done = start(k, "run", "deck.nml", "--out", "out", *more, cwd=tmp_path)
-        assert done.returncode == 0, done.stderr
+    in_two(n, m, 150, tmp_path)
     assert (tmp_path / "out/gauges.csv").read_text() == met
