@@ -19,13 +19,14 @@ module brz_command_line
         logical :: markdown = .false. !! describe as a page of the manual
         logical :: replace = .false. !! results of an earlier run may be removed
         logical :: profile = .false. !! time of each kernel at the end
+        logical :: calls = .false. !! what the host asks of GPU and processes, at the end
         integer :: ranks = 0 !! processes that --check shall cut the scene for; 0: those there are
         real(dp) :: walltime = huge(1.0_dp) !! [s]
         type(string_t), allocatable :: overrides(:) !! texts group.key=value
     end type options_t
 
     character(*), parameter :: flags = '--check|--backend|--restart|--out|--walltime|--set|'// &
-                               '--replace|--markdown|--profile|--ranks'
+                               '--replace|--markdown|--profile|--calls|--ranks'
     character(*), parameter :: lf = new_line('a')
 
 contains
@@ -52,6 +53,7 @@ contains
             '                           body(plate).spacing=2e-3; may be repeated'//lf// &
             '  --backend cpu|gpu|auto   where to compute'//lf// &
             '  --profile                on a GPU: print the time of each kernel; slower'//lf// &
+            '  --calls                  print what each process asks of its GPU and others'//lf// &
             'options of mat: --check, --replace, --set, and'//lf// &
             '  --out FILE               table of the results (default out/<deck name>.csv)'//lf// &
             ''//lf// &
@@ -179,6 +181,8 @@ contains
             options%replace = .true.
         case ('--profile')
             options%profile = .true.
+        case ('--calls')
+            options%calls = .true.
         case ('--ranks')
             call read_ranks(value, options%ranks, err)
         case ('--out')
@@ -202,7 +206,7 @@ contains
     subroutine unknown_option(flag, err)
         character(*), intent(in) :: flag
         type(error_t), intent(inout) :: err
-        character(12) :: list(10)
+        character(12) :: list(11)
         integer :: i, first, last
 
         first = 1

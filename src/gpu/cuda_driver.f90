@@ -4,7 +4,7 @@
 !> scripts/foreign.py writes a procedure pointer for each function below; `load_driver` sets them
 !> all, or says what is missing. Every function returns 0 for success.
 module brz_cuda_driver
-    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_f_procpointer, c_float, c_int, &
+    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_f_procpointer, c_int, &
         c_int64_t, c_intptr_t, c_ptr, c_signed_char, c_size_t
     use brz_shared_library, only: library_t
     implicit none
@@ -45,10 +45,6 @@ module brz_cuda_driver
     !@      int bz, int shared, pointer stream, in pointer arguments, pointer extra)
     !@foreign cuStreamCreate cu_stream_create(out pointer stream, int flags)
     !@foreign cuCtxSynchronize cu_synchronize()
-    !@foreign cuEventCreate cu_event_create(out pointer event, int flags)
-    !@foreign cuEventRecord cu_event_record(pointer event, pointer stream)
-    !@foreign cuEventSynchronize cu_event_synchronize(pointer event)
-    !@foreign cuEventElapsedTime cu_event_elapsed(out float elapsed, pointer start, pointer end)
     !@foreign cuGetErrorString cu_message(int error, out pointer text)
 
     interface

@@ -4,16 +4,17 @@
 !> Every procedure reports through `error_t` with exit_device and does nothing once an error is
 !> recorded. All work goes through the default stream, in order, but for what may run side by side.
 module brz_device
-    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, c_float, &
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, &
         c_int, c_int64_t, c_intptr_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_signed_char, c_size_t
     use brz_buffers, only: arguments_t, buffer_t, most_arguments
     use brz_cuda_driver, only: cu_allocate, cu_context_retain, cu_context_set, cu_copy, &
         cu_device, cu_device_attribute, cu_device_count, cu_device_name, cu_driver_version, &
-        cu_event_create, cu_event_elapsed, cu_event_record, cu_event_synchronize, cu_fill_bytes, &
+        cu_fill_bytes, &
         cu_free, cu_host_register, cu_host_unregister, cu_init, cu_launch, cu_memory_info, &
         cu_module_function, cu_module_load, cu_stream_create, cu_synchronize, cu_to_device, &
         cu_to_host, driver_message, load_driver
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_host_calls, only: book_call, to_copy, to_launch, to_read, to_reserve, to_wait
     use brz_kernel_profile, only: book_launch, profiling
     use brz_kinds, only: dp, int64, int8
     use brz_text, only: to_text
@@ -24,7 +25,7 @@ module brz_device
     public :: find_kernel, allocate_buffer, put_buffer, reserve_buffer, free_buffer, &
               free_buffers, copy_in, copy_out, copy_within, clear_buffer, launch, side_by_side, &
               pin, unpin, &
-              wait_for_device, start_timer, stop_timer
+              wait_for_device
 
     integer, parameter :: threads_per_block = 128 !! all along x
     integer, parameter :: most_streams = 8 !! in which kernels run side by side
@@ -36,7 +37,7 @@ module brz_device
         integer :: count = 0 !! devices that this process sees
         character(:), allocatable :: name !! with memory and driver, for messages
         integer(c_size_t) :: free_bytes = 0 !! when it was opened or measured last
-        type(c_ptr) :: module = c_null_ptr, started = c_null_ptr, ended = c_null_ptr
+        type(c_ptr) :: module = c_null_ptr
     end type device_t
 
     type :: kernel_t
@@ -86,9 +87,6 @@ contains
         call check(cu_context_retain(context, handle), 'making a context', err)
         if (failed(err)) return
         call check(cu_context_set(context), 'using the context', err)
-        call check(cu_event_create(device%started, 0_c_int), 'making an event', err)
-        call check(cu_event_create(device%ended, 0_c_int), 'making an event', err)
-        if (failed(err)) return
         call describe(handle, device, err)
         device%open = .not. failed(err)
     end subroutine open_device
@@ -204,11 +202,14 @@ contains
         class(buffer_t), intent(out) :: buffer
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
+        real(dp) :: began
 
         if (failed(err)) return
         buffer%bytes = max(bytes, 8_int64)
+        began = wall_seconds()
         call check(cu_allocate(buffer%address, buffer%bytes), 'reserving '//to_text(bytes)// &
                    ' bytes', err)
+        call book_call(to_reserve, buffer%bytes, began)
         call clear_buffer(buffer, err)
     end subroutine allocate_buffer
 
@@ -226,9 +227,13 @@ contains
     !> Give memory back. Nothing happens to a buffer that holds none.
     subroutine free_buffer(buffer)
         class(buffer_t), intent(inout) :: buffer
+        real(dp) :: began
         integer(c_int) :: code
 
-        if (buffer%address /= 0) code = cu_free(buffer%address)
+        if (buffer%address == 0) return
+        began = wall_seconds()
+        code = cu_free(buffer%address)
+        call book_call(to_reserve, 0_int64, began)
         buffer%address = 0
     end subroutine free_buffer
 
@@ -252,11 +257,14 @@ contains
         type(error_t), intent(inout) :: err
         integer(int64), intent(in), optional :: bytes
         integer(int64) :: n
+        real(dp) :: began
 
         if (failed(err)) return
         n = buffer%bytes
         if (present(bytes)) n = bytes
+        began = wall_seconds()
         call check(cu_fill_bytes(buffer%address, 0_c_signed_char, n), 'clearing', err)
+        call book_call(to_copy, 0_int64, began)
     end subroutine clear_buffer
 
     !> Copy a contiguous array to the GPU.
@@ -265,10 +273,13 @@ contains
         class(buffer_t), intent(in) :: buffer
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
+        real(dp) :: began
 
         if (failed(err) .or. bytes == 0) return
+        began = wall_seconds()
         call check(cu_to_device(buffer%address, c_loc(x), int(bytes, c_size_t)), &
                    'copying to the GPU', err)
+        call book_call(to_copy, bytes, began)
     end subroutine copy_in
 
     !> A new buffer that holds a contiguous array.
@@ -287,10 +298,13 @@ contains
         type(*), intent(inout), target, contiguous :: x(..)
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
+        real(dp) :: began
 
         if (failed(err) .or. bytes == 0) return
+        began = wall_seconds()
         call check(cu_to_host(c_loc(x), buffer%address, int(bytes, c_size_t)), &
                    'copying from the GPU (or a kernel before it)', err)
+        call book_call(to_read, bytes, began)
     end subroutine copy_out
 
     !> Let the GPU copy to and from memory of the host without a detour, until `unpin`: faster,
@@ -316,9 +330,12 @@ contains
         class(buffer_t), intent(in) :: from, to
         integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
+        real(dp) :: began
 
         if (failed(err) .or. bytes == 0) return
+        began = wall_seconds()
         call check(cu_copy(to%address, from%address, bytes), 'copying on the GPU', err)
+        call book_call(to_copy, bytes, began)
     end subroutine copy_within
 
     !> Launch a kernel with n threads, in x rounded up to whole blocks: the kernel must check its x.
@@ -340,6 +357,7 @@ contains
         call check(cu_launch(kernel%handle, (n(1) - 1)/threads_per_block + 1, n(2), n(3), &
                              threads_per_block, 1, 1, 0_c_int, stream, values, c_null_ptr), &
                    'launching '//trim(kernel%name), err)
+        call book_call(to_launch, 0_int64, start)
         if (.not. profiling) return
         call wait_for_device(err)
         call book_launch(kernel%name, wall_seconds() - start)
@@ -363,32 +381,11 @@ contains
     !> Wait until all work is done.
     subroutine wait_for_device(err)
         type(error_t), intent(inout) :: err
+        real(dp) :: began
 
         if (failed(err)) return
+        began = wall_seconds()
         call check(cu_synchronize(), 'the work of the kernels', err)
+        call book_call(to_wait, 0_int64, began)
     end subroutine wait_for_device
-
-    subroutine start_timer(device, err)
-        type(device_t), intent(in) :: device
-        type(error_t), intent(inout) :: err
-
-        if (failed(err)) return
-        call check(cu_event_record(device%started, c_null_ptr), 'timing', err)
-    end subroutine start_timer
-
-    !> Seconds of GPU work since start_timer.
-    function stop_timer(device, err) result(seconds)
-        type(device_t), intent(in) :: device
-        type(error_t), intent(inout) :: err
-        real(dp) :: seconds
-        real(c_float) :: milliseconds
-
-        seconds = 0
-        milliseconds = 0
-        if (failed(err)) return
-        call check(cu_event_record(device%ended, c_null_ptr), 'timing', err)
-        call check(cu_event_synchronize(device%ended), 'timing', err)
-        call check(cu_event_elapsed(milliseconds, device%started, device%ended), 'timing', err)
-        seconds = 1e-3_dp*milliseconds
-    end function stop_timer
 end module brz_device

@@ -19,6 +19,7 @@ module brz_gpu_solid_step
     use brz_gpu_solid_state, only: book_of, column_of, gpu_solid_body_t, gpu_solid_t, &
         moved_flags, tags_of, threads_of, words_of_real
     use brz_gpu_solid_sums, only: fetch_limit, sums_of_body
+    use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: drift_bodies, find_stale, level_unit
     use brz_move_level, only: move_levels
@@ -72,6 +73,7 @@ contains
         solid%steps = solid%steps + 1
         call find_stale(solid, moved_levels(gpu, solid, err), stale, relink)
         if (any(stale) .or. relink) then
+            call enter_part('lists of bodies')
             if (several(solid%ranks)) then
                 call lay_gpu_anew(gpu, solid, stale, recut, err)
                 if (recut) call gradient_pass(gpu, 0.0_dp, err, of_sleepers=.true.)
@@ -85,6 +87,7 @@ contains
             call wake_met(solid)
             gpu%bodies%asleep = solid%bodies%asleep
             call end_support(gpu, solid, stale, err)
+            call enter_part('bodies', go_on=.true.)
         else
             call refresh_gpu_motion(gpu, err)
         end if

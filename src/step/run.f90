@@ -11,6 +11,7 @@ module brz_run
     use brz_command_line, only: options_t
     use brz_deck, only: deck_t
     use brz_errors, only: error_t, exit_deck, exit_stopped, failed, raise
+    use brz_host_calls, only: count_calls, enter_part
     use brz_kernel_profile, only: start_profile
     use brz_key, only: key_t
     use brz_key_table, only: all_keys
@@ -52,6 +53,7 @@ contains
         logical :: large
 
         if (options%check .and. ranks%rank > 0) return ! the first one looks for all
+        if (options%calls) call count_calls()
         allocate (sim)
         call read_scene(options, sim, err)
         call plan_ranks(options, ranks, sim, err)
@@ -97,6 +99,7 @@ contains
         if (sim%early%present) sim%clock%time = sim%early%time
         call open_outputs(options, sim, outputs, err)
         if (failed(err)) return
+        call enter_part('start of the GPU')
         call start_backend(sim%backend, sim%air, sim%coupling, sim%solid, err)
         call agree(sim%ranks, err)
         if (failed(err)) return
@@ -178,12 +181,14 @@ contains
 
         call start_progress(sim%progress, sim%clock%time, sim%clock%cycle)
         next_report = wall_seconds() + sim%case%output%report_every
+        call enter_part('output')
         if (.not. outputs%resumed) call write_due(sim, outputs, err)
         do while (sim%clock%time < sim%case%run%t_end .and. .not. failed(err))
             if (sim%clock%cycle >= sim%case%run%max_steps) exit
             call advance(sim, err)
             call agree(sim%ranks, err)
             if (failed(err)) exit
+            call enter_part('output')
             call write_due(sim, outputs, err)
             if (wall_seconds() >= next_report) then
                 call report(sim, outputs, err)

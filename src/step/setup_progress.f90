@@ -2,6 +2,7 @@
 !> What a run prints while its scene is set up: one line that grows, and in it how far a blast in
 !> one dimension is.
 module brz_setup_progress
+    use brz_host_calls, only: enter_part
     use brz_kinds, only: dp
     use brz_screen, only: say, show
     use brz_timer, only: wall_seconds
@@ -33,6 +34,7 @@ contains
         character(*), intent(in) :: what
 
         if (.not. loud) return
+        call enter_part('set-up: '//what)
         if (line_begun) call show(', '//what)
         if (.not. line_begun) call show(head//what)
         line_begun = .true.
@@ -66,5 +68,6 @@ contains
         if (.not. line_begun) call show(head)
         call say(trim(adjustl(seconds))//' s')
         loud = .false.
+        call enter_part('start')
     end subroutine end_setup
 end module brz_setup_progress

@@ -6,6 +6,7 @@ module brz_summary
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
     use brz_errors, only: error_t, failed
+    use brz_host_calls, only: counting, print_calls
     use brz_kernel_profile, only: print_profile, profiling
     use brz_kinds, only: dp, int64
     use brz_ledger, only: ledger_start_t, ledger_t, take_stock
@@ -53,6 +54,7 @@ contains
             if (.not. failed(err)) write (output_unit, '(/, a)') text
         end if
         if (profiling) call print_profile(output_unit)
+        if (counting) call print_calls(output_unit, sim%ranks)
         call print_cost(sim)
         if (several(sim%ranks)) call print_share(sim)
         call say('results    '//outputs%folder)

@@ -7,6 +7,7 @@ module brz_time_step
     use brz_backend_step, only: advance_air, advance_solid, let_gas_in, limit_of_air
     use brz_coupling_paper, only: move_paper_walls, paper_step
     use brz_errors, only: error_t, exit_numerical, failed, raise
+    use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64
     use brz_simulation, only: simulation_t
     use brz_solid_sleep, only: particles_awake
@@ -27,17 +28,21 @@ contains
         type(error_t), intent(inout) :: err !! exit_numerical where a state is lost
         real(dp) :: dt, mark
 
+        call enter_part('time step')
         call choose_time_step(sim, dt, err)
         if (failed(err)) return
         mark = wall_seconds()
         if (sim%coupling%present .and. .not. sim%coupling%paper) then
+            call enter_part('walls')
             call set_walls(sim%backend, sim%air, sim%solid, sim%coupling, dt, err)
             call lap(mark, sim%progress%coupling_seconds)
         end if
+        call enter_part('air')
         if (sim%air%present) call step_air(sim, dt, err)
         call lap(mark, sim%progress%air_seconds)
         if (failed(err)) return
         if (sim%coupling%present .and. .not. sim%coupling%paper) then
+            call enter_part('loads')
             call load_solid(sim, dt, err)
             call lap(mark, sim%progress%coupling_seconds)
         end if
@@ -48,6 +53,7 @@ contains
             if (sim%coupling%paper) then
                 call move_paper_walls(sim%air, sim%solid, sim%coupling)
             else
+                call enter_part('exchange')
                 call exchange_gas(sim%backend, sim%air, sim%solid, sim%coupling, err)
             end if
             call lap(mark, sim%progress%coupling_seconds)
@@ -173,6 +179,7 @@ contains
         integer :: k
 
         do k = 1, sim%substeps
+            call enter_part('bodies')
             call advance_solid(sim%backend, sim%solid, dt/sim%substeps, err)
             if (failed(err)) return
         end do

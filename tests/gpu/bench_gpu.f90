@@ -7,14 +7,14 @@ program bench_gpu
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_air_setup, only: make_grid
     use brz_air_state, only: air_t
-    use brz_device, only: device_t, start_timer, stop_timer, wait_for_device
+    use brz_device, only: device_t, wait_for_device
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: close_gpu_air, gpu_air_t, open_gpu_air
     use brz_gpu_air_step, only: gpu_air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_kinds, only: dp, rk
     use brz_scheme, only: hllc, muscl_cells, steger_warming, weno3_cells, weno5z_cells
-    use gpu_tools, only: get_device
+    use gpu_tools, only: get_device, start_timer, stop_timer
     implicit none
     type(device_t) :: device
     type(error_t) :: err
@@ -70,12 +70,12 @@ contains
             call gpu_air_step(gpu, air, dt, status, err)
         end do
         call wait_for_device(err)
-        call start_timer(device, err)
+        call start_timer(err)
         do m = 1, steps
             dt = gpu_air_time_step(gpu, air, 0.3_dp, err)
             call gpu_air_step(gpu, air, dt, status, err)
         end do
-        seconds = stop_timer(device, err)
+        seconds = stop_timer(err)
         call close_gpu_air(gpu)
         if (failed(err)) then
             write (output_unit, '(a)') err%text

@@ -14,7 +14,7 @@ program bench_gpu_coupling
     use brz_cell_shells, only: make_shells
     use brz_coupling_setup, only: make_box
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: allocate_buffer, clear_buffer, copy_in, device_t, start_timer, stop_timer
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, device_t
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, open_gpu_air
     use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
@@ -25,7 +25,7 @@ program bench_gpu_coupling
     use brz_gpu_solid_layout, only: at_mass, n_tag
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
-    use gpu_tools, only: get_device
+    use gpu_tools, only: get_device, start_timer, stop_timer
     implicit none
 
     integer, parameter :: layers = 7
@@ -143,25 +143,25 @@ contains
             end do
             call copy_in(place, particles%place, 32_int64*particles%n, err)
             call clear_buffer(there%walls%impulse, err)
-            call start_timer(device, err)
+            call start_timer(err)
             call gpu_set_wall_velocity(gpu, there, particles, solid, coupling, &
                 1e-6_dp, err)
-            ms(1) = ms(1) + 1e3_dp*stop_timer(device, err)/steps
-            call start_timer(device, err)
+            ms(1) = ms(1) + 1e3_dp*stop_timer(err)/steps
+            call start_timer(err)
             call gpu_spread_load(gpu, particles, solid, 1e-6_dp, err)
-            ms(2) = ms(2) + 1e3_dp*stop_timer(device, err)/steps
-            call start_timer(device, err)
+            ms(2) = ms(2) + 1e3_dp*stop_timer(err)/steps
+            call start_timer(err)
             call gpu_reclassify(gpu, there, particles, air, solid, coupling, err)
-            ms(3) = ms(3) + 1e3_dp*stop_timer(device, err)/steps
-            call start_timer(device, err)
+            ms(3) = ms(3) + 1e3_dp*stop_timer(err)/steps
+            call start_timer(err)
             speed = gpu_fastest_wall(gpu, there, err)
-            ms(4) = ms(4) + 1e3_dp*stop_timer(device, err)/steps
-            call start_timer(device, err)
+            ms(4) = ms(4) + 1e3_dp*stop_timer(err)/steps
+            call start_timer(err)
             call look_at_particles(gpu, there, seen(particles), counts, err)
-            ms(5) = ms(5) + 1e3_dp*stop_timer(device, err)/steps
-            call start_timer(device, err)
+            ms(5) = ms(5) + 1e3_dp*stop_timer(err)/steps
+            call start_timer(err)
             call fill_gpu_bins(gpu, there, seen(particles), err)
-            ms(6) = ms(6) + 1e3_dp*stop_timer(device, err)/steps
+            ms(6) = ms(6) + 1e3_dp*stop_timer(err)/steps
         end do
         changed = coupling%books%covered + coupling%books%uncovered
         write (output_unit, '(a, a, i0, a, i0, a)') what, ': ', changed, ' changes so far, ', &

@@ -7,7 +7,7 @@
 !> number, see below.
 program bench_gpu_solid
     use, intrinsic :: iso_fortran_env, only: output_unit
-    use brz_device, only: copy_out, device_t, start_timer, stop_timer, wait_for_device
+    use brz_device, only: copy_out, device_t, wait_for_device
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_copy, only: open_gpu_solid
     use brz_gpu_solid_search, only: build_gpu_lists
@@ -19,7 +19,7 @@ program bench_gpu_solid
     use brz_solid_state, only: solid_t
     use brz_solid_step, only: solid_time_step
     use gpu_scenes, only: make_solid
-    use gpu_tools, only: get_device
+    use gpu_tools, only: get_device, start_timer, stop_timer
     implicit none
 
     character(90), parameter :: cases(5) = [character(90) :: &
@@ -124,7 +124,7 @@ contains
             do k = 1, size(names)
                 if (k == 8 .and. m > 2) cycle
                 call wait_for_device(err)
-                call start_timer(device, err)
+                call start_timer(err)
                 select case (k)
                 case (1); call drift(gpu, solid, 0.0_dp, err)
                 case (2); call sum_moments(gpu, gpu%bodies(1), err)
@@ -135,7 +135,7 @@ contains
                 case (7); call fetch_limit(gpu, limit, err)
                 case (8); call build_gpu_lists(gpu, solid, .true., [.true.], err)
                 end select
-                best(k) = min(best(k), stop_timer(device, err))
+                best(k) = min(best(k), stop_timer(err))
             end do
         end do
         call check()
@@ -156,11 +156,11 @@ contains
         call fetch_limit(gpu, solid%dt_limit, err)
         call gpu_solid_step(gpu, solid, 0.5_dp*solid_time_step(solid), err)
         call wait_for_device(err)
-        call start_timer(device, err)
+        call start_timer(err)
         do m = 1, steps
             call gpu_solid_step(gpu, solid, solid_time_step(solid), err)
         end do
-        seconds = stop_timer(device, err)/steps
+        seconds = stop_timer(err)/steps
         call check()
         write (output_unit, '(a, f9.3, a, f9.2, a, i0, a)') '  step', 1e3_dp*seconds, ' ms: ', &
             1e-6_dp*solid%n/seconds, ' M particle-steps/s, lists built ', solid%rebuilds, ' times'

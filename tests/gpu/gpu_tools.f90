@@ -1,14 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> What the tests of the GPU share: one device for all of them.
 module gpu_tools
-    use brz_device, only: device_t, load_kernels, open_device
+    use brz_device, only: device_t, load_kernels, open_device, wait_for_device
     use brz_errors, only: error_t, failed
+    use brz_kinds, only: dp
+    use brz_timer, only: wall_seconds
     use brz_version, only: device_code
     implicit none
     private
-    public :: get_device
+    public :: get_device, start_timer, stop_timer
 
     type(device_t), save :: the_device
+    real(dp), save :: started = 0 !! wall clock [s]
 
 contains
 
@@ -30,4 +33,19 @@ contains
         end if
         device = the_device
     end subroutine get_device
+
+    subroutine start_timer(err)
+        type(error_t), intent(inout) :: err
+
+        call wait_for_device(err)
+        started = wall_seconds()
+    end subroutine start_timer
+
+    !> Seconds since start_timer, when the GPU has done all its work.
+    real(dp) function stop_timer(err) result(seconds)
+        type(error_t), intent(inout) :: err
+
+        call wait_for_device(err)
+        seconds = wall_seconds() - started
+    end function stop_timer
 end module gpu_tools

@@ -165,7 +165,7 @@ def test_loads_are_those_of_the_cpu_after_a_restart_too(deck):
 
 
 def test_the_time_of_each_kernel_is_printed(deck):
-    done = run(deck, "a.nml", "--backend", "gpu", "--out", "a", "--profile")
+    done = run(deck, "a.nml", "--backend", "gpu", "--out", "a", "--profile", "--calls")
     assert done.returncode == 0, done.stderr
     table = [line.split() for line in done.stdout.split("kernel ", 1)[1].splitlines()[1:]]
     table = table[: [row[0] for row in table].index("all") + 1]
@@ -176,6 +176,10 @@ def test_the_time_of_each_kernel_is_printed(deck):
     marches = [int(row[1]) for row in table if row[0].startswith("march_")]
     assert marches, table
     assert all(n % steps == 0 for n in marches), (steps, marches)
+    parts = re.findall(r"^(air|time step) +(\d+) +([\d.]+) +([\d.]+)", done.stdout, re.M)
+    assert [(row[0], int(row[1])) for row in parts] == [("time step", steps), ("air", steps)]
+    launches = sum(int(row[1]) for row in table[:-1] if row[0].startswith(("march_", "last_")))
+    assert float(parts[1][3]) >= launches / steps
     done = run(deck, "a.nml", "--backend", "cpu", "--out", "b", "--profile")
     assert done.returncode == 2
     assert "on the CPU" in done.stderr
