@@ -23,7 +23,8 @@ export OMP_WAIT_POLICY
 
 HDF5_CFLAGS = $(shell pkg-config --cflags hdf5-serial)
 HDF5_LIBS   = $(shell pkg-config --libs-only-L hdf5-serial) -lhdf5_fortran -lhdf5 -lz
-WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals -Wno-maybe-uninitialized
+WARN     := -Wall -Wextra -Wno-c-binding-type -Wno-compare-reals -Wno-maybe-uninitialized \
+            -Werror=character-truncation
 FAST     := $(OPT) -march=$(ARCH) -flto=auto
 QUICKLY  := -O1 -fno-math-errno -fno-trapping-math -march=$(ARCH)
 CHECKED  := -Og -g -fcheck=all,no-array-temps -ffpe-trap=invalid,zero,overflow -fbacktrace

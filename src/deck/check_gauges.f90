@@ -6,7 +6,7 @@ module brz_check_gauges
     use brz_check_bodies, only: body_box, reference_hint
     use brz_check_start, only: is_axial, is_radial
     use brz_deck, only: complain, deck_t, find_group, may_be_misspelt
-    use brz_gauge_quantities, only: find_quantity, quantities
+    use brz_gauge_quantities, only: find_quantity, is_motion, is_of_body, quantities
     use brz_get, only: is_given, is_usable
     use brz_kinds, only: dp
     implicit none
@@ -104,8 +104,8 @@ contains
 
         row = find_quantity(trim(gauge%quantity))
         if (row == 0) return ! told where the key was read
-        of_body = .not. quantities(row)%of_air
-        of_air = .not. quantities(row)%of_body
+        of_body = quantities(row)%gas == 0
+        of_air = .not. is_of_body(quantities(row))
         if (is_radial(case) .and. .not. is_axial(case) .and. &
             index(gauge%quantity, 'velocity') == 1) then
             call complain(deck, g, 'quantity', "quantity='"//trim(gauge%quantity)// &
@@ -122,7 +122,7 @@ contains
                           "' needs &air; for a body add body='...'")
         else if (gauge%body_index > 0 .and. .not. quantities(row)%whole > 0) then
             if (case%bodies(gauge%body_index)%formulation == 'rigid' .and. &
-                .not. quantities(row)%moves) call complain(deck, g, 'quantity', &
+                .not. is_motion(quantities(row))) call complain(deck, g, 'quantity', &
                 'a rigid body has no '//trim(gauge%quantity)//'; measure how it moves, or '// &
                 'forces on it')
         else if (quantities(row)%whole > 0) then

@@ -24,7 +24,7 @@ contains
         if (is_usable(deck%groups(g), 'roller_axis')) &
             call get(deck%groups(g), 'roller_axis', axes, n)
         call get_boxes(deck, g, 'roller_box', body%roller_box, body%n_rollers)
-        body%roller_axis = axes
+        body%roller_axis = axes(:) (:1)
         if (n /= body%n_rollers) call complain(deck, g, merge('roller_axis', 'roller_box ', n > &
             body%n_rollers), 'roller_axis has '//to_text(n)//' axes for '// &
             to_text(body%n_rollers)//' regions of roller_box; give one for each')

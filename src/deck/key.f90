@@ -26,9 +26,9 @@ module brz_key
         real(dp) :: likely(2) = [-huge(1.0_dp), huge(1.0_dp)]
         integer :: longest = 32 !! most characters of a text
         logical :: bare = .false. !! a text may stand without quotes
-        character(512) :: choices = '' !! allowed texts, separated by '|'; '' = any
+        character(1024) :: choices = '' !! allowed texts, separated by '|'; '' = any
         character(24) :: former = '' !! what the key was called before
-        character(200) :: meaning = '' !! one sentence
+        character(250) :: meaning = '' !! one sentence
         character(24) :: owner = '' !! &material: the model that has this key, '' = every model
         character(24) :: needs = '' !! key without which this one means nothing, '' = none
     end type key_t

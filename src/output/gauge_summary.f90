@@ -51,8 +51,8 @@ contains
         if (gauges%charge_mass > 0) text = text//' Z [m/kg^1/3]'
         text = text//line_end
         do g = 1, gauges%n
-            if (index(gauges%list(g)%quantity, 'pressure') > 0 .and. gauges%list(g)%body == 0) then
-                if (gauges%list(g)%quantity == 'pressure') &
+            if (index(gauges%list(g)%of%name, 'pressure') > 0 .and. gauges%list(g)%body == 0) then
+                if (gauges%list(g)%of%name == 'pressure') &
                     table(g + 1, :) = table(g + 1, :) - gauges%rest
                 call measure_pulse(table(1, :), table(g + 1, :), gauges%rest, pulse)
                 call add_pulse(gauges, g, pulse, text)
@@ -139,8 +139,8 @@ contains
         integer :: i
 
         i = maxloc(abs(value), dim=1)
-        write (line, '(2a16, es14.4, 1x, a5, es12.4)') gauge%id, gauge%quantity, value(i), &
-            gauge%unit, time(i)
+        write (line, '(a16, a, es14.4, 1x, a5, es12.4)') gauge%id, trim(gauge%of%name)// &
+            repeat(' ', max(16 - len_trim(gauge%of%name), 1)), value(i), gauge%of%unit, time(i)
         text = text//trim(line)//line_end
     end subroutine add_extreme
 end module brz_gauge_summary

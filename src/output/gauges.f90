@@ -4,8 +4,8 @@
 !>
 !> A gauge of a body follows the particle that is nearest to its point in the unloaded body, by
 !> the particle's number, as the solver sorts the particles anew during a run.
-!> A new quantity is one row of brz_gauge_quantities and one case of `value_of_gas` or
-!> `value_of_particle`.
+!> A quantity is a row of brz_gauge_quantities: a place in what is known of the gas at a point of
+!> the air (`value_of_gas`), or in a source of a particle (`value_of_particle`).
 module brz_gauges
     use brz_air_probe, only: gas_state_at, has_point
     use brz_air_state, only: air_t, wall_t
@@ -14,7 +14,9 @@ module brz_gauges
     use brz_contact, only: law_contact
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_gauge_places, only: choose_particle, find_place, strain_between
-    use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
+    use brz_gauge_quantities, only: find_quantity, from_impulse, is_motion, is_of_body, &
+        of_displacement, of_history, of_state, of_strain, of_stress, of_velocity, quantities, &
+        quantity_t
     use brz_kinds, only: dp, int64
     use brz_material, only: n_hist
     use brz_materials, only: history_names
@@ -29,21 +31,13 @@ module brz_gauges
     public :: gauge_row, gauges_need_state
     public :: early_gauge_row
 
-    ! in the order of a stress of the particles
-    character(16), parameter :: of_stress(6) = [character(16) :: 'stress_xx', 'stress_yy', &
-        'stress_zz', 'stress_xy', 'stress_yz', 'stress_xz']
-    character(16), parameter :: of_history(2) = [character(16) :: 'plastic_strain', 'temperature']
-
     type :: gauge_t
         character(name_len) :: id = ''
-        character(16) :: quantity = ''
-        character(8) :: unit = ''
+        type(quantity_t) :: of = quantity_t('', '') !! what it measures
         real(dp) :: at(3) = 0 !! [m]
-        logical :: moves = .false. !! the motion of its particles is all that it needs
         integer :: body = 0 !! 0: the air
         integer :: with = 0 !! what this other body does to it; 0: whatever acts on it
-        integer :: whole = 0 !! of a whole body, see brz_gauge_quantities; 0: of a point
-        real(dp) :: force(n_forces) = 0 !! on the whole body, where `whole` asks for one of them
+        real(dp) :: force(n_forces) = 0 !! on the whole body, where it asks for one of them
         integer :: particle(2) = 0 !! numbers of its particles; the second one of a strain alone
         integer :: place(2) = 0 !! where those particles were found last
         integer :: pair = 0 !! place among those of solid%between
@@ -107,19 +101,15 @@ contains
         logical :: possible
 
         gauge%id = input%id
-        gauge%quantity = input%quantity(:len(gauge%quantity))
         gauge%at = input%at
         gauge%body = input%body_index
         gauge%with = input%with_index
         gauge%region = input%motion_index
-        q = find_quantity(gauge%quantity)
+        q = find_quantity(trim(input%quantity))
         possible = q > 0
         if (possible) then
-            gauge%unit = quantities(q)%unit
-            gauge%moves = quantities(q)%moves
-            gauge%whole = quantities(q)%whole
-            possible = merge(quantities(q)%of_body, quantities(q)%of_air .and. with_air, &
-                             gauge%body > 0)
+            gauge%of = quantities(q)
+            possible = merge(is_of_body(gauge%of), gauge%of%gas > 0 .and. with_air, gauge%body > 0)
         end if
         if (.not. possible) call raise(err, exit_deck, "&gauge id='"//trim(input%id)// &
                                        "': there is no '"//trim(input%quantity)// &
@@ -127,15 +117,15 @@ contains
                                        known_quantities(gauge%body > 0, with_air))
         if (failed(err) .or. gauge%body == 0) return
         if (gauge%with > 0) call find_pair(input, solid, gauge%pair, err)
-        if (gauge%whole > 0) then
-            if (any(index(gauge%quantity, ['reaction', 'moment  ']) == 1)) &
+        if (gauge%of%whole > 0) then
+            if (any(index(gauge%of%name, ['reaction', 'moment  ']) == 1)) &
                 call find_support(input, solid, err)
             return
         end if
         call choose_particle(solid, gauge%body, gauge%at, gauge%particle(1), gauge%place(1))
-        if (gauge%quantity == 'strain') call find_end(input, solid, gauge, err)
-        if (any(gauge%quantity == of_history)) call find_slot(input, solid, gauge, err)
-        if (gauge%quantity == 'damage' .and. &
+        if (gauge%of%body == of_strain) call find_end(input, solid, gauge, err)
+        if (gauge%of%body == of_history) call find_slot(input, solid, gauge, err)
+        if (gauge%of%name == 'damage' .and. &
             solid%materials(solid%bodies(gauge%body)%material)%fails == 0) call raise(err, &
             exit_deck, label('gauge', input%id, input%place)//'the material of body '// &
             trim(input%body)//' has no strength that it could lose; take the gauge out')
@@ -205,9 +195,9 @@ contains
         character(12) :: units(n_hist)
 
         call history_names(solid%materials(solid%bodies(gauge%body)%material), names, units)
-        gauge%slot = findloc(names, gauge%quantity, dim=1)
+        gauge%slot = findloc(names, gauge%of%name, dim=1)
         if (gauge%slot == 0) call raise(err, exit_deck, label('gauge', input%id, input%place)// &
-            'the material of body '//trim(input%body)//' keeps no '//trim(gauge%quantity)// &
+            'the material of body '//trim(input%body)//' keeps no '//trim(gauge%of%name)// &
             '; take another quantity')
     end subroutine find_slot
 
@@ -219,7 +209,7 @@ contains
 
         text = ''
         do q = 1, size(quantities)
-            if (.not. merge(quantities(q)%of_body, quantities(q)%of_air .and. with_air, &
+            if (.not. merge(is_of_body(quantities(q)), quantities(q)%gas > 0 .and. with_air, &
                             of_body)) cycle
             if (text /= '') text = text//', '
             text = text//trim(quantities(q)%name)
@@ -237,7 +227,8 @@ contains
         names(1) = 'time[s]'
         do g = 1, gauges%n
             associate (gauge => gauges%list(g))
-                names(g + 1) = trim(gauge%id)//':'//trim(gauge%quantity)//'['//trim(gauge%unit)//']'
+                names(g + 1) = trim(gauge%id)//':'//trim(gauge%of%name)//'['// &
+                    trim(gauge%of%unit)//']'
             end associate
         end do
     end subroutine gauge_names
@@ -255,7 +246,7 @@ contains
     pure logical function gauges_need_state(gauges)
         type(gauges_t), intent(in) :: gauges
 
-        gauges_need_state = any(gauges%list%particle(1) > 0 .and. .not. gauges%list%moves)
+        gauges_need_state = any(gauges%list%particle(1) > 0 .and. .not. is_motion(gauges%list%of))
     end function gauges_need_state
 
     !> One row of the history.
@@ -286,7 +277,7 @@ contains
                     else
                         call gas_state_at(air, wall, gauge%at, state)
                     end if
-                    row(g + 1) = value_of_gas(state, real(air%p_rest, dp), gauge%quantity)
+                    row(g + 1) = value_of_gas(state, real(air%p_rest, dp), gauge%of)
                 end if
             end associate
         end do
@@ -307,7 +298,7 @@ contains
                 if (gauge%body > 0) then
                     row(g + 1) = value_of_body(solid, gauge)
                 else
-                    row(g + 1) = value_of_gas(seen(:, g), gauges%rest, gauge%quantity)
+                    row(g + 1) = value_of_gas(seen(:, g), gauges%rest, gauge%of)
                 end if
             end associate
         end do
@@ -320,76 +311,66 @@ contains
         type(gauge_t), intent(inout) :: gauge
         integer :: k
 
-        if (gauge%with > 0) then
-            associate (between => solid%between(gauge%pair))
-                value = between%force(axis_of(gauge%quantity))
-                if (gauge%whole >= from_impulse) value = between%impulse(axis_of(gauge%quantity))
-            end associate
-        else if (gauge%region > 0) then
-            value = solid%bodies(gauge%body)%regions(gauge%region)%grip(gauge%whole)
-        else if (gauge%whole >= from_impulse) then
-            value = solid%bodies(gauge%body)%impulse(gauge%whole - from_impulse + 1)
-        else if (gauge%whole > 0) then
-            value = gauge%force(gauge%whole)
-        else
-            do k = 1, count(gauge%particle > 0)
-                call find_place(solid, gauge%body, gauge%particle(k), gauge%place(k))
-            end do
-            value = 0 ! another process has the particle
-            if (gauge%quantity == 'strain') then
-                value = strain_between(solid, gauge%body, gauge%place)
-            else if (gauge%place(1) > 0) then
-                value = value_of_particle(solid, gauge)
+        associate (whole => gauge%of%whole)
+            if (gauge%with > 0) then
+                associate (between => solid%between(gauge%pair), axis => modulo(whole - 1, 3) + 1)
+                    value = merge(between%impulse(axis), between%force(axis), whole >= from_impulse)
+                end associate
+            else if (gauge%region > 0) then
+                value = solid%bodies(gauge%body)%regions(gauge%region)%grip(whole)
+            else if (whole >= from_impulse) then
+                value = solid%bodies(gauge%body)%impulse(whole - from_impulse + 1)
+            else if (whole > 0) then
+                value = gauge%force(whole)
+            else
+                do k = 1, count(gauge%particle > 0)
+                    call find_place(solid, gauge%body, gauge%particle(k), gauge%place(k))
+                end do
+                value = 0 ! another process has the particle
+                if (gauge%of%body == of_strain) then
+                    value = strain_between(solid, gauge%body, gauge%place)
+                else if (gauge%place(1) > 0) then
+                    value = value_of_particle(solid, gauge)
+                end if
             end if
-        end if
+        end associate
     end function value_of_body
 
     pure real(dp) function value_of_gas(state, rest, quantity) result(value)
         real(dp), intent(in) :: state(5) !! density, velocity, pressure
         real(dp), intent(in) :: rest !! pressure of the undisturbed air [Pa]
-        character(*), intent(in) :: quantity
+        type(quantity_t), intent(in) :: quantity
+        real(dp) :: known(7)
 
-        select case (quantity)
-        case ('pressure'); value = state(5)
-        case ('overpressure'); value = state(5) - rest
-        case ('density'); value = state(1)
-        case ('speed'); value = norm2(state(2:4))
-        case default; value = state(1 + axis_of(quantity))
-        end select
+        known = [state, state(5) - rest, norm2(state(2:4))]
+        value = known(quantity%gas)
     end function value_of_gas
 
     !> Velocities are those at the time of the step.
     pure real(dp) function value_of_particle(solid, gauge) result(value)
         type(solid_t), intent(in) :: solid
         type(gauge_t), intent(in) :: gauge
-        real(dp) :: v(3), d(3), s(6)
+        real(dp) :: known(8), d(3), v(3)
 
-        associate (i => gauge%place(1), quantity => gauge%quantity)
-            v = velocity_at_step(solid, i)
-            d = solid%x(:, i) - unloaded_place(solid, gauge%body, i)
-            s = solid%stress(:, i)
-            select case (quantity)
-            case ('speed'); value = norm2(v)
-            case ('damage'); value = solid%damage(i)
-            case ('plastic_strain', 'temperature'); value = solid%hist(gauge%slot, i)
-            case ('pressure'); value = -sum(s(1:3))/3
-            case ('density')
-                value = solid%materials(solid%bodies(gauge%body)%material)%density &
-                        *(1 + real(solid%mu(i), dp))
-            case ('von_mises'); value = sqrt(((s(1) - s(2))**2 + (s(2) - s(3))**2 &
-                + (s(3) - s(1))**2)/2 + 3*sum(s(4:6)**2))
-            case ('displacement_x', 'displacement_y', 'displacement_z')
-                value = d(axis_of(quantity))
-            case ('velocity_x', 'velocity_y', 'velocity_z'); value = v(axis_of(quantity))
-            case default; value = s(findloc(of_stress, quantity, dim=1))
+        associate (i => gauge%place(1), s => real(solid%stress(:, gauge%place(1)), dp))
+            select case (gauge%of%body)
+            case (of_velocity)
+                v = velocity_at_step(solid, i)
+                known(:4) = [v, norm2(v)]
+            case (of_displacement)
+                d = solid%x(:, i) - unloaded_place(solid, gauge%body, i)
+                known(:3) = d
+            case (of_stress)
+                known = [s, -sum(s(1:3))/3, sqrt(((s(1) - s(2))**2 + (s(2) - s(3))**2 &
+                    + (s(3) - s(1))**2)/2 + 3*sum(s(4:6)**2))]
+            case (of_state)
+                known(:2) = [solid%materials(solid%bodies(gauge%body)%material)%density &
+                             *(1 + real(solid%mu(i), dp)), real(solid%damage(i), dp)]
+            case default ! of_history
+                value = solid%hist(gauge%slot, i)
+                return
             end select
         end associate
+        value = known(gauge%of%row)
     end function value_of_particle
-
-    !> Axis that the last letter names.
-    pure integer function axis_of(quantity)
-        character(*), intent(in) :: quantity
-
-        axis_of = index('xyz', quantity(len_trim(quantity):len_trim(quantity)))
-    end function axis_of
 end module brz_gauges

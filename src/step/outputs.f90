@@ -212,7 +212,7 @@ contains
 
         do g = 1, gauges%n
             associate (gauge => gauges%list(g))
-                if (gauge%whole == 0 .or. gauge%whole >= from_impulse) cycle
+                if (gauge%of%whole == 0 .or. gauge%of%whole >= from_impulse) cycle
                 call stock_of_forces(sim%backend, sim%solid, gauge%body, gauge%at, gauge%force, err)
             end associate
         end do
