@@ -3,9 +3,9 @@
 !>
 !> Deck:    &material model='drucker_prager'
 !> Method:  p = K mu, not below the limit of tension; radial return at that pressure to
-!> Method:  p = K mu, not below the limit of tension; radial return at that pressure to
 !>          Y = min(A + M p, strength): plastic flow keeps its volume. A = 6 c cos(phi)/(3 -
 !>          sin(phi)) and M = 6 sin(phi)/(3 - sin(phi)) are Mohr and Coulomb's in compression
+!> Source:  Drucker & Prager 1952
 !> History: plastic strain [-]
 module brz_drucker_prager
     use brz_equation_of_state, only: eos_linear, k_a1, k_density, k_kind, n_block
