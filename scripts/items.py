@@ -3,6 +3,7 @@
 """Write the loops, kernels and launches around items; docs/extending.md says what an item is.
 
 usage: items.py NAME_items.f90 OUTDIR    (NAME_loops.f90, NAME_kernels.CUF, NAME_launches.f90)
+       items.py --families FOLDER_families.f90 NAME...    (the kernels of all files of a folder)
 """
 
 import re
@@ -230,7 +231,25 @@ def write(path, source, known, kind, procedures):
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
+def families(path, names):
+    """A type with the kernels of all items of a folder, and of the family of its name."""
+    folder = path.stem.removesuffix("_families")
+    owned = {f"{x}_kernels": f"{x}_kernels_t" for x in names} | {"kernels": f"{folder}_kernels_t"}
+    kind = [f"type :: {path.stem}_t", *(f"    type({t}) :: {x}" for x, t in owned.items())]
+    kind += ["contains", "    procedure :: find_kernels", f"end type {path.stem}_t", ""]
+    declared = [f"class({path.stem}_t), intent(inout) :: self"]
+    declared += ["type(device_t), intent(in) :: device", "type(error_t), intent(inout) :: err"]
+    body = [f"call self%{x}%open(device, err)" for x in owned]
+    head = "subroutine find_kernels", ["self", "device", "err"]
+    find = procedure("!> Find all kernels; before any launch.", *head, declared, body)
+    known = KNOWN | {f"{x}_kernels_t": f"brz_{x}_launches" for x in [*names, folder]}
+    write(path, f"the items of src/{folder}", known, kind, [find])
+
+
 def main():
+    if sys.argv[1] == "--families":
+        families(Path(sys.argv[2]), sys.argv[3:])
+        return
     source, folder = Path(sys.argv[1]), Path(sys.argv[2])
     text, stem = source.read_text(encoding="utf-8"), source.stem.removesuffix("_items")
     items = [Item(*m.groups(), text[m.end() :]) for m in ITEM.finditer(text)]

@@ -9,8 +9,13 @@ the GPU: `air`, `c` and `p` are then a gpu_air_t, a gpu_coupling_t and a seen_t,
 arrays. A call of an item becomes a launch of its kernel, and every call also hands on the error. An
 item that sums or counts says behind its call what holds that on the GPU: `!@gpu book_low
 count_over`, a column of the books and a count, which is then read. Statements for the CPU alone end
-in `!@cpu`, those for the GPU alone are comments that begin with `!@gpu call`. `!@host` says that a
+in `!@cpu`, those for the GPU alone are comments that begin with `!@gpu`. `!@host` says that a
 procedure runs on the host for both.
+
+In files of the solids, which hand on `solid`, the GPU has `gpu` besides: the arrays that it has
+under the same names are read there, and all that is associated but `body`. `!@gpu x => y` behind a
+call says what stands in place of an argument. Procedures that are not handed `solid` run on the
+host for both.
 """
 
 import re
@@ -29,6 +34,13 @@ CHANGES += [
 ]
 CHANGES += [(r"type\((air|coupling)_t\)", r"type(gpu_\1_t)")]
 CHANGES += [("type.solid_t.", "type(seen_t)"), (r"use brz_(lists|\w+_steps)\b", r"use brz_gpu_\1")]
+# what gpu_solid_t has as solid_t has it, for files of the solids
+ON_GPU = "n|wide|step_[dp]|x|x_ref|v|a|load|grip|mass|energy|stress|pair|fixed|id"
+OF_SOLIDS = [(r"\ballocated\(solid%(load|grip)\)", r"gpu%\1%address /= 0")]
+OF_SOLIDS += [(r"\b(load|grip)_of\(solid\)", r"gpu%\1"), (rf"\bsolid%({ON_GPU})\b", r"gpu%\1")]
+OF_SOLIDS += [(r"\b(?!body\b)(\w+) => solid%", r"\1 => gpu%"), (r"\((?::, )?1:\)", "")]
+OF_SOLIDS += [(r"\bmodule brz_(\w+)", r"module brz_gpu_\1")]
+OF_SOLIDS += [(r"use brz_(\w+_steps)\b", r"use brz_gpu_\1")]
 
 
 def statements(text):
@@ -55,43 +67,53 @@ def arguments(text):
     return [x.strip() for x in parts]
 
 
-def launch(family, item, given, comment):
+def launch(family, item, given, comment, c):
     """A launch in place of the loop over an item, and the count that it leaves."""
     tags = comment.partition("!@gpu")[2].split()
+    if tags[1:2] == ["=>"]:
+        given = [tags[2] if x == tags[0] else x for x in given]
     pairs = list(zip(given[2 if item.exact else 1 :], item.rest, strict=True))
     kept = [given[0], *(re.sub("^c%carrier$", r"\g<0>_there", x) for x, a in pairs if not a.tally)]
     if item.exact:
         return [
-            f"call c%{family}_kernels%{item.name}({', '.join([*kept, 'c%exact', 'err'])})",
-            f"{given[-1]} = c%exact%total(:{len(item.sums)})",
+            f"call {c}%{family}_kernels%{item.name}({', '.join([*kept, f'{c}%exact', 'err'])})",
+            f"{given[-1]} = {c}%exact%total(:{len(item.sums)})",
         ]
     counted = [x for x, a in pairs if a.tally == "count"]
     if item.sums:
         kept.append(f"book_at(c, {tags[0]})")
     if counted:
         kept.append(f"count_at(c, {tags[-1]})")
-    made = [f"call c%{family}_kernels%{item.name}({', '.join([*kept, 'err'])})"]
+    made = [f"call {c}%{family}_kernels%{item.name}({', '.join([*kept, 'err'])})"]
     return made + [f"call read_count(c, {tags[-1]}, {x}, err)" for x in counted]
 
 
-def called(code, comment, items):
+def called(code, comment, items, solids):
     """Statements in place of one, which may be a call."""
-    if not code and comment.startswith("!@gpu call"):
-        return [comment.removeprefix("!@gpu ").replace(")", ", err)")]
+    if not code and comment.startswith("!@gpu "):
+        code = comment.removeprefix("!@gpu ")
+        return [code[:-1] + ", err)" if code.startswith("call") else code]
     if comment.startswith("!@host") or not (found := CALL.match(code)):
         return [code]
     before, name, given = found.groups()
     if name.startswith("each_"):
-        first, *more = launch(*items[name[5:]], arguments(given), comment)
+        first, *more = launch(*items[name[5:]], arguments(given), comment, "gpu" if solids else "c")
         return [before + first, *more]
+    if solids:
+        handed_on = arguments(given)[0] == "solid"
+        return [f"{before}call {name}(gpu, {given}, err)" if handed_on else code]
     if name == "running_sum":
         x, n, total = arguments(given)
         return [f"{before}call c%common%running_sum({x}, {n}, err, {total})"]
     return [f"{before}call {name}({given}, err)"]
 
 
-def uses(text):
+def uses(text, solids):
     """Modules that the GPU needs besides."""
+    if solids:
+        yield "use brz_errors, only: error_t"
+        yield "use brz_gpu_solid_state, only: gpu_solid_t"
+        return
     tags = sorted({x for line in TAGS.findall(text) for x in line.split()})
     if "(:" in text:
         yield f"use brz_buffers, only: {', '.join(sorted(set(BUFFER.values())))}"
@@ -102,8 +124,12 @@ def uses(text):
         yield f"use brz_gpu_coupling_layout, only: {', '.join(tags)}"
 
 
-def changed(code):
+def changed(code, solids):
     """A statement with the names of the GPU."""
+    if solids:
+        for old, new in OF_SOLIDS:
+            code = re.sub(old, new, code)
+        return re.sub(r"^subroutine (\w+)\((solid.*)\)$", r"subroutine \1(gpu, \2, err)", code)
     if (array := ARRAY.match(code)) and array[1] in BUFFER:
         code = f"type({BUFFER[array[1]]}), intent(in) :: {array[2]}"
     for old, new in CHANGES:
@@ -111,20 +137,22 @@ def changed(code):
     return HEAD.sub(r"subroutine \1(\2, err)", code)
 
 
-def translated(text, items):
+def translated(text, items, solids):
     """(indent, statement, comment) of the module for the GPU."""
     opened = False
     for indent, code, comment in statements(text):
         if re.match(r"use brz_\w+_loops", code) or comment.startswith("!@cpu"):
             continue
         if code == "implicit none":
-            yield from ((indent, x, "") for x in uses(text))
+            yield from ((indent, x, "") for x in uses(text, solids))
+        if opened and solids and code.startswith("type(solid_t)"):
+            yield 8, "type(gpu_solid_t), intent(inout) :: gpu", ""
         if opened and "intent(" not in code and not comment:
             yield 8, "type(error_t), intent(inout) :: err", ""
         if "intent(" not in code and not comment:
             opened = False
         opened = opened or bool(HEAD.match(code))
-        for one in called(changed(code), comment, items):
+        for one in called(changed(code, solids), comment, items, solids):
             yield indent, one, "" if comment.startswith("!@") else comment
 
 
@@ -137,7 +165,8 @@ def main():
             family = path.stem.removesuffix("_items")
             items[m[3]] = family, Item(*m.groups(), text[m.end() :])
     lines = []
-    for indent, code, comment in translated(source.read_text(encoding="utf-8"), items):
+    solids = source.parent.name == "solid"
+    for indent, code, comment in translated(source.read_text(encoding="utf-8"), items, solids):
         every = fold(code) if code else [""]
         every[-1] += f" {comment}" if code else comment
         lines += [(" " * indent + x).rstrip() for x in every]

@@ -4,8 +4,8 @@ module brz_solid_bonds
     use brz_bond_items, only: pull_bonds, sum_bonds
     use brz_bond_loops, only: each_break_bond
     use brz_kinds, only: dp, real32, rk
-    use brz_solid_state, only: at_drag, at_heat, body_t, n_held, n_moments, n_terms, pair_tilt, &
-        solid_t
+    use brz_solid_state, only: at_drag, at_heat, form_rigid, n_held, n_moments, n_terms, &
+        pair_tilt, solid_t
     implicit none
     private
     public :: add_bonded_gradients, add_bonded_forces, push_rigid_bonds, break_bonds
@@ -45,25 +45,29 @@ contains
         end associate
     end subroutine add_bonded_forces
 
-    !> Forces of the bonded partners on the particles of a rigid body, to those of contact; their
+    !> Forces of the bonded partners on the particles of rigid bodies, to those of contact; their
     !> share of the heat over dt, the step just made.
-    subroutine push_rigid_bonds(solid, body, dt)
+    subroutine push_rigid_bonds(solid, dt)
         type(solid_t), intent(inout) :: solid
-        type(body_t), intent(inout) :: body
         real(dp), intent(in) :: dt !! [s]
         real(rk) :: f(n_terms)
-        integer :: i
+        integer :: b, i
 
-        do i = body%first, body%last
-            if (solid%links%row(i) == 0) cycle
-            f = 0
-            call add_bonded_forces(solid, i, f)
-            associate (push => solid%links%push(:, solid%links%row(i)))
-                push(1:3) = push(1:3) + f(1:3)
-                push(4:6) = push(4:6) + f(at_drag + 1:at_drag + 3)
+        do b = 1, merge(size(solid%bodies), 0, solid%links%bonds)
+            associate (body => solid%bodies(b))
+                if (body%formulation /= form_rigid .or. body%asleep .and. dt > 0) cycle
+                do i = body%first, body%last
+                    if (solid%links%row(i) == 0) cycle
+                    f = 0
+                    call add_bonded_forces(solid, i, f)
+                    associate (push => solid%links%push(:, solid%links%row(i)))
+                        push(1:3) = push(1:3) + f(1:3)
+                        push(4:6) = push(4:6) + f(at_drag + 1:at_drag + 3)
+                    end associate
+                    solid%energy(i) = solid%energy(i) + real(dt, rk)*f(at_heat)/solid%mass(i)
+                    body%ledger%contact_heat = body%ledger%contact_heat + dt*f(at_heat)
+                end do
             end associate
-            solid%energy(i) = solid%energy(i) + real(dt, rk)*f(at_heat)/solid%mass(i)
-            body%ledger%contact_heat = body%ledger%contact_heat + dt*f(at_heat)
         end do
     end subroutine push_rigid_bonds
 

@@ -118,18 +118,15 @@ contains
 
     !> Kernel sums of particle i, see sum_links.
     subroutine kernel_sum(solid, i, all, dt, now, before, freed)
-        type(solid_t), intent(in), target :: solid
+        type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
         logical, intent(in) :: all !! bonded partners as well
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         real(rk), intent(out) :: now(n_link), before(n_link), freed
-        integer(int32), pointer :: joined(:)
 
-        joined => solid%links%bond ! not read without an interface
-        if (allocated(solid%links%joined)) joined => solid%links%joined
         associate (s => solid, l => solid%links)
             call sum_links(i, all, l%lay, dt, l%ends, l%table, l%cell, s%x, s%v, s%mass, &
-                           l%weight, l%bond, joined, l%row, l%slice(1:), l%count(1:), l%list, &
+                           l%weight, l%bond, l%joined, l%row, l%slice(1:), l%count(1:), l%list, &
                            now, before, freed)
         end associate
     end subroutine kernel_sum
@@ -151,7 +148,7 @@ contains
             associate (l => solid%links, &
                        m => solid%links%table(owner_of(solid%links%ends, i), &
                                               owner_of(solid%links%ends, j)))
-                if (is_tied(m, l%bond(i), l%bond(j), joined_at(l, i), joined_at(l, j)) .and. &
+                if (is_tied(m, l%bond(i), l%bond(j), l%joined(i), l%joined(j)) .and. &
                     m%law /= law_shared) cycle
                 distance = real(norm2(solid%x(:, i) - signs(link_mask(l, k))*solid%x(:, j)), rk)
                 if (distance > 2*m%h) cycle
@@ -163,31 +160,18 @@ contains
         end do
     end function is_pressed
 
-    !> Which interfaces still hold a particle, a bit each.
-    pure integer(int32) function joined_at(links, i)
-        type(links_t), intent(in) :: links
-        integer, intent(in) :: i
-
-        joined_at = 0
-        if (allocated(links%joined)) joined_at = links%joined(i)
-    end function joined_at
-
     !> Force on particle i, its share of the energies, and what time step it bears.
     subroutine add_up(solid, dt, i, sums, limit)
-        type(solid_t), intent(inout), target :: solid
+        type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt
         integer, intent(in) :: i
         real(dp), intent(inout) :: sums(:), limit
-        integer(int32), pointer :: joined(:)
         real(rk) :: f(n_terms), gain
         real(dp) :: kept(n_kept)
 
-        joined => solid%links%bond ! not read without an interface
-        if (allocated(solid%links%joined)) joined => solid%links%joined
-
         associate (s => solid, l => solid%links)
             call push_particle(i, l%lay, dt, l%ends, l%table, l%cell, s%x, s%v, s%mass, &
-                               l%weight, s%stress, s%pair, l%press(:, 1:), l%bond, joined, &
+                               l%weight, s%stress, s%pair, l%press(:, 1:), l%bond, l%joined, &
                                l%row, l%slice(1:), l%count(1:), l%list, f, kept, gain, limit)
             l%push(:, l%row(i)) = [f(1:3), f(at_drag + 1:at_drag + 3), f(at_hold + 1:at_hold + 3)]
             s%energy(i) = s%energy(i) + gain/s%mass(i)

@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Pass 2: accelerations by the internal forces, heat of the viscous ones, and their ledger.
 module brz_solid_forces
+    use brz_cohesive_state, only: push_of
     use brz_air_force, only: air_force
     use brz_artificial_stress, only: artificial_none
     use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int64, real32, rk
     use brz_solid_bonds, only: add_bonded_forces
-    use brz_solid_cohesive, only: cohesive_push
     use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
                                place_body, place_group, place_images
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
@@ -208,7 +208,7 @@ contains
                 f(at_drag + 1:at_drag + 3) = f(at_drag + 1:at_drag + 3) + push(4:6)
             end associate
         end if
-        if (solid%cohesive%present) f(1:3) = f(1:3) + real(cohesive_push(solid, i), rk)
+        if (solid%cohesive%present) f(1:3) = f(1:3) + real(push_of(solid%cohesive, solid%id(i)), rk)
         if (body%artificial /= artificial_none) call add_artificial(solid, body, i, p, f)
     end subroutine add_rest
 

@@ -13,7 +13,7 @@ module brz_solid_gradients
     use brz_materials, only: unloaded_speed, update_material
     use brz_motion_items, only: fill_rigid_row
     use brz_ply_axes, only: axes_matrix
-    use brz_rigid_pose, only: n_pose, pose_of
+    use brz_rigid_pose, only: pose_t, resting_pose
     use brz_row_items, only: fill_hold, fill_row, row_rules_t, rules_of, stiffen_along
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: add_neighbours
@@ -84,13 +84,11 @@ contains
         type(group_t) :: p
         type(row_rules_t) :: rules
         real(rk) :: group(lanes, n_terms), sums(n_terms)
-        real(dp) :: pose(n_pose)
+        type(pose_t) :: pose
         integer :: i, first
 
         if (body%formulation == form_rigid) then
-            associate (r => body%rigid)
-                pose = pose_of(r, [0.0_dp, 0.0_dp, 0.0_dp], r%spin, r%q)
-            end associate
+            pose = resting_pose(body%rigid)
             do i = solid%block(2, k), solid%block(3, k) ! contact and bonds read these rows
                 call fill_rigid_row(1, i, 1, pose, solid%volume, solid%pair)
             end do

@@ -8,12 +8,12 @@
 !> the numbers of the particles (images: of the planes, then of the numbers), so the sums of a
 !> particle depend neither on who shares its group nor on where particles are in memory.
 module brz_solid_neighbours
+    use brz_cohesive_steps, only: place_nodes
     use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
     use brz_id_order, only: order_by_id, order_room_t
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_list_drift, only: level_unit
     use brz_move_level, only: level_of
-    use brz_solid_cohesive, only: place_nodes
     use brz_solid_lanes, only: group_of
     use brz_solid_links, only: build_links, settle_links
     use brz_solid_home, only: place_ghosts, send_home

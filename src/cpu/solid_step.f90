@@ -4,14 +4,14 @@
 !> start_solid once, or resume_solid after a restart; then solid_step again and again.
 module brz_solid_step
     use brz_cell_grid, only: reach_of_lists
+    use brz_cohesive_steps, only: cohesive_pass
     use brz_errors, only: error_t, exit_numerical, raise
     use brz_kinds, only: dp, int16, int64, int8, rk
     use brz_list_drift, only: drift_bodies, find_stale
     use brz_material, only: strength_left
     use brz_motion_items, only: kick_and_drift
     use brz_ranks, only: agree, several
-    use brz_solid_bonds, only: break_bonds
-    use brz_solid_cohesive, only: cohesive_pass
+    use brz_solid_bonds, only: break_bonds, push_rigid_bonds
     use brz_solid_contact, only: contact_pass, find_touch
     use brz_solid_doubles, only: refuse_doubles
     use brz_solid_faults, only: report_bad
@@ -23,7 +23,8 @@ module brz_solid_step
     use brz_solid_links, only: first_bonds
     use brz_solid_mirror, only: signs
     use brz_solid_neighbours, only: build_neighbours, moved_levels
-    use brz_solid_rigid, only: balance_rigid, move_rigid
+    use brz_rigid_steps, only: balance_rigid, move_rigid
+    use brz_solid_rigid, only: settle_drag, sum_pushes
     use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: form_bending, form_rigid, intact_share, solid_t, worth_threads
@@ -65,10 +66,22 @@ contains
         call cohesive_pass(solid)
         call contact_pass(solid, 0.0_dp)
         call force_pass(solid, 0.0_dp)
-        call balance_rigid(solid, 0.0_dp)
+        call balance_bodies(solid, 0.0_dp)
         call report_bad(solid, err)
         call agree_on_step(solid, err)
     end subroutine start_solid
+
+    !> Forces on bodies that do not deform, or are driven, at the step.
+    subroutine balance_bodies(solid, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! step just made [s]
+        real(dp) :: push(6, size(solid%bodies))
+
+        call push_rigid_bonds(solid, dt)
+        call sum_pushes(solid, dt, push)
+        call balance_rigid(solid, push, dt)
+        call settle_drag(solid, dt)
+    end subroutine balance_bodies
 
     !> How the bodies meet at the start.
     subroutine meet(solid)
@@ -147,7 +160,7 @@ contains
         call cohesive_pass(solid)
         call contact_pass(solid, dt)
         call force_pass(solid, dt)
-        call balance_rigid(solid, dt)
+        call balance_bodies(solid, dt)
         call report_bad(solid, err)
         call agree_on_step(solid, err)
     end subroutine solid_step

@@ -2,16 +2,15 @@
 !> Each body on the GPU: its parameters, its material, and the kernels that suit them.
 module brz_gpu_solid_bodies
     use brz_artificial_stress, only: artificial_none
-    use brz_device, only: allocate_buffer, copy_in, device_t, find_kernel
+    use brz_device, only: allocate_buffer, device_t, find_kernel, put_buffer
     use brz_errors, only: error_t, exit_device, raise
     use brz_gradient, only: limiter_slope
     use brz_gpu_solid_layout, only: body_gpu_t, slice_width
-    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_body_t, gpu_solid_t
+    use brz_gpu_solid_state, only: bytes_of_real, columns_t, gpu_solid_body_t, gpu_solid_t
     use brz_kernel, only: kernel_scale
-    use brz_kinds, only: dp, int64, rk
+    use brz_kinds, only: int64, rk
     use brz_material, only: class_elastic, material_t
     use brz_model_list, only: find_kernel_of
-    use brz_rigid_pose, only: n_pose, pose_of
     use brz_row_items, only: rules_of
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
         form_total, solid_t
@@ -58,7 +57,7 @@ contains
 
         call put_axes(solid, gpu, err)
         do b = 1, size(solid%bodies)
-            call open_body(device, solid, b, [gpu%owed, gpu%grip, gpu%lift], gpu%bodies(b), err)
+            call open_body(device, solid, b, gpu%column, gpu%bodies(b), err)
         end do
     end subroutine open_gpu_bodies
 
@@ -77,8 +76,7 @@ contains
             n = axes_before(solid, b)
             axes(:, :, n + 1:n + size(solid%bodies(b)%axes, 3)) = solid%bodies(b)%axes
         end do
-        call allocate_buffer(gpu%axes, size(axes)*bytes_of_real, err)
-        call copy_in(axes, gpu%axes, size(axes)*bytes_of_real, err)
+        call put_buffer(axes, gpu%axes, size(axes)*bytes_of_real, err)
     end subroutine put_axes
 
     !> Axes of the bodies before body b.
@@ -94,18 +92,16 @@ contains
     end function axes_before
 
     !> What one body needs.
-    subroutine open_body(device, solid, b, columns, gpu, err)
+    subroutine open_body(device, solid, b, column, gpu, err)
         type(device_t), intent(in) :: device
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
-        integer, intent(in) :: columns(3) !! owed, grip, lift, see body_gpu_t
+        type(columns_t), intent(in) :: column
         type(gpu_solid_body_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         type(body_gpu_t) :: params
         type(material_t) :: material
-        real(dp) :: pose(n_pose)
         character(:), allocatable :: name
-        integer(int64) :: bytes
         integer :: slots
 
         material = solid%materials(solid%bodies(b)%material)
@@ -113,9 +109,9 @@ contains
         params%rules = rules_of(solid%bodies(b), material)
         params%fails = material%fails
         params%springs = merge(1, 0, material%class == class_elastic)
-        params%owed = columns(1)
-        params%grip = columns(2)
-        params%lift = columns(3)
+        params%owed = column%owed
+        params%grip = column%grip
+        params%lift = column%lift
         gpu%first = params%first
         gpu%last = params%last
         gpu%rim = solid%bodies(b)%rim
@@ -124,17 +120,8 @@ contains
         gpu%rigid = params%formulation == form_rigid
         gpu%drawn = params%tension_hold > 0
         gpu%layer = params%layer > 0
-        bytes = storage_size(params)/8
-        call allocate_buffer(gpu%params, bytes, err)
-        call copy_in(params, gpu%params, bytes, err)
-        bytes = storage_size(material)/8
-        call allocate_buffer(gpu%material, bytes, err)
-        call copy_in(material, gpu%material, bytes, err)
-        call allocate_buffer(gpu%drive, 8_int64*n_pose, err)
-        associate (rigid => solid%bodies(b)%rigid)
-            pose = pose_of(rigid, spread(0.0_dp, 1, 3), rigid%spin, rigid%q)
-        end associate
-        call copy_in(pose, gpu%drive, 8_int64*n_pose, err)
+        call put_buffer(params, gpu%params, storage_size(params)/8_int64, err)
+        call put_buffer(material, gpu%material, storage_size(material)/8_int64, err)
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
         call find_kernel(device, 'solid_moments_'//moment_name(params), gpu%moments, err)
         call find_kernel_of(int(material%model), name, slots)

@@ -6,7 +6,7 @@ module brz_gpu_solid_copy
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_bodies, only: open_gpu_bodies
     use brz_gpu_solid_cohesive, only: fetch_gpu_points, open_gpu_cohesive
-    use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault, tag_id
+    use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault
     use brz_gpu_solid_load, only: open_gpu_loads
     use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links, settle_gpu_links
     use brz_gpu_solid_search, only: build_gpu_lists
@@ -47,9 +47,9 @@ contains
             gpu%reaction(:, b) = solid%bodies(b)%reaction
         end do
         call put_fields(solid, gpu, err)
-        call open_gpu_links(device, solid, gpu, err)
-        call open_gpu_cohesive(device, solid%cohesive, gpu, err)
-        call open_gpu_loads(device, solid%loads, gpu, err)
+        call open_gpu_links(solid, gpu, err)
+        call open_gpu_cohesive(solid%cohesive, gpu, err)
+        call open_gpu_loads(solid%loads, gpu, err)
         call build_gpu_lists(gpu, solid, .false., spread(.true., 1, size(solid%bodies)), err)
         call settle_gpu_links(gpu, solid, .true.)
         call build_gpu_links(gpu, solid, err)
@@ -165,7 +165,7 @@ contains
         call make_room(solid, solid%n)
         call number_groups(solid)
         call cut_blocks(solid)
-        call copy_out(tags_of(gpu, tag_id), solid%id, 4_int64*gpu%n, err)
+        call copy_out(gpu%id, solid%id, 4_int64*gpu%n, err)
         gpu%settled = .true.
     end subroutine settle_bodies
 

@@ -5,8 +5,8 @@ module brz_gpu_solid_ghosts
     use brz_device, only: copy_in
     use brz_errors, only: error_t
     use brz_gpu_parcels, only: rows_of, rows_t
-    use brz_gpu_solid_layout, only: at_stress, flag_drawn, tag_bond
-    use brz_gpu_solid_state, only: column_of, gpu_solid_t, tags_of, words_of_real
+    use brz_gpu_solid_layout, only: flag_drawn
+    use brz_gpu_solid_state, only: gpu_solid_t, words_of_real
     use brz_kinds, only: int64
     use brz_link_layout, only: n_press
     use brz_ranks, only: several
@@ -48,7 +48,7 @@ contains
         end if
         if (gpu%linked) then
             n = n + 1
-            arrays(n) = rows_of(column_of(gpu, at_stress + 1), words_of_real, 6, gpu%n)
+            arrays(n) = rows_of(gpu%stress, words_of_real, 6, gpu%n)
         end if
         call gpu%ghosts%refresh(arrays(:n), err)
         if (any(gpu%bodies%drawn)) call copy_in([1], &
@@ -70,6 +70,6 @@ contains
         type(error_t), intent(inout) :: err
 
         if (several(gpu%ghosts%ranks)) &
-            call gpu%ghosts%refresh([rows_of(tags_of(gpu, tag_bond), 1)], err)
+            call gpu%ghosts%refresh([rows_of(gpu%links%bond, 1)], err)
     end subroutine refresh_gpu_bonds
 end module brz_gpu_solid_ghosts

@@ -3,17 +3,15 @@
 module brz_gpu_solid_links
     use brz_buffers, only: from, integers_t
     use brz_contact, only: law_bonded
-    use brz_device, only: allocate_buffer, clear_buffer, copy_out, device_t, put_buffer, &
+    use brz_device, only: allocate_buffer, clear_buffer, copy_out, put_buffer, &
         reserve_buffer
     use brz_errors, only: error_t
-    use brz_gpu_solid_cohesive, only: gather_gpu_points, open_gpu_points
+    use brz_gpu_cohesive_steps, only: cohesive_pass
     use brz_gpu_solid_ghosts, only: refresh_gpu_bonds, refresh_gpu_press
-    use brz_gpu_solid_layout, only: at_energy, at_mass, at_stress, book_contact, &
-        book_contact_early, book_contact_heat, book_rub, slice_width, tag_bond, &
-        tag_joined, tag_touch, tag_weight
+    use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub, &
+        slice_width
     use brz_gpu_solid_search, only: order_body
-    use brz_gpu_solid_state, only: book_of, bytes_of_real, column_of, gpu_solid_t, tags_of, &
-        threads_of
+    use brz_gpu_solid_state, only: book_of, bytes_of_real, gpu_solid_t, threads_of
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: fix_layout, link_layout_t
     use brz_list_drift, only: begin_links, links_reach, may_link
@@ -26,8 +24,7 @@ module brz_gpu_solid_links
 contains
 
     !> Reserve memory and copy what the laws between the bodies are.
-    subroutine open_gpu_links(device, solid, gpu, err)
-        type(device_t), intent(in) :: device
+    subroutine open_gpu_links(solid, gpu, err)
         type(solid_t), intent(in) :: solid
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
@@ -38,16 +35,12 @@ contains
             call put_buffer(solid%links%ends, links%ends, 4_int64*size(solid%bodies), err)
             bytes = size(solid%links%table)*(storage_size(solid%links%table)/8_int64)
             call put_buffer(solid%links%table, links%table, bytes, err)
-            call put_buffer(solid%links%cell, links%cell, &
-                            size(solid%links%cell)*bytes_of_real, err)
+            bytes = size(solid%links%cell)*bytes_of_real
+            call put_buffer(solid%links%cell, links%cell, bytes, err)
             call fix_layout(link_layout_t(size(solid%bodies), solid%dimension, &
-                                          merge(1, 0, gpu%owed > 0), 0, gpu%n, 0, 0, 0, 0, 0, &
-                                          real(solid%depth, rk)), links%lay)
+                merge(1, 0, gpu%column%owed > 0), 0, gpu%n, 0, 0, 0, 0, 0, &
+                real(solid%depth, rk)), links%lay)
             call allocate_buffer(links%met, 4_int64*size(solid%bodies)**2, err)
-            call links%contact%open(device, err)
-            call links%between%open(device, err)
-            call links%bonds%open(device, err)
-            call links%ties%open(device, err)
             associate (t => solid%links%table)
                 links%breaks = any(t%law == law_bonded .and. &
                                    min(t%tensile, t%shear) < huge(t%shear))
@@ -77,34 +70,16 @@ contains
             call gpu%common%running_sum(gpu%links%slice, slices, err, longest)
             call reserve_buffer(gpu%links%list, 4_int64*slice_width*(longest + 1_int64), err)
         end do
-        if (.not. gpu%links%frees) call find_loose(gpu, err)
+        associate (l => gpu%links)
+            if (.not. l%frees) call gpu%tie_kernels%count_loose(gpu%n, l%lay, l%ends, l%table, &
+                l%bond, l%joined, l%row, l%slice, l%count, l%list, l%loose, err)
+        end associate
         met = 0
         call copy_out(gpu%links%met, met, 4_int64*size(met), err)
         all = reshape(met, [size(met)])
         call most_of_all(solid%ranks, all)
         solid%links%met = reshape(all == 1, shape(met))
     end subroutine build_gpu_links
-
-    !> Find the particles whose links are not all tied.
-    subroutine find_loose(gpu, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(error_t), intent(inout) :: err
-
-        associate (l => gpu%links)
-            call l%ties%count_loose(gpu%n, l%lay, l%ends, l%table, tags_of(gpu, tag_bond), &
-                                    tags_of(gpu, tag_joined), l%count, l%slice, l%count, l%list, &
-                                    l%loose, err)
-        end associate
-    end subroutine find_loose
-
-    !> Numbers of the links along which contact may act.
-    pure function touching(gpu) result(count)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(integers_t) :: count
-
-        count = gpu%links%count
-        if (.not. gpu%links%frees) count = gpu%links%loose
-    end function touching
 
     !> Links are about to be built, for the drifts of now or, to resume, those that they had.
     subroutine settle_gpu_links(gpu, solid, resume)
@@ -151,43 +126,60 @@ contains
 
         if (.not. gpu%bonded) return
         call find_awake(gpu, range)
-        associate (links => gpu%links)
+        associate (l => gpu%links)
             do k = 1, count(range(1, :) > 0)
                 call gpu%kernels%solid_bond_moments([range(2, k) - range(1, k) + 1, 1, 1], &
-                    gpu%n, range(1, k), range(2, k), links%lay, links%ends, links%table, &
-                    gpu%place, gpu%reference, gpu%motion, from(gpu%motion, 4_int64), &
-                    column_of(gpu, at_mass), tags_of(gpu, tag_bond), links%slice, links%count, &
-                    links%list, gpu%row, gpu%grad, gpu%hold, gpu%held, err)
+                    gpu%n, range(1, k), range(2, k), l%lay, l%ends, l%table, gpu%x, gpu%x_ref, &
+                    gpu%v, gpu%volume, gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, &
+                    gpu%grad, gpu%hold, gpu%held, err)
             end do
         end associate
     end subroutine add_bond_moments
 
     !> Between the passes: bonds break, interfaces open, then all forces between bodies go into
     !> `extra`.
-    subroutine contact_pass(gpu, dt, err)
+    subroutine contact_pass(gpu, solid, dt, err)
         type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
-        integer :: k, range(2, size(gpu%bodies))
+        integer :: k, m, n(size(gpu%bodies)), range(2, size(gpu%bodies))
+        type(integers_t) :: touching
 
         if (.not. gpu%linked) return
         call find_awake(gpu, range)
-        if (gpu%bonded .and. dt > 0) then
-            do k = 1, count(range(1, :) > 0)
-                if (gpu%links%breaks) call break_bonds(gpu, range(:, k), err)
+        n = range(2, :) - range(1, :) + 1
+        m = count(range(1, :) > 0)
+        associate (l => gpu%links, glue => gpu%cohesive, first => range(1, :))
+            touching = l%count ! links along which contact may act
+            if (.not. l%frees) touching = l%loose
+            do k = 1, merge(m, 0, gpu%bonded .and. l%breaks .and. dt > 0)
+                call gpu%bond_kernels%break_bond(n(k), first(k), l%lay, l%ends, l%table, gpu%x, &
+                    gpu%v, gpu%pair, gpu%stress, l%row, l%slice, l%count, l%list, l%bond, err)
             end do
-            call refresh_gpu_bonds(gpu, err)
-        end if
-        call open_gpu_points(gpu, err)
-        do k = 1, count(range(1, :) > 0)
-            call find_pressures(gpu, range(:, k), real(dt, rk), err)
-        end do
-        call refresh_gpu_press(gpu, err)
-        do k = 1, count(range(1, :) > 0)
-            call push_bodies(gpu, range(:, k), dt, err)
-            if (gpu%bonded) call add_bond_forces(gpu, range(:, k), err)
-        end do
-        call gather_gpu_points(gpu, err)
+            if (gpu%bonded .and. dt > 0) call refresh_gpu_bonds(gpu, err)
+            call cohesive_pass(gpu, solid, err)
+            do k = 1, m
+                call gpu%contact_kernels%press_links(n(k), first(k), l%lay, real(dt, rk), l%ends, &
+                    l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, l%touch, l%bond, l%joined, &
+                    l%row, l%slice, touching, l%list, gpu%energy, &
+                    book_of(gpu, book_contact_heat), l%press, err)
+            end do
+            call refresh_gpu_press(gpu, err)
+            do k = 1, m
+                call gpu%contact_kernels%push_links(n(k), first(k), gpu%n, l%lay, dt, l%ends, &
+                    l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, gpu%pair, &
+                    l%press, l%bond, l%joined, l%row, l%slice, touching, l%list, gpu%energy, &
+                    book_of(gpu, book_contact), book_of(gpu, book_contact_early), &
+                    book_of(gpu, book_contact_heat), book_of(gpu, book_rub), gpu%rate, gpu%extra, &
+                    err)
+                if (gpu%bonded) call gpu%bond_kernels%pull_links(n(k), first(k), gpu%n, l%lay, &
+                    l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%hold, &
+                    gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
+            end do
+            if (solid%cohesive%present) call gpu%cohesive_kernels%add_pull(glue%nodes, gpu%n, &
+                glue%place, glue%push, gpu%extra, err)
+        end associate
     end subroutine contact_pass
 
     !> First and last particles of the bodies that are awake; bodies side by side go together.
@@ -208,69 +200,4 @@ contains
             range(2, n) = gpu%bodies(b)%last
         end do
     end subroutine find_awake
-
-    subroutine break_bonds(gpu, range, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: range(2) !! first and last particle
-        type(error_t), intent(inout) :: err
-
-        associate (l => gpu%links)
-            call l%bonds%break_bond(range(2) - range(1) + 1, range(1), l%lay, l%ends, l%table, &
-                                    gpu%place, gpu%motion, gpu%row, &
-                                    column_of(gpu, at_stress + 1), l%count, l%slice, l%count, &
-                                    l%list, tags_of(gpu, tag_bond), err)
-        end associate
-    end subroutine break_bonds
-
-    subroutine add_bond_forces(gpu, range, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: range(2)
-        type(error_t), intent(inout) :: err
-
-        associate (l => gpu%links)
-            call l%bonds%pull_links(range(2) - range(1) + 1, range(1), gpu%n, l%lay, l%ends, &
-                                    l%table, gpu%place, gpu%reference, gpu%motion, &
-                                    column_of(gpu, at_mass), gpu%row, gpu%hold, gpu%held, &
-                                    tags_of(gpu, tag_bond), l%count, l%slice, l%count, l%list, &
-                                    gpu%extra, err)
-        end associate
-    end subroutine add_bond_forces
-
-    subroutine find_pressures(gpu, range, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: range(2)
-        real(rk), intent(in) :: dt !! [s]
-        type(error_t), intent(inout) :: err
-
-        associate (l => gpu%links, weight => tags_of(gpu, tag_weight), &
-                   touch => tags_of(gpu, tag_touch))
-            call l%contact%press_links(range(2) - range(1) + 1, range(1), l%lay, dt, l%ends, &
-                                       l%table, l%cell, gpu%place, gpu%motion, &
-                                       column_of(gpu, at_mass), weight%buffer_t, &
-                                       touch%buffer_t, tags_of(gpu, tag_bond), &
-                                       tags_of(gpu, tag_joined), l%count, l%slice, &
-                                       touching(gpu), l%list, column_of(gpu, at_energy), &
-                                       book_of(gpu, book_contact_heat), l%press, err)
-        end associate
-    end subroutine find_pressures
-
-    subroutine push_bodies(gpu, range, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: range(2)
-        real(dp), intent(in) :: dt !! [s]
-        type(error_t), intent(inout) :: err
-
-        associate (l => gpu%links, weight => tags_of(gpu, tag_weight))
-            call l%contact%push_links(range(2) - range(1) + 1, range(1), gpu%n, l%lay, dt, &
-                                      l%ends, l%table, l%cell, gpu%place, gpu%motion, &
-                                      column_of(gpu, at_mass), weight%buffer_t, &
-                                      column_of(gpu, at_stress + 1), gpu%row, l%press, &
-                                      tags_of(gpu, tag_bond), tags_of(gpu, tag_joined), l%count, &
-                                      l%slice, touching(gpu), l%list, column_of(gpu, at_energy), &
-                                      book_of(gpu, book_contact), &
-                                      book_of(gpu, book_contact_early), &
-                                      book_of(gpu, book_contact_heat), book_of(gpu, book_rub), &
-                                      gpu%rate, gpu%extra, err)
-        end associate
-    end subroutine push_bodies
 end module brz_gpu_solid_links

@@ -8,8 +8,7 @@ module brz_gpu_solid_marks
     use brz_ghost_wants, only: planes_of, wants_of
     use brz_gpu_marks, only: begin_marks, count_marks, list_marks
     use brz_gpu_parcels, only: gpu_places_t
-    use brz_gpu_solid_layout, only: tag_fixed
-    use brz_gpu_solid_state, only: gpu_solid_t, tags_of
+    use brz_gpu_solid_state, only: gpu_solid_t
     use brz_kinds, only: dp, int64
     use brz_solid_state, only: is_gone, solid_t
     implicit none
@@ -32,8 +31,8 @@ contains
         call put_buffer(solid%part%region, region, 48_int64*solid%ranks%n, err)
         do b = 1, size(which)
             associate (body => gpu%bodies(b))
-                if (which(b)) call gpu%homes%mark_home(body%last - body%first + 1, body%first, &
-                    gpu%n, solid%ranks%n, solid%ranks%rank, region, gpu%built, &
+                if (which(b)) call gpu%home_kernels%mark_home(body%last - body%first + 1, &
+                    body%first, gpu%n, solid%ranks%n, solid%ranks%rank, region, gpu%built, &
                     gpu%marks%mark, err)
             end associate
         end do
@@ -60,9 +59,9 @@ contains
             do r = 0, solid%ranks%n - 1
                 if (r == solid%ranks%rank) cycle
                 associate (body => gpu%bodies(b))
-                    call gpu%homes%mark_near(body%last - body%first + 1, body%first, is_gone, &
-                        planes_of(solid), size(want, 2), wants, from(region, 6_int64*r + 1), &
-                        gpu%built, tags_of(gpu, tag_fixed), &
+                    call gpu%home_kernels%mark_near(body%last - body%first + 1, body%first, &
+                        is_gone, planes_of(solid), size(want, 2), wants, &
+                        from(region, 6_int64*r + 1), gpu%built, gpu%fixed, &
                         from(gpu%marks%mark, int(gpu%n, int64)*r + 1), err)
                 end associate
             end do

@@ -6,10 +6,9 @@ module brz_gpu_solid_search
     use brz_device, only: buffer_t, clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_drift_items, only: drift_of
-    use brz_gpu_solid_layout, only: at_accel, at_mass, grid_gpu_t, n_tag, slice_width, &
-        tag_id
+    use brz_gpu_solid_layout, only: grid_gpu_t, n_tag, slice_width
     use brz_gpu_solid_state, only: column_of, gpu_solid_body_t, gpu_solid_t, sum_threads, &
-        tags_of, threads_of
+        threads_of
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: begin_list
     use brz_ranks, only: least_of_all, sum_of_all
@@ -87,9 +86,9 @@ contains
         lattice = solid%materials(solid%bodies(b)%material)%density &
             *solid%bodies(b)%spacing**solid%dimension*solid%depth
         associate (body => gpu%bodies(b))
-            call gpu%drifts%sum_drift(body%last - body%first + 1, body%first, 4, gpu%n, &
-                real(solid%dt_last/2, rk), 1/lattice, column_of(gpu, at_mass), gpu%motion, &
-                column_of(gpu, at_accel + 1), gpu%sums_of_forces, err)
+            call gpu%drift_kernels%sum_drift(body%last - body%first + 1, body%first, 4, gpu%n, &
+                real(solid%dt_last/2, rk), 1/lattice, gpu%mass, gpu%motion, &
+                gpu%a, gpu%sums_of_forces, err)
         end associate
         call gpu%common%fold(gpu%sums_of_forces, tally_threads, folded, err)
         total = sum(folded, 1)
@@ -127,7 +126,7 @@ contains
         call fill_cells(gpu, solid, b, place, reach, cells, err)
         if (failed(err)) return
         call gpu%kernels%sort_by_number([cells, 1, 1], cells, gpu%bodies(b)%first, gpu%start, &
-                                        tags_of(gpu, tag_id), gpu%order, err)
+                                        gpu%id, gpu%order, err)
     end subroutine order_body
 
     !> The same but for the order within a cell.

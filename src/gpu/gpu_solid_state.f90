@@ -4,48 +4,36 @@
 !> All arrays of the particles stay on the GPU, see brz_gpu_solid_layout. The host arrays of
 !> `solid_t` are a mirror that brz_gpu_solid_copy refreshes before a dump or a checkpoint.
 module brz_gpu_solid_state
-    use brz_buffers, only: doubles_t, from, integers_t, reals_t
-    use brz_bond_launches, only: bond_kernels_t
-    use brz_cohesive_launches, only: cohesive_kernels_t
-    use brz_between_launches, only: between_kernels_t
-    use brz_contact_launches, only: contact_kernels_t
-    use brz_device, only: allocate_buffer, buffer_t, copy_in, copy_within, device_t, free_buffer, &
+    use brz_buffers, only: buffer_t, doubles_t, from, integers_t, reals_t
+    use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, &
         free_buffers, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
-    use brz_drift_launches, only: drift_kernels_t
-    use brz_facet_launches, only: facet_kernels_t
-    use brz_force_launches, only: force_kernels_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_exact, only: gpu_exact_t
     use brz_gpu_marks, only: gpu_marks_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, rows_t
-    use brz_gpu_solid_layout, only: grid_gpu_t, n_book, n_flag, n_tag, n_terms, n_total, &
-        slice_width
-    use brz_home_launches, only: home_kernels_t
+    use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, grid_gpu_t, &
+        n_book, n_flag, n_tag, n_terms, n_total, tag_bond, tag_fixed, tag_id, tag_joined, &
+        tag_touch, tag_weight
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t, n_press
-    use brz_motion_launches, only: motion_kernels_t
     use brz_move_level, only: move_levels
-    use brz_row_launches, only: row_kernels_t
+    use brz_solid_families, only: solid_families_t
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
-    use brz_solid_launches, only: solid_kernels_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
-    use brz_tie_launches, only: tie_kernels_t
     use brz_tallies, only: tally_threads
     use brz_text, only: to_text
     implicit none
     private
-    public :: gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, lay_arrays, record_of, &
-              close_gpu_solid, &
-              moved_flags, column_of, tags_of, book_of, threads_of, bytes_of_real, &
-              words_of_real, &
-              sum_threads, total_threads, most_folded
+    public :: columns_t, gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, lay_arrays, &
+        record_of, close_gpu_solid, moved_flags, column_of, tags_of, book_of, threads_of, &
+        bytes_of_real, words_of_real, sum_threads, total_threads, most_folded
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
     integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
     integer, parameter :: most_folded = 256 !! rows of partial results that the host adds up
-    integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
     integer, parameter :: words_of_real = storage_size(1.0_rk)/32 !! of 4 B
+    integer(int64), parameter :: bytes_of_real = 4*words_of_real
     integer, parameter :: neighbours_guess = 100 !! entries per particle, to judge the memory
 
     type :: gpu_solid_body_t
@@ -60,84 +48,84 @@ module brz_gpu_solid_state
         logical :: asleep = .false. !! left out of the steps
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
         type(buffer_t) :: params, material
-        type(doubles_t) :: drive
         type(integers_t) :: slice, list
         type(kernel_t) :: moments, update, forces !! those that suit the body
     end type gpu_solid_body_t
 
-    !> Pairs of particles of different bodies.
+    !> Pairs of particles of different bodies, arrays of links_t.
     type :: gpu_links_t
         type(link_layout_t) :: lay
         logical :: breaks = .true., frees = .true. !! bonds may break; or what ties may let go
-        type(buffer_t) :: table
-        type(integers_t) :: ends, slice, count, list, met
+        type(buffer_t) :: table, touch, weight
+        type(integers_t) :: ends, slice, count, list, met, bond, joined
+        type(integers_t) :: row !! `count`: not read here
         type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good
         type(reals_t) :: cell, press
-        type(contact_kernels_t) :: contact
-        type(between_kernels_t) :: between
-        type(bond_kernels_t) :: bonds
-        type(tie_kernels_t) :: ties
     end type gpu_links_t
 
     !> Cohesive interfaces, arrays of cohesive_t.
     type :: gpu_cohesive_t
-        logical :: present = .false.
         logical :: fetched = .true. !! the host has the state of the points
         integer :: n = 0, nodes = 0
         type(buffer_t) :: law
-        type(integers_t) :: bit, of, first, entry, back_first, back, row, place_of
-        type(doubles_t) :: area, gap, rest, weight, pull, push
-        type(doubles_t) :: state !! (3, n) slots of brz_cohesive_law
-        type(cohesive_kernels_t) :: kernels
+        type(integers_t) :: bit, of, first, entry, back_first, back, row, place
+        type(doubles_t) :: area, gap, rest, weight, damage, spent, held, pull, push
     end type gpu_cohesive_t
 
-    !> Loads in scenes without air, arrays of facets_t.
+    !> Loads in scenes without air, arrays of loads_t.
+    type :: gpu_facets_t
+        integer :: carriers = 0
+        type(integers_t) :: first, id, load, beside, mirror, side
+        type(doubles_t) :: width, most, wave
+    end type gpu_facets_t
+
     type :: gpu_loads_t
-        logical :: present = .false.
-        integer :: carriers = 0, rebuilds = -1
-        type(integers_t) :: first, id, of, beside, mirror, side, place
-        type(doubles_t) :: width, most, wave, mean
-        type(facet_kernels_t) :: kernels
+        type(gpu_facets_t) :: facets
+        type(integers_t) :: place
+        type(doubles_t) :: mean !! see load_carrier
     end type gpu_loads_t
 
-    type :: gpu_solid_t
+    !> Columns of `state` that not every scene has, 0: none.
+    type :: columns_t
+        integer :: grip = 0 !! + 1..3: force on what holds a particle [N]
+        integer :: owed = 0 !! energy that the hold owes [J]
+        integer :: lift = 0 !! of total-Lagrangian plates [1/m]
+        integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
+        integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
+    end type columns_t
+
+    type, extends(solid_families_t) :: gpu_solid_t
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         logical :: stepped = .false. !! the GPU has made a step
         logical :: summed = .false. !! `sums` and the ledgers are those of the present state
         logical :: settled = .true. !! bodies lie in the host arrays as they do here
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
         type(gpu_links_t) :: links
-        type(gpu_cohesive_t) :: glue
+        type(gpu_cohesive_t) :: cohesive
         type(gpu_loads_t) :: loads
         integer :: n = 0, n_state = 0 !! places of particles, columns of `state`
-        ! columns of `state` that not every scene has, 0: none
-        integer :: grip = 0 !! + 1..3: force on what holds a particle [N]
-        integer :: owed = 0 !! energy that the hold owes [J]
-        integer :: lift = 0 !! of total-Lagrangian plates [1/m]
-        integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
-        integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
+        type(columns_t) :: column
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
-        type(doubles_t) :: place, reference, built, book, rate, region, box, part
+        type(doubles_t) :: place, reference, built, book, rate, region, box, part, sums_of_forces
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order, start, code
         type(gpu_marks_t) :: marks !! who goes where, see brz_gpu_solid_home
         type(buffer_t) :: hold, grid
-        type(solid_kernels_t) :: kernels
-        type(force_kernels_t) :: forces
-        type(motion_kernels_t) :: moves
-        type(row_kernels_t) :: rows
-        type(doubles_t) :: sums_of_forces
+        ! parts of these arrays as items have them, under the names of solid_t
+        integer :: wide = 4, step_d = 0, step_p = 1
+        type(doubles_t) :: x, x_ref
+        type(reals_t) :: v, volume, a, load, grip, mass, mu, energy, stress, pair
+        type(integers_t) :: id, fixed
         type(gpu_exact_t) :: exact
         type(gpu_common_t) :: common
-        type(device_t) :: device
         type(gpu_parcels_t) :: ghosts
-        type(drift_kernels_t) :: drifts
-        type(home_kernels_t) :: homes
     end type gpu_solid_t
+
+    integer, parameter :: counts = 0, lays = 1, frees = 2 !! what is done with arrays
 
 contains
 
@@ -148,22 +136,20 @@ contains
         logical, intent(in) :: loaded !! the air, or what the deck says, loads the bodies
         type(gpu_solid_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
+        type(rows_t) :: record(7)
         integer :: b
 
         gpu%linked = solid%links%present
         gpu%bonded = gpu%linked .and. solid%links%bonds
+        gpu%n = solid%n
         call number_columns(solid, loaded, gpu)
-        call require(device, solid, gpu%n_state, err)
-        call gpu%kernels%open(device, err)
-        call gpu%forces%open(device, err)
-        call gpu%drifts%open(device, err)
-        call gpu%homes%open(device, err)
-        gpu%device = device
-        call gpu%ghosts%open(device, solid%ranks, solid%part, max(words_of_record(gpu), &
-                             words_of_real*(n_pair + n_held + 6) + 6), err)
+        call require(device, solid, gpu, err)
+        if (failed(err)) return
+        call gpu%find_kernels(device, err)
+        record = record_of(gpu)
+        call gpu%ghosts%open(device, solid%ranks, solid%part, max(sum(record%words* &
+            record%columns), words_of_real*(n_pair + n_held + 6) + 6), err)
         call gpu%exact%open(device, solid%ranks, err)
-        call gpu%moves%open(device, err)
-        call gpu%rows%open(device, err)
         call gpu%common%open(device, most_folded*(n_total + n_book), err)
         allocate (gpu%bodies(size(solid%bodies)), gpu%ledger(size(solid%bodies)), &
                   gpu%reaction(3, size(solid%bodies)), gpu%sums(n_total, size(solid%bodies)))
@@ -174,7 +160,6 @@ contains
                 - solid%bodies(b)%first
             gpu%bodies(b)%rim = gpu%bodies(b)%first - 1 ! nothing is there yet
         end do
-        gpu%n = solid%n
         call lay_arrays(gpu, solid, gpu%bodies%first, 0, err)
         call allocate_buffer(gpu%flags, 4_int64*(n_flag + move_levels*size(solid%bodies)), err)
         call allocate_buffer(gpu%region, 48_int64, err)
@@ -195,61 +180,104 @@ contains
         integer, intent(in) :: old(:) !! (bodies) where they began
         integer, intent(in) :: n_old !! places that there were
         type(error_t), intent(inout) :: err
-        integer(int64) :: n
+        integer(int64) :: bytes
 
-        n = gpu%n
-        associate (w => words_of_real, held => allocated(solid%held), &
-                   hold => allocated(solid%hold) .or. allocated(solid%tilt))
-            call lay_array(gpu, old, n_old, 8, 1, gpu%place, err)
-            call lay_array(gpu, old, n_old, 8, 1, gpu%reference, err)
-            call lay_array(gpu, old, n_old, 8, 1, gpu%built, err)
-            call lay_array(gpu, old, n_old, 4*w, 1, gpu%motion, err)
-            call lay_array(gpu, old, n_old, w, gpu%n_state, gpu%state, err)
-            call lay_array(gpu, old, n_old, 1, n_tag, gpu%tag, err)
-            call lay_array(gpu, old, n_old, 2, n_book, gpu%book, err)
-            call lay_array(gpu, old, n_old, 2, 1, gpu%rate, err)
-            call lay_array(gpu, old, n_old, n_pair*w, 1, gpu%row, err)
-            call lay_array(gpu, old, n_old, 6, merge(1, 0, hold), gpu%hold, err)
-            call lay_array(gpu, old, n_old, n_held*w, merge(1, 0, held), gpu%held, err)
-            if (gpu%linked) call lay_array(gpu, old, n_old, n_press*w, 1, gpu%links%press, err)
-        end associate
-        call free_buffers(gpu%grad, gpu%count, gpu%cell, gpu%order, gpu%extra)
-        call allocate_buffer(gpu%grad, merge(18, 9, allocated(solid%lift))*bytes_of_real*n, err)
-        call allocate_buffer(gpu%count, 4*n, err)
-        call allocate_buffer(gpu%cell, 4*n, err)
-        call allocate_buffer(gpu%order, 4*n, err)
-        call allocate_buffer(gpu%extra, merge(n_terms*bytes_of_real*n, 8_int64, gpu%linked), err)
-        if (.not. gpu%linked) return
-        call free_buffers(gpu%links%count, gpu%links%loose, gpu%links%slice)
-        call allocate_buffer(gpu%links%count, 4*n, err)
-        call allocate_buffer(gpu%links%loose, 4*n, err)
-        call allocate_buffer(gpu%links%slice, 4*((n - 1)/slice_width + 2), err)
+        call walk(gpu, solid, lays, old, n_old, bytes, err)
+        if (.not. failed(err)) call see_arrays(gpu)
     end subroutine lay_arrays
 
-    !> One of them: rows of words of 4 B, or columns of such rows.
-    subroutine lay_array(gpu, old, n_old, words, columns, array, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: old(:), n_old, words, columns
-        class(buffer_t), intent(inout) :: array
+    !> Count the bytes of the arrays of the particles, lay or free them all.
+    subroutine walk(gpu, solid, what, old, n_old, bytes, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: what !! is done with them
+        integer, intent(in) :: old(:), n_old !! see lay_arrays
+        integer(int64), intent(out) :: bytes
         type(error_t), intent(inout) :: err
-        type(buffer_t) :: before, from, to
-        integer :: b, c
+        integer, parameter :: w = words_of_real
 
-        before%address = array%address
-        before%bytes = array%bytes
-        call allocate_buffer(array, max(4_int64*words*columns*gpu%n, 8_int64), err)
-        do c = 1, columns
-            do b = 1, size(gpu%bodies)
-                associate (body => gpu%bodies(b))
-                    if (body%rim < body%first) cycle
-                    from%address = before%address + 4*words*((c - 1_int64)*n_old + old(b) - 1)
-                    to%address = array%address + 4*words*((c - 1_int64)*gpu%n + body%first - 1)
-                    call copy_within(from, to, 4_int64*words*(body%rim - body%first + 1), err)
-                end associate
+        bytes = 0
+        call visit(gpu%place, 8, 1, .true.)
+        call visit(gpu%reference, 8, 1, .true.)
+        call visit(gpu%built, 8, 1, .true.)
+        call visit(gpu%motion, 4*w, 1, .true.)
+        call visit(gpu%state, w, gpu%n_state, .true.)
+        call visit(gpu%tag, 1, n_tag, .true.)
+        call visit(gpu%book, 2, n_book, .true.)
+        call visit(gpu%rate, 2, 1, .true.)
+        call visit(gpu%row, n_pair*w, 1, .true.)
+        if (allocated(solid%hold) .or. allocated(solid%tilt)) call visit(gpu%hold, 6, 1, .true.)
+        if (allocated(solid%held)) call visit(gpu%held, n_held*w, 1, .true.)
+        call visit(gpu%grad, w, merge(18, 9, allocated(solid%lift)), .false.)
+        call visit(gpu%count, 1, 1, .false.)
+        call visit(gpu%cell, 1, 1, .false.)
+        call visit(gpu%order, 1, 1, .false.)
+        if (.not. gpu%linked) return
+        call visit(gpu%links%press, n_press*w, 1, .true.)
+        call visit(gpu%extra, w, n_terms, .false.)
+        call visit(gpu%links%count, 1, 1, .false.)
+        call visit(gpu%links%loose, 1, 1, .false.)
+        call visit(gpu%links%slice, 1, 1, .false.)
+
+    contains
+
+        !> One of them: columns of rows of words of 4 B, with what it holds where that lasts.
+        subroutine visit(array, words, columns, lasts)
+            class(buffer_t), intent(inout) :: array
+            integer, intent(in) :: words, columns
+            logical, intent(in) :: lasts
+            type(buffer_t) :: before, from, to
+            integer :: b, c
+
+            bytes = bytes + 4_int64*words*columns*gpu%n
+            if (what == counts) return
+            before%address = array%address
+            if (what == lays) call allocate_buffer(array, 4_int64*words*columns*gpu%n + 8, err)
+            do c = 1, merge(columns, 0, what == lays .and. lasts)
+                do b = 1, size(gpu%bodies)
+                    associate (body => gpu%bodies(b))
+                        if (body%rim < body%first) cycle
+                        from%address = before%address + 4*words*((c - 1_int64)*n_old + old(b) - 1)
+                        to%address = array%address &
+                            + 4*words*((c - 1_int64)*gpu%n + body%first - 1)
+                        call copy_within(from, to, 4_int64*words*(body%rim - body%first + 1), err)
+                    end associate
+                end do
             end do
-        end do
-        call free_buffer(before)
-    end subroutine lay_array
+            call free_buffer(before)
+        end subroutine visit
+    end subroutine walk
+
+    !> Parts of the arrays under the names that items and steps have for them.
+    subroutine see_arrays(gpu)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(integers_t) :: tags
+
+        gpu%step_d = gpu%n
+        gpu%x = gpu%place
+        gpu%x_ref = gpu%reference
+        gpu%v = gpu%motion
+        gpu%volume = from(gpu%motion, 4_int64)
+        gpu%a = column_of(gpu, at_accel + 1)
+        gpu%mass = column_of(gpu, at_mass)
+        gpu%mu = column_of(gpu, at_mu)
+        gpu%energy = column_of(gpu, at_energy)
+        gpu%stress = column_of(gpu, at_stress + 1)
+        if (gpu%column%load > 0) gpu%load = column_of(gpu, gpu%column%load + 1)
+        if (gpu%column%grip > 0) gpu%grip = column_of(gpu, gpu%column%grip + 1)
+        gpu%pair = gpu%row
+        gpu%id = tags_of(gpu, tag_id)
+        gpu%fixed = tags_of(gpu, tag_fixed)
+        associate (links => gpu%links)
+            links%bond = tags_of(gpu, tag_bond)
+            links%joined = tags_of(gpu, tag_joined)
+            tags = tags_of(gpu, tag_touch)
+            links%touch = tags%buffer_t
+            tags = tags_of(gpu, tag_weight)
+            links%weight = tags%buffer_t
+            links%row = links%count
+        end associate
+    end subroutine see_arrays
 
     !> All that a particle takes along when it goes to another process, or becomes a ghost there.
     pure function record_of(gpu) result(record)
@@ -262,12 +290,6 @@ contains
                   rows_of(gpu%tag, 1, n_tag, gpu%n), rows_of(gpu%rate, 2)]
     end function record_of
 
-    pure integer function words_of_record(gpu) result(words)
-        type(gpu_solid_t), intent(in) :: gpu
-
-        words = 26 + words_of_real*(4 + gpu%n_state) + n_tag + 1
-    end function words_of_record
-
     !> Number the columns of `state`.
     subroutine number_columns(solid, loaded, gpu)
         type(solid_t), intent(inout) :: solid
@@ -277,30 +299,25 @@ contains
 
         call fields_of(solid, fields)
         gpu%n_state = fields%columns
-        gpu%owed = column_of_field(fields, 'owed')
-        gpu%lift = column_of_field(fields, 'lift')
-        if (loaded) gpu%load = column_of_field(fields, 'load') - 1
-        if (allocated(solid%v_before)) gpu%before = column_of_field(fields, 'v_before') - 1
-        if (allocated(solid%grip)) gpu%grip = column_of_field(fields, 'grip') - 1
+        gpu%column%owed = column_of_field(fields, 'owed')
+        gpu%column%lift = column_of_field(fields, 'lift')
+        if (loaded) gpu%column%load = column_of_field(fields, 'load') - 1
+        if (allocated(solid%v_before)) gpu%column%before = column_of_field(fields, 'v_before') - 1
+        if (allocated(solid%grip)) gpu%column%grip = column_of_field(fields, 'grip') - 1
     end subroutine number_columns
 
     !> Refuse a scene that does not fit, before anything is reserved.
-    subroutine require(device, solid, n_state, err)
+    subroutine require(device, solid, gpu, err)
         type(device_t), intent(in) :: device
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: n_state !! columns of `state`
+        type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
 
-        bytes = 0
-        if (solid%cohesive%present) bytes = 36_int64*size(solid%cohesive%node) &
+        call walk(gpu, solid, counts, [integer ::], 0, bytes, err)
+        bytes = bytes + solid%n*(4_int64*neighbours_guess + merge(32, 0, words_of_real == 1))
+        if (solid%cohesive%present) bytes = bytes + 36_int64*size(solid%cohesive%node) &
             + 168_int64*solid%cohesive%n + 8_int64*solid%cohesive%nodes + 4_int64*solid%n
-        bytes = bytes + solid%n*(bytes_of_real*(4 + n_state + n_pair + 9) + 8*n_book &
-                         + 4*n_tag + 3*32 + 8 + 3*4 + 8 + 4*neighbours_guess &
-                         + merge(20*bytes_of_real, 0_int64, solid%links%present) &
-                         + merge(32, 0, words_of_real == 1) &
-                         + merge(24, 0, allocated(solid%hold) .or. allocated(solid%tilt)) &
-                         + merge(n_held*bytes_of_real, 0_int64, allocated(solid%held)))
         if (bytes > device%free_bytes) call raise(err, exit_device, 'the bodies need about '// &
             to_text(int(bytes/2**20))//' MiB on the GPU, but only '// &
             to_text(int(device%free_bytes/2**20))//' MiB are free: use fewer particles, a '// &
@@ -348,37 +365,33 @@ contains
     end function threads_of
 
     !> Give the memory back.
-    subroutine close_gpu_solid(gpu)
+    subroutine close_gpu_solid(gpu, solid)
         type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        type(error_t) :: err
+        integer(int64) :: bytes
         integer :: b
 
-        call free_buffers(gpu%place, gpu%reference, gpu%built, gpu%motion, gpu%state, gpu%tag, &
-            gpu%book, gpu%row)
-        call free_buffers(gpu%grad, gpu%hold, gpu%held, gpu%rate, gpu%flags, gpu%axes, &
-            gpu%region, gpu%extra)
-        call free_buffers(gpu%count, gpu%cell, gpu%order, gpu%start, gpu%code, gpu%grid, &
-            gpu%part, gpu%box)
-        call free_buffers(gpu%sums_of_forces, gpu%marks%mark, gpu%marks%ends, gpu%marks%sums)
+        call walk(gpu, solid, frees, [integer ::], 0, bytes, err)
+        call free_buffers(gpu%flags, gpu%axes, gpu%region, gpu%start, gpu%code, gpu%grid)
+        call free_buffers(gpu%part, gpu%box, gpu%sums_of_forces, gpu%marks%mark, gpu%marks%ends, &
+            gpu%marks%sums)
         if (words_of_real == 1) call free_buffers(gpu%near, gpu%far)
         call gpu%ghosts%close()
         call gpu%exact%close()
         call gpu%common%close()
-        associate (links => gpu%links, glue => gpu%glue, loads => gpu%loads)
-            call free_buffers(links%ends, links%table, links%cell, links%press, links%slice, &
-                links%count, links%list, links%met)
-            call free_buffers(links%loose)
+        associate (links => gpu%links, glue => gpu%cohesive, f => gpu%loads%facets)
+            call free_buffers(links%ends, links%table, links%cell, links%list, links%met, f%wave)
             call free_buffers(glue%law, glue%bit, glue%of, glue%first, glue%area, glue%gap, &
                 glue%rest, glue%weight)
             call free_buffers(glue%back_first, glue%back, glue%row, glue%pull, glue%push, &
-                glue%entry, glue%place_of, glue%state)
-            call free_buffers(loads%first, loads%id, loads%of, loads%beside, loads%mirror, &
-                loads%side, loads%place)
-            call free_buffers(loads%width, loads%most, loads%wave, loads%mean)
+                glue%entry, glue%place)
+            call free_buffers(glue%damage, glue%spent, glue%held, gpu%loads%place, gpu%loads%mean)
+            call free_buffers(f%first, f%id, f%load, f%beside, f%mirror, f%side, f%width, f%most)
         end associate
         do b = 1, size(gpu%bodies)
             associate (body => gpu%bodies(b))
-                call free_buffers(body%params, body%material, body%drive, body%slice, &
-                    body%list)
+                call free_buffers(body%params, body%material, body%slice, body%list)
             end associate
         end do
     end subroutine close_gpu_solid

@@ -1,29 +1,26 @@
 ! SPDX-License-Identifier: MIT
 !> One time step of the solids on the GPU: the same list of operations as on the CPU, as launches.
 module brz_gpu_solid_step
-    use brz_buffers, only: doubles_t, from, reals_t
+    use brz_buffers, only: doubles_t, reals_t
     use brz_device, only: clear_buffer, copy_out, reserve_buffer, side_by_side
-    use brz_drive, only: book_drive
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_cohesive, only: place_gpu_nodes
+    use brz_gpu_cohesive_steps, only: place_nodes
+    use brz_gpu_rigid_steps, only: balance_rigid, move_rigid
     use brz_gpu_solid_copy, only: faults_of
     use brz_gpu_solid_ghosts, only: refresh_gpu_motion, refresh_gpu_rows
     use brz_gpu_solid_home, only: lay_gpu_anew
-    use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, &
-        book_force, book_load, flag_bad, n_book, n_flag, n_total, tag_fixed
+    use brz_gpu_solid_layout, only: book_load, flag_bad, n_flag
     use brz_gpu_solid_links, only: add_bond_moments, build_gpu_links, contact_pass, &
         settle_gpu_links
-    use brz_gpu_solid_regions, only: balance_gpu_regions, move_gpu_regions
-    use brz_gpu_solid_rigid, only: balance_rigid, fill_rigid, move_rigid
+    use brz_gpu_solid_rigid, only: fill_rigid, settle_drag, sum_pushes
     use brz_gpu_solid_search, only: build_gpu_lists
-    use brz_gpu_solid_state, only: book_of, column_of, gpu_solid_body_t, gpu_solid_t, &
-        moved_flags, tags_of, threads_of, words_of_real
-    use brz_gpu_solid_sums, only: fetch_limit, sums_of_body
+    use brz_gpu_solid_state, only: book_of, gpu_solid_body_t, gpu_solid_t, moved_flags, &
+        threads_of, words_of_real
+    use brz_gpu_solid_sums, only: add_held_impulse, fetch_limit
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: drift_bodies, find_stale, level_unit
     use brz_move_level, only: move_levels
-    use brz_motion, only: mean_velocity, velocity_of
     use brz_ranks, only: agree, most_of_all, several
     use brz_solid_faults, only: report_bad
     use brz_solid_launches, only: launch_advance_point, launch_solid_forces, &
@@ -43,26 +40,27 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        real(dp) :: impulse(3), limit(1)
+        real(dp) :: force(3), limit(1), push(6, size(solid%bodies))
         integer :: flags(n_flag), b, load
         logical :: stale(size(solid%bodies)), recut, relink
 
-        if (.not. gpu%stepped) call gradient_pass(gpu, 0.0_dp, err) ! of bodies that sleep, too
+        ! of bodies that sleep, too
+        if (.not. gpu%stepped) call gradient_pass(gpu, solid, 0.0_dp, err)
         gpu%bodies%asleep = solid%bodies%asleep
         gpu%fetched = .false.
         gpu%stepped = .true.
         gpu%summed = .false.
-        gpu%glue%fetched = .false.
+        gpu%cohesive%fetched = .false.
         if (solid%steps == 0) then
             call refresh_gpu_rows(gpu, solid, err)
-            call contact_pass(gpu, 0.0_dp, err)
-            load = gpu%load
-            gpu%load = 0 ! all of it acts after the half step up to here
+            call contact_pass(gpu, solid, 0.0_dp, err)
+            load = gpu%column%load
+            gpu%column%load = 0 ! all of it acts after the half step up to here
             call force_pass(gpu, dt/2, err)
-            gpu%load = load
+            gpu%column%load = load
             do b = 1, size(gpu%bodies)
                 if (solid%bodies(b)%motion%n > 0 .and. .not. gpu%bodies(b)%rigid) &
-                    call book_reaction(gpu, solid, b, impulse, err)
+                    call add_held_impulse(gpu, solid, b, dt, force, err)
             end do
         end if
         call clear_buffer(gpu%flags, err)
@@ -76,12 +74,12 @@ contains
             call enter_part('lists of bodies')
             if (several(solid%ranks)) then
                 call lay_gpu_anew(gpu, solid, stale, recut, err)
-                if (recut) call gradient_pass(gpu, 0.0_dp, err, of_sleepers=.true.)
+                if (recut) call gradient_pass(gpu, solid, 0.0_dp, err, of_sleepers=.true.)
             else
                 call build_gpu_lists(gpu, solid, .true., stale, err)
                 call settle_gpu_links(gpu, solid, .false.)
                 call build_gpu_links(gpu, solid, err)
-                call place_gpu_nodes(gpu, err)
+                call place_nodes(gpu, solid, err)
             end if
             if (any(stale)) solid%rebuilds = solid%rebuilds + 1
             call wake_met(solid)
@@ -91,14 +89,15 @@ contains
         else
             call refresh_gpu_motion(gpu, err)
         end if
-        call gradient_pass(gpu, dt, err)
+        call gradient_pass(gpu, solid, dt, err)
         call refresh_gpu_rows(gpu, solid, err)
-        call contact_pass(gpu, dt, err)
+        call contact_pass(gpu, solid, dt, err)
         call force_pass(gpu, dt, err)
-        call balance_drives(gpu, solid, dt, err)
         call fetch_limit(gpu, solid%dt_limit, err)
-        solid%dt_limit = min(solid%dt_limit, minval(solid%bodies%dt_limit, mask=gpu%bodies%rigid))
-        if (gpu%glue%present) solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
+        call sum_pushes(gpu, solid, push, err)
+        call balance_rigid(gpu, solid, push, dt, err)
+        call settle_drag(gpu, solid, dt, err)
+        if (solid%cohesive%present) solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
         flags = 0
         call copy_out(gpu%flags, flags, 4_int64*n_flag, err)
         if (.not. failed(err) .and. flags(flag_bad) /= 0) then
@@ -130,54 +129,44 @@ contains
         level = int(most)
     end function moved_levels
 
-    !> Velocity by the mean of the last and this time step, then position; held particles of driven
-    !> bodies follow the motion.
+    !> Velocity by the mean of the last and this time step, then position.
     subroutine drift(gpu, solid, dt, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt
         type(error_t), intent(inout) :: err
-        real(dp) :: before, load(6), unit, v(3)
+        real(dp) :: unit
         integer :: b, n
 
+        call move_rigid(gpu, solid, dt, err)
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%asleep) cycle
-            if (gpu%bodies(b)%rigid) then
-                call move_rigid(gpu, solid, b, dt, err)
-                cycle
-            end if
             associate (body => solid%bodies(b), there => gpu%bodies(b))
                 n = there%last - there%first + 1
-                if (body%motion%n > 0) then
-                    before = body%ledger%load
-                    load = body%rigid%load
-                    if (solid%ranks%rank > 0) body%rigid%load = 0 ! the first books it
-                    call book_drive(body, solid%time, dt, v)
-                    body%rigid%load = load
-                    ! the work on free particles is in `book`, and added to this
-                    gpu%ledger(b)%load = gpu%ledger(b)%load + (body%ledger%load - before)
-                    call gpu%moves%drive_particle(n, there%first, 4, 0, dt, v(1), v(2), v(3), &
-                        tags_of(gpu, tag_fixed), gpu%place, gpu%motion, err)
+                if (there%rigid) then
+                    call gpu%motion_kernels%note_particle(n, there%first, 4, level_unit(solid), &
+                        body%drift(1), body%drift(2), body%drift(3), gpu%x, gpu%built, &
+                        moved_flags(gpu, b), err)
+                    cycle
                 end if
-                if (allocated(body%regions)) call move_gpu_regions(gpu, solid, b, dt, err)
-                if (body%variable) call gpu%moves%size_particle(n, there%first, solid%dimension, &
-                    body%h, body%h_range(1), body%h_range(2), column_of(gpu, at_mu), gpu%place, err)
+                if (body%variable) call gpu%motion_kernels%size_particle(n, there%first, &
+                    solid%dimension, body%h, body%h_range(1), body%h_range(2), gpu%mu, gpu%x, err)
                 unit = merge(sqrt(huge(dt))/(2*move_levels), level_unit(solid), &
                              there%total .and. .not. gpu%linked)
-                call gpu%moves%drift_particle(n, there%first, 4, gpu%n, 1, &
-                    real((solid%dt_last + dt)/2, rk), dt, merge(1, 0, gpu%load > 0), unit, &
-                    body%drift(1), body%drift(2), body%drift(3), column_of(gpu, at_accel + 1), &
-                    column_of(gpu, gpu%load + 1), column_of(gpu, at_mass), &
-                    tags_of(gpu, tag_fixed), gpu%built, gpu%place, gpu%motion, &
-                    book_of(gpu, book_load), moved_flags(gpu, b), err)
+                call gpu%motion_kernels%drift_particle(n, there%first, 4, gpu%n, 1, &
+                    real((solid%dt_last + dt)/2, rk), dt, merge(1, 0, gpu%column%load > 0), unit, &
+                    body%drift(1), body%drift(2), body%drift(3), gpu%a, gpu%load, gpu%mass, &
+                    gpu%fixed, gpu%built, gpu%x, gpu%v, book_of(gpu, book_load), &
+                    moved_flags(gpu, b), err)
             end associate
         end do
     end subroutine drift
 
     !> Pass 1, and the material over the step just made; with dt = 0 no material. Of bodies that are
     !> awake, or of the others.
-    subroutine gradient_pass(gpu, dt, err, of_sleepers)
+    subroutine gradient_pass(gpu, solid, dt, err, of_sleepers)
         type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
         logical, intent(in), optional :: of_sleepers
@@ -196,7 +185,7 @@ contains
             if (gpu%bodies(b)%asleep .neqv. present(of_sleepers)) cycle
             if (gpu%bodies(b)%rigid) then
                 call side_by_side(0)
-                call fill_rigid(gpu, b, err)
+                call fill_rigid(gpu, solid, b, err)
                 cycle
             end if
             call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
@@ -266,9 +255,8 @@ contains
         real(rk), intent(in) :: time !! [s]
         type(error_t), intent(inout) :: err
 
-        if (body%layer) call gpu%rows%free_face(body%last - body%first + 1, body%first, gpu%n, 4, &
-            time, gpu%row, gpu%grad, column_of(gpu, at_stress + 1), from(gpu%motion, 4_int64), &
-            column_of(gpu, at_mass), column_of(gpu, at_energy), err)
+        if (body%layer) call gpu%row_kernels%free_face(body%last - body%first + 1, body%first, &
+            gpu%n, 4, time, gpu%row, gpu%grad, gpu%stress, gpu%volume, gpu%mass, gpu%energy, err)
     end subroutine free_faces
 
     subroutine update_material(gpu, body, dt, err)
@@ -303,7 +291,7 @@ contains
             call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
             associate (body => gpu%bodies(b))
                 call launch_solid_forces(body%forces, threads_of(body), gpu%n, real(dt, rk), &
-                    merge(1, 0, gpu%linked), gpu%load, body%params, gpu%place, gpu%near, &
+                    merge(1, 0, gpu%linked), gpu%column%load, body%params, gpu%place, gpu%near, &
                     gpu%far, gpu%motion, gpu%row, gpu%hold, gpu%held, body%slice, gpu%count, &
                     body%list, gpu%extra, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
             end associate
@@ -331,63 +319,4 @@ contains
         end do
     end subroutine end_support
 
-    !> Impulse on the held particles of a driven body in the last pass 2.
-    subroutine book_reaction(gpu, solid, b, impulse, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: b
-        real(dp), intent(out) :: impulse(3) !! [N s]
-        type(error_t), intent(inout) :: err
-        real(dp) :: sums(n_total + n_book)
-
-        call sums_of_body(gpu, b, solid%dt_last, sums, err)
-        impulse = sums(n_total + book_force + 1:n_total + book_force + 3)
-        solid%bodies(b)%reaction = solid%bodies(b)%reaction + impulse
-    end subroutine book_reaction
-
-    !> Forces of contact on rigid bodies, and of bodies on what is driven, at the step.
-    subroutine balance_drives(gpu, solid, dt, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
-        real(dp), intent(in) :: dt
-        type(error_t), intent(inout) :: err
-        integer :: b
-
-        do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%asleep) cycle
-            if (gpu%bodies(b)%rigid) call balance_rigid(gpu, solid, b, dt, err)
-            if (solid%bodies(b)%motion%n > 0) call balance_drive(gpu, solid, b, dt, err)
-            if (allocated(solid%bodies(b)%regions)) &
-                call balance_gpu_regions(gpu, solid, b, dt, err)
-        end do
-    end subroutine balance_drives
-
-    !> Force of body b on what is driven, the work of the half step up to now, and its velocity.
-    subroutine balance_drive(gpu, solid, b, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: b
-        real(dp), intent(in) :: dt
-        type(error_t), intent(inout) :: err
-        real(dp) :: impulse(3), v(3)
-
-        associate (body => solid%bodies(b), there => gpu%bodies(b))
-            body%motion%force = body%rigid%force
-            if (.not. there%rigid) then
-                call book_reaction(gpu, solid, b, impulse, err)
-                body%motion%force = impulse/dt
-                if (solid%ranks%rank == 0) &
-                    body%motion%force = body%motion%force - body%rigid%load(1:3)
-            else if (solid%ranks%rank > 0) then
-                return ! the first books it
-            end if
-            body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
-                body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
-            if (there%rigid) return
-            v = velocity_of(body%motion, solid%time)
-            call gpu%moves%follow_drive(there%last - there%first + 1, there%first, 4, 0, &
-                gpu%n, 1, dt, v(1), v(2), v(3), tags_of(gpu, tag_fixed), gpu%motion, &
-                column_of(gpu, at_accel + 1), err)
-        end associate
-    end subroutine balance_drive
 end module brz_gpu_solid_step

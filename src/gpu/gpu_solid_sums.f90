@@ -4,19 +4,16 @@ module brz_gpu_solid_sums
     use brz_artificial_stress, only: artificial_none
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
-    use brz_gpu_solid_layout, only: at_accel, at_mass, book_ahead, book_clamped, book_contact, &
+    use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
-        book_friction, book_hold, book_load, book_plastic, book_rub, book_viscous, n_book, &
-        n_total, tag_fixed
-    use brz_gpu_solid_state, only: column_of, gpu_solid_t, most_folded, tags_of, total_threads
+        book_friction, book_hold, book_load, book_plastic, book_rub, book_viscous, n_book, n_total
+    use brz_gpu_solid_state, only: gpu_solid_t, most_folded, total_threads
     use brz_kinds, only: dp, rk
-    use brz_rigid_motion, only: rigid_forces
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: solid_totals_t, totals_of_sums
     implicit none
     private
-    public :: gpu_forces_on_body, book_gpu_impulse, gpu_solid_totals, fetch_ledgers, fetch_limit, &
-        sums_of_body
+    public :: add_held_impulse, gpu_solid_totals, fetch_ledgers, fetch_limit
 
 contains
 
@@ -106,43 +103,22 @@ contains
         end associate
     end subroutine fill_ledger
 
-    !> Forces on body b, as forces_on_body has them.
-    subroutine gpu_forces_on_body(gpu, solid, b, at, sums, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: b
-        real(dp), intent(in) :: at(3) !! point of the moment [m]
-        real(dp), intent(out) :: sums(12)
-        type(error_t), intent(inout) :: err
-
-        sums = rigid_forces(solid%bodies(b), at)
-        if (gpu%bodies(b)%rigid) return
-        associate (body => gpu%bodies(b))
-            call gpu%forces%sum_forces(body%last - body%first + 1, body%first, 4, gpu%n, 1, &
-                merge(1, 0, gpu%load > 0), merge(1, 0, gpu%grip > 0), at(1), at(2), at(3), &
-                gpu%place, column_of(gpu, at_mass), tags_of(gpu, tag_fixed), &
-                column_of(gpu, at_accel + 1), column_of(gpu, gpu%load + 1), &
-                column_of(gpu, gpu%grip + 1), gpu%exact, err)
-            sums = gpu%exact%total(:12)
-        end associate
-    end subroutine gpu_forces_on_body
-
-    !> Impulse of the load on all bodies that are awake, over a step.
-    subroutine book_gpu_impulse(gpu, solid, dt, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+    !> Add the mean force of body b on what holds it in the last pass 2, and book its impulse.
+    subroutine add_held_impulse(gpu, solid, b, dt, force, err)
+        type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
-        real(dp), intent(in) :: dt !! [s]
+        integer, intent(in) :: b
+        real(dp), intent(in) :: dt !! step just made [s]
+        real(dp), intent(inout) :: force(3) !! [N]
         type(error_t), intent(inout) :: err
-        real(dp) :: sums(12)
-        integer :: b
+        real(dp) :: sums(n_total + n_book)
 
-        if (.not. solid%impulses) return
-        do b = 1, size(solid%bodies)
-            if (solid%bodies(b)%asleep) cycle
-            call gpu_forces_on_body(gpu, solid, b, [0.0_dp, 0.0_dp, 0.0_dp], sums, err)
-            solid%bodies(b)%impulse = solid%bodies(b)%impulse + dt*sums(7:9)
-        end do
-    end subroutine book_gpu_impulse
+        call sums_of_body(gpu, b, solid%dt_last, sums, err)
+        associate (impulse => sums(n_total + book_force + 1:n_total + book_force + 3))
+            solid%bodies(b)%reaction = solid%bodies(b)%reaction + impulse
+            force = force + impulse/dt
+        end associate
+    end subroutine add_held_impulse
 
     !> Largest stable time step, as pass 1 left it [s].
     subroutine fetch_limit(gpu, limit, err)

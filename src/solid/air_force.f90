@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> The load of the air on a particle, in scenes with and without air.
+!> Forces on particles that not every scene has: loads, and what holds them.
 module brz_air_force
     use brz_kinds, only: rk
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: air_force
+    public :: air_force, load_of, grip_of
 
 contains
 
@@ -18,4 +18,22 @@ contains
         force = 0
         if (allocated(solid%load)) force = solid%load(:, i)
     end function air_force
+
+    !> The loads of the particles; where there are none something that must not be read.
+    function load_of(solid) result(load)
+        type(solid_t), intent(in), target :: solid
+        real(rk), pointer, contiguous :: load(:, :) !! [N]
+
+        load => solid%a
+        if (allocated(solid%load)) load => solid%load
+    end function load_of
+
+    !> The same of the forces on what holds particles.
+    function grip_of(solid) result(grip)
+        type(solid_t), intent(in), target :: solid
+        real(rk), pointer, contiguous :: grip(:, :) !! [N]
+
+        grip => solid%a
+        if (allocated(solid%grip)) grip => solid%grip
+    end function grip_of
 end module brz_air_force

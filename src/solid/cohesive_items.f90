@@ -29,26 +29,26 @@ contains
     !> State and forces of a point.
     !@item if(n >= worth_threads/4) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine open_point(p, wide, step, law, bit, of, first, entry, weight, area, gap, rest, &
+    pure subroutine open_point(p, wide, law, bit, of, first, entry, weight, area, gap, rest, &
                                place_of, x, fixed, joined, damage, spent, held, pull)
         integer, intent(in) :: p !! points
-        integer, intent(in) :: wide, step !! rows of x; distance of states
+        integer, intent(in) :: wide !! rows of x
         type(cohesive_law_t), intent(in) :: law(*)
         integer(int32), intent(in) :: bit(*), of(*), first(*), entry(*)
         real(dp), intent(in) :: weight(3, *), area(*), gap(*), rest(3, 2, *)
         integer(int32), intent(in) :: place_of(*)
         real(dp), intent(in) :: x(wide, *)
         integer(int32), intent(in) :: fixed(*), joined(*)
-        real(dp), intent(inout) :: damage(step, *), spent(step, *), held(step, *)
+        real(dp), intent(inout) :: damage(*), spent(*), held(*)
         real(dp), intent(inout) :: pull(3, 3, *)
         real(dp) :: seen(3, 3), f(3, 3), own(3), y, kept
         logical :: released
         integer :: c, e, i, t
 
         released = .false.
-        if (damage(1, p) >= 1) released = is_released(first(p), first(p + 1) - 1, bit(of(p)), &
+        if (damage(p) >= 1) released = is_released(first(p), first(p + 1) - 1, bit(of(p)), &
                                                       entry, place_of, fixed, joined)
-        kept = held(1, p)
+        kept = held(p)
         if (released .and. .not. kept > 0) then
             do c = 1, 3
                 do t = 1, 3
@@ -72,9 +72,9 @@ contains
                 end do
             end do
         end do
-        own(has_damage) = damage(1, p)
-        own(has_spent) = spent(1, p)
-        own(has_held) = held(1, p)
+        own(has_damage) = damage(p)
+        own(has_spent) = spent(p)
+        own(has_held) = held(p)
         call load_point(law(of(p)), area(p), gap(p), seen, own, f)
         if (released) then
             ! K d^2/2 of the step before and the work of half of K d in this step: K d d'/2
@@ -86,9 +86,9 @@ contains
                 end do
             end do
         end if
-        damage(1, p) = own(has_damage)
-        spent(1, p) = own(has_spent)
-        held(1, p) = own(has_held)
+        damage(p) = own(has_damage)
+        spent(p) = own(has_spent)
+        held(p) = own(has_held)
         do c = 1, 3
             do t = 1, 3
                 pull(t, c, p) = f(t, c)
@@ -119,11 +119,10 @@ contains
     !> Which interfaces still hold the particle of a node, and which let go of it in this step.
     !@item if(n >= worth_threads/4) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine join_node(r, step, bit, of, back_first, back, damage, place_of, joined)
+    pure subroutine join_node(r, bit, of, back_first, back, damage, place_of, joined)
         integer, intent(in) :: r !! nodes
-        integer, intent(in) :: step !! distance of states
         integer(int32), intent(in) :: bit(*), of(*), back_first(*), back(2, *)
-        real(dp), intent(in) :: damage(step, *)
+        real(dp), intent(in) :: damage(*)
         integer(int32), intent(in) :: place_of(*)
         integer(int32), intent(inout) :: joined(*)
         integer(int32) :: bits, before
@@ -131,7 +130,7 @@ contains
 
         bits = 0
         do k = back_first(r), back_first(r + 1) - 1
-            if (damage(1, back(2, k)) < 1) bits = ior(bits, bit(of(back(2, k))))
+            if (damage(back(2, k)) < 1) bits = ior(bits, bit(of(back(2, k))))
         end do
         before = iand(joined(place_of(r)), ibset(0_int32, loose_by) - 1)
         joined(place_of(r)) = ior(bits, ishft(iand(before, not(bits)), loose_by))

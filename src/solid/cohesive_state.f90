@@ -10,7 +10,7 @@ module brz_cohesive_state
     use brz_kinds, only: dp, int32, int8
     implicit none
     private
-    public :: cohesive_t, cohesive_totals
+    public :: cohesive_t, cohesive_totals, push_of
 
     type :: cohesive_t
         logical :: present = .false.
@@ -72,4 +72,13 @@ contains
             if (cohesive%damage(p) >= 1) broken = broken + cohesive%area(p)
         end do
     end subroutine cohesive_totals
+
+    !> Force of all interfaces on the particle of a number [N].
+    pure function push_of(cohesive, id) result(f)
+        type(cohesive_t), intent(in) :: cohesive
+        integer(int32), intent(in) :: id
+        real(dp) :: f(3)
+
+        f = cohesive%push(:, cohesive%row(id))
+    end function push_of
 end module brz_cohesive_state

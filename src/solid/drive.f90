@@ -3,10 +3,10 @@
 module brz_drive
     use brz_kinds, only: dp
     use brz_motion, only: mean_velocity, motion_t, velocity_of
-    use brz_solid_state, only: body_t, form_rigid, ledger_t
+    use brz_solid_state, only: body_t, form_rigid, ledger_t, solid_t
     implicit none
     private
-    public :: book_drive, begin_motion, end_motion
+    public :: book_drive, begin_motion, end_motion, add_held_impulse
 
 contains
 
@@ -58,4 +58,17 @@ contains
         ledger%load = ledger%load + work
         ledger%drive = ledger%drive - dt/2*dot_product(motion%force, v) - work
     end subroutine end_motion
+
+    !> Add the mean force of body b on what holds it, as pass 2 has summed it up block by block.
+    pure subroutine add_held_impulse(solid, b, dt, force)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: dt !! step just made [s]
+        real(dp), intent(inout) :: force(3) !! [N]
+        integer :: k
+
+        do k = 1, size(solid%block, 2)
+            if (solid%block(1, k) == b) force = force + solid%search%sums(3:5, k)/dt
+        end do
+    end subroutine add_held_impulse
 end module brz_drive

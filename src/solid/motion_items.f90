@@ -6,7 +6,7 @@ module brz_motion_items
     use brz_kinds, only: dp, int32, rk
     use brz_move_level, only: level_of
     use brz_rigid, only: cross
-    use brz_rigid_pose, only: arm_at, n_pose, place_point, spin_at, velocity_at
+    use brz_rigid_pose, only: arm_at, place_point, pose_t, spin_at, velocity_at
     use brz_solid_state, only: at_drag, at_hold, is_gone, is_held, n_pair, pair_spin, &
         pair_volume
     use brz_support, only: driven_by, is_driven, is_kept
@@ -188,7 +188,8 @@ contains
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x and v
-        real(dp), intent(in) :: pose(n_pose), x_ref(wide, *)
+        type(pose_t), intent(in) :: pose
+        real(dp), intent(in) :: x_ref(wide, *)
         real(dp), intent(inout) :: x(wide, *)
         real(rk), intent(inout) :: v(wide, *)
         real(dp) :: place(3), speed(3)
@@ -210,7 +211,8 @@ contains
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x and v
         integer, intent(in) :: step_d, step_p !! distances of directions and particles in accel
-        real(dp), intent(in) :: dt, pose(n_pose) !! [s]
+        real(dp), intent(in) :: dt !! [s]
+        type(pose_t), intent(in) :: pose
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: v(wide, *)
         real(rk), intent(inout) :: accel(*)
@@ -231,7 +233,7 @@ contains
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: step_v !! distance of volumes
-        real(dp), intent(in) :: pose(n_pose)
+        type(pose_t), intent(in) :: pose
         real(rk), intent(in) :: volume(*)
         real(rk), intent(inout) :: row(n_pair, *)
         real(dp) :: spin(3)
@@ -257,7 +259,7 @@ contains
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x
         integer, intent(in) :: column !! numbers of a column of pairs
-        real(dp), intent(in) :: pose(*) !! of the body
+        type(pose_t), intent(in) :: pose !! of the body
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: pairs(column, *) !! forces [N], and torques of drag [N m]
         real(dp), intent(inout) :: push(6) !@exact force [N], torque [N m]

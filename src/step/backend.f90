@@ -136,7 +136,7 @@ contains
 
         associate (solid => backend%solid)
             particles = particles_t(solid%n, solid%place, solid%motion, solid%state, &
-                                    solid%tag, solid%load, solid%before)
+                                    solid%tag, solid%column%load, solid%column%before)
             particles%first = solid%bodies%first
             particles%last = solid%bodies%last
         end associate

@@ -8,15 +8,16 @@ module brz_backend_fetch
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_totals
     use brz_errors, only: error_t, failed
+    use brz_force_steps, only: forces_on_body, n_forces
+    use brz_gpu_force_steps, only: gpu_forces_on_body => forces_on_body
     use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
     use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, gpu_ledger_totals
     use brz_gpu_solid_cohesive, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid
-    use brz_gpu_solid_sums, only: fetch_ledgers, gpu_forces_on_body, gpu_solid_totals
+    use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
     use brz_kinds, only: dp, rk
     use brz_ranks, only: bits_of_all, several
-    use brz_solid_body_forces, only: forces_on_body, n_forces
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals, solid_totals_t
     implicit none

@@ -16,7 +16,7 @@ module brz_simulation
     use brz_progress, only: progress_t
     use brz_ranks, only: ranks_t, several
     use brz_setup_progress, only: setup_blast, setup_stage
-    use brz_solid_between, only: begin_between
+    use brz_between_steps, only: begin_between
     use brz_solid_home, only: share_out
     use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: put_to_sleep

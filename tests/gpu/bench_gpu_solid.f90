@@ -75,7 +75,7 @@ contains
             ' particles, ', words_of(gpu, solid)
         call time_parts(gpu, solid)
         call time_steps(gpu, solid)
-        call close_gpu_solid(gpu)
+        call close_gpu_solid(gpu, solid)
     end subroutine measure
 
     subroutine check()
@@ -117,7 +117,7 @@ contains
         integer :: k, m
 
         call build_gpu_lists(gpu, solid, .true., [.true.], err)
-        call gradient_pass(gpu, 0.0_dp, err)
+        call gradient_pass(gpu, solid, 0.0_dp, err)
         call force_pass(gpu, 0.0_dp, err)
         best = huge(1.0_dp)
         do m = 1, 4

@@ -1,8 +1,10 @@
 ! SPDX-License-Identifier: MIT
-!> Forces on a whole body, for gauges, and the impulse of its load.
-module brz_solid_body_forces
+!> Forces on a whole body, for gauges, and the impulse of its load. scripts/steps.py writes the same
+!> for the GPU.
+module brz_force_steps
+    use brz_air_force, only: grip_of, load_of !@cpu
     use brz_force_loops, only: each_sum_forces
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp
     use brz_rigid_motion, only: rigid_forces
     use brz_solid_state, only: form_rigid, solid_t
     implicit none
@@ -16,25 +18,18 @@ contains
     !> Force and moment of body b on what holds it, force of its load and of other bodies; on all
     !> processes the same bits.
     subroutine forces_on_body(solid, b, at, sums)
-        type(solid_t), intent(in), target :: solid
+        type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: at(3) !! point of the moment [m]
         real(dp), intent(out) :: sums(n_forces)
-        real(rk), pointer, contiguous :: grip(:, :), load(:, :)
 
-        grip => solid%a ! not read where there is no grip, no load
-        load => solid%a
-        if (allocated(solid%grip)) grip => solid%grip
-        if (allocated(solid%load)) load => solid%load
-        sums = 0
-        associate (body => solid%bodies(b))
-            if (body%formulation == form_rigid) then
-                sums = rigid_forces(body, at)
-                return
-            end if
-            call each_sum_forces(body%last - body%first + 1, solid%ranks, body%first, 3, 1, 3, &
-                merge(1, 0, allocated(solid%load)), merge(1, 0, allocated(solid%grip)), at(1), &
-                at(2), at(3), solid%x, solid%mass, solid%fixed, solid%a, load, grip, sums)
+        associate (body => solid%bodies(b), there => solid%bodies(b))
+            sums = rigid_forces(body, at)
+            if (body%formulation == form_rigid) return
+            call each_sum_forces(there%last - there%first + 1, solid%ranks, there%first, &
+                solid%wide, solid%step_d, solid%step_p, merge(1, 0, allocated(solid%load)), &
+                merge(1, 0, allocated(solid%grip)), at(1), at(2), at(3), solid%x, solid%mass, &
+                solid%fixed, solid%a, load_of(solid), grip_of(solid), sums)
         end associate
     end subroutine forces_on_body
 
@@ -52,4 +47,4 @@ contains
             solid%bodies(b)%impulse = solid%bodies(b)%impulse + dt*sums(7:9)
         end do
     end subroutine book_impulse
-end module brz_solid_body_forces
+end module brz_force_steps

@@ -3,10 +3,11 @@
 !>
 !> Velocities change by the mean of two steps times the force at a step: the impulse up to a step
 !> is the sum over trapezoids, and exactly what the momentum at the step shows.
-module brz_solid_between
+!> scripts/steps.py writes the same for the GPU.
+module brz_between_steps
     use brz_between_items, only: add_impulse
     use brz_between_loops, only: each_sum_between
-    use brz_kinds, only: dp, int32
+    use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -41,20 +42,17 @@ contains
 
     !> Force on the first of two bodies by the second, on all processes the same bits [N].
     subroutine force_between(solid, body, force)
-        type(solid_t), intent(in), target :: solid
+        type(solid_t), intent(in) :: solid
         integer, intent(in) :: body(2)
         real(dp), intent(out) :: force(3)
-        integer(int32), pointer :: joined(:)
 
         force = 0
         if (.not. solid%links%present) return
-        joined => solid%links%bond ! not read without an interface
-        if (allocated(solid%links%joined)) joined => solid%links%joined
-        associate (s => solid, l => solid%links, own => solid%bodies(body(1)))
-            call each_sum_between(own%last - own%first + 1, s%ranks, own%first, body(2), l%lay, &
-                                  l%ends, l%table, l%cell, s%x, s%v, s%mass, l%weight, s%stress, &
-                                  s%pair, l%press(:, 1:), l%bond, joined, l%row, l%slice(1:), &
-                                  l%count(1:), l%list, force)
+        associate (links => solid%links, there => solid%bodies(body(1)))
+            call each_sum_between(there%last - there%first + 1, solid%ranks, there%first, body(2), &
+                links%lay, links%ends, links%table, links%cell, solid%x, solid%v, solid%mass, &
+                links%weight, solid%stress, solid%pair, links%press(:, 1:), links%bond, &
+                links%joined, links%row, links%slice(1:), links%count(1:), links%list, force)
         end associate
     end subroutine force_between
-end module brz_solid_between
+end module brz_between_steps

@@ -1,0 +1,172 @@
+! SPDX-License-Identifier: MIT
+!> Bodies that do not deform, and particles that are driven: their part of the time step.
+!>
+!> The particles of a rigid body carry its mass to contact, air and output. Their velocity is kept
+!> at half steps like that of all others, and `a` is what brings it to the step. All processes move
+!> a rigid body, the first books its work. scripts/steps.py writes the same for the GPU.
+module brz_rigid_steps
+    use brz_air_force, only: grip_of, load_of !@cpu
+    use brz_drive, only: add_held_impulse !@cpu
+    use brz_drive, only: begin_motion, book_drive, end_motion
+    use brz_force_loops, only: each_sum_region
+    !@gpu use brz_gpu_solid_sums, only: add_held_impulse
+    use brz_kinds, only: dp
+    use brz_motion, only: mean_velocity, velocity_of
+    use brz_motion_loops, only: each_drive_particle, each_follow_drive, each_follow_rigid, &
+        each_place_rigid
+    use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
+    use brz_rigid_pose, only: pose_of
+    use brz_solid_state, only: form_rigid, ledger_t, solid_t
+    implicit none
+    private
+    public :: move_rigid, balance_rigid
+
+contains
+
+    !> Kick and drift of rigid and driven bodies over dt, from solid%time on.
+    subroutine move_rigid(solid, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        type(ledger_t) :: ledger
+        real(dp) :: load(6), omega(3), q_mid(4), reaction(3), v(3)
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b), there => solid%bodies(b))
+                if (body%asleep) cycle
+                ledger = body%ledger
+                reaction = body%reaction
+                if (body%motion%n > 0) then
+                    load = body%rigid%load
+                    if (solid%ranks%rank > 0) body%rigid%load = 0 ! the first books it
+                    call book_drive(body, solid%time, dt, v)
+                    body%rigid%load = load
+                    body%rigid%p = body%rigid%mass*v
+                    ! the work on free particles is in `book`, and added to this
+                    !@gpu gpu%ledger(b)%load = gpu%ledger(b)%load + (body%ledger%load - ledger%load)
+                end if
+                if (body%motion%n > 0 .and. body%formulation /= form_rigid) &
+                    call each_drive_particle(there%last - there%first + 1, there%first, &
+                        solid%wide, 0, dt, v(1), v(2), v(3), solid%fixed, solid%x, solid%v)
+                if (allocated(body%regions)) call move_regions(solid, b, dt)
+                if (body%formulation /= form_rigid) cycle
+                call advance_rigid(body, (solid%dt_last + dt)/2, dt, v, omega, q_mid)
+                call each_place_rigid(there%last - there%first + 1, there%first, solid%wide, &
+                    pose_of(body%rigid, v, omega, q_mid), solid%x_ref, solid%x, solid%v)
+                if (solid%ranks%rank > 0) then
+                    body%ledger = ledger
+                    body%reaction = reaction
+                end if
+            end associate
+        end do
+    end subroutine move_rigid
+
+    !> Carry the regions of body b along that are moved.
+    subroutine move_regions(solid, b, dt)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: dt !! [s]
+        type(ledger_t) :: ledger
+        real(dp) :: v(3)
+        integer :: m
+
+        associate (body => solid%bodies(b), there => solid%bodies(b))
+            do m = 1, size(body%regions)
+                ledger = body%ledger
+                call begin_motion(body%regions(m), solid%time, dt, v, ledger)
+                if (solid%ranks%rank == 0) body%ledger = ledger
+                call each_drive_particle(there%last - there%first + 1, there%first, solid%wide, m, &
+                    dt, v(1), v(2), v(3), solid%fixed, solid%x, solid%v)
+            end do
+        end associate
+    end subroutine move_regions
+
+    !> Forces on rigid and driven bodies at the step, `a` of their particles, and what time step
+    !> they bear.
+    subroutine balance_rigid(solid, push, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: push(:, :) !! (6, bodies) on rigid ones by others [N], [N m]
+        real(dp), intent(in) :: dt !! step just made [s]
+        integer :: b
+
+        do b = 1, size(solid%bodies)
+            associate (body => solid%bodies(b))
+                if (body%asleep .and. dt > 0) cycle
+                if (body%formulation == form_rigid) call balance_body(solid, b, push(:, b), dt)
+                if (dt > 0 .and. body%motion%n > 0) call balance_drive(solid, b, dt)
+                if (dt > 0 .and. allocated(body%regions)) call balance_regions(solid, b, dt)
+            end associate
+        end do
+    end subroutine balance_rigid
+
+    subroutine balance_body(solid, b, push, dt)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: push(6) !! [N], [N m]
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: reaction(3), v(3)
+
+        associate (body => solid%bodies(b), there => solid%bodies(b))
+            body%rigid%force = push(1:3)
+            body%rigid%torque = push(4:6)
+            reaction = body%reaction
+            call settle_rigid(body, solid%time, dt, v)
+            if (solid%ranks%rank > 0) body%reaction = reaction
+            body%dt_limit = rigid_step(body, solid%skin)
+            solid%dt_limit = min(solid%dt_limit, body%dt_limit)
+            if (.not. dt > 0) return
+            call each_follow_rigid(there%last - there%first + 1, there%first, solid%wide, &
+                solid%step_d, solid%step_p, dt, &
+                pose_of(body%rigid, v, body%rigid%omega, body%rigid%q), solid%x, solid%v, solid%a)
+        end associate
+    end subroutine balance_body
+
+    !> Force of body b on what is driven, the work of the half step up to now, and its velocity.
+    subroutine balance_drive(solid, b, dt)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: dt !! [s]
+        real(dp) :: v(3)
+
+        associate (body => solid%bodies(b), there => solid%bodies(b))
+            v = velocity_of(body%motion, solid%time)
+            body%motion%force = body%rigid%force
+            if (body%formulation /= form_rigid) then
+                body%motion%force = merge(-body%rigid%load(1:3), 0.0_dp, solid%ranks%rank == 0)
+                call add_held_impulse(solid, b, dt, body%motion%force)
+                call each_follow_drive(there%last - there%first + 1, there%first, solid%wide, 0, &
+                    solid%step_d, solid%step_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, solid%a)
+            end if
+            if (body%formulation == form_rigid .and. solid%ranks%rank > 0) return
+            body%ledger%drive = body%ledger%drive - dt/2*dot_product( &
+                body%motion%force, mean_velocity(body%motion, solid%time - dt, dt))
+        end associate
+    end subroutine balance_drive
+
+    !> Forces of body b on the regions of it that are moved, the work of the half step up to now,
+    !> and their velocities.
+    subroutine balance_regions(solid, b, dt)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(in) :: dt !! [s]
+        type(ledger_t) :: ledger
+        real(dp) :: sums(6), v(3), work
+        integer :: m
+
+        associate (body => solid%bodies(b), there => solid%bodies(b))
+            do m = 1, size(body%regions)
+                call each_sum_region(there%last - there%first + 1, solid%ranks, there%first, m, &
+                    solid%step_d, solid%step_p, merge(1, 0, allocated(solid%load)), solid%fixed, &
+                    load_of(solid), grip_of(solid), sums)
+                ledger = body%ledger
+                call end_motion(body%regions(m), solid%time, dt, sums, ledger, work)
+                if (solid%ranks%rank == 0) body%ledger = ledger
+                ! the work on free particles is in `book`, and added to this
+                !@gpu if (solid%ranks%rank == 0) gpu%ledger(b)%load = gpu%ledger(b)%load + work
+                v = velocity_of(body%regions(m), solid%time)
+                call each_follow_drive(there%last - there%first + 1, there%first, solid%wide, m, &
+                    solid%step_d, solid%step_p, dt, v(1), v(2), v(3), solid%fixed, solid%v, solid%a)
+            end do
+        end associate
+    end subroutine balance_regions
+end module brz_rigid_steps
