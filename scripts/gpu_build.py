@@ -27,6 +27,7 @@ from cuda_fortran import Fault, compile_all, kernels_of, mangled, missing_tools,
 # the rows, those of the cosine for angles so large that none of them comes near; bonds, see BLOCKS
 # of cuda_fortran.py; curved walls in real64, which turn by two normals, five numbers
 STACK = {
+    "update_by_hjc": 40,
     "update_by_orthotropic_ply": 64,
     "faces_muscl_hllc": 8,
     "faces_weno3_split": 48,

@@ -9,7 +9,7 @@ module brz_deviator
     use brz_kinds, only: rk
     implicit none
     private
-    public :: trial_deviator, return_deviator, mises_stress
+    public :: trial_deviator, return_deviator, mises_stress, third_invariant
 
 contains
 
@@ -83,4 +83,14 @@ contains
 
         mises = sqrt(1.5_rk*double_dot(s, s))
     end function mises_stress
+
+    !> Product of the principal values of a deviator.
+    !@cuf attributes(host,device) &
+    pure function third_invariant(s) result(product)
+        real(rk), intent(in) :: s(6) !! xx, yy, zz, xy, yz, xz
+        real(rk) :: product
+
+        product = s(1)*(s(2)*s(3) - s(5)**2) - s(4)*(s(4)*s(3) - s(5)*s(6)) &
+                  + s(6)*(s(4)*s(5) - s(2)*s(6))
+    end function third_invariant
 end module brz_deviator

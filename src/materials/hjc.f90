@@ -10,7 +10,7 @@
 module brz_hjc
     use brz_kinds, only: dp, rk
     use brz_algebra, only: double_dot
-    use brz_deviator, only: mises_stress, return_deviator, trial_deviator
+    use brz_deviator, only: mises_stress, return_deviator, third_invariant, trial_deviator
     use brz_hjc_cracks, only: cracks_t, flow_with_cracks, follow_rate, open_cracks
     use brz_hjc_keys, only: hjc_keys
     use brz_hjc_pressure, only: crushing_strain, crushing_work, dense_curve, densest, &
@@ -19,9 +19,9 @@ module brz_hjc
                                 p_t, p_rate, p_efmin, p_smax, p_p_crush, p_mu_crush, p_p_lock, &
                                 p_mu_lock, p_d1, p_d2, p_k1, p_k2, p_k3, p_floor, p_erosion, &
                                 p_limit, p_k_el, p_k_tran, p_mu_plock, p_full, p_ft, p_gf, &
-                                p_crack_rate, p_young
+                                p_crack_rate, p_surface, p_young
     use brz_hjc_softening, only: by_malvar, h_damage, h_rate, h_tension, widest_crack
-    use brz_hjc_strength, only: add_damage, rate_effect, strength
+    use brz_hjc_strength, only: add_damage, by_malvar_surface, rate_effect, strength
     use brz_kinematics, only: volume_step
     use brz_material, only: class_crumbling, fails_by_degrees, material_t, point_t, material_ok, &
                             material_clamped, n_par
@@ -100,7 +100,11 @@ contains
             if (.not. given(p_ft)) then
                 if (given(p_gf) .or. int(par(p_crack_rate)) > 1) &
                     fault = 'gf and rate_tension need ft'
-            else if (par(p_ft) >= bar_strength(par)) then
+                if (int(par(p_surface)) == by_malvar_surface) fault = "surface='malvar' needs ft"
+            else if (int(par(p_surface)) == by_malvar_surface .and. par(p_ft) > par(p_fc)/4) then
+                fault = "surface='malvar' needs an ft of at most fc/4"
+            else if (int(par(p_surface)) /= by_malvar_surface &
+                     .and. par(p_ft) >= bar_strength(par)) then
                 fault = 'ft, '//to_text(par(p_ft))//' Pa, is not below what a bar carries '// &
                         'without it, '//to_text(bar_strength(par))//' Pa'
             else if (.not. given(p_gf)) then
@@ -113,11 +117,13 @@ contains
         end associate
     end subroutine derive_cracks
 
-    !> Strength of a bar by the surface alone, without damage [Pa].
+    !> Strength of a bar by the surface alone, without damage [Pa]; that of Malvar has it at ft.
     pure function bar_strength(par) result(strength)
         real(rk), intent(in) :: par(n_par)
         real(rk) :: strength
 
+        strength = par(p_ft)
+        if (int(par(p_surface)) == by_malvar_surface) return
         strength = 1/(1/(par(p_a)*par(p_fc)) + 1/(3*par(p_t)))
     end function bar_strength
 
@@ -134,6 +140,7 @@ contains
         do i = 1, 200
             q = material%par(p_a) + material%par(p_b)*(q/3)**material%par(p_n)
         end do
+        if (int(material%par(p_surface)) == by_malvar_surface) q = 1
         list = [derived_t('K_el', 'Pa', k), &
                 derived_t('K_tran', 'Pa', material%par(p_k_tran)), &
                 derived_t('K_unload', 'Pa', material%par(p_full)), &
@@ -257,7 +264,7 @@ contains
         p = max(p_eos, -material%par(p_t)*(1 - damage))
         mises = mises_stress(trial)
         rate = rate_effect(material%par, sqrt(double_dot(de, de)*2/3), dt)
-        yield = strength(material%par, p, damage, rate)
+        yield = strength(material%par, p, damage, rate, mises, third_invariant(trial))
         if (point%hist(h_eroded) > 0) yield = 0
         keep = 1
         strain = 0

@@ -133,7 +133,8 @@ contains
             p = -(values(1) + values(2) + values(3))/3
             mises = sqrt(((values(1) - values(2))**2 + (values(2) - values(3))**2 &
                           + (values(3) - values(1))**2)/2)
-            yield = strength(par, max(p, least), damage, rate)
+            yield = strength(par, max(p, least), damage, rate, mises, &
+                             (values(1) + p)*(values(2) + p)*(values(3) + p))
             excess = mises - yield
             if (pass == 0) then
                 before = -yield
