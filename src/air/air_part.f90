@@ -29,28 +29,28 @@ module brz_air_part
 
 contains
 
-    !> Cut the grid for all processes, and find out with whom this one has to speak.
-    subroutine take_part(ranks, n, bc, layers, n_var, near, around, part)
-        type(ranks_t), intent(in) :: ranks
+    !> Cut the grid for all processes, where that has not been done, and find out with whom this one
+    !> has to speak.
+    subroutine take_part(n, bc, layers, n_var, near, around, part)
         integer, intent(in) :: n(3) !! cells of the whole grid
         integer, intent(in) :: bc(2, 3) !! its boundary conditions
         integer, intent(in) :: layers(3) !! of ghosts
         integer, intent(in) :: n_var !! conserved variables
         integer, intent(in) :: near(3) !! bricks that a step reaches
         integer, intent(in) :: around !! layers of cells that the coupling sees, 0: none
-        type(part_t), intent(out) :: part
-        type(box_t) :: bricks(0:ranks%n - 1)
+        type(part_t), intent(inout) :: part !! its processes are set
+        type(box_t) :: bricks(0:part%ranks%n - 1)
         logical :: periodic(3)
         integer :: r, all_bricks(3)
 
-        part%ranks = ranks
-        allocate (part%boxes(0:ranks%n - 1))
-        part%boxes(0) = box_t([1, 1, 1], n)
-        if (.not. several(ranks)) return
-        call cut_grid(n, brick, part%boxes)
+        if (.not. allocated(part%boxes)) then
+            allocate (part%boxes(0:part%ranks%n - 1))
+            call cut_grid(n, brick, part%boxes)
+        end if
+        if (.not. several(part%ranks)) return
         periodic = bc(1, :) == bc_periodic
         all_bricks = (n - 1)/brick + 1
-        do r = 0, ranks%n - 1
+        do r = 0, part%ranks%n - 1
             bricks(r)%lo = (part%boxes(r)%lo - 1)/brick + 1
             bricks(r)%hi = (part%boxes(r)%hi - 1)/brick + 1
         end do
@@ -78,7 +78,7 @@ contains
                     wanted(m)%hi = min(wanted(m)%hi, grid)
                 end where
             end do
-            call plan_fetch(ranks, boxes, wanted, grid, periodic, numbers, fetch)
+            call plan_fetch(part%ranks, boxes, wanted, grid, periodic, numbers, fetch)
         end subroutine plan
     end subroutine take_part
 

@@ -4,7 +4,7 @@ module brz_air_setup
     use brz_kinds, only: dp, int8, rk
     use brz_air_grid, only: layers_around
     use brz_air_outside, only: keep_outside
-    use brz_air_part, only: box_of, layers_seen, part_t, take_part
+    use brz_air_part, only: box_of, layers_seen, take_part
     use brz_air_state, only: air_t, brick, bc_outflow, bc_periodic, bc_symmetry, bc_wall, &
         cell_centre, charge_report_t, n_ghost
     use brz_boxes, only: box_t
@@ -33,11 +33,12 @@ module brz_air_setup
 contains
 
     !> Allocate the air and fill it with what the deck says.
-    subroutine set_up_air(case, air, err, ranks)
+    subroutine set_up_air(case, air, err, ranks, boxes)
         type(case_t), intent(in) :: case
         type(air_t), intent(out) :: air
         type(error_t), intent(inout) :: err
         type(ranks_t), intent(in), optional :: ranks !! that share it
+        type(box_t), intent(in), optional :: boxes(0:) !! (processes) cells of each
         integer :: d, s, m
 
         air%present = case%air%present
@@ -59,6 +60,7 @@ contains
         end do
         if (failed(err)) return
         if (present(ranks)) air%part%ranks = ranks
+        if (present(boxes)) allocate (air%part%boxes(0:ubound(boxes, 1)), source=boxes)
         if (several(air%part%ranks) .and. size(case%bodies) > 0) &
             air%around = layers_seen(case%coupling%spread)
         call make_grid(case%air%lo, case%air%hi, case%air%cells, air)
@@ -231,16 +233,14 @@ contains
     subroutine share_grid(cells, air)
         integer, intent(in) :: cells(3)
         type(air_t), intent(inout) :: air
-        type(part_t) :: part
         type(box_t) :: box
 
         air%whole = cells
         air%outer = air%bc
-        call take_part(air%part%ranks, cells, air%bc, merge(n_ghost, 0, cells > 1), air%n_var, &
+        call take_part(cells, air%bc, merge(n_ghost, 0, cells > 1), air%n_var, &
                        layers_around(cells, air%bc(1, :) == bc_periodic, &
-                                     air%n_stages*reach_of(air%scheme)), air%around, part)
-        air%part = part
-        call box_of(part, cells, air%outer, box, air%bc)
+                                     air%n_stages*reach_of(air%scheme)), air%around, air%part)
+        call box_of(air%part, cells, air%outer, box, air%bc)
         air%n = box%hi - box%lo + 1
         air%before = box%lo - 1
     end subroutine share_grid

@@ -4,19 +4,17 @@
 module brz_gpu_coupling_guests
     use brz_air_state, only: air_t
     use brz_boxes, only: cells_t => box_t
-    use brz_buffers, only: from
-    use brz_coupling_box, only: box_t
     use brz_coupling_state, only: coupling_t
     use brz_device, only: clear_buffer, device_t, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_carrier_steps, only: sum_shifts
     use brz_gpu_coupling_state, only: column_of, gpu_coupling_t, particles_t, seen, tags_of
-    use brz_gpu_marks, only: begin_marks, count_marks, find_firsts, list_marks
-    use brz_gpu_parcels, only: gpu_places_t, rows_of, rows_t
+    use brz_gpu_marks, only: asks_of, count_marks, list_marks, place_pieces, reserve_marks
+    use brz_gpu_parcels, only: put_places, rows_of, rows_t
     use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
     use brz_kinds, only: int64
-    use brz_mail, only: tell_counts
+    use brz_mail, only: tell_all
     use brz_solid_part, only: nobody => part_t, parcels_t
     use brz_solid_state, only: solid_t
     implicit none
@@ -67,50 +65,52 @@ contains
         type(particles_t), intent(in) :: particles
         type(solid_t), intent(inout) :: guests !! of the host: where the guests of a body lie
         type(error_t), intent(inout) :: err
-        integer(int64), dimension(size(guests%bodies), guests%ranks%n) :: out, in
+        integer(int64) :: number(size(guests%bodies), 2*guests%ranks%n)
+        integer(int64) :: out(size(guests%bodies) + 1, guests%ranks%n)
+        integer(int64) :: all(size(guests%bodies) + 1, guests%ranks%n, guests%ranks%n)
 
-        associate (part => gpu%shared)
+        associate (part => gpu%shared, n => guests%ranks%n, bodies => size(guests%bodies))
             part%own%bodies%first = particles%first
             part%own%bodies%last = particles%last
-            call list_guests(gpu, particles, part%boxes, out, part%loads_in, err)
-            call list_guests(gpu, particles, part%windows, out, part%out, err)
-            call tell_counts(guests%ranks, out, in)
-            call seat_guests(gpu, in, particles%n, guests, err)
+            call mark_guests(gpu, particles, number, err)
+            out(:bodies, :) = number(:, :n)
+            out(bodies + 1, :) = sum(number(:, n + 1:), 1) ! loads that will come back
+            call tell_all(guests%ranks, out, all)
+            call list_marks(particles%n, [1, n], number, part%parcels%kernels, part%marks, &
+                            part%out, err)
+            call list_marks(particles%n, [n + 1, 2*n], number, part%parcels%kernels, part%marks, &
+                            part%loads_in, err)
+            call part%parcels%aim(sum(all(:bodies, :, :), 1), part%out, err)
+            call part%parcels%aim(transpose(all(bodies + 1, :, :)), part%loads_out, err)
+            call seat_guests(gpu, all(:bodies, guests%ranks%rank + 1, :), particles%n, guests, err)
             call part%parcels%send(part%out, part%in, rows_of_particles(particles), &
                                    rows_of_guests(gpu), err)
             call sum_shifts(part%own, seen(particles), gpu, err)
         end associate
     end subroutine invite_gpu_guests
 
-    !> List the particles in each of some boxes of the grid, body by body.
-    subroutine list_guests(gpu, particles, cells, number, list, err)
+    !> Mark the particles in the window of each process, and in its box, and count them.
+    subroutine mark_guests(gpu, particles, number, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(particles_t), intent(in) :: particles
-        type(cells_t), intent(in) :: cells(0:) !! (processes)
-        integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
-        type(gpu_places_t), intent(inout) :: list
+        integer(int64), intent(out) :: number(:, :) !! (bodies, windows and boxes)
         type(error_t), intent(inout) :: err
-        type(box_t) :: box
-        integer :: b, r
+        integer :: b, body(2, size(particles%first)), n
 
-        associate (part => gpu%shared, first => particles%first, last => particles%last, &
-                   n => particles%n)
-            call begin_marks(n, size(cells), part%marks, err)
-            do r = 0, ubound(cells, 1)
-                box = gpu%box
-                box%before = cells(r)%lo - 1
-                box%n = cells(r)%hi - box%before
-                do b = 1, size(first)
-                    if (last(b) >= first(b)) call part%kernels%mark_guest( &
-                        last(b) - first(b) + 1, first(b), box, 4, particles%place, &
-                        tags_of(particles, tag_fixed), &
-                        from(part%marks%mark, int(n, int64)*r + 1), err)
-                end do
-            end do
-            call count_marks(n, first, gpu%common, part%parcels%kernels, part%marks, number, err)
-            call list_marks(n, number, part%parcels%kernels, part%marks, list, err)
+        associate (part => gpu%shared, marks => gpu%shared%marks)
+            n = particles%n
+            body(1, :) = particles%first
+            body(2, :) = particles%last
+            call put_places([(body(:, b), b=1, size(body, 2))], marks%pieces, err)
+            call put_places(asks_of([part%windows, part%boxes]), part%asks, err)
+            call reserve_marks(n, size(number, 2), marks, err)
+            call part%kernels%mark_guest(n, n, size(body, 2), marks%pieces, size(number, 2), &
+                part%asks, gpu%box, 4, particles%place, tags_of(particles, tag_fixed), &
+                marks%mark, err)
+            call count_marks(n, particles%first, gpu%common, part%parcels%kernels, marks, number, &
+                             err)
         end associate
-    end subroutine list_guests
+    end subroutine mark_guests
 
     !> Places for the guests, body by body.
     subroutine seat_guests(gpu, number, particles, guests, err)
@@ -119,33 +119,26 @@ contains
         integer, intent(in) :: particles !! of this process
         type(solid_t), intent(inout) :: guests
         type(error_t), intent(inout) :: err
-        integer :: b, n, r, next(size(number, 1))
+        integer :: b, n, next(1), taken(size(number, 1))
 
         call reserve_guests(gpu, sum(number), err)
         n = 0
         do b = 1, size(number, 1)
-            next(b) = n
+            taken(b) = n
             guests%bodies(b)%first = n + 1
             n = n + int(sum(number(b, :)))
             guests%bodies(b)%last = n
         end do
         gpu%guests%n = n
-        associate (part => gpu%shared)
+        associate (part => gpu%shared, k => gpu%shared%parcels%kernels)
             part%came = number
-            call find_firsts(number, part%in%first)
-            n = 0
-            do r = 1, size(number, 2)
-                do b = 1, size(number, 1)
-                    if (number(b, r) == 0) cycle
-                    call part%kernels%give_seat(int(number(b, r)), n, next(b), part%in%place, err)
-                    n = n + int(number(b, r))
-                    next(b) = next(b) + int(number(b, r))
-                end do
-            end do
+            call place_pieces(number, taken, k, part%marks%pieces, part%in, err)
             n = max(n, particles)
             if (part%seat%address /= 0 .and. part%seat%bytes >= 4_int64*n) return
             call reserve_buffer(part%seat, 4_int64*n, err)
-            call part%kernels%give_seat(int(part%seat%bytes/4), 0, 0, part%seat, err)
+            n = int(part%seat%bytes/4)
+            call put_places([n, 0], part%marks%pieces, err)
+            call k%give_place(n, 1, part%marks%pieces, part%seat, err)
         end associate
     end subroutine seat_guests
 
@@ -169,7 +162,6 @@ contains
         call reserve_buffer(gpu%cell_of, 4*max(n, 1_int64), err)
         call reserve_buffer(gpu%place_of, 4*max(n, 1_int64), err)
         call reserve_buffer(gpu%binned, 4*max(n, 1_int64), err)
-        call reserve_buffer(gpu%shared%in%place, 4*max(n, 1_int64), err)
     end subroutine reserve_guests
 
     !> What of a particle its copies have.
@@ -203,23 +195,27 @@ contains
         type(particles_t), intent(in) :: particles
         type(error_t), intent(inout) :: err
         integer(int64) :: number(1, size(gpu%shared%came, 2))
-        integer :: at, b, r
+        integer :: b, ends(size(gpu%shared%came)), k, r
         type(rows_t) :: loads(2)
 
-        associate (part => gpu%shared, p => particles, n => gpu%guests%n)
-            call begin_marks(n, size(number), part%marks, err)
-            at = 1
-            do b = 1, size(part%came, 1)
-                do r = 1, size(part%came, 2)
-                    if (part%came(b, r) == 0) cycle
-                    call part%kernels%mark_own(int(part%came(b, r)), gpu%box, &
-                        from(gpu%cell_of, int(at, int64)), &
-                        from(part%marks%mark, (r - 1)*int(n, int64) + at), err)
-                    at = at + int(part%came(b, r))
+        k = 0
+        associate (came => gpu%shared%came)
+            do b = 1, size(came, 1)
+                do r = 1, size(came, 2)
+                    k = k + 1
+                    ends(k) = int(came(b, r))
+                    if (k > 1) ends(k) = ends(k) + ends(k - 1)
                 end do
             end do
-            call count_marks(n, [1], gpu%common, part%parcels%kernels, part%marks, number, err)
-            call list_marks(n, number, part%parcels%kernels, part%marks, part%loads_out, err)
+        end associate
+        associate (part => gpu%shared, p => particles, n => gpu%guests%n, marks => gpu%shared%marks)
+            call put_places(ends, marks%pieces, err)
+            call reserve_marks(n, size(number), marks, err)
+            call part%kernels%mark_load(n, n, size(number), k, marks%pieces, gpu%box, gpu%cell_of, &
+                                        marks%mark, err)
+            call count_marks(n, [1], gpu%common, part%parcels%kernels, marks, number, err)
+            call list_marks(n, [1, size(number)], number, part%parcels%kernels, marks, &
+                            part%loads_out, err)
             call clear_buffer(column_of(p, p%load + 1), err, 3*bytes_of_real*p%n)
             loads = [rows_of(gpu%guests%load, 3*w), rows_of(column_of(p, p%load + 1), w, 3, p%n)]
             call part%parcels%send(part%loads_out, part%loads_in, loads(1:1), loads(2:2), err)

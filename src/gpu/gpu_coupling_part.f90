@@ -25,6 +25,7 @@ module brz_gpu_coupling_part
         type(gpu_places_t) :: faces_out, faces_in
         type(gpu_places_t) :: debts_out, debts_in
         type(gpu_marks_t) :: marks
+        type(integers_t) :: asks !! boxes that processes ask for
         type(integers_t) :: seat !! 1, 2, 3, ...
         type(reals_t) :: v_before !! (3, guests)
         type(solid_t) :: own !! the bodies, as the particles of this process lie on the GPU
@@ -41,7 +42,7 @@ contains
             part%loads_in%place, part%faces_out%place, part%faces_in%place, part%debts_out%place, &
             part%debts_in%place)
         call free_buffers(part%v_before, part%seat, part%marks%mark, part%marks%ends, &
-            part%marks%sums)
+            part%marks%sums, part%marks%pieces, part%asks)
         call part%window%close()
         call part%parcels%close()
     end subroutine close_gpu_part

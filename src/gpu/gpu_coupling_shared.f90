@@ -10,10 +10,10 @@ module brz_gpu_coupling_shared
     use brz_gpu_coupling_state, only: gpu_coupling_t
     use brz_gpu_debt_steps, only: drop_paid, enter_debts, size_debts
     use brz_gpu_lists, only: at_least
-    use brz_gpu_marks, only: begin_marks, count_marks, find_firsts, list_marks
+    use brz_gpu_marks, only: asks_of, count_marks, list_marks, place_pieces, reserve_marks
     use brz_gpu_parcels, only: gpu_places_t, put_places, rows_of
     use brz_kinds, only: int64
-    use brz_mail, only: tell_counts
+    use brz_mail, only: tell_all
     implicit none
     private
     public :: list_gpu_faces, share_gpu_impulses, share_gpu_debts
@@ -51,21 +51,17 @@ contains
         integer(int64), intent(out) :: number(:, :) !! (1, processes)
         type(gpu_places_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
-        type(box_t) :: box
-        integer :: r
+        type(cells_t) :: asked(0:ubound(boxes, 1))
 
-        box = gpu%box
-        associate (part => gpu%shared)
-            call begin_marks(n, size(boxes), part%marks, err)
-            do r = 0, ubound(boxes, 1)
-                if (r == part%own%ranks%rank) cycle
-                box%own(:, 1) = boxes(r)%lo - box%before
-                box%own(:, 2) = boxes(r)%hi - box%before
-                call part%kernels%mark_own(n, box, cell, &
-                                           from(part%marks%mark, int(n, int64)*r + 1), err)
-            end do
-            call count_marks(n, [1], gpu%common, part%parcels%kernels, part%marks, number, err)
-            call list_marks(n, number, part%parcels%kernels, part%marks, list, err)
+        associate (part => gpu%shared, k => gpu%shared%parcels%kernels, marks => gpu%shared%marks)
+            asked = boxes
+            asked(part%own%ranks%rank) = cells_t()
+            call put_places(asks_of(asked), part%asks, err)
+            call reserve_marks(n, size(boxes), marks, err)
+            call part%kernels%mark_cells(n, n, size(boxes), part%asks, gpu%box, cell, marks%mark, &
+                                         err)
+            call count_marks(n, [1], gpu%common, k, marks, number, err)
+            call list_marks(n, [1, size(boxes)], number, k, marks, list, err)
         end associate
     end subroutine list_cells
 
@@ -73,8 +69,13 @@ contains
     subroutine share_gpu_impulses(gpu, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
+        integer(int64), dimension(1, size(gpu%shared%boxes)) :: out
+        integer(int64) :: all(1, size(out), size(out))
 
         associate (part => gpu%shared, impulse => rows_of(gpu%wall%impulse, w))
+            out(1, :) = part%faces_out%first(1:) - part%faces_out%first(:size(out) - 1)
+            call tell_all(part%own%ranks, out, all)
+            call part%parcels%aim(all(1, :, :), part%faces_out, err)
             call part%parcels%send(part%faces_out, part%faces_in, [impulse], [impulse], err)
         end associate
     end subroutine share_gpu_impulses
@@ -84,8 +85,9 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64), dimension(1, size(gpu%shared%boxes)) :: out, in
+        integer(int64) :: all(1, size(out), size(out))
         type(box_t) :: grid
-        integer :: k, more, n
+        integer :: more, n, next(1)
 
         grid = gpu%box
         grid%before = 0
@@ -94,13 +96,15 @@ contains
             call keep_own(gpu, err)
             n = gpu%n_debts
             call list_cells(gpu, n, gpu%debt_cell, part%windows, out, part%debts_out, err)
-            call tell_counts(ranks, out, in)
+            call tell_all(ranks, out, all)
+            call part%parcels%aim(all(1, :, :), part%debts_out, err)
+            in(1, :) = all(1, ranks%rank + 1, :)
             more = int(sum(in))
             call size_debts(gpu, n + more, err)
             call at_least(gpu%next_cell, n + more, err)
             call part%kernels%renumber(n, gpu%box, grid, gpu%debt_cell, gpu%next_cell, err)
-            call find_firsts(in, part%debts_in%first)
-            call put_places([(n + k, k=1, more)], part%debts_in%place, err)
+            next = n
+            call place_pieces(in, next, part%parcels%kernels, part%marks%pieces, part%debts_in, err)
             call part%parcels%send(part%debts_out, part%debts_in, &
                 [rows_of(gpu%next_cell, 1), rows_of(gpu%debt, gpu%n_var*w)], &
                 [rows_of(gpu%next_cell, 1), rows_of(gpu%debt, gpu%n_var*w)], err)
@@ -118,7 +122,10 @@ contains
 
         if (gpu%n_debts == 0) return
         call at_least(gpu%start, gpu%n_debts + 1, err)
-        call gpu%shared%kernels%mark_own(gpu%n_debts, gpu%box, gpu%debt_cell, gpu%start, err)
+        associate (part => gpu%shared, n => gpu%n_debts)
+            call put_places(asks_of([part%boxes(part%own%ranks%rank)]), part%asks, err)
+            call part%kernels%mark_cells(n, n, 1, part%asks, gpu%box, gpu%debt_cell, gpu%start, err)
+        end associate
         call drop_paid(gpu, err)
     end subroutine keep_own
 end module brz_gpu_coupling_shared

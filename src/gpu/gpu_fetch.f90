@@ -10,8 +10,9 @@ module brz_gpu_fetch
     use brz_device, only: allocate_buffer, device_t, free_buffers, pin, put_buffer, unpin
     use brz_errors, only: error_t
     use brz_fetch, only: fetch_t
-    use brz_gpu_peers, only: peers_t
+    use brz_gpu_peers, only: begins, peers_t
     use brz_kinds, only: int64, rk
+    use brz_mail, only: tell_all
     use brz_place_launches, only: place_kernels_t
     use brz_ranks, only: ranks_t, several
     implicit none
@@ -30,6 +31,7 @@ module brz_gpu_fetch
         type(reals_t) :: came !! of parcels from others
         type(bytes_t) :: bytes_came !! the same memory
         type(peers_t) :: peers
+        integer(int64), allocatable :: there(:) !! (0:processes - 1) cells before its parcel there
         type(place_kernels_t) :: kernels
     contains
         procedure :: open, close, reals_of_others, bytes_of_others
@@ -46,6 +48,7 @@ contains
         type(box_t), intent(in) :: box
         integer, intent(in) :: numbers !! of a cell, real(rk); 0: a byte
         type(error_t), intent(inout) :: err
+        integer(int64) :: all(1, ranks%n, ranks%n), most, number(1, ranks%n)
 
         self%ranks = ranks
         if (.not. several(ranks)) return
@@ -60,8 +63,10 @@ contains
         call allocate_buffer(self%reals, int(self%of_cell, int64)*max(self%n_out, self%n_in), err)
         self%bytes%address = self%reals%address
         associate (mail => self%list%mail)
-            call self%peers%open(ranks, (mail%out_first - 1)/self%of_cell + 1, &
-                                 (mail%in_first - 1)/self%of_cell + 1, self%of_cell, err)
+            number(1, :) = (mail%out_first(1:) - mail%out_first(:ranks%n - 1))/self%of_cell
+            call tell_all(ranks, number, all)
+            call begins(ranks%rank, all(1, :, :), self%there, most)
+            call self%peers%open(ranks, most*self%of_cell, err)
             if (self%peers%linked) return
             call pin(mail%out)
             call pin(mail%in)
@@ -114,8 +119,8 @@ contains
         class(gpu_fetch_t), intent(inout) :: self
         type(error_t), intent(inout) :: err
 
-        call self%peers%swap(self%ranks, self%list%mail, self%of_cell, self%reals, self%came, &
-                             err)
+        call self%peers%swap(self%ranks, self%list%mail, self%of_cell, self%there, self%reals, &
+                             self%came, err)
         self%bytes_came%address = self%came%address
     end subroutine swap
 end module brz_gpu_fetch

@@ -2,7 +2,8 @@
 !> Places that are marked for other processes, a row of marks for each process, and lists of them.
 !> The host hears how many there are.
 module brz_gpu_marks
-    use brz_buffers, only: integers_t
+    use brz_boxes, only: box_t
+    use brz_buffers, only: from, integers_t
     use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_common, only: gpu_common_t
@@ -11,27 +12,46 @@ module brz_gpu_marks
     use brz_place_launches, only: place_kernels_t
     implicit none
     private
-    public :: gpu_marks_t, begin_marks, count_marks, list_marks, find_firsts
+    public :: gpu_marks_t, asks_of, reserve_marks, begin_marks, count_marks, list_marks, &
+        place_pieces, find_firsts
 
     type :: gpu_marks_t
         type(integers_t) :: mark !! (places, processes)
         type(integers_t) :: ends, sums !! of bodies, in a row; of the marks before
+        type(integers_t) :: pieces !! small tables
     end type gpu_marks_t
 
 contains
 
-    !> No place is marked for any process.
-    subroutine begin_marks(n, processes, marks, err)
+    !> Room for marks.
+    subroutine reserve_marks(n, rows, marks, err)
         integer, intent(in) :: n !! places
-        integer, intent(in) :: processes
+        integer, intent(in) :: rows
         type(gpu_marks_t), intent(inout) :: marks
         type(error_t), intent(inout) :: err
-        integer(int64) :: bytes
 
-        bytes = 4*(int(n, int64)*processes + 1)
-        call reserve_buffer(marks%mark, bytes, err)
-        call clear_buffer(marks%mark, err, bytes)
+        call reserve_buffer(marks%mark, 4*(int(n, int64)*rows + 1), err)
+    end subroutine reserve_marks
+
+    !> The same, and no place is marked.
+    subroutine begin_marks(n, rows, marks, err)
+        integer, intent(in) :: n !! places
+        integer, intent(in) :: rows
+        type(gpu_marks_t), intent(inout) :: marks
+        type(error_t), intent(inout) :: err
+
+        call reserve_marks(n, rows, marks, err)
+        call clear_buffer(marks%mark, err, 4*int(n, int64)*rows)
     end subroutine begin_marks
+
+    !> Boxes of cells as kernels are told them: lowest and highest cell.
+    pure function asks_of(boxes) result(asks)
+        type(box_t), intent(in) :: boxes(:)
+        integer :: asks(6*size(boxes))
+        integer :: r
+
+        asks = [(boxes(r)%lo, boxes(r)%hi, r=1, size(boxes))]
+    end function asks_of
 
     !> How many places of each body are marked for each process. Marks become running sums.
     subroutine count_marks(n, first, common, kernels, marks, number, err)
@@ -56,20 +76,52 @@ contains
         number = reshape(at(2:) - at(:size(at) - 1), shape(number))
     end subroutine count_marks
 
-    !> The marked places, process by process.
-    subroutine list_marks(n, number, kernels, marks, list, err)
+    !> The marked places of some rows, process by process.
+    subroutine list_marks(n, rows, number, kernels, marks, list, err)
         integer, intent(in) :: n !! places
-        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
+        integer, intent(in) :: rows(2) !! the first and the last row
+        integer(int64), intent(in) :: number(:, :) !! (bodies, rows)
         type(place_kernels_t), intent(in) :: kernels
         type(gpu_marks_t), intent(in) :: marks !! running sums
         type(gpu_places_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
 
-        call find_firsts(number, list%first)
-        call reserve_buffer(list%place, 4*max(sum(number), 1_int64), err)
-        if (sum(number) > 0) &
-            call kernels%list_marked(n*size(number, 2), n, marks%mark, list%place, err)
+        integer(int64) :: listed
+
+        listed = sum(number(:, rows(1):rows(2)))
+        call find_firsts(number(:, rows(1):rows(2)), list%first)
+        call reserve_buffer(list%place, 4*max(listed, 1_int64), err)
+        if (listed > 0) call kernels%list_marked(n*(rows(2) - rows(1) + 1), n, &
+            int(sum(number(:, :rows(1) - 1))), from(marks%mark, int(n, int64)*(rows(1) - 1) + 1), &
+            list%place, err)
     end subroutine list_marks
+
+    !> Places of what comes, that of a process and body in one piece, process by process.
+    subroutine place_pieces(number, before, kernels, pieces, list, err)
+        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
+        integer, intent(inout) :: before(:) !! (bodies) places that are taken; these ones, too, then
+        type(place_kernels_t), intent(in) :: kernels
+        type(integers_t), intent(inout) :: pieces
+        type(gpu_places_t), intent(inout) :: list
+        type(error_t), intent(inout) :: err
+        integer :: b, k, n, piece(2, size(number)), r
+
+        n = 0
+        k = 0
+        do r = 1, size(number, 2)
+            do b = 1, size(number, 1)
+                k = k + 1
+                piece(2, k) = before(b) - n
+                n = n + int(number(b, r))
+                before(b) = before(b) + int(number(b, r))
+                piece(1, k) = n
+            end do
+        end do
+        call find_firsts(number, list%first)
+        call reserve_buffer(list%place, 4*max(n, 1)*1_int64, err)
+        call put_places(reshape(piece, [2*k]), pieces, err)
+        call kernels%give_place(n, k, pieces, list%place, err)
+    end subroutine place_pieces
 
     !> First entry of the parcel of each process.
     pure subroutine find_firsts(number, first)

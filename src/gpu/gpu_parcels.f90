@@ -2,12 +2,12 @@
 !> What particles need of those of other processes, between GPUs: as brz_gpu_fetch, for lists of
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
-    use brz_buffers, only: buffer_t, integers_t
+    use brz_buffers, only: buffer_t, integers_t, part_from => from
     use brz_device, only: copy_in, device_t, free_buffers, reserve_buffer
     use brz_errors, only: error_t, exit_device, raise
-    use brz_gpu_peers, only: peers_t
+    use brz_gpu_peers, only: begins, peers_t
     use brz_kinds, only: int64
-    use brz_mail, only: mail_t, make_room
+    use brz_mail, only: mail_t, make_room, tell_all
     use brz_place_launches, only: place_kernels_t
     use brz_ranks, only: ranks_t, several
     use brz_solid_part, only: part_t
@@ -15,9 +15,12 @@ module brz_gpu_parcels
     private
     public :: gpu_parcels_t, gpu_places_t, rows_t, rows_of, put_places
 
-    !> Particles that are in a message: parcel r is entries first(r) to first(r + 1) - 1.
+    !> Particles that are in a message: parcel r is entries first(r) to first(r + 1) - 1. What a
+    !> process has for itself never leaves its GPU.
     type :: gpu_places_t
         integer, allocatable :: first(:) !! (0:processes)
+        integer(int64), allocatable :: there(:)
+        !! (0:processes - 1) particles in the other arena before those of this process
         type(integers_t) :: place
     end type gpu_places_t
 
@@ -38,7 +41,7 @@ module brz_gpu_parcels
         type(peers_t) :: peers
         type(place_kernels_t) :: kernels
     contains
-        procedure :: open, close, refresh, send, move
+        procedure :: open, close, refresh, aim, send, move
     end type gpu_parcels_t
 
 contains
@@ -51,6 +54,7 @@ contains
         type(part_t), intent(in) :: part
         integer, intent(in) :: most !! words of 4 B of a particle in a message
         type(error_t), intent(inout) :: err
+        integer(int64) :: all(1, ranks%n, ranks%n), number(1, ranks%n)
 
         self%ranks = ranks
         if (.not. several(ranks)) return
@@ -60,8 +64,10 @@ contains
         call self%kernels%open(device, err)
         call put_places(part%out%place, self%out%place, err)
         call put_places(part%in%place, self%in%place, err)
-        call self%peers%open(ranks, int(self%out%first, int64), int(self%in%first, int64), &
-                             4*self%most, err, anew=.true.)
+        call self%peers%open(ranks, 0_int64, err)
+        number(1, :) = part%out%first(1:) - part%out%first(:ranks%n - 1)
+        call tell_all(ranks, number, all)
+        call self%aim(all(1, :, :), self%out, err)
     end subroutine open
 
     !> A list of places, into a buffer with room for it.
@@ -111,38 +117,112 @@ contains
         call bring(self, self%out, self%in, arrays, arrays, err)
     end subroutine refresh
 
-    !> The same for other particles, of whom each process has told the others how many it sends.
+    !> Get ready to send a list of which all processes know how many go from each to each.
+    subroutine aim(self, number, list, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
+        type(gpu_places_t), intent(inout) :: list
+        type(error_t), intent(inout) :: err
+        integer(int64) :: most, others(size(number, 1), size(number, 2))
+        integer :: r
+
+        others = number
+        do r = 1, size(others, 1)
+            others(r, r) = 0
+        end do
+        call begins(self%ranks%rank, others, list%there, most)
+        call self%peers%reserve(self%ranks, most*4*self%most, err)
+    end subroutine aim
+
+    !> Send other particles, to other arrays with as many words of each.
     subroutine send(self, out, in, from, to, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(gpu_places_t), intent(in) :: out, in
-        type(rows_t), intent(in) :: from(:), to(:) !! arrays with as many words of a particle
+        type(gpu_places_t), intent(in) :: out, in !! all processes have aimed `out`
+        type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
 
-        call self%peers%aim(self%ranks, int(out%first, int64), int(in%first, int64), &
-                            4*self%most, err)
         call bring(self, out, in, from, to, err)
+        call carry(self, out, in, from, to, err)
     end subroutine send
 
-    !> Send the rows of listed particles, and put those that come where a list says.
+    !> Send the rows of listed particles to others, and put those that come where a list says.
     subroutine bring(self, out, in, from, to, err)
         class(gpu_parcels_t), intent(inout) :: self
         type(gpu_places_t), intent(in) :: out, in
         type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
-        integer :: n, wide
+        integer :: goes(0:self%ranks%n), comes(0:self%ranks%n), half, wide
 
-        n = self%ranks%n
-        wide = width_of(from)
-        if (wide > self%most) call raise(err, exit_device, 'a message of particles is longer '// &
-                                         'than what was reserved for it: this is an error of '// &
-                                         'the program')
-        call make_room(self%ranks, 4_int64*wide*(out%first(1:n) - out%first(0:n - 1)), &
-                       4_int64*wide*(in%first(1:n) - in%first(0:n - 1)), self%mail)
-        call reserve_buffer(self%words, 4_int64*wide*max(out%first(n), in%first(n)), err)
-        call pick(self, out%place, out%first(n) - 1, from, err)
-        call self%peers%swap(self%ranks, self%mail, 4*wide, self%words, self%came, err)
-        call put(self, self%came, in%place, in%first(n) - 1, to, err)
+        associate (n => self%ranks%n, me => self%ranks%rank)
+            goes = without(me, out%first)
+            comes = without(me, in%first)
+            wide = width_of(from)
+            if (wide > self%most) call raise(err, exit_device, 'a message of particles is '// &
+                'longer than what was reserved for it: this is an error of the program')
+            call make_room(self%ranks, 4_int64*wide*(goes(1:) - goes(:n - 1)), &
+                           4_int64*wide*(comes(1:) - comes(:n - 1)), self%mail, &
+                           elsewhere=self%peers%linked)
+            call reserve_buffer(self%words, 4_int64*wide*max(goes(n), comes(n)), err)
+            do half = 1, 2 ! before and behind what stays here
+                associate (r => merge(0, me + 1, half == 1), s => merge(me, n, half == 1))
+                    call pick(self, from_place(out, r), goes(s) - goes(r), from, &
+                              record_at(self%words, wide, goes(r)), err)
+                end associate
+            end do
+            call self%peers%swap(self%ranks, self%mail, 4*wide, out%there, self%words, self%came, &
+                                 err)
+            do half = 1, 2
+                associate (r => merge(0, me + 1, half == 1), s => merge(me, n, half == 1))
+                    call put(self, record_at(self%came, wide, comes(r)), from_place(in, r), &
+                             comes(s) - comes(r), to, err)
+                end associate
+            end do
+        end associate
     end subroutine bring
+
+    !> First entries of parcels where that of a process to itself is left out.
+    pure function without(me, first) result(others)
+        integer, intent(in) :: me, first(0:) !! (processes + 1)
+        integer :: others(0:ubound(first, 1))
+
+        others = first
+        others(me + 1:) = first(me + 1:) - (first(me + 1) - first(me))
+    end function without
+
+    !> The places of parcel r and those behind it.
+    pure type(integers_t) function from_place(list, r) result(place)
+        type(gpu_places_t), intent(in) :: list
+        integer, intent(in) :: r
+
+        place = part_from(list%place, int(list%first(r), int64))
+    end function from_place
+
+    !> Records from entry k on.
+    pure type(integers_t) function record_at(records, wide, k) result(those)
+        type(integers_t), intent(in) :: records
+        integer, intent(in) :: wide, k !! words of each; an entry, from 1
+
+        those = part_from(records, int(wide, int64)*(k - 1) + 1)
+    end function record_at
+
+    !> What a process has for itself: from array to array.
+    subroutine carry(self, out, in, from, to, err)
+        class(gpu_parcels_t), intent(in) :: self
+        type(gpu_places_t), intent(in) :: out, in
+        type(rows_t), intent(in) :: from(:), to(:)
+        type(error_t), intent(inout) :: err
+        integer :: k, n
+
+        associate (me => self%ranks%rank)
+            n = out%first(me + 1) - out%first(me)
+            do k = 1, merge(size(from), 0, n > 0)
+                associate (a => from(k), b => to(k), wide => from(k)%words*from(k)%columns)
+                    call self%kernels%carry_words(n*wide, wide, a%words, a%stride, &
+                        from_place(out, me), a%of, b%words, b%stride, from_place(in, me), b%of, err)
+                end associate
+            end do
+        end associate
+    end subroutine carry
 
     !> Move the rows of listed particles to other places of this process, which none of them has.
     subroutine move(self, from, to, arrays, err)
@@ -155,7 +235,7 @@ contains
         if (size(from) == 0) return
         call reserve_buffer(self%words, 4_int64*width_of(arrays)*size(from), err)
         call put_places(from, list, err)
-        call pick(self, list, size(from), arrays, err)
+        call pick(self, list, size(from), arrays, self%words, err)
         call put_places(to, list, err)
         call put(self, self%words, list, size(from), arrays, err)
         call free_buffers(list)
@@ -169,19 +249,20 @@ contains
     end function width_of
 
     !> Rows of n listed particles, into their records.
-    subroutine pick(self, place, n, arrays, err)
-        class(gpu_parcels_t), intent(inout) :: self
+    subroutine pick(self, place, n, arrays, records, err)
+        class(gpu_parcels_t), intent(in) :: self
         type(integers_t), intent(in) :: place
         integer, intent(in) :: n
         type(rows_t), intent(in) :: arrays(:)
+        type(integers_t), intent(in) :: records
         type(error_t), intent(inout) :: err
         integer :: before, k
 
         before = 0
         do k = 1, merge(size(arrays), 0, n > 0)
             associate (a => arrays(k))
-                call self%kernels%pick_words(n, a%words, a%columns, a%stride, width_of(arrays), &
-                                             before, place, a%of, self%words, err)
+                call self%kernels%pick_words(n*a%words*a%columns, a%words, a%columns, a%stride, &
+                                             width_of(arrays), before, place, a%of, records, err)
                 before = before + a%words*a%columns
             end associate
         end do
@@ -189,7 +270,7 @@ contains
 
     !> The way back.
     subroutine put(self, records, place, n, arrays, err)
-        class(gpu_parcels_t), intent(inout) :: self
+        class(gpu_parcels_t), intent(in) :: self
         type(integers_t), intent(in) :: records, place
         integer, intent(in) :: n
         type(rows_t), intent(in) :: arrays(:)
@@ -199,8 +280,8 @@ contains
         before = 0
         do k = 1, merge(size(arrays), 0, n > 0)
             associate (a => arrays(k))
-                call self%kernels%put_words(n, a%words, a%columns, a%stride, width_of(arrays), &
-                                            before, place, records, a%of, err)
+                call self%kernels%put_words(n*a%words*a%columns, a%words, a%columns, a%stride, &
+                                            width_of(arrays), before, place, records, a%of, err)
                 before = before + a%words*a%columns
             end associate
         end do

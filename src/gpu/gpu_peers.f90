@@ -18,7 +18,7 @@ module brz_gpu_peers
     use brz_ranks, only: agree, least_of_all, ranks_t, several
     implicit none
     private
-    public :: peers_t
+    public :: peers_t, begins
 
     integer(int64), parameter :: block = 2_int64**21
     !! bytes: the driver shares whole blocks of memory, so an arena fills its own
@@ -27,55 +27,53 @@ module brz_gpu_peers
     type :: peers_t
         logical :: linked = .false. !! parcels go straight to the other GPUs
         integer :: turn = 0 !! half of the next exchange
+        integer(int64) :: half = 0 !! its bytes, in all processes
         type(buffer_t) :: arena
-        integer(int64), allocatable :: out(:) !! (0:processes) first element for each of them
-        integer(c_intptr_t), allocatable :: place(:) !! (0:processes - 1) their arenas, 0: no parcel
-        integer(int64), allocatable :: first(:) !! elements before the parcel of this process there
-        integer(int64), allocatable :: half(:) !! bytes of a half of theirs
+        integer(c_intptr_t), allocatable :: place(:) !! (0:processes - 1) the arenas of all
     contains
-        procedure :: open, aim, close, swap
+        procedure :: open, reserve, close, swap
     end type peers_t
 
 contains
 
-    !> Link all processes for parcels of elements of up to `most` bytes; all must call.
-    subroutine open (self, ranks, out, in, most, err, anew)
+    !> Where the parcels of this process begin in the arenas of others, and what an arena must hold:
+    !> elements, from how many each process sends to each.
+    pure subroutine begins(rank, number, there, most)
+        integer, intent(in) :: rank !! this one
+        integer(int64), intent(in) :: number(0:, 0:) !! (to, from)
+        integer(int64), allocatable, intent(out) :: there(:) !! (0:processes - 1) before them
+        integer(int64), intent(out) :: most
+
+        allocate (there(0:ubound(number, 1)))
+        there = sum(number(:, :rank - 1), dim=2)
+        most = maxval(sum(number, dim=2))
+    end subroutine begins
+
+    !> Link all processes, with halves of so many bytes in all of them; all must call.
+    subroutine open (self, ranks, bytes, err)
         class(peers_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks
-        integer(int64), intent(in) :: out(0:), in(0:) !! (0:processes) first element, from 1
-        integer, intent(in) :: most
+        integer(int64), intent(in) :: bytes !! the same in all processes
         type(error_t), intent(inout) :: err
-        logical, intent(in), optional :: anew !! others may get parcels later, by `aim`
         type(ipc_handle_t) :: handle
-        integer(int64), allocatable :: told(:, :), heard(:, :)
-        integer(int64) :: half
+        integer(int64), dimension(8, 0:ranks%n - 1) :: told, heard
         real(dp) :: good(1)
         integer :: r
-        logical :: direct
 
         if (.not. several(ranks)) return
-        allocate (told(10, 0:ranks%n - 1), heard(10, 0:ranks%n - 1))
         allocate (self%place(0:ranks%n - 1), source=0_c_intptr_t)
-        half = ((in(ranks%n) - 1)*most + line - 1)/line*line
-        call allocate_buffer(self%arena, max(2*half + block - 1, block)/block*block, err)
-        direct = .not. by_mpi()
-        if (ranks%here < ranks%n .or. failed(err)) direct = .false.
-        if (direct) direct = cu_ipc_export(handle, self%arena%address) == 0
-        good = merge(1, 0, direct)
-        do r = 0, ranks%n - 1
-            told(:, r) = [handle%word, in(r) - 1, half]
-        end do
+        self%half = (bytes + line - 1)/line*line
+        call allocate_buffer(self%arena, max(2*self%half + block - 1, block)/block*block, err)
+        good = 0
+        if (ranks%here == ranks%n .and. .not. (failed(err) .or. by_mpi())) &
+            good = merge(1, 0, cu_ipc_export(handle, self%arena%address) == 0)
+        told = spread(handle%word, 2, ranks%n)
         call tell_counts(ranks, told, heard)
         call least_of_all(ranks, good) ! who has no handle is asked for nothing
-        allocate (self%out(0:ranks%n), source=out)
-        allocate (self%first(0:ranks%n - 1), source=heard(9, :))
-        allocate (self%half(0:ranks%n - 1), source=heard(10, :))
+        self%place(ranks%rank) = self%arena%address
         do r = 0, ranks%n - 1
-            if (good(1) <= 0) cycle
-            if (out(r + 1) == out(r) .and. .not. present(anew)) cycle
-            self%place(r) = self%arena%address
-            if (r == ranks%rank) cycle
-            handle%word = heard(:8, r)
+            handle%word = heard(:, r)
+            if (good(1) <= 0 .or. r == ranks%rank) cycle
             if (cu_ipc_open(self%place(r), handle, ipc_lazily) == 0) cycle
             self%place(r) = 0
             good = 0
@@ -85,28 +83,18 @@ contains
         if (good(1) <= 0) call self%close(ranks)
     end subroutine open
 
-    !> Other parcels from now on; all must call. Where one lacks room all link anew, with some to
-    !> spare.
-    subroutine aim(self, ranks, out, in, most, err)
+    !> Room for so many bytes in a half, the same in all processes. Where there is less all link
+    !> anew, with some to spare.
+    subroutine reserve(self, ranks, bytes, err)
         class(peers_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks
-        integer(int64), intent(in) :: out(0:), in(0:) !! (0:processes) first element, from 1
-        integer, intent(in) :: most !! bytes of an element
+        integer(int64), intent(in) :: bytes
         type(error_t), intent(inout) :: err
-        integer(int64) :: told(2, 0:ranks%n - 1), heard(2, 0:ranks%n - 1)
 
-        if (.not. self%linked) return
-        told(1, :) = in(0:ranks%n - 1) - 1
-        told(2, :) = merge(1, 0, (in(ranks%n) - 1)*most > self%half(ranks%rank))
-        call tell_counts(ranks, told, heard)
-        if (any(heard(2, :) > 0)) then
-            call self%close(ranks)
-            call self%open(ranks, out, in, most + most/2, err, anew=.true.)
-        else
-            self%first = heard(1, :)
-            self%out = out
-        end if
-    end subroutine aim
+        if (.not. self%linked .or. bytes <= self%half) return
+        call self%close(ranks)
+        call self%open(ranks, bytes + bytes/2, err)
+    end subroutine reserve
 
     !> Let go of the memory of the others, then of this one's; all must call.
     subroutine close (self, ranks)
@@ -121,17 +109,18 @@ contains
         end do
         call agree(ranks, none)
         call free_buffer(self%arena)
-        deallocate (self%place, self%out, self%first, self%half)
+        deallocate (self%place)
         self%linked = .false.
     end subroutine close
 
     !> Bring every parcel to its process, and tell where those of others have come to. Who has an
     !> error takes part with what there is.
-    subroutine swap(self, ranks, mail, bytes, parcels, came, err)
+    subroutine swap(self, ranks, mail, bytes, there, parcels, came, err)
         class(peers_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks
         type(mail_t), intent(inout) :: mail !! says how long the parcels are
         integer, intent(in) :: bytes !! of an element
+        integer(int64), intent(in) :: there(0:) !! elements before the parcel in the other arena
         class(buffer_t), intent(in) :: parcels !! one after the other; room for those that come
         class(buffer_t), intent(inout) :: came !! its address is set
         type(error_t), intent(inout) :: err
@@ -145,15 +134,16 @@ contains
             came%address = parcels%address
             return
         end if
-        do r = 0, ranks%n - 1
-            if (self%out(r + 1) == self%out(r)) cycle
-            from%address = parcels%address + (self%out(r) - 1)*bytes
-            to%address = self%place(r) + self%turn*self%half(r) + self%first(r)*bytes
-            call copy_within(from, to, (self%out(r + 1) - self%out(r))*bytes, err)
-        end do
+        associate (first => mail%out_first, half => self%turn*self%half)
+            do r = 0, ranks%n - 1
+                from%address = parcels%address + first(r) - 1
+                to%address = self%place(r) + half + there(r)*bytes
+                call copy_within(from, to, first(r + 1) - first(r), err)
+            end do
+        end associate
         call wait_for_device(err)
         call greet(ranks, mail)
-        came%address = self%arena%address + self%turn*self%half(ranks%rank)
+        came%address = self%arena%address + self%turn*self%half
         self%turn = 1 - self%turn
     end subroutine swap
 

@@ -10,7 +10,7 @@ module brz_gpu_solid_home
     use brz_buffers, only: from
     use brz_device, only: clear_buffer, copy_in, copy_out, free_buffers, reserve_buffer
     use brz_errors, only: error_t
-    use brz_gpu_marks, only: find_firsts
+    use brz_gpu_marks, only: find_firsts, place_pieces
     use brz_gpu_parcels, only: gpu_places_t, put_places
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_links, only: build_gpu_links, settle_gpu_links
@@ -19,7 +19,7 @@ module brz_gpu_solid_home
     use brz_gpu_solid_state, only: book_of, gpu_solid_t, lay_arrays, record_of
     use brz_gpu_solid_sums, only: fetch_ledgers
     use brz_kinds, only: dp, int64
-    use brz_mail, only: tell_counts
+    use brz_mail, only: tell_all
     use brz_ranks, only: most_of_all
     use brz_solid_home, only: all_particles, uneven
     use brz_solid_regions, only: cut_regions
@@ -73,25 +73,27 @@ contains
         logical, intent(in) :: stale(:)
         logical, intent(out) :: recut, grown
         type(error_t), intent(inout) :: err
-        integer(int64), dimension(size(stale) + 1, solid%ranks%n) :: out, in
+        integer(int64) :: out(size(stale) + 1, solid%ranks%n), in(size(stale), solid%ranks%n)
+        integer(int64) :: all(size(stale) + 1, solid%ranks%n, solid%ranks%n)
         integer :: need(size(stale))
 
         recut = .false.
         do
             call mark_leaving(gpu, solid, stale .or. recut, out(:size(stale), :), err)
             out(size(stale) + 1, :) = sum(gpu%bodies%last - gpu%bodies%first + 1)
-            call tell_counts(solid%ranks, out, in)
+            call tell_all(solid%ranks, out, all)
             if (recut) exit
-            if (.not. are_uneven(solid, in(size(stale) + 1, :))) exit
+            if (.not. are_uneven(solid, all(size(stale) + 1, 1, :))) exit
             call cut_anew(gpu, solid, err)
             recut = .true.
         end do
         associate (n => size(stale))
+            in = all(:n, solid%ranks%rank + 1, :)
             gpu%bodies%rim = gpu%bodies%last
-            need = gpu%bodies%last - gpu%bodies%first + 1 + int(sum(in(:n, :), dim=2))
+            need = gpu%bodies%last - gpu%bodies%first + 1 + int(sum(in, dim=2))
             call make_room(gpu, solid, need, grown, err)
             if (grown) call mark_leaving(gpu, solid, stale .or. recut, out(:n, :), err)
-            call change_places(gpu, solid, out(:n, :), in(:n, :), err)
+            call change_places(gpu, solid, out(:n, :), in, sum(all(:n, :, :), 1), err)
         end associate
     end subroutine go_home
 
@@ -130,10 +132,11 @@ contains
     end subroutine cut_anew
 
     !> Send the marked particles, take in what comes, and close up.
-    subroutine change_places(gpu, solid, out, in, err)
+    subroutine change_places(gpu, solid, out, in, all, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes)
+        integer(int64), intent(in) :: all(:, :) !! (to processes, from processes)
         type(error_t), intent(inout) :: err
         type(gpu_places_t) :: leaving, coming
         integer, allocatable :: gone(:), place(:), old(:), new(:)
@@ -142,6 +145,7 @@ contains
         changed = sum(out, dim=2) + sum(in, dim=2) > 0
         if (any(changed)) call close_books(gpu, solid, changed, err)
         call list_places(gpu, out, leaving, err)
+        call gpu%ghosts%aim(all, leaving, err)
         allocate (gone(sum(out)), source=0)
         call copy_out(leaving%place, gone, 4_int64*size(gone), err)
         call choose_places(gpu, gone, leaving%first, out, in, place, old, new)
@@ -224,29 +228,23 @@ contains
         logical, intent(inout) :: grown
         type(error_t), intent(inout) :: err
         integer(int64), dimension(size(gpu%bodies), solid%ranks%n) :: out, in
-        integer, allocatable :: place(:)
-        integer :: b, k, next(size(gpu%bodies)), r
+        integer(int64) :: all(size(gpu%bodies), solid%ranks%n, solid%ranks%n)
+        integer :: next(size(gpu%bodies))
         logical :: now
 
         call mark_ghosts(gpu, solid, out, err)
-        call tell_counts(solid%ranks, out, in)
+        call tell_all(solid%ranks, out, all)
+        in = all(:, solid%ranks%rank + 1, :)
         gpu%bodies%rim = gpu%bodies%last
         call make_room(gpu, solid, gpu%bodies%last - gpu%bodies%first + 1 + int(sum(in, dim=2)), &
                        now, err)
         grown = grown .or. now
         if (now) call mark_ghosts(gpu, solid, out, err)
         call list_places(gpu, out, gpu%ghosts%out, err)
+        call gpu%ghosts%aim(sum(all, 1), gpu%ghosts%out, err)
         next = gpu%bodies%last
-        allocate (place(0))
-        do r = 1, solid%ranks%n
-            do b = 1, size(next)
-                place = [place, (next(b) + k, k=1, int(in(b, r)))]
-                next(b) = next(b) + int(in(b, r))
-            end do
-        end do
+        call place_pieces(in, next, gpu%ghosts%kernels, gpu%marks%pieces, gpu%ghosts%in, err)
         gpu%bodies%rim = next
-        call find_firsts(in, gpu%ghosts%in%first)
-        call put_places(place, gpu%ghosts%in%place, err)
         call gpu%ghosts%send(gpu%ghosts%out, gpu%ghosts%in, record_of(gpu), record_of(gpu), err)
         call tell_kernels(gpu, err)
     end subroutine lay_ghosts

@@ -5,7 +5,7 @@ module brz_gpu_solid_marks
     use brz_buffers, only: doubles_t, from
     use brz_device, only: free_buffers, put_buffer
     use brz_errors, only: error_t
-    use brz_ghost_wants, only: planes_of, wants_of
+    use brz_ghost_wants, only: inhabited, planes_of, wants_of
     use brz_gpu_marks, only: begin_marks, count_marks, list_marks
     use brz_gpu_parcels, only: gpu_places_t
     use brz_gpu_solid_state, only: gpu_solid_t
@@ -43,7 +43,7 @@ contains
     !> Mark the particles that others have ghosts of, and count them.
     subroutine mark_ghosts(gpu, solid, number, err)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
         type(error_t), intent(inout) :: err
         type(doubles_t) :: region, wants
@@ -51,7 +51,14 @@ contains
         integer :: b, r
 
         call begin_marks(gpu%n, solid%ranks%n, gpu%marks, err)
-        call put_buffer(solid%part%region, region, 48_int64*solid%ranks%n, err)
+        do b = 1, size(gpu%bodies)
+            associate (lowest => merge(gpu%bodies(b)%box(:, 1), -huge(1.0_dp), solid%mirror))
+                if (b == 1) solid%part%lowest = lowest
+                solid%part%lowest = min(solid%part%lowest, lowest)
+            end associate
+        end do
+        call put_buffer([(inhabited(solid, solid%part%region(:, :, r)), r=0, solid%ranks%n - 1)], &
+                        region, 48_int64*solid%ranks%n, err)
         do b = 1, size(number, 1)
             want = wants_of(solid, b)
             if (size(want) == 0) cycle
@@ -88,6 +95,7 @@ contains
         type(gpu_places_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
 
-        call list_marks(gpu%n, number, gpu%ghosts%kernels, gpu%marks, list, err)
+        call list_marks(gpu%n, [1, size(number, 2)], number, gpu%ghosts%kernels, gpu%marks, list, &
+                        err)
     end subroutine list_places
 end module brz_gpu_solid_marks

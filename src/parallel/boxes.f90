@@ -7,12 +7,22 @@ module brz_boxes
     use brz_kinds, only: dp, int64
     implicit none
     private
-    public :: box_t, common, widened, is_empty, cells_of, cut_grid, most_boxes
+    public :: box_t, crowd_t, common, widened, is_empty, cells_of, cut_grid, most_boxes
 
     !> Cells lo..hi of the whole grid, both included.
     type :: box_t
         integer :: lo(3) = 1, hi(3) = 0
     end type box_t
+
+    !> A body where the grid is cut: particles that fill a box.
+    type :: crowd_t
+        real(dp) :: lo(3) = 0, hi(3) = 0 !! corners, in cells from that of the grid
+        real(dp) :: particles = 0
+    end type crowd_t
+
+    ! what the coupling of a particle costs in steps of a cell (0.41 ns over 0.29 ns on an H200),
+    ! and a cell beside a cut, of which 1.2 kB are sent in a step
+    real(dp), parameter :: particle_cost = 1.4_dp, face_cost = 20
 
 contains
 
@@ -56,43 +66,113 @@ contains
         most_boxes = product(int(max(n/brick, 1), int64))
     end function most_boxes
 
-    !> Cut a grid into boxes of cells as even as whole bricks allow; at most `most_boxes`.
-    pure subroutine cut_grid(n, brick, boxes)
+    !> Cut a grid into boxes of cells as even as whole bricks allow; at most `most_boxes`. Where
+    !> there are bodies in it, so that these are shared, too.
+    pure subroutine cut_grid(n, brick, boxes, crowds)
         integer, intent(in) :: n(3) !! cells
         integer, intent(in) :: brick !! cells per side of a brick
         type(box_t), intent(out) :: boxes(0:) !! (processes)
+        type(crowd_t), intent(in), optional :: crowds(:)
 
-        call halve(box_t([1, 1, 1], n), brick, boxes)
+        if (present(crowds)) then
+            call halve(box_t([1, 1, 1], n), brick, crowds, boxes)
+        else
+            call halve(box_t([1, 1, 1], n), brick, [crowd_t ::], boxes)
+        end if
     end subroutine cut_grid
 
-    !> Cut a box across its longest side that can be cut, in proportion to the processes on each
-    !> side, until there is one process.
-    pure recursive subroutine halve(box, brick, boxes)
+    !> Cut a box in two, in proportion to the processes on each side, until there is one process.
+    pure recursive subroutine halve(box, brick, crowds, boxes)
         type(box_t), intent(in) :: box
         integer, intent(in) :: brick
+        type(crowd_t), intent(in) :: crowds(:)
         type(box_t), intent(out) :: boxes(0:)
-        type(box_t) :: low, high
-        integer :: bricks(3), across, below, d, layers, n, trial
+        type(box_t) :: half(2)
+        integer :: below
 
-        n = size(boxes)
         boxes(0) = box
-        if (n == 1) return
-        bricks = max((box%hi - box%lo + 1)/brick, 1) ! the last one may be thicker
-        do trial = 3, 1, -1 ! from the longest side to the shortest
-            d = side_of(box, trial)
-            if (bricks(d) > 1) exit
+        if (size(boxes) == 1) return
+        call choose_cut(box, brick, crowds, size(boxes), half, below)
+        call halve(half(1), brick, crowds, boxes(:below - 1))
+        call halve(half(2), brick, crowds, boxes(below:))
+    end subroutine halve
+
+    !> Cut a box across its longest side that can be cut. Where there are bodies, across the one
+    !> that costs least: air and coupling wait each for the process that has most of it, and what is
+    !> beside the cut is sent.
+    pure subroutine choose_cut(box, brick, crowds, n, half, below)
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: brick
+        type(crowd_t), intent(in) :: crowds(:)
+        integer, intent(in) :: n !! processes
+        type(box_t), intent(out) :: half(2)
+        integer, intent(out) :: below !! processes of the lower half
+        type(box_t) :: trial(2)
+        real(dp) :: cost, least
+        integer :: d, h, k, m
+
+        least = huge(least)
+        do k = 3, 1, -1 ! from the longest side to the shortest
+            d = side_of(box, k)
+            if (box%hi(d) - box%lo(d) + 1 < 2*brick) cycle
+            call cut_across(box, brick, d, n, trial, m)
+            cost = greater(real(cells_of(trial), dp)) &
+                + particle_cost*greater([(crowd_of(crowds, trial(h)), h=1, 2)]) &
+                + face_cost*real(cells_of(box), dp)/(box%hi(d) - box%lo(d) + 1)
+            if (cost >= least) cycle
+            least = cost
+            half = trial
+            below = m
+            if (size(crowds) == 0) return
         end do
+
+    contains
+
+        !> Of the halves the one that has most for each of its processes.
+        pure real(dp) function greater(x)
+            real(dp), intent(in) :: x(2)
+
+            greater = maxval(x/[m, n - m])
+        end function greater
+    end subroutine choose_cut
+
+    !> Cut a box across direction d.
+    pure subroutine cut_across(box, brick, d, n, half, below)
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: brick, d
+        integer, intent(in) :: n !! processes
+        type(box_t), intent(out) :: half(2)
+        integer, intent(out) :: below !! processes of the lower half
+        integer :: bricks(3), across, layers
+
+        bricks = max((box%hi - box%lo + 1)/brick, 1) ! the last one may be thicker
         across = product(bricks)/bricks(d)
         layers = min(max(nint(real(bricks(d), dp)*(n/2)/n), 1), bricks(d) - 1)
         below = max(n/2, 1, n - (bricks(d) - layers)*across) ! no side gets more than it has bricks
         below = min(below, n - 1, layers*across)
-        low = box
-        high = box
-        low%hi(d) = box%lo(d) - 1 + layers*brick
-        high%lo(d) = low%hi(d) + 1
-        call halve(low, brick, boxes(:below - 1))
-        call halve(high, brick, boxes(below:))
-    end subroutine halve
+        half = box
+        half(1)%hi(d) = box%lo(d) - 1 + layers*brick
+        half(2)%lo(d) = half(1)%hi(d) + 1
+    end subroutine cut_across
+
+    !> Particles of bodies in a box, about.
+    pure real(dp) function crowd_of(crowds, box) result(n)
+        type(crowd_t), intent(in) :: crowds(:)
+        type(box_t), intent(in) :: box
+        real(dp) :: share, wide
+        integer :: d, k
+
+        n = 0
+        do k = 1, size(crowds)
+            share = 1
+            do d = 1, 3
+                wide = max(crowds(k)%hi(d) - crowds(k)%lo(d), tiny(wide))
+                share = share*max(min(crowds(k)%hi(d), real(box%hi(d), dp)) &
+                                  - max(crowds(k)%lo(d), box%lo(d) - 1.0_dp), 0.0_dp)/wide
+            end do
+            n = n + share*crowds(k)%particles
+        end do
+    end function crowd_of
 
     !> The direction of the side that is `place`-th in length, 3 for the longest; of equal ones the
     !> last direction counts as longer.

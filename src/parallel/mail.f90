@@ -12,7 +12,7 @@ module brz_mail
     use brz_timer, only: lap, wall_seconds
     implicit none
     private
-    public :: mail_t, tell_counts, make_room, post, greet, put_numbers, take_numbers, &
+    public :: mail_t, tell_counts, tell_all, make_room, post, greet, put_numbers, take_numbers, &
               outgoing, incoming
 
     integer, parameter :: tag = 90
@@ -42,11 +42,24 @@ contains
         call lap(mark, traffic%seconds)
     end subroutine tell_counts
 
-    !> Room for parcels of so many bytes.
-    subroutine make_room(ranks, out, in, mail)
+    !> Tell every process the numbers for all of them.
+    subroutine tell_all(ranks, out, all)
+        type(ranks_t), intent(in) :: ranks
+        integer(int64), intent(in) :: out(:, :) !! (numbers, to processes)
+        integer(int64), intent(out) :: all(:, :, :) !! (numbers, to processes, from processes)
+        integer(int64), dimension(size(out), ranks%n) :: told, heard
+
+        told = spread(reshape(out, [size(out)]), 2, ranks%n)
+        call tell_counts(ranks, told, heard)
+        all = reshape(heard, shape(all))
+    end subroutine tell_all
+
+    !> Room for parcels of so many bytes, or with `elsewhere` only where they begin.
+    subroutine make_room(ranks, out, in, mail, elsewhere)
         type(ranks_t), intent(in) :: ranks
         integer(int64), intent(in) :: out(0:), in(0:) !! (processes) bytes to and from each
         type(mail_t), intent(inout) :: mail
+        logical, intent(in), optional :: elsewhere !! they do not pass through the host
         integer :: r
 
         if (.not. allocated(mail%requests)) then
@@ -59,6 +72,9 @@ contains
             mail%out_first(r + 1) = mail%out_first(r) + (out(r) + unit - 1)/unit*unit
             mail%in_first(r + 1) = mail%in_first(r) + (in(r) + unit - 1)/unit*unit
         end do
+        if (present(elsewhere)) then
+            if (elsewhere) return
+        end if
         call lengthen(mail%out_first(ranks%n), mail%out)
         call lengthen(mail%in_first(ranks%n), mail%in)
     end subroutine make_room

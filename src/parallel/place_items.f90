@@ -8,8 +8,8 @@ module brz_place_items
     use brz_kinds, only: int32, int64, int8, rk
     implicit none
     private
-    public :: pick_reals, put_reals, pick_bytes, put_bytes, pick_words, put_words, &
-        list_marked
+    public :: pick_reals, put_reals, pick_bytes, put_bytes, pick_words, put_words, carry_words, &
+        give_place, list_marked
 
 contains
 
@@ -73,11 +73,12 @@ contains
         array(place(t)) = row(t)
     end subroutine put_bytes
 
-    !> Words of 4 B of a listed particle, into its record, which has those of other arrays, too.
+    !> A word of 4 B of a listed particle, into its record, which has those of other arrays, too.
+    !> One after the other they are those of a record.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine pick_words(t, words, columns, stride, wide, before, place, array, record)
-        integer, intent(in) :: t !! particles of the list
+        integer, intent(in) :: t !! words of all records
         integer, intent(in) :: words !! of a particle in a column
         integer, intent(in) :: columns
         integer(int64), intent(in) :: stride !! words from a column to the next
@@ -85,23 +86,18 @@ contains
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
         integer(int32), intent(in) :: array(*) !! (words, particles) in each column
         integer(int32), intent(inout) :: record(*) !! (wide, particles of the list)
-        integer(int64) :: from, to
-        integer :: c, k
+        integer :: c, p
 
-        do k = 1, columns
-            from = (k - 1)*stride + (place(t) - 1)*int(words, int64)
-            to = (t - 1)*int(wide, int64) + before + (k - 1)*words
-            do c = 1, words
-                record(to + c) = array(from + c)
-            end do
-        end do
+        p = (t - 1)/(words*columns)
+        c = t - 1 - p*(words*columns)
+        record(p*int(wide, int64) + before + c + 1) = array(word_of(place(p + 1), c, words, stride))
     end subroutine pick_words
 
     !> The way back.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine put_words(t, words, columns, stride, wide, before, place, record, array)
-        integer, intent(in) :: t !! particles of the list
+        integer, intent(in) :: t !! words of all records
         integer, intent(in) :: words !! of a particle in a column
         integer, intent(in) :: columns
         integer(int64), intent(in) :: stride !! words from a column to the next
@@ -109,28 +105,73 @@ contains
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
         integer(int32), intent(in) :: record(*) !! (wide, particles of the list)
         integer(int32), intent(inout) :: array(*) !! (words, particles) in each column
-        integer(int64) :: from, to
-        integer :: c, k
+        integer :: c, p
 
-        do k = 1, columns
-            to = (k - 1)*stride + (place(t) - 1)*int(words, int64)
-            from = (t - 1)*int(wide, int64) + before + (k - 1)*words
-            do c = 1, words
-                array(to + c) = record(from + c)
-            end do
-        end do
+        p = (t - 1)/(words*columns)
+        c = t - 1 - p*(words*columns)
+        array(word_of(place(p + 1), c, words, stride)) = record(p*int(wide, int64) + before + c + 1)
     end subroutine put_words
+
+    !> A word of a listed particle, to the particle of another list in another array.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine carry_words(t, wide, words, stride, place, array, words_to, stride_to, &
+                                place_to, array_to)
+        integer, intent(in) :: t !! words of all particles
+        integer, intent(in) :: wide !! of each
+        integer, intent(in) :: words, words_to !! of a particle in a column
+        integer(int64), intent(in) :: stride, stride_to !! words from a column to the next
+        integer(int32), intent(in) :: place(*), place_to(*) !! of each particle, from 1
+        integer(int32), intent(in) :: array(*)
+        integer(int32), intent(inout) :: array_to(*)
+        integer :: c, p
+
+        p = (t - 1)/wide
+        c = t - 1 - p*wide
+        array_to(word_of(place_to(p + 1), c, words_to, stride_to)) = &
+            array(word_of(place(p + 1), c, words, stride))
+    end subroutine carry_words
+
+    !> Where a word of a particle lies in an array of columns.
+    !@cuf attributes(host,device) &
+    pure integer(int64) function word_of(place, before, words, stride) result(at)
+        integer(int32), intent(in) :: place !! of the particle
+        integer, intent(in) :: before !! its words before this one
+        integer, intent(in) :: words !! of a particle in a column
+        integer(int64), intent(in) :: stride !! words from a column to the next
+        integer :: column
+
+        column = before/words
+        at = column*stride + (place - 1)*int(words, int64) + (before - column*words) + 1
+    end function word_of
+
+    !> Places of the entries of a list that is made of pieces.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine give_place(k, pieces, piece, place)
+        integer, intent(in) :: k !! entries
+        integer, intent(in) :: pieces
+        integer(int32), intent(in) :: piece(*) !! (2, pieces) last entry, what an entry is short of
+        integer(int32), intent(inout) :: place(*)
+        integer :: j
+
+        do j = 1, pieces
+            if (k <= piece(2*j - 1)) exit
+        end do
+        place(k) = k + piece(2*j)
+    end subroutine give_place
 
     !> List the places that are marked: `mark`, a row for each process, was 1 there, and is now how
     !> many were marked before.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine list_marked(k, row, mark, place)
+    pure subroutine list_marked(k, row, before, mark, place)
         integer, intent(in) :: k !! marks
         integer, intent(in) :: row !! places of a process
+        integer, intent(in) :: before !! marks that are not listed
         integer(int32), intent(in) :: mark(*)
         integer(int32), intent(inout) :: place(*)
 
-        if (mark(k + 1) > mark(k)) place(mark(k) + 1) = mod(k - 1, row) + 1
+        if (mark(k + 1) > mark(k)) place(mark(k) - before + 1) = mod(k - 1, row) + 1
     end subroutine list_marked
 end module brz_place_items

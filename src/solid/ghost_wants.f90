@@ -6,10 +6,11 @@ module brz_ghost_wants
     use brz_home_items, only: near_region
     use brz_kinds, only: dp
     use brz_list_drift, only: links_reach, may_link
+    use brz_ranks, only: least_of_all
     use brz_solid_state, only: form_rigid, is_gone, solid_t
     implicit none
     private
-    public :: is_needed, planes_of, wants_of
+    public :: find_lowest, inhabited, is_needed, planes_of, wants_of
 
     real(dp), parameter :: beside = 1.5_dp !! spacings within which neighbours on a lattice are
 
@@ -18,7 +19,7 @@ contains
     !> True where a process needs a ghost of a particle, in one of the ways that its body has.
     pure logical function is_needed(solid, region, want, i) result(yes)
         type(solid_t), intent(in) :: solid
-        real(dp), intent(in) :: region(3, 2) !! corners [m]
+        real(dp), intent(in) :: region(3, 2) !! corners, see inhabited [m]
         real(dp), intent(in) :: want(:, :) !! of its body, see wants_of
         integer, intent(in) :: i
         integer :: k
@@ -30,6 +31,35 @@ contains
                                        solid%x_built(:, i) + want(1:3, k))
         end do
     end function is_needed
+
+    !> Where in its region a process may have particles. Without it images, which lie below planes
+    !> of symmetry, would all be in the regions that end there.
+    pure function inhabited(solid, region) result(corners)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: region(3, 2) !! corners [m]
+        real(dp) :: corners(3, 2)
+
+        corners(:, 1) = max(region(:, 1), solid%part%lowest)
+        corners(:, 2) = region(:, 2)
+    end function inhabited
+
+    !> The lowest places `x_built` of particles of all processes, where planes of symmetry are; all
+    !> must call.
+    subroutine find_lowest(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b
+
+        solid%part%lowest = -huge(1.0_dp)
+        if (.not. any(solid%mirror)) return
+        where (solid%mirror) solid%part%lowest = huge(1.0_dp)
+        do b = 1, size(solid%bodies)
+            associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
+                where (solid%mirror) solid%part%lowest = &
+                    min(solid%part%lowest, minval(solid%x_built(:, first:last), 2))
+            end associate
+        end do
+        call least_of_all(solid%ranks, solid%part%lowest)
+    end subroutine find_lowest
 
     !> Planes of symmetry as bits 0..2.
     pure integer function planes_of(solid)

@@ -6,7 +6,7 @@
 !> holds what changes no bit. When lists are built, particles go home (`send_home`), are sorted, and
 !> ghosts are laid behind the particles of each body (`place_ghosts`).
 module brz_solid_home
-    use brz_ghost_wants, only: is_needed, wants_of
+    use brz_ghost_wants, only: find_lowest, inhabited, is_needed, wants_of
     use brz_kinds, only: dp, int64
     use brz_mail, only: tell_counts
     use brz_particle_order, only: reorder_particles
@@ -292,8 +292,10 @@ contains
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
         real(dp), allocatable :: want(:, :)
+        real(dp) :: region(3, 2)
         integer :: b, i, n, r, round
 
+        call find_lowest(solid)
         if (.not. allocated(solid%part%out%first)) &
             allocate (solid%part%out%first(0:solid%ranks%n))
         do round = 1, 2 ! count, then list
@@ -302,10 +304,11 @@ contains
             do r = 0, solid%ranks%n - 1
                 solid%part%out%first(r) = n + 1
                 if (r == solid%ranks%rank) cycle
+                region = inhabited(solid, solid%part%region(:, :, r))
                 do b = 1, size(solid%bodies)
                     want = wants_of(solid, b)
                     do i = solid%bodies(b)%first, solid%bodies(b)%last
-                        if (.not. is_needed(solid, solid%part%region(:, :, r), want, i)) cycle
+                        if (.not. is_needed(solid, region, want, i)) cycle
                         n = n + 1
                         number(b, r + 1) = number(b, r + 1) + 1
                         if (round == 2) solid%part%out%place(n) = i

@@ -17,6 +17,8 @@ module brz_solid_part
     !> Regions fill all of space.
     type :: part_t
         real(dp), allocatable :: region(:, :, :) !! (3, 2, 0:processes-1) corners [m]
+        real(dp) :: lowest(3) = -huge(1.0_dp)
+        !! no particle of any body is lower, where a plane of symmetry is [m]
         integer :: most = 0 !! most particles of a process when the regions were cut
         type(parcels_t) :: out !! particles of this process that others have ghosts of
         type(parcels_t) :: in !! ghosts of this process

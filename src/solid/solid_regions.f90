@@ -37,7 +37,8 @@ contains
         do while (pieces < n)
             call find_extents(ranks, x, piece, lo(:, :pieces - 1), hi(:, :pieces - 1))
             do p = 0, pieces - 1
-                axis(p) = maxloc(hi(:, p) - lo(:, p), dim=1)
+                axis(p) = findloc(hi(:, p) - lo(:, p) >= 0.99_dp*maxval(hi(:, p) - lo(:, p)), &
+                                  .true., dim=1, back=.true.) ! as the air is cut: brz_boxes
             end do
             call find_cuts(ranks, x, piece, axis(:pieces - 1), lo(:, :pieces - 1), &
                            hi(:, :pieces - 1), first(:pieces), cut(:pieces - 1))

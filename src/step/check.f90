@@ -65,7 +65,7 @@ contains
         if (sim%solid%present) exact%dt_solid = solid_time_step(sim%solid)
         call print_cost(sim%case, exact, sim%early)
         call print_ranks(sim%case, size_of, n)
-        call print_regions(sim%case, sim%solid, n)
+        call print_regions(sim%case, size_of, sim%solid, n)
         call print_verdict(sim%case, sim%solid, 'the deck is sound')
     end subroutine print_check
 

@@ -23,7 +23,7 @@ module brz_run
     use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_run_axial, only: run_axial
     use brz_run_radial, only: run_radial
-    use brz_run_ranks, only: print_ranks, refuse_on_ranks
+    use brz_run_ranks, only: cut_air, print_ranks, refuse_on_ranks
     use brz_saves, only: on_gpu
     use brz_scanner, only: read_deck
     use brz_scene_size, only: refuse_too_large, scene_size_t, size_scene, too_large_to_look
@@ -70,6 +70,7 @@ contains
             return
         end if
         call size_scene(sim%case, size_of, err)
+        call cut_air(sim%case, max(options%ranks, ranks%n), size_of, err)
         if (failed(err)) return
         if (options%check) then
             large = too_large_to_look(size_of)
@@ -82,6 +83,7 @@ contains
         if (failed(err)) return
         call start_clock(sim%case, sim%clock, options%walltime)
         if (.not. options%check) call begin_setup(sim%case%output%report_every)
+        if (several(sim%ranks) .and. sim%case%air%present) sim%boxes = size_of%boxes
         call set_up_simulation(sim, err)
         call end_setup()
         call agree(sim%ranks, err)

@@ -13,13 +13,13 @@ module brz_run_ranks
     use brz_kinds, only: dp
     use brz_scene_size, only: scene_size_t
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_ghost_wants, only: is_needed, wants_of
+    use brz_ghost_wants, only: find_lowest, inhabited, is_needed, wants_of
     use brz_solid_regions, only: cut_regions, region_of
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
     implicit none
     private
-    public :: refuse_on_ranks, print_ranks, print_regions
+    public :: refuse_on_ranks, cut_air, print_ranks, print_regions
 
 contains
 
@@ -35,14 +35,11 @@ contains
         if (is_radial(case)) then
             what = "air along one line (geometry = '"//trim(case%air%geometry)//"')"
         else if (size(case%bodies) > 0) then
-            what = missing_of_bodies(case, n)
+            what = missing_of_bodies(case)
             if (what == '') deallocate (what)
         end if
         if (allocated(what)) then
-            call raise(err, exit_deck, 'this version does not have '//what//' on several '// &
-                       'processes ('//to_text(n)//' are wanted): run one, with OMP_NUM_THREADS '// &
-                       'threads'//trim(merge(', or --backend cpu', '                  ', &
-                                             case%run%backend == 'gpu')))
+            call refuse(what, case, n, err)
         else if (.not. case%air%present) then
             return
         else if (n > most_boxes(case%air%cells, brick)) then
@@ -55,13 +52,11 @@ contains
     end subroutine refuse_on_ranks
 
     !> What of a scene with bodies is not distributed, '' for nothing.
-    function missing_of_bodies(case, n) result(what)
+    function missing_of_bodies(case) result(what)
         type(case_t), intent(in) :: case
-        integer, intent(in) :: n !! processes
         character(:), allocatable :: what
         type(interaction_case_t) :: rule
-        type(box_t) :: boxes(0:n - 1)
-        integer :: a, b, d
+        integer :: a, b
 
         what = ''
         do b = 1, size(case%bodies)
@@ -75,15 +70,40 @@ contains
                     what = 'total-Lagrangian bodies that meet others'
             end do
         end do
-        if (.not. case%air%present) return
-        if (case%coupling%scheme == 'paper') what = "the coupling scheme='paper'"
-        if (n > most_boxes(case%air%cells, brick)) return
-        call cut_grid(case%air%cells, brick, boxes)
-        do d = 1, 3
-            if (case%air%bc(1, d) == 'periodic' .and. any(boxes%hi(d) < case%air%cells(d))) &
-                what = 'bodies in air whose periodic direction '//to_text(d)//' is cut'
-        end do
+        if (case%air%present .and. case%coupling%scheme == 'paper') &
+            what = "the coupling scheme='paper'"
     end function missing_of_bodies
+
+    !> A box of the air for each process.
+    subroutine cut_air(case, n, size_of, err)
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: n !! processes
+        type(scene_size_t), intent(inout) :: size_of
+        type(error_t), intent(inout) :: err
+        integer :: d
+
+        if (failed(err) .or. .not. case%air%present) return
+        allocate (size_of%boxes(0:n - 1))
+        call cut_grid(case%air%cells, brick, size_of%boxes, size_of%crowds)
+        do d = 1, merge(3, 0, size(case%bodies) > 0)
+            if (case%air%bc(1, d) == 'periodic' .and. &
+                any(size_of%boxes%hi(d) < case%air%cells(d))) call refuse( &
+                'bodies in air whose periodic direction '//to_text(d)//' is cut', case, n, err)
+        end do
+    end subroutine cut_air
+
+    !> Say that several processes cannot do something.
+    subroutine refuse(what, case, n, err)
+        character(*), intent(in) :: what
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: n !! processes
+        type(error_t), intent(inout) :: err
+
+        call raise(err, exit_deck, 'this version does not have '//what//' on several '// &
+                   'processes ('//to_text(n)//' are wanted): run one, with OMP_NUM_THREADS '// &
+                   'threads'//trim(merge(', or --backend cpu', '                  ', &
+                                         case%run%backend == 'gpu')))
+    end subroutine refuse
 
     !> Print the box of each process, its memory and what it sends, without MPI.
     subroutine print_ranks(case, size_of, n)
@@ -95,7 +115,7 @@ contains
         integer :: r, layers(3)
 
         if (n < 2 .or. .not. case%air%present) return
-        call cut_grid(case%air%cells, brick, boxes)
+        boxes = size_of%boxes
         layers = merge(n_ghost, 0, case%air%cells > 1)
         if (size(case%bodies) > 0) & ! the window
             layers = merge(layers_seen(case%coupling%spread), 0, case%air%cells > 1)
@@ -114,8 +134,9 @@ contains
     end subroutine print_ranks
 
     !> Print the particles of each process and their memory, without MPI.
-    subroutine print_regions(case, solid, n)
+    subroutine print_regions(case, size_of, solid, n)
         type(case_t), intent(in) :: case
+        type(scene_size_t), intent(in) :: size_of
         type(solid_t), intent(inout) :: solid !! built
         integer, intent(in) :: n !! processes
         real(dp) :: region(3, 2, 0:n - 1)
@@ -132,7 +153,7 @@ contains
                 1e-6_dp*bytes_per_particle(solid)*(own(r) + ghosts(r)), ' MB'
         end do
         if (.not. case%air%present) return
-        call count_guests(case, solid, guests)
+        call count_guests(case, size_of%boxes, solid, guests)
         do r = 0, n - 1
             write (output_unit, '(a, i5, a, i0, a)') '     process', r + 1, ': ', guests(r), &
                 ' particles in its window of the air, copies'
@@ -140,14 +161,14 @@ contains
     end subroutine print_regions
 
     !> Particles in the window of each process.
-    subroutine count_guests(case, solid, guests)
+    subroutine count_guests(case, boxes, solid, guests)
         type(case_t), intent(in) :: case
+        type(box_t), intent(in) :: boxes(0:) !! (processes)
         type(solid_t), intent(in) :: solid
         integer, intent(out) :: guests(0:) !! (processes)
-        type(box_t) :: boxes(0:ubound(guests, 1)), windows(0:ubound(guests, 1))
+        type(box_t) :: windows(0:ubound(guests, 1))
         integer :: b, cell(3), i, r
 
-        call cut_grid(case%air%cells, brick, boxes)
         do r = 0, ubound(guests, 1)
             windows(r) = widened(boxes(r), spread(layers_seen(case%coupling%spread), 1, 3))
             windows(r) = common(windows(r), box_t([1, 1, 1], case%air%cells))
@@ -167,7 +188,7 @@ contains
 
     !> Particles in each region, and those of others that its lists may reach.
     subroutine count_in_regions(solid, region, own, ghosts)
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: region(:, :, 0:) !! (3, 2, regions) [m]
         integer, intent(out) :: own(0:), ghosts(0:) !! (regions)
         real(dp), allocatable :: want(:, :)
@@ -175,6 +196,7 @@ contains
 
         own = 0
         ghosts = 0
+        call find_lowest(solid)
         do b = 1, size(solid%bodies)
             want = wants_of(solid, b)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
@@ -182,7 +204,8 @@ contains
                 own(home) = own(home) + 1
                 do r = 0, ubound(region, 3)
                     if (r == home) cycle
-                    if (is_needed(solid, region(:, :, r), want, i)) ghosts(r) = ghosts(r) + 1
+                    if (is_needed(solid, inhabited(solid, region(:, :, r)), want, i)) &
+                        ghosts(r) = ghosts(r) + 1
                 end do
             end do
         end do

@@ -5,8 +5,10 @@ module brz_scene_size
     use brz_air_state, only: n_ghost
     use brz_body_count, only: count_particles
     use brz_body_points, only: points_t
+    use brz_body_shape, only: shape_t
     use brz_body_setup, only: outline_solid
-    use brz_case, only: case_t
+    use brz_boxes, only: box_t, crowd_t
+    use brz_case, only: air_case_t, case_t
     use brz_errors, only: error_t, exit_deck, exit_device, failed, raise
     use brz_kinds, only: dp, int64, real32, rk
     use brz_memory, only: free_memory
@@ -30,6 +32,8 @@ module brz_scene_size
         real(dp) :: cells = 0
         real(dp) :: particles = 0 !! about
         real(dp), allocatable :: of_body(:) !! (bodies) particles
+        type(crowd_t), allocatable :: crowds(:) !! (bodies) where these are in the air
+        type(box_t), allocatable :: boxes(:) !! (0:processes - 1) the air of each
         real(dp) :: air_bytes = 0 !! with walls in it
         real(dp) :: solid_bytes = 0 !! with lists of neighbours
         real(dp) :: peak_bytes = 0 !! most that the program holds
@@ -48,6 +52,7 @@ contains
         if (failed(err)) return
         if (case%air%present) call size_air(case, size_of)
         if (size(case%bodies) > 0) call size_bodies(case, size_of, err)
+        if (.not. allocated(size_of%crowds)) allocate (size_of%crowds(0))
         size_of%peak_bytes = program_bytes + size_of%air_bytes + step_bytes*size_of%cells &
                              + size_of%solid_bytes + set_up_bytes*size_of%particles
     end subroutine size_scene
@@ -107,6 +112,8 @@ contains
         if (failed(err)) return
         size_of%of_body = count_particles(case%bodies, points)
         size_of%particles = sum(size_of%of_body)
+        if (case%air%present) size_of%crowds = [(crowd_in(case%air, points(b)%shape, &
+                                                          size_of%of_body(b)), b=1, size(points))]
         if (size_of%particles > real(huge(1), dp)) call raise(err, exit_deck, 'about '// &
             to_text(anint(size_of%particles))//' particles are more than '//to_text(huge(1))// &
             ', the most that can be counted; use larger spacings')
@@ -121,6 +128,17 @@ contains
             end do
         end associate
     end subroutine size_bodies
+
+    !> Where a body is on the grid of the air.
+    pure type(crowd_t) function crowd_in(air, shape, particles) result(crowd)
+        type(air_case_t), intent(in) :: air
+        type(shape_t), intent(in) :: shape
+        real(dp), intent(in) :: particles
+
+        crowd%lo = merge((shape%lo - air%lo)/(air%hi - air%lo)*air%cells, 0.0_dp, air%cells > 1)
+        crowd%hi = merge((shape%hi - air%lo)/(air%hi - air%lo)*air%cells, 1.0_dp, air%cells > 1)
+        crowd%particles = particles
+    end function crowd_in
 
     !> Memory of a particle without lists: that of a few particles of the same bodies [B].
     real(dp) function of_particle(case, solid)
