@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Bodies on several processes: the bits of one."""
 
+import re
+
 import numpy as np
 import pytest
 from test_ranks import equal_bodies, needs_mpirun, start
@@ -105,3 +107,17 @@ def test_a_check_tells_the_particles_of_processes(tmp_path):
     assert len(own) == 3
     assert sum(own) == 8 * 5 * 5 + 9 * 2 * 9 + 7 * 4 * 7
     assert max(own) < 1.2 * sum(own) / 3
+
+
+def test_images_in_planes_need_no_ghosts_far_away(tmp_path):
+    """A block that ends in three planes: who has no particle near a cut sends none."""
+    (tmp_path / "deck.nml").write_text("""\
+&run title = 'corner', t_end = 1e-6, symmetry = 'x', 'y', 'z' /
+&material id = 's', model = 'linear_elastic', density = 1e3, youngs_modulus = 1e7,
+     poisson_ratio = 0.3 /
+&body id = 'b', shape = 'box', box = 0, 0.04, 0, 0.01, 0, 0.01, spacing = 1e-3, material = 's' /
+""")
+    done = start(0, "run", "deck.nml", "--check", "--ranks", "2", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    ghosts = re.findall(r"of its own, (\d+) of neighbours", done.stdout)
+    assert 100 <= min(map(int, ghosts)) <= max(map(int, ghosts)) <= 300
