@@ -8,6 +8,7 @@ import os
 import textwrap
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 from html import escape
 from pathlib import Path
 
@@ -59,6 +60,20 @@ class Document:
         for blocks, problem in _make_all(makers, workers):
             self.add(*blocks)
             self.problems += [problem] if problem else []
+
+    def replace_made(self, kind: type, maker, workers: int | None = None) -> None:
+        """Put what `maker` makes of each block of a kind in its place, as in `add_made`."""
+        places = [k for k, one in enumerate(self.blocks) if isinstance(one, kind)]
+        made = _make_all([partial(maker, self.blocks[k]) for k in places], workers)
+        for k, (blocks, problem) in reversed(list(zip(places, made, strict=True))):
+            self.blocks[k : k + 1] = blocks
+            self.problems += [problem] if problem else []
+
+    def shrink_pictures(self) -> None:
+        """Write the pictures anew with fewer colours: a quarter of the size."""
+        for one in self.blocks:
+            if isinstance(one, Picture):
+                write_small(one.path, one.path)
 
     def html(self) -> str:
         """The page, which needs no other file."""

@@ -3,32 +3,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from post.comparison import crack_table
-from post.deck import Deck
 from post.document import Document, Heading, View, side_by_side
 from post.errors import USAGE, PostError
 from post.fragments import find_fragments, fragment_table
 from post.hole_picture import draw_perforation, hole_table
 from post.overlay import damaged_bodies, draw_face_comparison
-from post.paper_measures import (
-    Printed,
-    cost_text,
-    hole_of,
-    impact,
-    layers_text,
-    load_text,
-    printed_numbers,
-    resolution,
-    value_of,
-    wall_clock,
-    why,
-)
+from post.paper_measures import Printed, hole_of, impact, printed_numbers
 from post.paper_pictures import (
     draw_curves,
     draw_fragment_speeds,
@@ -41,32 +27,37 @@ from post.paper_pictures import (
     levels_of,
     reflected_level,
 )
+from post.paper_tables import (
+    CASES,
+    difference_table,
+    doubt_table,
+    numbers_table,
+    runs_table,
+    smaller,
+)
 from post.reader import Run
 from post.style import Picture
 from post.tables import Table
 from post.units import show
-from post.view import framed, make_view
+from post.view import IN_REPORT, framed, make_view
 
-CASES = {
-    "hvi": "3.1.1",
-    "plate": "3.1.2",
-    "slab_1": "3.2.1",
-    "slab_2": "3.2.1",
-    "slab_3": "3.2.1",
-    "slab_4": "3.2.1",
-    "fragments": "3.2.2",
-    "fragments_460": "3.2.2",
-}
 TITLES = {
     "3.1.1": "3.1.1: an aluminium sphere through a CFRP plate at 4960 m/s",
     "3.1.2": "3.1.2: a CFRP plate under the blast of 168 g of TNT",
     "3.2.1": "3.2.1: four slabs under the blast of 0.2 kg of TNT",
     "3.2.2": "3.2.2: blast and fragments on a slab",
 }
-INPUTS = Path(__file__).resolve().parents[1] / "inputs" / "paper"
-VIEWS = 14e6  # bytes of all views of a page together
+LARGEST = 19e6  # bytes of a page; what text and pictures leave is shared out among the views
+ESCAPED = 20e3  # bytes by which a view grows inside another page
 MAPS = (2e-4, 3e-4, 4.2e-4)  # [s] of the stress in the plate
 SLAB_MAPS = (2e-4, 4e-4, 1.2e-3)
+
+
+@dataclass(frozen=True)
+class ViewOf(View):
+    """Where the view of a case comes, once it is known how much room is left."""
+
+    case: str = ""
 
 
 @dataclass(frozen=True)
@@ -107,6 +98,11 @@ def make_paper_page(
         makers += [Heading(TITLES[section]), partial(numbers_table, campaign, rows)]
         makers += parts(campaign, rows)
     document.add_made(makers)
+    document.shrink_pictures()
+    wanted = sum(isinstance(one, ViewOf) for one in document.blocks)
+    rest = len(document.html().encode())
+    room = min(IN_REPORT, (LARGEST - rest) / max(wanted, 1))
+    document.replace_made(ViewOf, partial(_view, campaign, room))
     page = out / "paper.html"
     page.write_text(document.html(), encoding="utf-8")
     target = markdown or out / "paper.md"
@@ -156,91 +152,21 @@ def _beginning(campaign: Campaign) -> list:
         "was made; the deck of a case is inputs/paper/<case>.nml. The paper's numbers stand in "
         "post/data/paper.csv with the table or figure they come from. This page is written by "
         "`python -m post paper`, nothing in it by hand.",
+        View(
+            '<p class="note">Pictures have 256 colours. The views show particles on surfaces, as '
+            f"many as fit into {LARGEST / 1e6:.0f} MB for the whole page, chosen at random; each "
+            "says how many of how many.</p>"
+        ),
         "Not run: " + ", ".join(missing) + "." if missing else "",
         runs_table(campaign),
+        difference_table(campaign),
         doubt_table(campaign),
     ]
 
 
-def runs_table(campaign: Campaign) -> Table:
-    """What was run, with what, and what it took."""
-    rows = []
-    for case, section in CASES.items():
-        for run in campaign.runs.get(case, []):
-            particles, cells = resolution(run)
-            frame = next((f for f in reversed(run.frames) if f.solid_path), None)
-            count = "–" if frame is None else f"{len(frame.solid('id').points):,}".replace(",", " ")
-            part = f"1/{run.deck.images}" if run.deck.images > 1 else "whole"
-            about = run.about
-            made = f"{about.get('precision', '?')}, {about.get('commit', '?')}"
-            until = "; ".join(text for text in (show(run.end, "s"), smaller(run)) if text)
-            row = (case, section, particles, cells, count, part, until)
-            rows.append((*row, wall_clock(run), made))
-        if case not in campaign.runs:
-            rows.append((case, section, "not run", *["–"] * 6))
-    heads = ("case", "section", "particles", "air cells", "number", "modelled", "until",
-             "wall clock", "made with")  # fmt: skip
-    return Table("What was run", heads, rows)
-
-
-def smaller(run: Run) -> str:
-    """'0.5 m wide instead of 1 m' for a run that is not all of the deck; empty otherwise."""
-    deck = Deck((INPUTS / f"{run.job}.nml").read_text(encoding="utf-8"), run.job)
-    wide = {body.id: float(max(body.high - body.low)) for body in deck.bodies()}
-    for body in run.deck.bodies():
-        width = float(max(body.high - body.low))
-        if wide.get(body.id) and abs(width / wide[body.id] - 1) > 1e-3:  # bars have no width here
-            return f"{width:g} m wide instead of {wide[body.id]:g} m"
-    end = float(deck.get("run", "t_end"))
-    return "" if run.end > 0.99 * end else f"not the whole {show(end, 's')}"
-
-
-def doubt_table(campaign: Campaign) -> Table:
-    """What speaks against each run, measured in it."""
-    rows = [
-        (label_of(run), load_text(run) or "–", layers_text(run), cost_text(run))
-        for run in campaign.every(*CASES)
-    ]
-    note = (
-        "Kingery-Bulmash is for a sphere; the charge of the slabs is a cylinder in full runs, "
-        "which sends 30 % more impulse along its axis. Viscosity, hourglass forces and contact are "
-        "what the numbers cost: above some 10 % a result is one of this resolution, not of the "
-        "scene."
-    )
-    return Table("How far to trust each run", ("run", "load", "resolution", "cost"), rows, note)
-
-
-def numbers_table(campaign: Campaign, printed: list[Printed]) -> Table:
-    """Each number of the paper beside that of every run."""
-    rows = []
-    for one in printed:
-        head = (one.where, f"{one.case}: {one.what}", show(one.value, one.unit))
-        runs = campaign.runs.get(one.case, [])
-        runs = [run for run in runs if not smaller(run)] or runs[-1:]
-        if not runs:
-            rows.append((*head, "not run", "–", "–", "–"))
-        for run in runs:
-            value = value_of(run, one.measure)
-            difference, reason = "–", _missing(run)
-            if math.isfinite(value) and smaller(run):
-                reason = f"{smaller(run)}: not to be compared"
-            elif math.isfinite(value):
-                difference = f"{100 * (value / one.value - 1):+.0f} %"
-                reason = why(run, one)
-            made = ", cells ".join(text for text in resolution(run) if text != "–")
-            rows.append((*head, show(value, one.unit), difference, made, reason))
-    heads = ("paper", "quantity", "its value", "here", "difference", "made with",
-             "measured beside it")  # fmt: skip
-    return Table("Numbers", heads, rows, "A dash: the run has no such value.")
-
-
-def _missing(run: Run) -> str:
-    return f"the run ends at {show(run.end, 's')}" if run.frames else "there are no dumps"
-
-
 # --- the sections: what makes their blocks, in order ----------------------------------------------
 
-Makers = Iterator[Callable | str]
+Makers = Iterator[Callable | str | View]
 
 
 def _impact(campaign: Campaign, printed: list[Printed]) -> Makers:
@@ -371,15 +297,16 @@ def fragments_table(campaign: Campaign) -> Table:
 
 
 def _views(campaign: Campaign, *cases: str) -> Makers:
-    """The finest run of each case, to turn and play."""
-    room = VIEWS / max(len(campaign.runs), 1)
-    for run in campaign.finest(*cases):
-        yield partial(_view, run, room)
+    """The finest run of each case, to turn and play: a place for it."""
+    yield from (ViewOf("", case) for case in cases if campaign.runs.get(case))
 
 
-def _view(run: Run, room: float) -> View:
+def _view(campaign: Campaign, room: float, place: ViewOf) -> View:
+    """The view of the finest run of a case, in so many bytes."""
+    (run,) = campaign.finest(place.case)
+    frame = len(framed("")) + ESCAPED
     try:
-        return View(framed(make_view(run, room), label_of(run)))
+        return View(framed(make_view(run, room - frame), label_of(run)))
     except PostError as error:
         raise PostError(f"no view of {run.job}: {error}") from error
 

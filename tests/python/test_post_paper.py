@@ -17,13 +17,15 @@ sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 
 from synthetic_run import write_run  # noqa: E402
 
+from post import paper  # noqa: E402
 from post.__main__ import main  # noqa: E402
 from post.deck import Deck  # noqa: E402
 from post.document import Document, Heading, View, write_small  # noqa: E402
 from post.errors import PostError  # noqa: E402
-from post.paper import CASES, INPUTS, Campaign, find_runs, numbers_table, smaller  # noqa: E402
+from post.paper import CASES, Campaign, find_runs, numbers_table, smaller  # noqa: E402
 from post.paper_hand import areal_mass, launch_speed, load_on_slab  # noqa: E402
 from post.paper_measures import MEASURES, impact, printed_numbers, value_of  # noqa: E402
+from post.paper_tables import INPUTS, difference_table, reasons  # noqa: E402
 from post.reader import Run  # noqa: E402
 from post.tables import Table  # noqa: E402
 
@@ -131,6 +133,18 @@ def test_a_run_of_the_whole_deck_is_compared(case):
         assert smaller(run) == "0.5 m wide instead of 1 m"
 
 
+def test_what_differs_has_a_reason_or_says_that_none_is_known(campaign, tmp_path, monkeypatch):
+    assert set(reasons()) <= {(one.case, one.measure) for one in printed_numbers()}
+    runs, _ = find_runs([campaign])
+    assert difference_table(Campaign(runs, tmp_path)).rows == []  # it is not all of the deck
+    monkeypatch.setattr("post.paper_tables.smaller", lambda _: "")
+    rows = {row[0]: row for row in difference_table(Campaign(runs, tmp_path)).rows}
+    front = rows["plate: arrival at the plate"]
+    assert front[1] == "0.120 ms" and front[-1] == reasons()["plate", "arrival"]
+    monkeypatch.setattr("post.paper_tables.reasons", dict)
+    assert difference_table(Campaign(runs, tmp_path)).rows[0][-1] == "not known"
+
+
 def test_the_command_writes_both_pages(campaign, tmp_path, capsys, monkeypatch):
     monkeypatch.setitem(matplotlib.rcParams, "savefig.dpi", 40)
     page = tmp_path / "docs" / "mine.md"
@@ -139,7 +153,7 @@ def test_the_command_writes_both_pages(campaign, tmp_path, capsys, monkeypatch):
     assert main(command) == 0
     assert "1 runs" in capsys.readouterr().out
     html = (tmp_path / "out" / "paper.html").read_text()
-    assert "srcdoc" in html and 'src="http' not in html and len(html) < 20e6
+    assert "srcdoc" in html and 'src="http' not in html and len(html.encode()) < 20e6
     text = page.read_text()
     assert "Not run: hvi, slab_1, slab_2, slab_3, slab_4, fragments, fragments_460." in text
     assert "16.0 s" in text  # both parts of its log
@@ -147,6 +161,20 @@ def test_the_command_writes_both_pages(campaign, tmp_path, capsys, monkeypatch):
     assert len(links) >= 3 and all((page.parent / link).is_file() for link in links)
     assert all(len(line) <= 120 or line.startswith("|") for line in text.splitlines())
     assert main(["paper", str(campaign / "other")]) == 2
+
+
+def test_views_share_the_room_that_is_left(campaign, tmp_path, monkeypatch):
+    """A page of less than so many bytes, whatever its pictures take."""
+    monkeypatch.setitem(matplotlib.rcParams, "savefig.dpi", 40)
+    runs, _ = find_runs([campaign])
+    monkeypatch.setattr("post.paper.find_runs", lambda _: (runs, []))
+    sizes = []
+    for most in (2e5, 1.08e5):  # some 40 kB are kept free for what frames a view
+        monkeypatch.setattr("post.paper.LARGEST", most)
+        page, _ = paper.make_paper_page([campaign], tmp_path / "out", tmp_path / "page.md")
+        assert "srcdoc" in page.read_text() and page.stat().st_size < most
+        sizes.append(page.stat().st_size)
+    assert sizes[1] < sizes[0], sizes
 
 
 def test_document_in_two_forms(tmp_path):
