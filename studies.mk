@@ -14,8 +14,8 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 
 .PHONY: start-2d plate-models slab-models charts charts-air charts-solid charts-coupling charts-scenes taylor stability stability-air validate compare
 .PHONY: point-blast point-blast-gpu paper paper-coarse paper-questions
-paper: all ## every scene of the paper at its resolution: exact quarters, on a GPU; goes on where it stopped
-	@$(PY) scripts/paper.py full hvi_0600 hvi_0300 hvi_0150 hvi_0075; $(PY) scripts/paper.py quarter
+paper: all ## every scene of the paper at its resolution: exact quarters, on all GPUs; goes on where it stopped (ARGS="--share 2": two runs at a time on each)
+	@$(PY) scripts/paper.py quarter $(ARGS)
 paper-coarse: all ## the same, coarse, on this machine (an hour of two cores)
 	@$(PY) scripts/paper.py coarse
 paper-questions: all ## what the paper leaves open: edges, glue, mesh, charge, spacing, coarse (an hour of two cores)

@@ -3,6 +3,7 @@
 """Run the scenes of Chen et al.: every case of inputs/paper/campaign.toml at one size.
 
 usage: paper.py SIZE [CASE...] [--backend cpu|gpu|auto] [--out FOLDER] [--brisance FILE] [--list]
+                [--gpus N] [--share N]
        paper.py questions [QUESTION...]: the runs of inputs/paper/questions.toml, coarse;
        paper.py questions-fine [QUESTION...]: the same for a GPU
 
@@ -10,14 +11,20 @@ Results go to out/paper/SIZE/CASE, what a run prints to out/paper/SIZE/CASE.log.
 results goes on from its last checkpoint, one that is done is passed over: so a campaign that was
 stopped is continued by the same command. Ctrl-C and TERM leave a checkpoint. The exit code is that
 of the first case that failed, 75 where it was stopped.
+
+Each GPU of the machine (`--gpus`: so many of them) takes one case after the other, the longest
+first; with `--share 2` each runs two at a time. With `--backend cpu` no GPU is asked for. Cores
+are shared out among the runs that go on at once.
 """
 
 import argparse
 import dataclasses
+import os
 import shlex
 import signal
 import subprocess
 import sys
+import threading
 import time
 import tomllib
 from pathlib import Path
@@ -36,6 +43,7 @@ class Case:
     section: str
     deck: Path
     sets: tuple[str, ...]
+    seconds: float = 60  # that it takes, about: of one H200 at the paper's resolution
 
     def arguments(self):
         """What follows `brisance run`: the deck and a `--set` for each override."""
@@ -63,7 +71,8 @@ def cases(size, names=()):
                 raise ValueError(f"{name} has no size '{size}'")
             continue
         sets = tuple(text for key in case[size] for text in table["sets"][key])
-        chosen.append(Case(name, case["section"], INPUTS / case["deck"], sets))
+        deck = INPUTS / case["deck"]
+        chosen.append(Case(name, case["section"], deck, sets, case.get("seconds", 60)))
     return chosen
 
 
@@ -84,26 +93,117 @@ def question_cases(size, names=()):
     return chosen
 
 
-def run_case(case, args, folder):
-    """Run a case from its start or its last checkpoint; its exit code and the wall time [s]."""
-    out = folder / case.name
-    command = [str(args.brisance), "run", *case.arguments(), "--out", str(out)]
-    if args.backend:
-        command += ["--backend", args.backend]
-    if any(out.glob("chk_*.h5")):
-        command += ["--restart", "latest"]
-    elif out.exists():
-        command += ["--replace"]
-    start = time.monotonic()
-    with (folder / f"{case.name}.log").open("a", encoding="utf-8") as log:
-        print(f"$ {shlex.join(command)}", file=log, flush=True)
-        process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
-        signal.signal(signal.SIGTERM, lambda *_: process.terminate())
-        try:
+class Campaign:
+    """Cases that wait, run and are done, on several GPUs at once."""
+
+    def __init__(self, chosen, args, folder, places):
+        self.args, self.folder, self.places = args, folder, places
+        self.number = len(chosen)
+        first = (lambda case: -case.seconds) if len(places) > 1 else (lambda case: 0)
+        self.waiting = sorted(chosen, key=first)
+        self.running, self.code, self.stopped = {}, 0, False
+        self.done, self.start = 0, time.monotonic()
+        self.work = [sum(case.seconds for case in chosen), 0.0]  # all, done
+        self.lock = threading.Lock()
+
+    def run(self):
+        """All cases; the exit code of the first that failed."""
+        before = {one: signal.signal(one, self.stop) for one in (signal.SIGTERM, signal.SIGINT)}
+        queues = [threading.Thread(target=self.serve, args=(place,)) for place in self.places]
+        for queue in queues:
+            queue.start()
+        for queue in queues:
+            while queue.is_alive():  # signals are heard between two waits
+                queue.join(0.2)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        return self.code
+
+    def stop(self, number, frame):
+        """Begin nothing more, and let each run that goes on write its checkpoint."""
+        self.stopped = True
+        for process in list(self.running.values()):
+            if number == signal.SIGTERM:  # Ctrl-C they have had themselves
+                process.terminate()
+
+    def serve(self, place):
+        """One case after the other in one place: the number of a GPU, or None."""
+        while True:
+            with self.lock:
+                if self.stopped or not self.waiting:
+                    return
+                case = self.waiting.pop(0)
+            start = time.monotonic()
+            code = self.run_case(case, place)
+            with self.lock:
+                self.tell(case, code, time.monotonic() - start, place)
+                self.code = self.code or code
+                self.stopped = self.stopped or code == STOPPED
+
+    def run_case(self, case, place):
+        """Run a case from its start or its last checkpoint; its exit code."""
+        out = self.folder / case.name
+        command = [str(self.args.brisance), "run", *case.arguments(), "--out", str(out)]
+        if self.args.backend:
+            command += ["--backend", self.args.backend]
+        if any(out.glob("chk_*.h5")):
+            command += ["--restart", "latest"]
+        elif out.exists():
+            command += ["--replace"]
+        surroundings = dict(os.environ)
+        if len(self.places) > 1:
+            cores = max(1, len(os.sched_getaffinity(0)) // len(self.places))
+            surroundings.setdefault("OMP_NUM_THREADS", str(cores))
+        if place is not None:
+            surroundings["CUDA_VISIBLE_DEVICES"] = place
+        with (self.folder / f"{case.name}.log").open("a", encoding="utf-8") as log:
+            print(f"$ {shlex.join(command)}", file=log, flush=True)
+            process = subprocess.Popen(
+                command, stdout=log, stderr=subprocess.STDOUT, env=surroundings
+            )
+            self.running[case.name] = process
+            if self.stopped:
+                process.terminate()
             code = process.wait()
-        except KeyboardInterrupt:  # the run has had it as well, and writes its checkpoint
-            code = process.wait()
-    return code, time.monotonic() - start
+        del self.running[case.name]
+        return code
+
+    def tell(self, case, code, seconds, place):
+        """A line when a case has ended, with how long the others will take."""
+        self.done += 1
+        self.work[1] += case.seconds
+        total = time.monotonic() - self.start
+        left = total * (self.work[0] / self.work[1] - 1)
+        verdict = "done" if code == 0 else "stopped" if code == STOPPED else f"exit code {code}"
+        print(
+            f"[{self.done}/{self.number}] {case.name:14} {case.section:26} {verdict:12} "
+            f"{seconds:8.1f} s{'' if place is None else f' on GPU {place}'}, "
+            f"{total:8.1f} s in all, about {left:.0f} s to go",
+            flush=True,
+        )
+        if code not in (0, STOPPED):
+            print(last_lines(self.folder / f"{case.name}.log", 5), flush=True)
+
+
+def gpus():
+    """The GPUs of this machine, as CUDA_VISIBLE_DEVICES names them; none without a driver."""
+    if "CUDA_VISIBLE_DEVICES" in os.environ:
+        return [one for one in os.environ["CUDA_VISIBLE_DEVICES"].split(",") if one]
+    try:
+        asked = ["nvidia-smi", "--query-gpu=index", "--format=csv,noheader"]
+        return subprocess.run(asked, capture_output=True, text=True, check=True).stdout.split()
+    except (OSError, subprocess.CalledProcessError):
+        return []
+
+
+def places_of(args):
+    """Where runs go on at once: a GPU for each, or one place without a choice."""
+    if args.backend == "cpu":
+        return [None] * args.share
+    found = gpus()[: args.gpus]
+    if len(found) < (args.gpus or 0):
+        raise ValueError(f"there are {len(found)} GPUs, not {args.gpus}")
+    return (found if len(found) > 1 else [None]) * args.share
 
 
 def last_lines(file, n):
@@ -121,6 +221,8 @@ def main():
     )
     parser.add_argument("--out", type=Path, default=Path("out/paper"), help="default: out/paper")
     parser.add_argument("--brisance", type=Path, default=Path("bin/brisance"), help="the program")
+    parser.add_argument("--gpus", type=int, help="how many of the GPUs; default: all")
+    parser.add_argument("--share", type=int, default=1, help="runs at once on each; default: 1")
     parser.add_argument("--list", action="store_true", help="print the commands and run nothing")
     args = parser.parse_args()
     try:
@@ -133,23 +235,11 @@ def main():
         return 0
     folder = args.out / args.size
     folder.mkdir(parents=True, exist_ok=True)
-    first, total = 0, 0.0
-    for number, case in enumerate(chosen, 1):
-        print(f"[{number}/{len(chosen)}] {case.name:14} {case.section:26}", end=" ", flush=True)
-        code, seconds = run_case(case, args, folder)
-        total += seconds
-        verdict = "done" if code == 0 else "stopped" if code == STOPPED else f"exit code {code}"
-        left = total / number * (len(chosen) - number)
-        print(
-            f"{verdict:12} {seconds:8.1f} s, {total:8.1f} s in all, about {left:.0f} s to go",
-            flush=True,
-        )
-        first = first or code
-        if code not in (0, STOPPED):
-            print(last_lines(folder / f"{case.name}.log", 5), flush=True)
-        if code == STOPPED:
-            break
-    return first
+    try:
+        campaign = Campaign(chosen, args, folder, places_of(args))
+    except ValueError as problem:
+        parser.error(str(problem))
+    return campaign.run()
 
 
 if __name__ == "__main__":

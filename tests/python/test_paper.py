@@ -3,6 +3,7 @@
 
 import csv
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -61,7 +62,7 @@ def test_every_size_that_is_told_exists():
         for case in paper.cases(size):
             assert case.deck.is_file()
     with pytest.raises(ValueError, match="no size"):
-        paper.cases("quarter", ["hvi_0600"])
+        paper.cases("coarse", ["hvi_0075"])
     with pytest.raises(KeyError):
         paper.cases("full", ["slab_5"])
 
@@ -79,6 +80,28 @@ def test_campaign_goes_on_where_it_stopped(tmp_path):
         assert done.returncode == 0, done.stdout + done.stderr
         assert "done" in done.stdout
     assert (folder / "hvi_0600.log").read_text(encoding="utf-8").count("$ ") == 2
+
+
+def test_each_gpu_takes_the_longest_case_that_waits(tmp_path, monkeypatch, capsys):
+    program = tmp_path / "program"
+    program.write_text(
+        '#!/bin/sh\nsleep 0.2\necho "on $CUDA_VISIBLE_DEVICES"\n'
+        'case "$*" in *slab_3*) exit 4;; esac\n'
+    )
+    program.chmod(0o755)
+    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "5,7")
+    command = ["paper.py", "quarter", "--out", str(tmp_path), "--brisance", str(program)]
+    monkeypatch.setattr(sys, "argv", [*command, "--gpus", "2"])
+    assert paper.main() == 4
+    told = [line for line in capsys.readouterr().out.splitlines() if line.startswith("[")]
+    order = [line.split()[1] for line in told]
+    assert len(told) == 11 and set(order[:2]) == {"hvi_0075", "plate"} and order[-1] == "hvi_0600"
+    logs = {name: (tmp_path / "quarter" / f"{name}.log").read_text() for name in order}
+    assert all(re.search(r"^on [57]$", text, re.MULTILINE) for text in logs.values())
+    assert any("slab_3" in line and "exit code 4" in line for line in told)
+    monkeypatch.setattr(sys, "argv", [*command, "--gpus", "3"])
+    with pytest.raises(SystemExit):
+        paper.main()
 
 
 SPHERES = """\
