@@ -7,6 +7,7 @@ module brz_hdf5_array
     use, intrinsic :: iso_c_binding, only: c_char, c_loc, c_null_char, c_ptr
     use brz_errors, only: error_t, failed, raise, exit_io
     use brz_hdf5_file, only: h5_t, h5_fail, h5_plain
+    use brz_hdf5_packed, only: choose_chunk, deflate_level, write_chunks
     use brz_kinds, only: int8, int32, int64, real32, real64
     use hdf5, only: hid_t, hsize_t, h5pcreate_f, h5pclose_f, h5pset_chunk_f, h5pset_shuffle_f, &
                     h5pset_deflate_f, h5pset_create_inter_group_f, &
@@ -19,8 +20,7 @@ module brz_hdf5_array
     private
     public :: h5_write, h5_read, h5_shape
 
-    integer(hsize_t), parameter :: chunk_elements = 131072 !! about a megabyte of real64
-    integer(hsize_t), parameter :: worth_packing = 256 !! elements
+    integer(int64), parameter :: worth_packing = 256 !! elements
 
     !> Write a scalar or an array as a new entry of the file, with the groups above it.
     interface h5_write
@@ -70,31 +70,44 @@ contains
     end subroutine space_shape
 
     !> Write the elements at `data` as a new array.
-    subroutine write_elements(file, name, data, extents, type, err)
+    subroutine write_elements(file, name, data, extents, type, width, err)
         type(h5_t), intent(in) :: file
         character(*), intent(in) :: name
         type(c_ptr), intent(in) :: data
         integer(int64), intent(in) :: extents(:) !! gfortran 12 gives -1 for some empty sections
         integer(hid_t), intent(in) :: type
+        integer, intent(in) :: width !! of an element, 0: not to be packed [bytes]
         type(error_t), intent(inout) :: err
-        integer(int64) :: dims(size(extents))
+        integer(int64) :: chunk(size(extents)), dims(size(extents))
         integer(hid_t) :: space, create, link, set
         integer :: status, closed
+        logical :: packs
 
         if (failed(err)) return
         dims = max(extents, 0_int64)
+        packs = file%filter /= h5_plain .and. width > 0 .and. size(dims) > 0 .and. &
+                product(dims) >= worth_packing
         if (size(dims) == 0) then
             call h5screate_f(h5s_scalar_f, space, status)
         else
             call h5screate_simple_f(size(dims), int(dims, hsize_t), space, status)
         end if
         call h5pcreate_f(h5p_dataset_create_f, create, status)
-        call set_filter(file%filter, int(dims, hsize_t), create)
+        if (packs) then
+            chunk = choose_chunk(dims)
+            call h5pset_chunk_f(create, size(dims), int(chunk, hsize_t), status)
+            call h5pset_shuffle_f(create, status)
+            call h5pset_deflate_f(create, deflate_level, status)
+        end if
         call h5pcreate_f(h5p_link_create_f, link, status)
         call h5pset_create_inter_group_f(link, 1, status)
         call h5dcreate_f(file%id, name, type, space, set, status, dcpl_id=create, lcpl_id=link)
         if (status == 0) then
-            if (product(dims) > 0) call h5dwrite_f(set, type, data, status)
+            if (packs) then
+                call write_chunks(set, data, dims, chunk, width, status)
+            else if (product(dims) > 0) then
+                call h5dwrite_f(set, type, data, status)
+            end if
             if (status /= 0) call h5_fail(file, "cannot write '"//name//"'", err)
             call h5dclose_f(set, closed)
             if (closed /= 0) call h5_fail(file, "cannot write '"//name//"'", err)
@@ -105,26 +118,6 @@ contains
         call h5pclose_f(create, status)
         call h5sclose_f(space, status)
     end subroutine write_elements
-
-    !> Chunks and filters of a new array.
-    subroutine set_filter(filter, dims, create)
-        integer, intent(in) :: filter
-        integer(hsize_t), intent(in) :: dims(:)
-        integer(hid_t), intent(in) :: create !! creation properties
-        integer(hsize_t) :: chunk(size(dims)), pieces
-        integer :: i, status
-
-        if (filter == h5_plain .or. size(dims) == 0 .or. product(dims) < worth_packing) return
-        chunk = dims
-        do i = size(dims), 1, -1 ! the last index varies slowest: whole rows stay together
-            if (product(chunk) <= chunk_elements) exit
-            pieces = min(dims(i), product(chunk)/chunk_elements + 1)
-            chunk(i) = (dims(i) + pieces - 1)/pieces
-        end do
-        call h5pset_chunk_f(create, size(dims), chunk, status)
-        call h5pset_shuffle_f(create, status)
-        call h5pset_deflate_f(create, 1, status)
-    end subroutine set_filter
 
     !> Read an array of known shape to `data`.
     subroutine read_elements(file, name, data, extents, type, err)
@@ -178,7 +171,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call write_elements(file, name, c_loc(a), shape(a, int64), &
-                            h5kind_to_type(real64, h5_real_kind), err)
+                            h5kind_to_type(real64, h5_real_kind), 8, err)
     end subroutine write_real64
 
     subroutine write_real32(file, name, a, err)
@@ -188,7 +181,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call write_elements(file, name, c_loc(a), shape(a, int64), &
-                            h5kind_to_type(real32, h5_real_kind), err)
+                            h5kind_to_type(real32, h5_real_kind), 4, err)
     end subroutine write_real32
 
     subroutine write_int64(file, name, a, err)
@@ -198,7 +191,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call write_elements(file, name, c_loc(a), shape(a, int64), &
-                            h5kind_to_type(int64, h5_integer_kind), err)
+                            h5kind_to_type(int64, h5_integer_kind), 8, err)
     end subroutine write_int64
 
     subroutine write_int32(file, name, a, err)
@@ -208,7 +201,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call write_elements(file, name, c_loc(a), shape(a, int64), &
-                            h5kind_to_type(int32, h5_integer_kind), err)
+                            h5kind_to_type(int32, h5_integer_kind), 4, err)
     end subroutine write_int32
 
     subroutine write_int8(file, name, a, err)
@@ -218,7 +211,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call write_elements(file, name, c_loc(a), shape(a, int64), &
-                            h5kind_to_type(int8, h5_integer_kind), err)
+                            h5kind_to_type(int8, h5_integer_kind), 1, err)
     end subroutine write_int8
 
     !> Texts without their trailing blanks. VTK reads none but those of variable length.
@@ -235,7 +228,7 @@ contains
             ended(i) = trim(a(i))//c_null_char
             text(i) = c_loc(ended(i))
         end do
-        call write_elements(file, name, c_loc(text), shape(a, int64), h5t_string, err)
+        call write_elements(file, name, c_loc(text), shape(a, int64), h5t_string, 0, err)
     end subroutine write_texts
 
     subroutine read_real64(file, name, a, err)

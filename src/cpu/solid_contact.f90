@@ -84,6 +84,8 @@ contains
         real(rk) :: now(n_link), before(n_link), freed
         integer :: i
 
+        !$omp parallel do if(solid%n >= worth_threads) schedule(dynamic, 1024) &
+        !$omp private(now, before, freed)
         do i = 1, solid%n
             call kernel_sum(solid, i, .true., 0.0_rk, now, before, freed)
             solid%links%touch(i) = max(solid%links%touch(i), &

@@ -44,17 +44,19 @@ contains
     subroutine start_solid(solid, err)
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        integer :: b, i
+        integer :: i, k
 
         if (.not. solid%present) return
         if (.not. several(solid%ranks)) call find_skin(solid)
         call build_neighbours(solid, sort=.true.)
-        do i = 1, size(solid%block, 2)
-            call update_sizes(solid, solid%bodies(solid%block(1, i)), i)
+        do k = 1, size(solid%block, 2)
+            call update_sizes(solid, solid%bodies(solid%block(1, k)), k)
         end do
-        do b = 1, size(solid%bodies)
-            do i = solid%bodies(b)%first, solid%bodies(b)%last
-                solid%support(i) = int(min(count_intact(solid, b, i, 0), most_support), int16)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
+        do k = 1, size(solid%block, 2)
+            do i = solid%block(2, k), solid%block(3, k)
+                solid%support(i) = int(min(count_intact(solid, solid%block(1, k), i, 0), &
+                                           most_support), int16)
             end do
         end do
         call refresh_motion(solid)

@@ -26,7 +26,7 @@ contains
         integer :: i, k
 
         if (.not. allocated(solid%tilt)) return
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, tilt, lift)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(dynamic, 8) private(i, tilt, lift)
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)))
                 if (.not. any(body%normal > 0)) cycle

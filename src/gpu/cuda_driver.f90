@@ -32,6 +32,7 @@ module brz_cuda_driver
     !@      in text name)
     !@foreign cuMemAlloc_v2 cu_allocate(out address memory, size bytes)
     !@foreign cuMemFree_v2 cu_free(address memory)
+    !@foreign cuMemAllocHost_v2 cu_host_allocate(out pointer host, size bytes)
     !@foreign cuMemHostRegister_v2 cu_host_register(pointer host, size bytes, int flags)
     !@foreign cuMemHostUnregister cu_host_unregister(pointer host)
     !@foreign cuIpcGetMemHandle cu_ipc_export(out handle shared, address memory)

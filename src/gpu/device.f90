@@ -12,9 +12,10 @@ module brz_device
         cu_fill_bytes, &
         cu_free, cu_host_register, cu_host_unregister, cu_init, cu_launch, cu_memory_info, &
         cu_module_function, cu_module_load, cu_stream_create, cu_synchronize, cu_to_device, &
-        cu_to_host, driver_message, load_driver
+        driver_message, load_driver
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_host_calls, only: book_call, to_copy, to_launch, to_read, to_reserve, to_wait
+    use brz_host_room, only: read_memory
     use brz_kernel_profile, only: book_launch, profiling
     use brz_kinds, only: dp, int64, int8
     use brz_text, only: to_text
@@ -302,7 +303,7 @@ contains
 
         if (failed(err) .or. bytes == 0) return
         began = wall_seconds()
-        call check(cu_to_host(c_loc(x), buffer%address, int(bytes, c_size_t)), &
+        call check(read_memory(c_loc(x), buffer%address, bytes), &
                    'copying from the GPU (or a kernel before it)', err)
         call book_call(to_read, bytes, began)
     end subroutine copy_out

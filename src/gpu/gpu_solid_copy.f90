@@ -1,9 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> The solids on their way to the GPU and back.
 module brz_gpu_solid_copy
+    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
     use brz_buffers, only: doubles_t, integers_t
     use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers, put_buffer
     use brz_errors, only: error_t, failed
+    use brz_field_values, only: get_columns, get_marks, get_rows, set_columns, set_marks, set_rows
     use brz_gpu_solid_bodies, only: open_gpu_bodies
     use brz_gpu_solid_cohesive, only: fetch_gpu_points, open_gpu_cohesive
     use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault
@@ -12,19 +14,19 @@ module brz_gpu_solid_copy
     use brz_gpu_solid_search, only: build_gpu_lists
     use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, &
         open_gpu_solid_memory, tags_of, threads_of
-    use brz_kinds, only: dp, int32, int64, real32, rk
+    use brz_kinds, only: dp, int32, int64, rk
     use brz_materials, only: unloaded_speed
     use brz_ranks, only: several
     use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_built, in_motion, in_place, &
-        in_reference, in_state, in_tag, is_single, numbers_of, set_columns, &
-        set_numbers
+        in_reference, in_state, in_tag
     use brz_solid_home, only: make_room, spread_bodies
     use brz_solid_state, only: solid_t
     implicit none
     private
     public :: open_gpu_solid, fetch_solid, fetch_particles, faults_of
 
+    integer, parameter :: at_once = int(32/bytes_of_real) !! columns that take no more than rows do
     real(dp), parameter :: spare = 0.25_dp !! of the places of a body, kept free on several GPUs
 
 contains
@@ -71,8 +73,8 @@ contains
             rows = 0
             do k = 1, fields%n
                 associate (field => fields%of(k))
-                    if (field%lies == lies) rows(field%at:field%at + field%rows - 1, :) = &
-                        numbers_of(field, solid%n)
+                    if (field%lies == lies) &
+                        call get_rows(field, rows(field%at:field%at + field%rows - 1, :))
                 end associate
             end do
             if (lies == in_motion) then
@@ -81,9 +83,8 @@ contains
                 call copy_in(rows, rows_of(gpu, lies), 32_int64*solid%n, err)
             end if
         end do
-        do k = 1, fields%n
-            call put_field(gpu, fields%of(k), err)
-        end do
+        deallocate (rows)
+        call put_columns(gpu, fields, err)
         wave = solid%materials%c_wave
         do m = 1, size(solid%materials)
             bulk(m) = unloaded_speed(solid%materials(m))
@@ -92,26 +93,32 @@ contains
         call copy_in(of_bodies(solid, bulk), column_of(gpu, at_bulk), bytes_of_real*solid%n, err)
     end subroutine put_fields
 
-    !> A field that lies in columns.
-    subroutine put_field(gpu, field, err)
+    !> The fields that lie in columns, and the marks.
+    subroutine put_columns(gpu, fields, err)
         type(gpu_solid_t), intent(in) :: gpu
-        type(field_t), intent(in) :: field
+        type(fields_t), intent(in) :: fields
         type(error_t), intent(inout) :: err
-        real(dp), allocatable :: x(:, :)
-        integer :: c
+        integer(int32), allocatable :: marks(:)
+        real(rk), allocatable :: columns(:, :)
+        integer :: first, k, n
 
-        if (field%lies /= in_state .and. field%lies /= in_tag) return
-        x = numbers_of(field, gpu%n)
-        do c = 1, field%rows
-            if (field%lies == in_tag .and. field%kind == is_single) then
-                call copy_in(real(x(c, :), real32), tags_of(gpu, field%at), 4_int64*gpu%n, err)
-            else if (field%lies == in_tag) then
-                call copy_in(int(x(c, :), int32), tags_of(gpu, field%at), 4_int64*gpu%n, err)
-            end if
-            if (field%lies == in_state) call copy_in(real(x(c, :), rk), &
-                column_of(gpu, field%at + c - 1), bytes_of_real*gpu%n, err)
+        allocate (columns(gpu%n, at_once), marks(gpu%n))
+        do k = 1, fields%n
+            associate (field => fields%of(k))
+                if (field%lies == in_tag) then
+                    call get_marks(field, marks)
+                    call copy_in(marks, tags_of(gpu, field%at), 4_int64*gpu%n, err)
+                else if (field%lies == in_state) then
+                    do first = 1, field%rows, at_once
+                        n = min(at_once, field%rows - first + 1)
+                        call get_columns(field, first, columns(:, :n))
+                        call copy_in(columns, column_of(gpu, field%at + first - 1), &
+                                     bytes_of_real*n*gpu%n, err)
+                    end do
+                end if
+            end associate
         end do
-    end subroutine put_field
+    end subroutine put_columns
 
     !> The rows of four real64 that fields lie in.
     pure function rows_of(gpu, lies) result(buffer)
@@ -169,58 +176,68 @@ contains
         gpu%settled = .true.
     end subroutine settle_bodies
 
+    !> All fields; what each copy brings lies in the same memory for a moment.
     subroutine fetch_fields(gpu, solid, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(inout), target :: solid
         type(error_t), intent(inout) :: err
         type(fields_t) :: fields
-        real(dp), allocatable :: rows(:, :)
-        real(rk), allocatable :: motion(:, :), columns(:, :)
+        real(dp), allocatable, target :: room(:, :)
+        real(rk), pointer, contiguous :: motion(:, :)
         integer :: k, lies
 
         call fields_of(solid, fields)
-        allocate (rows(4, gpu%n), motion(4, gpu%n))
+        allocate (room(4, gpu%n))
+        call c_f_pointer(c_loc(room), motion, [4, gpu%n])
         do lies = in_place, in_motion
             if (lies == in_motion) then
                 call copy_out(gpu%motion, motion, 4*bytes_of_real*gpu%n, err)
-                rows = motion
             else
-                call copy_out(rows_of(gpu, lies), rows, 32_int64*gpu%n, err)
+                call copy_out(rows_of(gpu, lies), room, 32_int64*gpu%n, err)
             end if
             if (failed(err)) return
             do k = 1, fields%n
                 associate (field => fields%of(k))
-                    if (field%lies == lies) &
-                        call set_numbers(field, rows(field%at:field%at + field%rows - 1, :))
+                    if (field%lies /= lies) cycle
+                    associate (first => field%at, last => field%at + field%rows - 1)
+                        if (lies == in_motion) then
+                            call set_rows(field, motion(first:last, :))
+                        else
+                            call set_rows(field, room(first:last, :))
+                        end if
+                    end associate
                 end associate
             end do
         end do
-        deallocate (rows, motion)
-        allocate (columns(gpu%n, maxval(fields%of(:fields%n)%rows)))
         do k = 1, fields%n
-            associate (field => fields%of(k))
-                if (field%lies == in_tag) call fetch_tag(gpu, field, err)
-                if (field%lies /= in_state) cycle
-                call copy_out(column_of(gpu, field%at), columns, &
-                              bytes_of_real*field%rows*gpu%n, err)
-                if (.not. failed(err)) call set_columns(field, columns(:, :field%rows))
-            end associate
+            call fetch_columns(gpu, fields%of(k), room, err)
         end do
     end subroutine fetch_fields
 
-    subroutine fetch_tag(gpu, field, err)
+    !> A field that lies in columns, or marks.
+    subroutine fetch_columns(gpu, field, room, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(field_t), intent(in) :: field
+        real(dp), intent(inout), target, contiguous :: room(:, :) !! (4, n) is overwritten
         type(error_t), intent(inout) :: err
-        integer(int32) :: marks(gpu%n)
-        real(dp) :: x(1, gpu%n)
+        integer(int32), pointer, contiguous :: marks(:)
+        real(rk), pointer, contiguous :: columns(:, :)
+        integer :: first, n
 
-        call copy_out(tags_of(gpu, field%at), marks, 4_int64*gpu%n, err)
-        if (failed(err)) return
-        x(1, :) = marks
-        if (field%kind == is_single) x(1, :) = transfer(marks, 1.0_real32, gpu%n)
-        call set_numbers(field, x)
-    end subroutine fetch_tag
+        if (field%lies == in_tag) then
+            call c_f_pointer(c_loc(room), marks, [gpu%n])
+            call copy_out(tags_of(gpu, field%at), marks, 4_int64*gpu%n, err)
+            if (.not. failed(err)) call set_marks(field, marks)
+        else if (field%lies == in_state) then
+            do first = 1, field%rows, at_once
+                n = min(at_once, field%rows - first + 1)
+                call c_f_pointer(c_loc(room), columns, [gpu%n, n])
+                call copy_out(column_of(gpu, field%at + first - 1), columns, &
+                              bytes_of_real*n*gpu%n, err)
+                if (.not. failed(err)) call set_columns(field, first, columns)
+            end do
+        end if
+    end subroutine fetch_columns
 
     !> Refresh the motion of some particles on the host, wherever they lie there.
     subroutine fetch_particles(gpu, id, solid, err)

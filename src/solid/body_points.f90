@@ -275,28 +275,51 @@ contains
     subroutine fill_lattice(body, points)
         type(body_case_t), intent(in) :: body
         type(points_t), intent(inout) :: points
-        integer :: i, j, k, n, pass
+        logical, allocatable :: within(:, :)
+        integer, allocatable :: before(:) !! points in the rows before a row
+        real(dp) :: x(3)
+        integer :: i, m, n, rows
 
-        do pass = 1, 2
-            n = 0
-            do k = 1, points%shape%n(3)
-                do j = 1, points%shape%n(2)
-                    do i = 1, points%shape%n(1)
-                        if (.not. inside(body, points%shape, point_of(points%shape, [i, j, k]), &
-                                         0.0_dp)) cycle
-                        n = n + 1
-                        if (pass == 2) points%x(:, n) = point_of(points%shape, [i, j, k])
-                    end do
+        associate (s => points%shape)
+            rows = s%n(2)*s%n(3)
+            allocate (within(s%n(1), rows), before(rows + 1))
+            !$omp parallel do schedule(static) private(i)
+            do m = 1, rows
+                do i = 1, s%n(1)
+                    within(i, m) = inside(body, s, point_of(s, layers_at(s, i, m)), 0.0_dp)
                 end do
             end do
-            if (pass == 1) allocate (points%x(3, n))
-        end do
+            before(1) = 0
+            do m = 1, rows
+                before(m + 1) = before(m) + count(within(:, m))
+            end do
+            allocate (points%x(3, before(rows + 1)))
+            !$omp parallel do schedule(static) private(i, n, x)
+            do m = 1, rows
+                n = before(m)
+                do i = 1, s%n(1)
+                    if (.not. within(i, m)) cycle
+                    n = n + 1
+                    x = point_of(s, layers_at(s, i, m))
+                    points%x(:, n) = x
+                end do
+            end do
+        end associate
         if (body%shape == 'bars') then
             points%volume = bar_weight(body, points%shape, points%x)
         else
-            points%volume = spread(1.0_dp, 1, n)
+            allocate (points%volume(size(points%x, 2)), source=1.0_dp)
         end if
     end subroutine fill_lattice
+
+    !> Layers of point i of row m of a lattice; rows go along x, one after the other in y, then z.
+    pure function layers_at(s, i, m) result(layers)
+        type(shape_t), intent(in) :: s
+        integer, intent(in) :: i, m !! from 1
+        integer :: layers(3)
+
+        layers = [i, 1 + mod(m - 1, s%n(2)), 1 + (m - 1)/s%n(2)]
+    end function layers_at
 
     !> Take the particles of body b away where body c is, and so much of its volume.
     subroutine cut_out(bodies, points, b, c, volume)
@@ -311,6 +334,7 @@ contains
 
         associate (p => points(b), s => points(c)%shape, t => points(b)%shape)
             allocate (stay(size(p%x, 2)))
+            !$omp parallel do schedule(static)
             do i = 1, size(stay)
                 stay(i) = .not. inside(bodies(c), s, p%x(:, i), 0.0_dp)
             end do
@@ -335,16 +359,19 @@ contains
         integer, intent(in) :: b, c
         type(error_t), intent(inout) :: err
         real(dp) :: margin
+        logical :: meets
         integer :: i
 
         if (b == c .or. cuts(bodies(b), bodies(c)) .or. cuts(bodies(c), bodies(b))) return
         margin = 1e-3_dp*bodies(b)%spacing
+        meets = .false.
+        !$omp parallel do schedule(static) reduction(.or.: meets)
         do i = 1, size(points(b)%x, 2)
-            if (.not. inside(bodies(c), points(c)%shape, points(b)%x(:, i), margin)) cycle
-            call raise(err, exit_deck, label('body', bodies(b)%id, bodies(b)%place)// &
-                       "it overlaps the body '"//trim(bodies(c)%id)//"'; move one of them, or "// &
-                       "say with cuts='...' which one makes room for the other")
-            return
+            if (.not. meets) &
+                meets = inside(bodies(c), points(c)%shape, points(b)%x(:, i), margin)
         end do
+        if (meets) call raise(err, exit_deck, label('body', bodies(b)%id, bodies(b)%place)// &
+            "it overlaps the body '"//trim(bodies(c)%id)//"'; move one of them, or say with "// &
+            "cuts='...' which one makes room for the other")
     end subroutine refuse_overlap
 end module brz_body_points

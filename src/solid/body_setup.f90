@@ -24,7 +24,7 @@ module brz_body_setup
     use brz_rigid_setup, only: set_up_rigid
     use brz_start_fields, only: start_from_file
     use brz_solid_arrays, only: allocate_solid
-    use brz_solid_state, only: between_t, body_t, solid_t
+    use brz_solid_state, only: between_t, body_t, solid_t, worth_threads
     use brz_wide_lattice, only: settle_lattice
     implicit none
     private
@@ -265,7 +265,9 @@ contains
         real(dp) :: volume
         integer :: n, ply
 
-        ply = -1
+        ply = -1 ! of `point`, in each thread
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) firstprivate(ply) &
+        !$omp private(point, volume)
         do n = body%first, body%last
             solid%id(n) = n
             solid%x(:, n) = points%x(:, n - body%first + 1)

@@ -5,7 +5,7 @@ module brz_body_start
     use brz_case, only: body_case_t, label
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: body_t, is_held, solid_t
+    use brz_solid_state, only: body_t, is_held, solid_t, worth_threads
     use brz_support, only: is_kept, kept_along
     use brz_text, only: to_text
     implicit none
@@ -30,6 +30,7 @@ contains
         end do
         where (shape%on_plane) centre = 0
         if (input%about_point) centre = input%spin_centre
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(r, v)
         do i = body%first, body%last
             r = solid%x(:, i) - centre
             v = input%velocity + [w(2)*r(3) - w(3)*r(2), w(3)*r(1) - w(1)*r(3), &
@@ -46,7 +47,7 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
-        logical :: held(2, 3), here, rolls(8)
+        logical :: held(2, 3), here, rolls(8), whole
         integer :: a, i, f
         real(dp) :: deep(3)
 
@@ -57,8 +58,11 @@ contains
         end do
         deep = input%fix_layers*shape%spacing
         if (input%fix_width > 0) deep = input%fix_width + 1e-6_dp*shape%spacing
+        whole = any(input%fix == 'all')
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(a, f, here) &
+        !$omp reduction(.or.: rolls)
         do i = body%first, body%last
-            here = any(input%fix == 'all')
+            here = whole
             do f = 1, input%n_fix_boxes
                 here = here .or. in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)
             end do

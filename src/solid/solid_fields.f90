@@ -3,7 +3,7 @@
 !> back, and tests walk it, so that a new field is one line.
 module brz_solid_fields
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
-    use brz_kinds, only: int16, int32, int8, real32, real64, rk
+    use brz_kinds, only: int16, int32, int64, int8, real32, real64, rk
     use brz_resize, only: resize
     use brz_solid_columns, only: at_accel, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, tag_bond, tag_cut, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
@@ -12,7 +12,7 @@ module brz_solid_fields
     implicit none
     private
     public :: field_t, fields_t, fields_of, make_fields, resize_fields, memory_of, column_of_field
-    public :: numbers_of, set_numbers, set_columns
+    public :: numbers_of
     public :: is_double, is_single, is_integer, is_short
     public :: nowhere, in_place, in_reference, in_built, in_motion, in_state, in_tag
 
@@ -175,7 +175,10 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (makes(t, wanted, derived)) allocate (a(rows, t%particles), source=0.0_real64)
+        if (makes(t, wanted, derived)) then
+            allocate (a(rows, t%particles))
+            call clear(c_loc(a), int(8*rows, int64)*t%particles)
+        end if
         if (.not. allocated(a)) return
         if (t%room > 0) call resize(a, t%room)
         call note(t, field_t(name, is_double, rows, .false., lies, at), c_loc(a), derived)
@@ -189,7 +192,10 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (makes(t, wanted, derived)) allocate (a(rows, t%particles), source=0.0_real32)
+        if (makes(t, wanted, derived)) then
+            allocate (a(rows, t%particles))
+            call clear(c_loc(a), int(4*rows, int64)*t%particles)
+        end if
         if (.not. allocated(a)) return
         if (t%room > 0) call resize(a, t%room)
         call note(t, field_t(name, is_single, rows, .false., lies, at), c_loc(a), derived)
@@ -203,7 +209,10 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (makes(t, wanted, derived)) allocate (a(t%particles), source=0.0_real64)
+        if (makes(t, wanted, derived)) then
+            allocate (a(t%particles))
+            call clear(c_loc(a), int(8, int64)*t%particles)
+        end if
         if (.not. allocated(a)) return
         if (t%room > 0) call resize(a, t%room)
         if (size(a) > 0) call note(t, field_t(name, is_double, 1, .true., lies, at), c_loc(a), &
@@ -218,7 +227,10 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (makes(t, wanted, derived)) allocate (a(t%particles), source=0.0_real32)
+        if (makes(t, wanted, derived)) then
+            allocate (a(t%particles))
+            call clear(c_loc(a), int(4, int64)*t%particles)
+        end if
         if (.not. allocated(a)) return
         if (t%room > 0) call resize(a, t%room)
         if (size(a) > 0) call note(t, field_t(name, is_single, 1, .true., lies, at), c_loc(a), &
@@ -233,7 +245,10 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (makes(t, wanted, derived)) allocate (a(t%particles), source=0_int32)
+        if (makes(t, wanted, derived)) then
+            allocate (a(t%particles))
+            call clear(c_loc(a), int(4, int64)*t%particles)
+        end if
         if (.not. allocated(a)) return
         if (t%room > 0) call resize(a, t%room)
         call note(t, field_t(name, is_integer, 1, .true., lies, at), c_loc(a), derived)
@@ -247,7 +262,10 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (makes(t, wanted, derived)) allocate (a(t%particles), source=0_int16)
+        if (makes(t, wanted, derived)) then
+            allocate (a(t%particles))
+            call clear(c_loc(a), int(2, int64)*t%particles)
+        end if
         if (.not. allocated(a)) return
         if (t%room > 0) call resize(a, t%room)
         call note(t, field_t(name, is_short, 1, .true., lies, at), c_loc(a), derived)
@@ -261,11 +279,29 @@ contains
         logical, intent(in) :: wanted
         logical, intent(in), optional :: derived
 
-        if (makes(t, wanted, derived)) allocate (a(t%particles), source=0_int8)
+        if (makes(t, wanted, derived)) then
+            allocate (a(t%particles))
+            call clear(c_loc(a), int(1, int64)*t%particles)
+        end if
         if (.not. allocated(a)) return
         if (t%room > 0) call resize(a, t%room)
         call note(t, field_t(name, is_byte, 1, .true., lies, at), c_loc(a), derived)
     end subroutine see_byte
+
+    !> Fill new memory with zeros, each thread the part that it will work on.
+    subroutine clear(memory, bytes)
+        type(c_ptr), intent(in) :: memory
+        integer(int64), intent(in) :: bytes
+        integer(int64), parameter :: piece = 2_int64**20
+        integer(int8), pointer :: byte(:)
+        integer(int64) :: k
+
+        call c_f_pointer(memory, byte, [bytes])
+        !$omp parallel do if(bytes > piece) schedule(static)
+        do k = 1, bytes, piece
+            byte(k:min(k + piece - 1, bytes)) = 0_int8
+        end do
+    end subroutine clear
 
     !> Bytes of a field for each particle.
     elemental integer function memory_of(field) result(bytes)
@@ -316,63 +352,4 @@ contains
             x = byte
         end select
     end function numbers_of
-
-    !> The way back.
-    subroutine set_numbers(field, x)
-        type(field_t), intent(in) :: field
-        real(real64), intent(in) :: x(:, :) !! (rows, n)
-        real(real64), pointer :: double(:, :)
-        real(real32), pointer :: single(:, :)
-        integer(int32), pointer :: number(:, :)
-        integer(int16), pointer :: short(:, :)
-        integer(int8), pointer :: byte(:, :)
-        integer :: i
-
-        select case (field%kind)
-        case (is_double)
-            call c_f_pointer(field%values, double, shape(x))
-            !$omp parallel do
-            do i = 1, size(x, 2)
-                double(:, i) = x(:, i)
-            end do
-        case (is_single)
-            call c_f_pointer(field%values, single, shape(x))
-            !$omp parallel do
-            do i = 1, size(x, 2)
-                single(:, i) = real(x(:, i), real32)
-            end do
-        case (is_integer)
-            call c_f_pointer(field%values, number, shape(x))
-            number = int(x, int32)
-        case (is_short)
-            call c_f_pointer(field%values, short, shape(x))
-            short = int(x, int16)
-        case default
-            call c_f_pointer(field%values, byte, shape(x))
-            byte = int(x, int8)
-        end select
-    end subroutine set_numbers
-
-    !> Set a field of real numbers from columns, as `state` of a GPU has them.
-    subroutine set_columns(field, x)
-        type(field_t), intent(in) :: field !! is_double or is_single
-        real(rk), intent(in) :: x(:, :) !! (n, rows)
-        real(real64), pointer :: double(:, :)
-        real(real32), pointer :: single(:, :)
-        integer :: i
-
-        if (field%kind == is_double) then
-            call c_f_pointer(field%values, double, [size(x, 2), size(x, 1)])
-            !$omp parallel do
-            do i = 1, size(x, 1)
-                double(:, i) = x(i, :)
-            end do
-        else
-            call c_f_pointer(field%values, single, [size(x, 2), size(x, 1)])
-            !$omp parallel do
-            do i = 1, size(x, 1)
-                single(:, i) = real(x(i, :), real32)
-            end do
-        end if
-    end subroutine set_columns
 end module brz_solid_fields

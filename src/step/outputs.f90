@@ -23,6 +23,7 @@ module brz_outputs
                                  prepare_folder
     use brz_progress, only: progress_line
     use brz_ranks, only: agree
+    use brz_timer, only: lap, wall_seconds
     use brz_saves, only: hear_writers, on_gpu, save_dump, save_state, saves_t
     use brz_simulation, only: simulation_t
     use brz_solid_step, only: resume_solid
@@ -197,7 +198,8 @@ contains
         if (tick(sim%clock%history, sim%clock%time) .or. last) &
             call write_histories(sim, outputs, err)
         if (failed(err)) return
-        if (tick(sim%clock%dump, sim%clock%time) .or. last) call save_dump(sim, outputs%saves, err)
+        if (tick(sim%clock%dump, sim%clock%time) .or. last) &
+            call save_dump(sim, outputs%saves, last, err)
         if (failed(err)) return
         if (tick(sim%clock%checkpoint, sim%clock%time)) &
             call save_checkpoint(sim, outputs, err, beside=on_gpu(sim))
@@ -303,8 +305,11 @@ contains
         type(simulation_t), intent(in) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
+        real(dp) :: mark
 
+        mark = wall_seconds()
         call hear_writers(sim, outputs%saves, 0, err)
+        call lap(mark, outputs%saves%writing)
         call close_history(outputs%energy, err)
         call close_history(outputs%bodies, err)
         call close_history(outputs%gauge_history, err)

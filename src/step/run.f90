@@ -28,6 +28,7 @@ module brz_run
     use brz_scanner, only: read_deck
     use brz_scene_size, only: refuse_too_large, scene_size_t, size_scene, too_large_to_look
     use brz_setup_progress, only: begin_setup, end_setup
+    use brz_screen, only: say
     use brz_signals, only: checkpoint_asked, listen_to_signals, look_for_stop_file, stop_asked
     use brz_simulation, only: set_up_simulation, simulation_t
     use brz_summary, only: print_summary
@@ -102,8 +103,7 @@ contains
         call open_outputs(options, sim, outputs, err)
         if (failed(err)) return
         call enter_part('start of the GPU')
-        call start_backend(sim%backend, sim%air, sim%coupling, sim%solid, err)
-        call agree(sim%ranks, err)
+        call start_computing(sim, err)
         if (failed(err)) return
         if (options%profile) call profile(sim, err)
         if (failed(err)) return
@@ -116,6 +116,21 @@ contains
         call agree(sim%ranks, closing)
         if (.not. failed(err)) err = closing
     end subroutine run_deck
+
+    !> Bring the scene to where it is computed, and say what that takes on a GPU.
+    subroutine start_computing(sim, err)
+        type(simulation_t), intent(inout) :: sim
+        type(error_t), intent(inout) :: err
+        character(12) :: seconds
+        real(dp) :: mark
+
+        mark = wall_seconds()
+        call start_backend(sim%backend, sim%air, sim%coupling, sim%solid, err)
+        call agree(sim%ranks, err)
+        if (failed(err) .or. .not. on_gpu(sim)) return
+        write (seconds, '(f12.1)') wall_seconds() - mark
+        call say('GPU          code, state and lists: '//trim(adjustl(seconds))//' s')
+    end subroutine start_computing
 
     !> On several processes: refuse what they cannot do; they use GPUs only where asked to.
     subroutine plan_ranks(options, ranks, sim, err)

@@ -10,6 +10,7 @@ module brz_saves
     use brz_ranks, only: agree, several
     use brz_simulation, only: simulation_t
     use brz_text, only: to_text
+    use brz_timer, only: lap, wall_seconds
     use brz_writer, only: begin_writing, end_writing, has_room, hear_writer, no_dump, writer_t, &
                           writers_t
     implicit none
@@ -20,6 +21,9 @@ module brz_saves
         type(dumps_t) :: dumps
         type(writers_t) :: writers !! of dumps and checkpoints, beside the run
         real(dp) :: reserve = 0 !! wall-clock time that a checkpoint has taken at most [s]
+        real(dp) :: fetching = 0 !! time that the run has lost: the state brought to the host [s]
+        real(dp) :: copying = 0 !! copies of the process begun [s]
+        real(dp) :: writing = 0 !! files written, or awaited [s]
         integer :: saved_cycle = -1 !! cycle of the last checkpoint
     end type saves_t
 
@@ -79,29 +83,38 @@ contains
         on_gpu = (sim%backend%on_gpu .or. sim%backend%bodies_on_gpu) .and. .not. several(sim%ranks)
     end function on_gpu
 
-    !> Write a dump; where a GPU computes, beside the run.
-    subroutine save_dump(sim, saves, err)
+    !> Write a dump; where a GPU computes, beside the run, but the last one: all threads are free
+    !> then.
+    subroutine save_dump(sim, saves, last, err)
         type(simulation_t), intent(inout) :: sim
         type(saves_t), intent(inout) :: saves
+        logical, intent(in) :: last !! the run ends here
         type(error_t), intent(inout) :: err
         type(writer_t) :: writer
+        real(dp) :: mark
         logical :: beside, here
 
+        mark = wall_seconds()
         call make_room(sim, saves, err)
+        call lap(mark, saves%writing)
         call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         call agree(sim%ranks, err)
+        call lap(mark, saves%fetching)
         if (failed(err)) return
-        beside = on_gpu(sim)
+        beside = on_gpu(sim) .and. .not. last
         writer%what = 'the dump of t = '//to_text(sim%clock%time)//' s'
         writer%dump = sim%clock%dump_number
         writer%time = sim%clock%time
         call begin_writing(saves%writers, writer, beside, here)
+        call lap(mark, saves%copying)
         if (here) then
             call write_dump_files(saves%dumps, sim%case, sim%clock, sim%air, &
                                   sim%coupling%wall, sim%solid, err)
             call end_writing(writer, beside, err)
+            call hear_writers(sim, saves, 0, err) ! those that began before have their names first
         end if
         call agree(sim%ranks, err)
+        call lap(mark, saves%writing)
         if (failed(err)) return
         sim%clock%dump_number = sim%clock%dump_number + 1
         sim%clock%dump_time = sim%clock%time
@@ -117,22 +130,27 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: sums(8)
         type(writer_t) :: writer
+        real(dp) :: mark
         logical :: here
 
+        mark = wall_seconds()
         if (apart) then
             call make_room(sim, saves, err)
         else
             call hear_writers(sim, saves, 0, err)
         end if
+        call lap(mark, saves%writing)
         if (saves%saved_cycle == sim%clock%cycle .or. failed(err)) return
         call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         call agree(sim%ranks, err)
+        call lap(mark, saves%fetching)
         if (failed(err)) return
         sums = [sim%start%total, sim%start%mass, sim%start%momentum, sim%start%energy, &
                 sim%start%work, sim%start%supply]
         writer%what = 'the checkpoint of t = '//to_text(sim%clock%time)//' s'
         writer%step = sim%clock%cycle
         call begin_writing(saves%writers, writer, apart, here)
+        call lap(mark, saves%copying)
         if (here) then
             if (writer%copy < 0) call hear_writers(sim, saves, 0, err) ! those before it first
             call write_checkpoint(saves%dumps%folder, sim%case, sim%clock, sim%air, sim%coupling, &
@@ -141,6 +159,7 @@ contains
             if (.not. failed(err)) call written(sim, saves, writer, err)
             call agree(sim%ranks, err)
         end if
+        call lap(mark, saves%writing)
         if (.not. failed(err)) saves%saved_cycle = sim%clock%cycle
     end subroutine save_state
 end module brz_saves

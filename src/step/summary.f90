@@ -13,6 +13,7 @@ module brz_summary
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
     use brz_ranks, only: least_of_all, most_of_all, several, traffic
+    use brz_saves, only: on_gpu
     use brz_simulation, only: simulation_t
     use brz_solid_home, only: all_particles
     use brz_screen, only: say
@@ -55,7 +56,7 @@ contains
         end if
         if (profiling) call print_profile(output_unit)
         if (counting) call print_calls(output_unit, sim%ranks)
-        call print_cost(sim)
+        call print_cost(sim, outputs)
         if (several(sim%ranks)) call print_share(sim)
         call say('results    '//outputs%folder)
     end subroutine print_summary
@@ -130,8 +131,9 @@ contains
     end subroutine print_share_of_bodies
 
     !> Wall-clock time and throughput.
-    subroutine print_cost(sim)
+    subroutine print_cost(sim, outputs)
         type(simulation_t), intent(in) :: sim
+        type(outputs_t), intent(in) :: outputs
         real(dp) :: seconds
 
         associate (p => sim%progress)
@@ -143,6 +145,16 @@ contains
             if (p%particle_steps > 0) write (output_unit, '(a, f0.2, a)') 'solid      ', &
                 1e-6_dp*real(p%particle_steps, dp)/max(p%solid_seconds, 1e-9_dp), &
                 ' Mparticle-steps/s'
+        end associate
+        associate (s => outputs%saves)
+            seconds = s%fetching + s%copying + s%writing
+            if (on_gpu(sim)) then
+                write (output_unit, '(a, 4(f0.1, a))') 'output     ', seconds, &
+                    ' s (state from the GPU ', s%fetching, ', copies of the process ', s%copying, &
+                    ', files ', s%writing, ')'
+            else
+                write (output_unit, '(a, f0.1, a)') 'output     ', seconds, ' s'
+            end if
         end associate
     end subroutine print_cost
 end module brz_summary

@@ -165,6 +165,11 @@ static int half_pinned(const void *h, size_t n) {
     return 0;
 }
 
+int cuMemAllocHost_v2(void **h, size_t n) {
+    *h = fails("cuMemAllocHost_v2") ? 0 : malloc(n);
+    return *h ? success : out_of_memory;
+}
+
 int cuMemHostRegister_v2(void *h, size_t n, unsigned flags) {
     if (!h || !n || flags || fails("cuMemHostRegister_v2")) return invalid;
     for (int i = 0; i < most_pinned; i++) {
