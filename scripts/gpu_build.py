@@ -25,9 +25,10 @@ from cuda_fortran import Fault, compile_all, kernels_of, mangled, missing_tools,
 # bytes of stack that a kernel may have: the ply keeps more numbers than a thread has registers,
 # and two faces more than their bound on registers, those of WENO3 only where there are products;
 # the rows, those of the cosine for angles so large that none of them comes near; bonds, see BLOCKS
-# of cuda_fortran.py; curved walls in real64, which turn by two normals, five numbers
+# of cuda_fortran.py; curved walls in real64, which turn by two normals, five numbers; concrete
+# such a cosine and three numbers
 STACK = {
-    "update_by_hjc": 40,
+    "update_by_hjc": 64,
     "update_by_orthotropic_ply": 64,
     "faces_muscl_hllc": 8,
     "faces_weno3_split": 48,

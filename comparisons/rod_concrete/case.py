@@ -21,8 +21,7 @@ CASE = Case(
         "that the slab takes is 3 % of the velocity; planned: damage that tells tension from "
         "crushing",
         "LS-DYNA, modified HJC": "a third stress invariant and a damage of its own in tension; "
-        "ours has the second "
-        "in concrete_48",
+        "ours has both in concrete_48",
     },
     text="None of the codes that can be installed from packages has a law for concrete under "
     "pressure (LAMMPS: von Mises; CalculiX: no equation of state). Published beside it: "

@@ -21,7 +21,7 @@ module brz_hjc
                                 p_limit, p_k_el, p_k_tran, p_mu_plock, p_full, p_ft, p_gf, &
                                 p_crack_rate, p_surface, p_young
     use brz_hjc_softening, only: by_malvar, h_damage, h_rate, h_tension, widest_crack
-    use brz_hjc_strength, only: add_damage, by_malvar_surface, rate_effect, strength
+    use brz_hjc_strength, only: add_damage, by_malvar_surface, most, rate_effect, strength
     use brz_kinematics, only: volume_step
     use brz_material, only: class_crumbling, fails_by_degrees, material_t, point_t, material_ok, &
                             material_clamped, n_par
@@ -101,7 +101,7 @@ contains
                 if (given(p_gf) .or. int(par(p_crack_rate)) > 1) &
                     fault = 'gf and rate_tension need ft'
                 if (int(par(p_surface)) == by_malvar_surface) fault = "surface='malvar' needs ft"
-            else if (int(par(p_surface)) == by_malvar_surface .and. par(p_ft) > par(p_fc)/4) then
+            else if (int(par(p_surface)) == by_malvar_surface .and. par(p_ft) > most*par(p_fc)) then
                 fault = "surface='malvar' needs an ft of at most fc/4"
             else if (int(par(p_surface)) /= by_malvar_surface &
                      .and. par(p_ft) >= bar_strength(par)) then
@@ -230,8 +230,8 @@ contains
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
         real(rk) :: s(6), q(3, 3), de(6), trial(6), mu, mu_max, mu_old, dv, v_mid, p_old, p_eos, p
-        real(rk) :: stiffest, damage, mises, yield, keep, work, plastic, strain, crushed, released
-        real(rk) :: rate, lost
+        real(rk) :: stiffest, damage, mises, yield, keep, work, plastic, strain, crushed
+        real(rk) :: released, rate, lost
         type(cracks_t) :: cracks
         integer :: i
 
@@ -248,9 +248,7 @@ contains
         p_old = -(point%stress(1) + point%stress(2) + point%stress(3))/3
         do i = 1, 6
             s(i) = point%stress(i)
-        end do
-        do i = 1, 3
-            s(i) = s(i) + p_old
+            if (i <= 3) s(i) = s(i) + p_old
         end do
         call trial_deviator(material%par(p_shear), dt, l, s, q, de, trial)
         released = 0
@@ -264,7 +262,8 @@ contains
         p = max(p_eos, -material%par(p_t)*(1 - damage))
         mises = mises_stress(trial)
         rate = rate_effect(material%par, sqrt(double_dot(de, de)*2/3), dt)
-        yield = strength(material%par, p, damage, rate, mises, third_invariant(trial))
+        yield = strength(material%par, p, damage, rate, point%hist(h_rate), mises, &
+                         third_invariant(trial))
         if (point%hist(h_eroded) > 0) yield = 0
         keep = 1
         strain = 0

@@ -29,6 +29,7 @@ module brz_hjc_cracks
         real(rk) :: trace !! W of `carry` [Pa]
         real(rk) :: old(3) !! stress at the start of the step along them [Pa]
         real(rk) :: damage !! of the cracks; 0: there are none, and nothing else is set
+        real(rk) :: rate !! at which it cracked [1/s]
         real(rk) :: released !! energy that their growth lets go [J/m3]
     end type cracks_t
 
@@ -94,6 +95,7 @@ contains
             cracks%released = max(0.0_rk, taken - elastic(par, change, start))
         end if
         hist(h_tension) = damage
+        cracks%rate = hist(h_rate)
         call along(old, cracks%axes, cracks%old)
         p = mean_pressure(trial)
         do i = 1, 3
@@ -133,7 +135,7 @@ contains
             p = -(values(1) + values(2) + values(3))/3
             mises = sqrt(((values(1) - values(2))**2 + (values(2) - values(3))**2 &
                           + (values(3) - values(1))**2)/2)
-            yield = strength(par, max(p, least), damage, rate, mises, &
+            yield = strength(par, max(p, least), damage, rate, cracks%rate, mises, &
                              (values(1) + p)*(values(2) + p)*(values(3) + p))
             excess = mises - yield
             if (pass == 0) then

@@ -9,7 +9,7 @@ module brz_hjc_softening
     use brz_material, only: n_par
     implicit none
     private
-    public :: crack_damage, widest_crack
+    public :: crack_damage, tensile_strength, widest_crack
 
     !> History: damage of the cracks, damage of the rest, rate at which they open [1/s].
     integer, parameter, public :: h_tension = 4, h_damage = 5, h_rate = 6
@@ -31,8 +31,7 @@ contains
         real(rk), intent(in) :: kappa, rate !! equivalent strain; rate at which it cracked [1/s]
         real(rk) :: damage, ft, k0, ks, spent, least
 
-        ft = par(p_ft)
-        if (int(par(p_crack_rate)) == by_malvar) ft = ft*rate_factor(par(p_fc), rate)
+        ft = tensile_strength(par, rate)
         spent = par(p_gf)/max(crack, tiny(crack)*1e10_rk)
         ft = min(ft, sqrt(par(p_young)*spent/steepest))
         k0 = ft/par(p_young)
@@ -42,6 +41,16 @@ contains
         least = max(least_left, faint*k0/(k0 - ks*log(faint)))
         damage = 1 - max(least, k0/kappa*exp(-(kappa - k0)/ks))
     end function crack_damage
+
+    !> Strength of a bar at a rate [Pa].
+    !@cuf attributes(host,device) &
+    pure function tensile_strength(par, rate) result(ft)
+        real(rk), intent(in) :: par(n_par), rate !! rate at which it cracks or cracked [1/s]
+        real(rk) :: ft
+
+        ft = par(p_ft)
+        if (int(par(p_crack_rate)) == by_malvar) ft = ft*rate_factor(par(p_fc), rate)
+    end function tensile_strength
 
     !> Strength at a rate over that at 1e-6 1/s, after Malvar and Ross.
     !@cuf attributes(host,device) &

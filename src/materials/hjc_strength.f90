@@ -5,8 +5,9 @@
 !> damage takes what lies above rubble; tension as in docs/materials.md.
 !> Point physics: compiled for the CPU and for the GPU.
 module brz_hjc_strength
-    use brz_hjc_pressure, only: p_a, p_b, p_c, p_d1, p_d2, p_efmin, p_fc, p_floor, p_ft, p_n, &
+    use brz_hjc_pressure, only: p_a, p_b, p_c, p_d1, p_d2, p_efmin, p_fc, p_floor, p_n, &
                                 p_rate, p_rate_law, p_smax, p_surface, p_t
+    use brz_hjc_softening, only: tensile_strength
     use brz_kinds, only: rk
     use brz_malvar_surface, only: malvar_strength, meridian_share, tensile_share
     use brz_material, only: n_par
@@ -17,22 +18,25 @@ module brz_hjc_strength
     integer, parameter, public :: by_malvar_surface = 2 !! place of the word of `surface`
     integer, parameter :: by_fib = 2 !! of `rate_law`
     real(rk), parameter :: slow = 30e-6_rk, steep = 0.014_rk !! [1/s], -: fib Model Code 2010
+    real(rk), parameter, public :: most = 0.25_rk !! largest ft/fc of the surface of Malvar et al.
 
 contains
 
     !> Yield stress: by pressure, damage and rate, at most SMAX; to zero at the cut-off in tension.
     !@cuf attributes(host,device) &
-    pure function strength(par, p, damage, rate, mises, product) result(yield)
+    pure function strength(par, p, damage, rate, opened, mises, product) result(yield)
         real(rk), intent(in) :: par(n_par), p, damage
         real(rk), intent(in) :: rate !! of `rate_effect`
+        real(rk), intent(in) :: opened !! rate at which it cracks or cracked [1/s]
         real(rk), intent(in) :: mises !! of the stress that is judged [Pa]
         real(rk), intent(in) :: product !! of its principal deviators [Pa3]
-        real(rk) :: yield, x, share
+        real(rk) :: yield, x, tip, share
 
         if (int(par(p_surface)) == by_malvar_surface) then
             x = p/(par(p_fc)*rate) ! strength rises along the way of the stress, friction does not
-            yield = malvar_strength(x, par(p_ft)/par(p_fc), 1 - damage)
-            share = tensile_share(x, par(p_ft)/par(p_fc))
+            tip = min(tensile_strength(par, opened)/par(p_fc), most)
+            yield = malvar_strength(x, tip, 1 - damage)
+            share = tensile_share(x, tip)
             if (mises > 0) yield = yield*meridian_share(share, 13.5_rk*product/mises**3)
         else if (p > 0) then
             yield = par(p_a)*(1 - damage) + par(p_b)*exp(par(p_n)*log(p/par(p_fc)))
