@@ -101,7 +101,7 @@ $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED
     @mkdir -p $(MADE) && scripts/kernels.py $f $(MADE) $(wildcard cuda/$f*.CUF)))
 $(foreach f,$(VARIANTS),$(eval $(MADE)/$(notdir $f): $f scripts/variants.py ; @mkdir -p $(MADE) && scripts/variants.py $$< $$@))
 $(foreach f,$(FOREIGN),$(eval $(MADE)/$(notdir $f): $f scripts/foreign.py ; @mkdir -p $(MADE) && scripts/foreign.py $$< $$@))
-$(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(wildcard $(dir $f)*_items.f90) scripts/steps.py scripts/items.py ; \
+$(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(ITEMS) scripts/steps.py scripts/items.py ; \
     @mkdir -p $(MADE) && scripts/steps.py $$< $$@))
 $(foreach f,$(HOUSES),$(eval $(MADE)/$f_families.f90: scripts/items.py $(filter src/$f/%,$(ITEMS)) ; \
     @mkdir -p $(MADE) && scripts/items.py --families $$@ $(patsubst src/$f/%_items.f90,%,$(filter src/$f/%,$(ITEMS)))))

@@ -18,7 +18,7 @@ BUFFER = {"real(rk)": "reals_t", "real(dp)": "doubles_t", "integer(int8)": "byte
 BUFFER |= {"integer": "integers_t", "integer(int32)": "integers_t"}
 TALLY = {"count": "+", "sum": "+", "least": "min", "most": "max", "exact": ""}
 KNOWN = {"worth_threads": "brz_solid_state", "tally_threads": "brz_tallies", "dp": "brz_kinds"}
-KNOWN |= dict.fromkeys(["find_kernel", "kernel_t", "launch", "device_t"], "brz_device")
+KNOWN |= dict.fromkeys(["find_kernel", "find_once", "kernel_t", "launch", "device_t"], "brz_device")
 EXACT = ["widen", "open_sums", "add_terms", "close_sums", "scale_t", "limbs"]
 KNOWN |= {"ranks_t": "brz_ranks", "int64": "brz_kinds"} | dict.fromkeys(EXACT, "brz_exact_sum")
 KNOWN |= {"tally_exactly": "brz_tallies", "gpu_exact_t": "brz_gpu_exact"}
@@ -173,20 +173,20 @@ def exact_kernel(item, declared, step):
 
 def launch(number, stem, item):
     """A procedure that launches the kernel, with arguments of the types that this takes."""
-    declared = [f"class({stem}_kernels_t), intent(in) :: self", f"integer, intent(in) :: {item.n}"]
-    body = ["call a%add(n)"]
+    declared, body = [f"integer, intent(in) :: {item.n}"], ["call a%add(n)"]
     for a in item.given[: -3 if item.exact else None]:
         kind = f"type({BUFFER.get(a.kind, 'buffer_t')})" if a.in_memory else a.kind
         declared += [f"{kind}, intent(in) :: {a.name}{a.comment}"]
         how = "_structure({0}, storage_size({0})/8)" if a.whole else "({0})"
         body += ["call a%add" + how.format(a.name)]
-    names = ["self", "n", *(a.name for a in item.given), "err"]
+    names = ["n", *(a.name for a in item.given), "err"]
     if item.exact:
         names[-4:] = ["sums", "err"]
         declared += ["type(gpu_exact_t), intent(inout) :: sums"]
     declared += ["type(error_t), intent(inout) :: err", "type(arguments_t) :: a"]
     threads = "tally_threads" if item.sums else "n"
-    run = [f"call launch(self%kernel({number}), [{threads}, 1, 1], a, err)"]
+    run = [f"call find_once('each_{item.name}', kernel({number}), err)"]
+    run += [f"call launch(kernel({number}), [{threads}, 1, 1], a, err)"]
     if item.exact:
         declared += ["integer :: pass"]
         body = ["a = arguments_t()", *body, "call a%add(pass)", "call a%add(sums%up)"]
@@ -197,19 +197,18 @@ def launch(number, stem, item):
 
 
 def launches(stem, items, launch, prefix):
-    """The type whose procedures launch the kernels of a file, and these procedures."""
-    kind = [f"type :: {stem}_kernels_t", "    private"]
-    kind += [f"    type(kernel_t) :: kernel({len(items)})", "contains"]
-    kind += ["    procedure :: open => find_kernels"]
-    kind += [f"    procedure :: {x.name} => launch_{x.name}" for x in items]
-    declared = [f"class({stem}_kernels_t), intent(inout) :: self"]
-    declared += ["type(device_t), intent(in) :: device", "type(error_t), intent(inout) :: err"]
-    find = "call find_kernel(device, '{}{}', self%kernel({}), err)"
+    """The type whose procedures launch the kernels of a file, one of it, and these procedures."""
+    kind = [f"type :: {stem}_kernels_t", "contains"]
+    kind += ["    procedure, nopass :: open => find_kernels"]
+    kind += [f"    procedure, nopass :: {x.name} => launch_{x.name}" for x in items]
+    kind += [f"end type {stem}_kernels_t", f"type({stem}_kernels_t) :: {stem}_kernels"]
+    kind += [f"type(kernel_t) :: kernel({len(items)})", ""]
+    declared = ["type(device_t), intent(in) :: device", "type(error_t), intent(inout) :: err"]
+    find = "call find_kernel(device, '{}{}', kernel({}), err)"
     body = [find.format(prefix, x.name, k) for k, x in enumerate(items, 1)]
-    doc, head = "!> Find the kernels; before any launch.", "subroutine find_kernels"
-    find = procedure(doc, head, ["self", "device", "err"], declared, body)
-    every = [launch(k, stem, x) for k, x in enumerate(items, 1)]
-    return [*kind, f"end type {stem}_kernels_t", ""], [find, *every]
+    doc, head = "!> Find all kernels, not each at its first launch.", "subroutine find_kernels"
+    find = procedure(doc, head, ["device", "err"], declared, body)
+    return kind, [find, *(launch(k, stem, x) for k, x in enumerate(items, 1))]
 
 
 def write(path, source, known, kind, procedures):
@@ -223,7 +222,8 @@ def write(path, source, known, kind, procedures):
     # the kernels and loops; of launches the type, and those that it does not have
     text = "\n".join(code)
     head = re.compile(r"^ *(?:attributes\(global\).*)?subroutine (\w+)\(|end type (\w+)", re.M)
-    public = ", ".join(x or y for x, y in head.findall(text) if y or f"=> {x}" not in text)
+    names = [x or y for x, y in head.findall(text) if y or f"=> {x}" not in text]
+    public = ", ".join(names + [x[:-2] for x in names if x.endswith("_kernels_t")])
     uses += ["implicit none", "private", *fold(f"public :: {public}")]
     script = Path(sys.argv[0]).name
     lines = ["! SPDX-License-Identifier: MIT", f"!> Written by scripts/{script} from {source}."]

@@ -67,13 +67,15 @@ def parameters(kernel):
 def launch(number, stem, kernel):
     """A procedure that launches the kernel."""
     declared, body = parameters(kernel)
+    owner, names = ["integer, intent(in) :: threads(3) !! in x, y, z"], ["threads"]
     if kernel.variants:
-        owner, found = ["type(kernel_t), intent(in) :: kernel !! one of its variants"], "kernel"
+        owner.insert(0, "type(kernel_t), intent(in) :: kernel !! one of its variants")
+        names, found = ["kernel", *names], "kernel"
     else:
-        owner, found = [f"class({stem}_kernels_t), intent(in) :: self"], f"self%kernel({number})"
-    owner += ["integer, intent(in) :: threads(3) !! in x, y, z"]
+        found = f"kernel({number})"
+        body += [f"call find_once('{kernel.name}', {found}, err)"]
     body += [f"call launch({found}, threads, a, err)"]
-    names = [found.split("%")[0], "threads", *(a.name for a in kernel.given), "err"]
+    names += [*(a.name for a in kernel.given), "err"]
     head = f"subroutine launch_{kernel.name}"
     return procedure(kernel.doc, head, names, [*owner, *declared], body)
 

@@ -8,9 +8,9 @@ A file of steps calls items, loop by loop, and helpers. What it names lies under
 the GPU: `air`, `c` and `p` are then a gpu_air_t, a gpu_coupling_t and a seen_t, with buffers for
 arrays. A call of an item becomes a launch of its kernel, and every call also hands on the error. An
 item that sums or counts says behind its call what holds that on the GPU: `!@gpu book_low
-count_over`, a column of the books and a count, which is then read. Statements for the CPU alone end
-in `!@cpu`, those for the GPU alone are comments that begin with `!@gpu`. `!@host` says that a
-procedure runs on the host for both.
+count_over`, a column of the books and the first count; counts are then read. Statements for the CPU
+alone end in `!@cpu`, those for the GPU alone are comments that begin with `!@gpu`. `!@host`
+says that a procedure runs on the host for both.
 
 In files of the solids, which hand on `solid`, the GPU has `gpu` besides: the arrays that it has
 under the same names are read there, and all that is associated but `body`. `!@gpu x => y` behind a
@@ -27,7 +27,14 @@ from items import BUFFER, ITEM, Item, fold
 CALL = re.compile(r"^(.*?)\bcall (\w+)\((.*)\)$")
 HEAD = re.compile(r"^subroutine (\w+)\((.*)\)$")
 ARRAY = re.compile(r"^([\w()]+), intent\(\w+\) :: (\w+)\(:.*\)$")
-TAGS = re.compile(r"!@gpu (?!call)(.*)")
+TAGS = re.compile(r"!@gpu (?!call|if)(.*)")
+KNOWN = {"gpu_solid_t": "brz_gpu_solid_state", "list_gpu_faces": "brz_gpu_coupling_shared"}
+KNOWN |= {"from": "brz_buffers", "error_t": "brz_errors", "several": "brz_ranks"}
+KNOWN |= dict.fromkeys(BUFFER.values(), "brz_buffers")
+KNOWN |= dict.fromkeys(
+    ["book_at", "clear_counts", "count_at", "put_carriers", "read_counts", "seen_t", "show_walls"],
+    "brz_gpu_coupling_state",
+)
 CHANGES = [(r"\bmodule brz_(\w+)", r"module brz_gpu_\1"), (r", running_sum\b", "")]
 CHANGES += [
     (r"use brz_(air|coupling)_state, only: (\w+_t)$", r"use brz_gpu_\1_state, only: gpu_\2")
@@ -76,7 +83,7 @@ def launch(family, item, given, comment, c):
     kept = [given[0], *(re.sub("^c%carrier$", r"\g<0>_there", x) for x, a in pairs if not a.tally)]
     if item.exact:
         return [
-            f"call {c}%{family}_kernels%{item.name}({', '.join([*kept, f'{c}%exact', 'err'])})",
+            f"call {family}_kernels%{item.name}({', '.join([*kept, f'{c}%exact', 'err'])})",
             f"{given[-1]} = {c}%exact%total(:{len(item.sums)})",
         ]
     counted = [x for x, a in pairs if a.tally == "count"]
@@ -84,15 +91,17 @@ def launch(family, item, given, comment, c):
         kept.append(f"book_at(c, {tags[0]})")
     if counted:
         kept.append(f"count_at(c, {tags[-1]})")
-    made = [f"call {c}%{family}_kernels%{item.name}({', '.join([*kept, 'err'])})"]
-    return made + [f"call read_count(c, {tags[-1]}, {x}, err)" for x in counted]
+    made = [f"call {family}_kernels%{item.name}({', '.join([*kept, 'err'])})"]
+    if counted:
+        made.append(f"call read_counts(c, {tags[-1]}, err, {', '.join(counted)})")
+    return made
 
 
 def called(code, comment, items, solids):
     """Statements in place of one, which may be a call."""
     if not code and comment.startswith("!@gpu "):
         code = comment.removeprefix("!@gpu ")
-        return [code[:-1] + ", err)" if code.startswith("call") else code]
+        return [code[:-1] + ", err)" if "call " in code else code]
     if comment.startswith("!@host") or not (found := CALL.match(code)):
         return [code]
     before, name, given = found.groups()
@@ -103,25 +112,20 @@ def called(code, comment, items, solids):
         handed_on = arguments(given)[0] == "solid"
         return [f"{before}call {name}(gpu, {given}, err)" if handed_on else code]
     if name == "running_sum":
-        x, n, total = arguments(given)
-        return [f"{before}call c%common%running_sum({x}, {n}, err, {total})"]
+        x, n, *total = arguments(given)
+        x = re.sub(r"^(.*)\((\d+):\)$", r"from(\1, \2_int64)", x)
+        return [f"{before}call c%common%running_sum({', '.join([x, n, 'err', *total])})"]
     return [f"{before}call {name}({given}, err)"]
 
 
-def uses(text, solids):
+def uses(code, tags, families):
     """Modules that the GPU needs besides."""
-    if solids:
-        yield "use brz_errors, only: error_t"
-        yield "use brz_gpu_solid_state, only: gpu_solid_t"
-        return
-    tags = sorted({x for line in TAGS.findall(text) for x in line.split()})
-    if "(:" in text:
-        yield f"use brz_buffers, only: {', '.join(sorted(set(BUFFER.values())))}"
-    yield "use brz_errors, only: error_t"
-    names = "book_at, count_at, put_carriers, read_count, seen_t"
-    yield f"use brz_gpu_coupling_state, only: {names}"
-    if tags:
-        yield f"use brz_gpu_coupling_layout, only: {', '.join(tags)}"
+    known = {x: KNOWN[x] for x in set(re.findall(r"\w+", code)) & set(KNOWN)}
+    known |= dict.fromkeys(tags, "brz_gpu_coupling_layout")
+    known |= {f"{x}_kernels": f"brz_{x}_launches" for x in families}
+    known |= {"int64": "brz_kinds"} if "_int64" in code else {}
+    for owner in sorted(set(known.values())):
+        yield f"use {owner}, only: {', '.join(sorted(x for x in known if known[x] == owner))}"
 
 
 def changed(code, solids):
@@ -139,27 +143,30 @@ def changed(code, solids):
 
 def translated(text, items, solids):
     """(indent, statement, comment) of the module for the GPU."""
-    opened = False
+    opened, lines = False, []
     for indent, code, comment in statements(text):
         if re.match(r"use brz_\w+_loops", code) or comment.startswith("!@cpu"):
             continue
-        if code == "implicit none":
-            yield from ((indent, x, "") for x in uses(text, solids))
         if opened and solids and code.startswith("type(solid_t)"):
-            yield 8, "type(gpu_solid_t), intent(inout) :: gpu", ""
+            lines.append((8, "type(gpu_solid_t), intent(inout) :: gpu", ""))
         if opened and "intent(" not in code and not comment:
-            yield 8, "type(error_t), intent(inout) :: err", ""
+            lines.append((8, "type(error_t), intent(inout) :: err", ""))
         if "intent(" not in code and not comment:
             opened = False
         opened = opened or bool(HEAD.match(code))
         for one in called(changed(code, solids), comment, items, solids):
-            yield indent, one, "" if comment.startswith("!@") else comment
+            lines.append((indent, one, "" if comment.startswith("!@") else comment))
+    code = "\n".join(x for _, x, _ in lines)
+    tags = [] if solids else {x for line in TAGS.findall(text) for x in line.split()}
+    families = set(re.findall(r"(?<!%)\b(\w+)_kernels%", code))
+    at = next(k for k, line in enumerate(lines) if line[1] == "implicit none")
+    return [*lines[:at], *((4, x, "") for x in uses(code, tags, families)), *lines[at:]]
 
 
 def main():
     source, target = Path(sys.argv[1]), Path(sys.argv[2])
     items = {}
-    for path in source.parent.glob("*_items.f90"):
+    for path in Path("src").glob("*/*_items.f90"):
         text = path.read_text(encoding="utf-8")
         for m in ITEM.finditer(text):
             family = path.stem.removesuffix("_items")

@@ -2,11 +2,11 @@
 !> Where the cells of a Cartesian grid lie in memory, and what a stage needs: plain data for
 !> kernels. Point physics.
 module brz_air_grid
-    use brz_kinds, only: dp, int64, rk
+    use brz_kinds, only: dp, int32, int64, rk
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: grid_t, stage_t, grid_of, place_of, variable_in_slot
+    public :: grid_t, stage_t, grid_of, place_of, variable_in_slot, cell_at, number_of
     public :: first_cell, line_start, lines_along
     public :: rate_none, rate_in_flux, rate_in_new
     public :: faces_of_a_thread
@@ -104,6 +104,29 @@ contains
         place = i + grid%g(1) + int(j + grid%g(2) - 1, int64)*grid%step(2) &
             + int(k + grid%g(3) - 1, int64)*grid%step(3)
     end function place_of
+
+    !> Indices of a cell from its number.
+    !@cuf attributes(host,device) &
+    pure function cell_at(n, number) result(ijk)
+        integer, intent(in) :: n(3)
+        integer(int32), intent(in) :: number
+        integer :: ijk(3), rest
+
+        rest = number - 1
+        ijk(1) = mod(rest, n(1)) + 1
+        rest = rest/n(1)
+        ijk(2) = mod(rest, n(2)) + 1
+        ijk(3) = rest/n(2) + 1
+    end function cell_at
+
+    !> Number of a cell from its indices, counted from 1 in memory order.
+    !@cuf attributes(host,device) &
+    pure function number_of(n, ijk) result(number)
+        integer, intent(in) :: n(3), ijk(3)
+        integer(int32) :: number
+
+        number = ijk(1) + n(1)*((ijk(2) - 1) + n(2)*(ijk(3) - 1))
+    end function number_of
 
     !> Number of lines of cells along direction d.
     !@cuf attributes(host,device) &

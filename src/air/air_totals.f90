@@ -11,7 +11,7 @@ module brz_air_totals
     use brz_running_total, only: add_to_total, value_of, value_of_all
     implicit none
     private
-    public :: gas_sums, outflow_of_all, counts_of_all
+    public :: air_totals, gas_sums, outflow_of_all, counts_of_all
     public :: show_outflow, take_outflow
 
 contains
@@ -36,6 +36,36 @@ contains
         sums = 0
         call exact_sums(air%part%ranks, air%brick_sum, sums(:air%n_var))
     end subroutine gas_sums
+
+    !> Mass, momentum and energy of the gas and of the ledgers of the solid cells, of all processes;
+    !> kinetic energy of the gas, products in gas and ledgers.
+    subroutine air_totals(air, wall, gas, ledger, kinetic, products)
+        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
+        type(wall_t), intent(in) :: wall
+        real(dp), intent(out) :: gas(5) !! [kg, kg m/s, J]
+        real(dp), intent(out) :: ledger(5) !! [kg, kg m/s, J]
+        real(dp), intent(out), optional :: kinetic !! [J]
+        real(dp), intent(out), optional :: products !! of explosives [kg]
+        real(dp) :: sums(0:6), kept(6, wall%n_cells), total(6)
+        integer :: c
+
+        call gas_sums(air, sums, wall)
+        total = 0
+        if (wall%present) then
+            kept = 0
+            do c = 1, wall%n_cells
+                associate (at => wall%cell(:, c))
+                    if (all(at >= 1 .and. at <= air%n)) &
+                        kept(:air%n_var, c) = air%u(at(1), at(2), at(3), :)
+                end associate
+            end do
+            call exact_sums(air%part%ranks, kept, total)
+        end if
+        gas = sums(1:5)*product(air%dx)
+        ledger = total(1:5)*product(air%dx)
+        if (present(kinetic)) kinetic = sums(0)*product(air%dx)
+        if (present(products)) products = (sums(6) + total(6))*product(air%dx)
+    end subroutine air_totals
 
     !> What left through the outer faces of the grid so far, and the products in it [kg].
     subroutine outflow_of_all(air, outflow, products)

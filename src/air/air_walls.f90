@@ -1,15 +1,20 @@
 ! SPDX-License-Identifier: MIT
-!> Lists of the solid cells, of the faces between gas and solid, and of the faces that a solid cell
-!> cuts out of the plain scheme. All lists grow only, and their order is that of the grid.
+!> Lists of the solid cells and of the wall faces, see brz_wall_items, and for the sweeps of the
+!> faces that a solid cell cuts out of the plain scheme. All lists grow only, and their order is
+!> that of the grid.
 module brz_air_walls
-    use brz_kinds, only: int8, rk
     use brz_air_boundary, only: image_at
+    use brz_air_grid, only: cell_at, grid_of, grid_t
     use brz_air_state, only: air_t, bc_inside, bc_periodic, cut_t, n_ghost, wall_t
     use brz_grid_lines, only: block_of, n_blocks
+    use brz_kinds, only: int32, int8, rk
+    use brz_lists, only: at_least, running_sum
     use brz_scheme, only: reach_of
+    use brz_wall_items, only: images_along
+    use brz_wall_loops, only: each_count_faces, each_enter_wall, each_image_wall, each_list_faces
     implicit none
     private
-    public :: set_up_walls, build_walls, image_of
+    public :: set_up_walls, build_walls, list_cuts, image_of
 
 contains
 
@@ -40,25 +45,70 @@ contains
 
     !> Derive all lists from `wall%solid` of the cells lo..hi; its ghosts are filled here.
     !>
-    !> On several processes lists of cells and wall faces hold those around the box too; lists of
-    !> what the sweeps of this process meet do not.
-    !>
     !> The wall velocities `v` must be filled afterwards: the list of cells has changed.
     subroutine build_walls(air, wall)
         type(air_t), intent(in) :: air
         type(wall_t), intent(inout) :: wall
-        integer :: d
+        integer(int32), allocatable :: cell(:), gas(:), rows(:), start(:)
+        type(grid_t) :: grid
+        integer :: c, d, n
 
-        call clear_maps(air, wall)
-        call list_cells(air, wall)
+        grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
+        grid%n = wall%hi - wall%lo + 1
+        grid%g = air%g + wall%lo - 1
+        associate (lo => wall%lo, hi => wall%hi)
+            cell = pack([(c, c=1, product(grid%n))], &
+                        [wall%solid(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)) /= 0])
+        end associate
+        n = size(cell)
+        wall%n_cells = n
+        wall%index = 0
+        call each_enter_wall(n, grid, cell, wall%solid, wall%index)
         do d = 1, 3
-            if (air%n(d) > 1) call fill_ghost_maps(air, wall, d)
+            call each_image_wall(images_along(grid, d), d, grid, wall%solid, wall%index)
         end do
-        call list_faces(air, wall)
-        do d = 1, 3
-            if (air%n(d) > 1) call list_cuts(air, wall, d)
-        end do
+        allocate (start(n + 1))
+        call each_count_faces(n, grid, cell, wall%solid, start)
+        call running_sum(start, n, wall%n_faces)
+        call at_least(wall%v, 3, n)
+        wall%v = 0
+        call at_least(wall%face_of, 6, n)
+        call at_least(wall%face_cell, wall%n_faces)
+        call at_least(wall%push, wall%n_faces)
+        call at_least(wall%impulse, wall%n_faces)
+        allocate (gas(wall%n_faces), rows(wall%n_faces))
+        call each_list_faces(n, grid, cell, wall%solid, start, wall%face_of, gas, rows, &
+                             wall%face_cell)
+        call list_cuts(air, cell, gas, rows, wall)
     end subroutine build_walls
+
+    !> Lists for the sweeps, from those of cells and faces by number. On several processes these
+    !> hold the cells around the box too, as far as lo..hi; what the sweeps meet does not.
+    subroutine list_cuts(air, cell, gas, rows, wall)
+        type(air_t), intent(in) :: air
+        integer(int32), intent(in) :: cell(:) !! numbers of the solid cells among lo..hi
+        integer(int32), intent(in) :: gas(:), rows(:) !! gas cell of each wall face, row of face_of
+        type(wall_t), intent(inout) :: wall
+        integer :: c, d, f
+
+        wall%push = 0
+        wall%impulse = 0
+        call at_least(wall%cell, 3, wall%n_cells)
+        call at_least(wall%face, 5, wall%n_faces)
+        associate (n => wall%hi - wall%lo + 1)
+            do c = 1, wall%n_cells
+                wall%cell(:, c) = cell_at(n, cell(c)) + wall%lo - 1
+            end do
+            do f = 1, wall%n_faces
+                wall%face(:, f) = [cell_at(n, gas(f)) + wall%lo - 1, (rows(f) + 1)/2, &
+                                   2*mod(rows(f), 2) - 1]
+            end do
+        end associate
+        do d = 1, 3
+            wall%cut(d)%has_solid = 0
+            if (air%n(d) > 1) call list_cuts_along(air, wall, d)
+        end do
+    end subroutine list_cuts
 
     !> Cell whose state the ghost cell at position p of direction d takes.
     pure integer function image_of(air, d, p)
@@ -68,51 +118,6 @@ contains
 
         image_of = image_at(air%n(d), air%bc(1, d), air%bc(2, d), p)
     end function image_of
-
-    !> Wipe what the last lists have left in the maps.
-    subroutine clear_maps(air, wall)
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(inout) :: wall
-        integer :: c, d, cell(3)
-
-        do c = 1, wall%n_cells
-            cell = wall%cell(:, c)
-            wall%index(cell(1), cell(2), cell(3)) = 0
-            do d = 1, 3
-                if (is_on_line(air, d, cell)) wall%cut(d)%has_solid(block_of(air%n, d, cell)) = 0
-            end do
-        end do
-    end subroutine clear_maps
-
-    !> List the solid cells in the order of the grid.
-    subroutine list_cells(air, wall)
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(inout) :: wall
-        integer :: i, j, k, d
-
-        wall%n_cells = 0
-        do k = wall%lo(3), wall%hi(3)
-            do j = wall%lo(2), wall%hi(2)
-                if (all(wall%solid(wall%lo(1):wall%hi(1), j, k) == 0)) cycle
-                do i = wall%lo(1), wall%hi(1)
-                    if (wall%solid(i, j, k) == 0) cycle
-                    wall%n_cells = wall%n_cells + 1
-                    call grow_integer(wall%cell, wall%n_cells)
-                    wall%cell(:, wall%n_cells) = [i, j, k]
-                    wall%index(i, j, k) = wall%n_cells
-                    do d = 1, 3
-                        if (is_on_line(air, d, [i, j, k])) &
-                            wall%cut(d)%has_solid(block_of(air%n, d, [i, j, k])) = 1
-                    end do
-                end do
-            end do
-        end do
-        if (size(wall%v, 2) < wall%n_cells) then
-            deallocate (wall%v, wall%face_of)
-            allocate (wall%v(3, size(wall%cell, 2)), source=0.0_rk)
-            allocate (wall%face_of(6, size(wall%cell, 2)))
-        end if
-    end subroutine list_cells
 
     !> True for a cell on a line of the box along direction d, or so near that a stencil reaches it.
     pure logical function is_on_line(air, d, cell)
@@ -127,31 +132,6 @@ contains
         end do
     end function is_on_line
 
-    !> Fill the ghosts of one direction from their images, but for cells of other processes.
-    subroutine fill_ghost_maps(air, wall, d)
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(inout) :: wall
-        integer, intent(in) :: d !! direction
-        integer :: m, from, p(2*n_ghost)
-
-        p = ghosts_of(air%n(d))
-        do m = 1, size(p)
-            if (air%bc(merge(1, 2, p(m) < 1), d) == bc_inside) cycle
-            from = image_of(air, d, p(m))
-            select case (d)
-            case (1)
-                wall%solid(p(m), :, :) = wall%solid(from, :, :)
-                wall%index(p(m), :, :) = wall%index(from, :, :)
-            case (2)
-                wall%solid(:, p(m), :) = wall%solid(:, from, :)
-                wall%index(:, p(m), :) = wall%index(:, from, :)
-            case default
-                wall%solid(:, :, p(m)) = wall%solid(:, :, from)
-                wall%index(:, :, p(m)) = wall%index(:, :, from)
-            end select
-        end do
-    end subroutine fill_ghost_maps
-
     !> Positions of the ghosts of a line of n cells.
     pure function ghosts_of(n) result(p)
         integer, intent(in) :: n
@@ -160,47 +140,8 @@ contains
         p = [(m, m=1 - n_ghost, 0), (n + m, m=1, n_ghost)]
     end function ghosts_of
 
-    !> List the faces between a gas cell and a solid cell or its image, both among lo..hi.
-    !>
-    !> Order: by solid cell, direction, gas below or above. A periodic box is the only one where the
-    !> two are neighbours across the boundary.
-    subroutine list_faces(air, wall)
-        type(air_t), intent(in) :: air
-        type(wall_t), intent(inout) :: wall
-        integer :: c, d, s, gas(3)
-
-        wall%n_faces = 0
-        do c = 1, wall%n_cells
-            wall%face_of(:, c) = 0
-            do d = 1, 3
-                if (air%n(d) == 1) cycle
-                do s = -1, 1, 2
-                    gas = wall%cell(:, c)
-                    gas(d) = gas(d) + s
-                    if (gas(d) < wall%lo(d) .or. gas(d) > wall%hi(d)) then
-                        if (air%bc(1, d) /= bc_periodic) cycle
-                        gas(d) = image_of(air, d, gas(d))
-                    end if
-                    if (wall%solid(gas(1), gas(2), gas(3)) == 1) cycle
-                    wall%n_faces = wall%n_faces + 1
-                    call grow_integer(wall%face, wall%n_faces)
-                    call grow_list(wall%face_cell, wall%n_faces)
-                    wall%face(:, wall%n_faces) = [gas, d, -s]
-                    wall%face_cell(wall%n_faces) = c
-                    wall%face_of(2*d - (1 - s)/2, c) = wall%n_faces
-                end do
-            end do
-        end do
-        if (size(wall%impulse) < wall%n_faces) then
-            deallocate (wall%push, wall%impulse)
-            allocate (wall%push(size(wall%face, 2)), wall%impulse(size(wall%face, 2)))
-        end if
-        wall%push = 0
-        wall%impulse = 0
-    end subroutine list_faces
-
     !> List the faces of direction d whose stencils hold both gas and solid, sorted by block.
-    subroutine list_cuts(air, wall, d)
+    subroutine list_cuts_along(air, wall, d)
         type(air_t), intent(in) :: air
         type(wall_t), intent(inout) :: wall
         integer, intent(in) :: d !! direction
@@ -211,6 +152,7 @@ contains
             if (pass == 1) wall%cut(d)%first = 0
             do c = 1, wall%n_cells
                 if (.not. is_on_line(air, d, wall%cell(:, c))) cycle
+                wall%cut(d)%has_solid(block_of(air%n, d, wall%cell(:, c))) = 1
                 i = wall%cell(d, c)
                 p(1) = i
                 m = 1
@@ -225,7 +167,7 @@ contains
         end do
         wall%cut(d)%first(1) = 1
         call label_walls(air, wall, d)
-    end subroutine list_cuts
+    end subroutine list_cuts_along
 
     !> Add the ghost positions that show cell i of direction d.
     subroutine list_images(air, d, i, m, p)
@@ -335,28 +277,4 @@ contains
                 .and. cut%face(3, cut_at) == low(3)) return
         end do
     end function cut_at
-
-    !> Make a table with at least n columns, keeping its content.
-    subroutine grow_integer(table, n)
-        integer, allocatable, intent(inout) :: table(:, :)
-        integer, intent(in) :: n
-        integer, allocatable :: longer(:, :)
-
-        if (size(table, 2) >= n) return
-        allocate (longer(size(table, 1), n + n/2 + 64))
-        longer(:, 1:size(table, 2)) = table
-        call move_alloc(longer, table)
-    end subroutine grow_integer
-
-    !> Make a list at least n long, keeping its content.
-    subroutine grow_list(list, n)
-        integer, allocatable, intent(inout) :: list(:)
-        integer, intent(in) :: n
-        integer, allocatable :: longer(:)
-
-        if (size(list) >= n) return
-        allocate (longer(n + n/2 + 64))
-        longer(1:size(list)) = list
-        call move_alloc(longer, list)
-    end subroutine grow_list
 end module brz_air_walls

@@ -1,14 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> Lists that grow: room for entries, running sums, and a list that takes the place of another.
 module brz_lists
-    use brz_kinds, only: int32, real32, real64, rk
+    use brz_kinds, only: int32, int8, real32, real64, rk
     implicit none
     private
-    public :: at_least, copy_first, room_of, running_sum, swap
+    public :: at_least, clear_list, clear_map, copy_first, room_of, running_sum, swap
+    public :: count_in_bins, put_in_bins
 
     !> Make room for n entries, or n columns of some rows; what was there is lost where it grows.
     interface at_least
-        module procedure integers_at_least, singles_at_least, doubles_at_least, columns_at_least
+        module procedure integers_at_least, singles_at_least, doubles_at_least, columns_at_least, &
+            integer_columns_at_least
     end interface at_least
 
     !> Copy the first n entries, or columns.
@@ -67,6 +69,17 @@ contains
         allocate (a(rows, n + n/4))
     end subroutine columns_at_least
 
+    subroutine integer_columns_at_least(a, rows, n)
+        integer(int32), allocatable, intent(inout) :: a(:, :)
+        integer, intent(in) :: rows, n
+
+        if (allocated(a)) then
+            if (size(a, 2) >= n) return
+            deallocate (a)
+        end if
+        allocate (a(rows, n + n/4))
+    end subroutine integer_columns_at_least
+
     !> Entries that a list has room for.
     pure integer function room_of(a) result(n)
         integer(int32), allocatable, intent(in) :: a(:)
@@ -113,15 +126,64 @@ contains
     pure subroutine running_sum(x, n, total)
         integer(int32), intent(inout) :: x(*) !! (n + 1)
         integer, intent(in) :: n
-        integer, intent(out) :: total
-        integer :: i, more
+        integer, intent(out), optional :: total
+        integer :: all, i, more
 
-        total = 0
+        all = 0
         do i = 1, n
             more = x(i)
-            x(i) = total
-            total = total + more
+            x(i) = all
+            all = all + more
         end do
-        x(n + 1) = total
+        x(n + 1) = all
+        if (present(total)) total = all
     end subroutine running_sum
+
+    !> Count the entries of each bin in the place behind its own.
+    pure subroutine count_in_bins(n, bin, ends)
+        integer, intent(in) :: n
+        integer(int32), intent(in) :: bin(:) !! (n) bin of each entry, 0: none
+        integer(int32), intent(inout) :: ends(:) !! (bins + 1) added to
+        integer :: p
+
+        do p = 1, n
+            if (bin(p) > 0) ends(bin(p) + 1) = ends(bin(p) + 1) + 1
+        end do
+    end subroutine count_in_bins
+
+    !> Put entries into their bins: the place behind each bin goes from its start to its end.
+    pure subroutine put_in_bins(n, bin, ends, binned)
+        integer, intent(in) :: n
+        integer(int32), intent(in) :: bin(:) !! (n) bin of each entry, 0: none
+        integer(int32), intent(inout) :: ends(:) !! (bins + 1)
+        integer(int32), intent(inout) :: binned(:) !! (n) entries, bin by bin
+        integer :: p
+
+        do p = 1, n
+            if (bin(p) == 0) cycle
+            ends(bin(p) + 1) = ends(bin(p) + 1) + 1
+            binned(ends(bin(p) + 1)) = p
+        end do
+    end subroutine put_in_bins
+
+    !> Set the first n entries of a map to zero.
+    subroutine clear_map(n, x)
+        integer, intent(in) :: n
+        integer(int8), intent(out) :: x(*)
+        integer, parameter :: worth_threads = 20000
+        integer :: i
+
+        !$omp parallel do if(n >= worth_threads) schedule(static)
+        do i = 1, n
+            x(i) = 0
+        end do
+    end subroutine clear_map
+
+    !> Set the first n entries of a list to zero.
+    subroutine clear_list(n, x)
+        integer, intent(in) :: n
+        integer(int32), intent(out) :: x(*)
+
+        x(1:n) = 0
+    end subroutine clear_list
 end module brz_lists

@@ -4,12 +4,11 @@
 module brz_cell_items
     use brz_cell_place, only: cell_number
     use brz_coupling_box, only: box_t, is_gas, is_left, is_own, is_solid, place_at
-    use brz_kinds, only: dp, int32, int8
+    use brz_kinds, only: dp, int32, int64, int8
     use brz_solid_state, only: is_gone
     implicit none
     private
-    public :: find_cell, mark_cell, compare_cell, count_kind, list_kind
-    public :: change_of, cells_of_a_chunk
+    public :: find_cell, mark_cell, compare_row, count_kind, list_kind, cells_of_a_chunk
 
     integer, parameter :: cells_of_a_chunk = 256 !! that one thread looks through
 
@@ -52,38 +51,34 @@ contains
         if (cell(p) > 0) mark(cell(p)) = is_solid
     end subroutine mark_cell
 
-    !> Count the cells that have changed between gas and solid, and mark those that the solid left.
-    !@item
+    !> Count the cells of a row that have changed between gas and solid, and mark those that the
+    !> solid left.
+    !@item if(27*n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine compare_cell(c, box, solid, mark, covered, uncovered, own, left)
-        integer, intent(in) :: c !! cells
+    pure subroutine compare_row(t, box, solid, mark, covered, uncovered, own, left)
+        integer, intent(in) :: t !! rows of cells along x
         type(box_t), intent(in) :: box
         integer(int8), intent(in) :: solid(*) !! the present walls, ghosts included
         integer(int8), intent(inout) :: mark(*)
         integer, intent(inout) :: covered !@count cells that hold solid now
         integer, intent(inout) :: uncovered !@count cells that held solid
         integer, intent(inout) :: own, left !@count the same of this process
-        integer :: change
+        integer(int64) :: at
+        integer :: c, change, i
 
-        change = change_of(solid(place_at(box, int(c, int32))), mark(c))
-        if (change == 0) return
-        if (change < 0) mark(c) = is_left
-        if (change > 0) covered = covered + 1
-        if (change < 0) uncovered = uncovered + 1
-        if (.not. is_own(box, int(c, int32))) return
-        if (change > 0) own = own + 1
-        if (change < 0) left = left + 1
-    end subroutine compare_cell
-
-    !> 1 for a cell that the solid has covered, -1 for one that it has left, else 0.
-    !@cuf attributes(host,device) &
-    pure function change_of(solid, mark) result(change)
-        integer(int8), intent(in) :: solid !! it held solid
-        integer(int8), intent(in) :: mark !! what it holds now
-        integer :: change
-
-        change = merge(1, 0, mark /= is_gas) - solid
-    end function change_of
+        c = (t - 1)*box%n(1) + 1
+        at = place_at(box, int(c, int32))
+        do i = 0, box%n(1) - 1
+            change = merge(1, 0, mark(c + i) /= is_gas) - solid(at + i)
+            if (change == 0) cycle
+            if (change < 0) mark(c + i) = is_left
+            if (change > 0) covered = covered + 1
+            if (change < 0) uncovered = uncovered + 1
+            if (.not. is_own(box, int(c + i, int32))) cycle
+            if (change > 0) own = own + 1
+            if (change < 0) left = left + 1
+        end do
+    end subroutine compare_row
 
     !> Count the cells of a kind in each chunk of the map.
     !@item

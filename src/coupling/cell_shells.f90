@@ -2,6 +2,7 @@
 !> Neighbours of a cell in order of distance, and steps from cell to cell. The steps are point
 !> physics: compiled for the CPU and for the GPU.
 module brz_cell_shells
+    use brz_air_grid, only: cell_at, number_of
     use brz_kinds, only: int32
     implicit none
     private
@@ -67,29 +68,6 @@ contains
             end if
         end do
     end subroutine neighbour
-
-    !> Indices of a cell from its number.
-    !@cuf attributes(host,device) &
-    pure function cell_at(n, number) result(ijk)
-        integer, intent(in) :: n(3)
-        integer(int32), intent(in) :: number
-        integer :: ijk(3), rest
-
-        rest = number - 1
-        ijk(1) = mod(rest, n(1)) + 1
-        rest = rest/n(1)
-        ijk(2) = mod(rest, n(2)) + 1
-        ijk(3) = rest/n(2) + 1
-    end function cell_at
-
-    !> Number of a cell from its indices, counted from 1 in memory order.
-    !@cuf attributes(host,device) &
-    pure function number_of(n, ijk) result(number)
-        integer, intent(in) :: n(3), ijk(3)
-        integer(int32) :: number
-
-        number = ijk(1) + n(1)*((ijk(2) - 1) + n(2)*(ijk(3) - 1))
-    end function number_of
 
     !> Index of a cell along direction d.
     !@cuf attributes(host,device) &

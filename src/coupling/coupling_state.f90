@@ -58,6 +58,7 @@ module brz_coupling_state
         ! cells that changed hands in this step, by number of the cell
         integer :: n_covered = 0, n_uncovered = 0
         integer(int32), allocatable :: uncovered(:)
+        integer(int32), allocatable :: listed(:) !! cells of a kind, to take another's place
         ! donors: cells whose gas goes to ledgers nearby; the uncovered first, then the buried
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0

@@ -1,17 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> Numbers about all of the air: the stable time step and the conserved totals.
+!> The stable time step of the air.
 module brz_air_sums
     use brz_air_activity, only: next_run
     use brz_kinds, only: dp, int8, rk
     use brz_air_grid, only: grid_of, grid_t
     use brz_air_state, only: air_t, bc_periodic, brick, cell_gamma, wall_t
-    use brz_air_totals, only: gas_sums
-    use brz_exact_sum, only: exact_sums
     use brz_load_loops, only: each_wall_speed
     use brz_ranks, only: least_of_all
     implicit none
     private
-    public :: air_time_step, air_totals
+    public :: air_time_step
 
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
 
@@ -106,34 +104,4 @@ contains
             if (speed > fastest_of_row) fastest_of_row = speed
         end do
     end function fastest_of_row
-
-    !> Mass, momentum and energy of the gas and of the ledgers of the solid cells, of all processes;
-    !> kinetic energy of the gas, products in gas and ledgers. See brz_air_totals.
-    subroutine air_totals(air, wall, gas, ledger, kinetic, products)
-        type(air_t), intent(inout) :: air !! its sums of bricks are overwritten
-        type(wall_t), intent(in) :: wall
-        real(dp), intent(out) :: gas(5) !! [kg, kg m/s, J]
-        real(dp), intent(out) :: ledger(5) !! [kg, kg m/s, J]
-        real(dp), intent(out), optional :: kinetic !! [J]
-        real(dp), intent(out), optional :: products !! of explosives [kg]
-        real(dp) :: sums(0:6), kept(6, wall%n_cells), total(6)
-        integer :: c
-
-        call gas_sums(air, sums, wall)
-        total = 0
-        if (wall%present) then
-            kept = 0
-            do c = 1, wall%n_cells
-                associate (at => wall%cell(:, c))
-                    if (all(at >= 1 .and. at <= air%n)) &
-                        kept(:air%n_var, c) = air%u(at(1), at(2), at(3), :)
-                end associate
-            end do
-            call exact_sums(air%part%ranks, kept, total)
-        end if
-        gas = sums(1:5)*product(air%dx)
-        ledger = total(1:5)*product(air%dx)
-        if (present(kinetic)) kinetic = sums(0)*product(air%dx)
-        if (present(products)) products = (sums(6) + total(6))*product(air%dx)
-    end subroutine air_totals
 end module brz_air_sums

@@ -8,12 +8,11 @@ module brz_coupling_paper
     use brz_air_state, only: air_ok, air_t, wall_t
     use brz_air_step, only: begin_step, take_rates, update
     use brz_air_stage, only: stage_of
-    use brz_air_walls, only: build_walls
     use brz_cell_shells, only: neighbour
-    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells
     use brz_coupling_load, only: load_carriers
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: move_walls
+    use brz_event_steps, only: look_at_particles, put_up_walls
     use brz_gas, only: to_conserved
     use brz_kinds, only: dp, rk
     use brz_paper_rules, only: add_neighbour, filled_state, paper_force
@@ -127,16 +126,12 @@ contains
         type(air_t), intent(inout) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
-        logical :: moved
+        integer :: moved
 
-        call find_cells(solid, coupling, moved)
-        if (moved) then
-            call mark_cells(solid, coupling)
-            coupling%wall%solid(1:air%n(1), 1:air%n(2), 1:air%n(3)) = coupling%mark
-            call build_walls(air, coupling%wall)
-            call index_faces(air, coupling)
-            call fill_bins(solid, coupling)
-        end if
+        call look_at_particles(solid, coupling, moved)
+        if (moved > 0 .or. solid%rebuilds /= coupling%rebuilds) &
+            call put_up_walls(air, solid, coupling)
+        coupling%rebuilds = solid%rebuilds
         call move_walls(solid, solid, coupling)
     end subroutine move_paper_walls
 end module brz_coupling_paper

@@ -4,8 +4,8 @@
 !> Every procedure reports through `error_t` with exit_device and does nothing once an error is
 !> recorded. All work goes through the default stream, in order, but for what may run side by side.
 module brz_device
-    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_double, c_f_pointer, &
-        c_int, c_int64_t, c_intptr_t, c_loc, c_null_char, c_null_ptr, c_ptr, c_signed_char, c_size_t
+    use, intrinsic :: iso_c_binding, only: c_associated, c_char, c_int, c_intptr_t, &
+        c_loc, c_null_char, c_null_ptr, c_ptr, c_signed_char, c_size_t
     use brz_buffers, only: arguments_t, buffer_t, most_arguments
     use brz_cuda_driver, only: cu_allocate, cu_context_retain, cu_context_set, cu_copy, &
         cu_device, cu_device_attribute, cu_device_count, cu_device_name, cu_driver_version, &
@@ -23,15 +23,15 @@ module brz_device
     implicit none
     private
     public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
-    public :: find_kernel, allocate_buffer, put_buffer, reserve_buffer, free_buffer, &
-              free_buffers, copy_in, copy_out, copy_within, clear_buffer, launch, side_by_side, &
-              pin, unpin, &
-              wait_for_device
+    public :: find_kernel, find_once, launch, side_by_side, wait_for_device
+    public :: allocate_buffer, put_buffer, reserve_buffer, free_buffer, free_buffers
+    public :: copy_in, copy_out, copy_within, clear_buffer, pin, unpin
 
     integer, parameter :: threads_per_block = 128 !! all along x
     integer, parameter :: most_streams = 8 !! in which kernels run side by side
     type(c_ptr), save :: streams(most_streams) = c_null_ptr
     type(c_ptr), save :: stream = c_null_ptr !! of the launches to come; null: the default stream
+    type(c_ptr), save :: loaded = c_null_ptr !! the kernels that were loaded last
 
     type :: device_t
         logical :: open = .false.
@@ -101,7 +101,6 @@ contains
         character(kind=c_char) :: letters(128)
         integer(c_size_t) :: total
         integer(c_int) :: major, minor, driver
-        integer :: i
 
         call check(cu_device_name(letters, size(letters, kind=c_int), handle), 'naming', err)
         call check(cu_device_attribute(major, major_attribute, handle), 'asking', err)
@@ -109,16 +108,19 @@ contains
         call check(cu_memory_info(device%free_bytes, total), 'asking for memory', err)
         call check(cu_driver_version(driver), 'asking for the driver', err)
         if (failed(err)) return
-        device%name = ''
-        do i = 1, size(letters)
-            if (letters(i) == c_null_char) exit
-            device%name = device%name//letters(i)
-        end do
-        device%name = device%name//' (compute capability '//to_text(int(major))//'.'// &
+        device%name = text_of(letters)//' (compute capability '//to_text(int(major))//'.'// &
                       to_text(int(minor))//', '//to_text(nint(total/2.0_dp**30))// &
                       ' GiB, CUDA '//to_text(int(driver)/1000)//'.'// &
                       to_text(mod(int(driver), 1000)/10)//')'
     end subroutine describe
+
+    !> A text of C.
+    pure function text_of(letters) result(text)
+        character(kind=c_char), intent(in) :: letters(:)
+        character(findloc(letters, c_null_char, 1) - 1) :: text
+
+        text = transfer(letters(:len(text)), text)
+    end function text_of
 
     !> Look how much memory is left.
     subroutine measure_memory(device, err)
@@ -142,7 +144,6 @@ contains
         character(:), allocatable :: text
         type(c_ptr) :: values(2)
         integer(c_int) :: code
-        integer :: i
 
         call read_image(file, stamp, image, err)
         if (failed(err)) return
@@ -150,13 +151,10 @@ contains
         values = [c_loc(log), transfer(size(log, kind=c_intptr_t), c_null_ptr)]
         code = cu_module_load(device%module, c_loc(image), 2_c_int, [log_option, log_size_option], &
                               values)
-        text = ''
-        do i = 1, size(log)
-            if (log(i) == c_null_char) exit
-            text = text//log(i)
-        end do
+        text = text_of(log)
         if (code /= 0 .and. text /= '') text = ': '//text
         call check(code, 'loading '//file//text, err)
+        loaded = device%module
     end subroutine load_kernels
 
     !> The PTX text with a null character at its end.
@@ -189,7 +187,7 @@ contains
     subroutine find_kernel(device, name, kernel, err)
         type(device_t), intent(in) :: device
         character(*), intent(in) :: name
-        type(kernel_t), intent(out) :: kernel
+        type(kernel_t), intent(inout) :: kernel
         type(error_t), intent(inout) :: err
 
         if (failed(err)) return
@@ -197,6 +195,16 @@ contains
         call check(cu_module_function(kernel%handle, device%module, name//c_null_char), &
                    'finding the kernel '//name, err)
     end subroutine find_kernel
+
+    !> The same before its first launch, among those that were loaded last.
+    subroutine find_once(name, kernel, err)
+        character(*), intent(in) :: name
+        type(kernel_t), intent(inout) :: kernel
+        type(error_t), intent(inout) :: err
+
+        if (.not. c_associated(kernel%handle)) &
+            call find_kernel(device_t(module=loaded), name, kernel, err)
+    end subroutine find_once
 
     !> Reserve memory on the GPU, all bytes zero.
     subroutine allocate_buffer(buffer, bytes, err)
@@ -308,8 +316,7 @@ contains
         call book_call(to_read, bytes, began)
     end subroutine copy_out
 
-    !> Let the GPU copy to and from memory of the host without a detour, until `unpin`: faster,
-    !> where the driver allows it.
+    !> Let the GPU copy to and from memory of the host without a detour, until `unpin`.
     subroutine pin(bytes)
         integer(int8), intent(in), target, contiguous :: bytes(:)
         integer(c_int) :: code
@@ -317,8 +324,7 @@ contains
         if (size(bytes) > 0) code = cu_host_register(c_loc(bytes), size(bytes, kind=int64), 0_c_int)
     end subroutine pin
 
-    !> Before pinned memory is given back: the driver refuses to copy from what comes to lie half in
-    !> a range that is still pinned.
+    !> Before memory is given back: the driver refuses to copy what lies half in a pinned range.
     subroutine unpin(bytes)
         integer(int8), intent(in), target, contiguous :: bytes(:)
         integer(c_int) :: code
@@ -364,8 +370,8 @@ contains
         call book_launch(kernel%name, wall_seconds() - start)
     end subroutine launch
 
-    !> From now on kernels of different `lane` may run side by side, those of one run in order; with
-    !> 0 again all. What goes through the default stream waits for all lanes, and they for it.
+    !> From now on kernels of different `lane` may run side by side, with 0 again in order. What
+    !> goes through the default stream waits for all lanes, and they for it.
     subroutine side_by_side(lane)
         integer, intent(in) :: lane !! from 1, or 0
         integer :: k

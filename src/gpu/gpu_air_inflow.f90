@@ -3,6 +3,7 @@
 module brz_gpu_air_inflow
     use brz_air_grid, only: lines_along, rest_t
     use brz_air_state, only: air_t, bc_outflow
+    use brz_ghost_launches, only: ghost_kernels
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: gpu_air_t
     use brz_inflow, only: gas_over
@@ -28,10 +29,10 @@ contains
                 if (air%bc(inflow%side, inflow%axis) /= bc_outflow) cycle ! of another process
                 gas%u = gas_over(inflow, from, dt)
                 gas%momentum = 0
-                call gpu%ghosts%change_outside(lines_along(grid, inflow%axis), grid, inflow%axis, &
-                                               inflow%side, gas, gpu%outside, err)
+                call ghost_kernels%change_outside(lines_along(grid, inflow%axis), grid, &
+                    inflow%axis, inflow%side, gas, gpu%outside, err)
                 if (inflow%marked .or. all(abs(gas%u - air%rest) <= 0)) cycle
-                call gpu%ghosts%mark_end(product(grid%bricks), grid, inflow%axis, inflow%side, &
+                call ghost_kernels%mark_end(product(grid%bricks), grid, inflow%axis, inflow%side, &
                                          gpu%bricks%reached, err)
                 inflow%marked = .true.
             end associate

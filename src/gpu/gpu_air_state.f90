@@ -6,23 +6,20 @@
 module brz_gpu_air_state
     use brz_air_boundary, only: beyond_wall
     use brz_air_grid, only: brick, grid_of, grid_t, layers_around, place_of
-    use brz_air_launches, only: air_kernels_t
     use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
     use brz_boxes, only: box_t
-    use brz_brick_launches, only: brick_kernels_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, integers_t, reals_t
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, &
         device_t, find_kernel, free_buffers, kernel_t, put_buffer
+    use brz_place_launches, only: place_kernels
+    use brz_face_launches, only: face_kernels
+    use brz_air_launches, only: air_kernels
     use brz_errors, only: error_t, exit_device, failed, raise
-    use brz_face_launches, only: face_kernels_t
-    use brz_fallback_launches, only: fallback_kernels_t
-    use brz_ghost_launches, only: ghost_kernels_t
     use brz_cell_lists, only: places_in
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_fetch, only: gpu_fetch_t
     use brz_kinds, only: dp, int64, int8, rk
-    use brz_place_launches, only: place_kernels_t
     use brz_ranks, only: several
     use brz_scheme, only: first_order, hllc, max_var, muscl_cells, reach_of, scheme_t, weno3_cells
     use brz_total_state, only: running_total_t
@@ -43,14 +40,12 @@ module brz_gpu_air_state
         type(integers_t) :: face_of !! (6, n_cells) wall face on each side
         type(integers_t) :: face_cell !! (n_faces) place of the solid cell in the list
         type(reals_t) :: push, impulse !! (n_faces) impulse of a stage, of the step
-        type(face_kernels_t) :: kernels
     end type gpu_walls_t
 
     !> Which bricks of the air something has reached, and which are computed, as air_t has them.
     type :: gpu_bricks_t
         logical :: swept = .false. !! every brick has been computed once
         type(bytes_t) :: reached, awake !! one byte for each brick
-        type(brick_kernels_t) :: kernels
         ! on several processes, with the bricks of others that are near
         type(grid_t) :: grid !! of brick cells in each direction
         integer :: layers(3) = 0 !! bricks that a step reaches
@@ -74,10 +69,6 @@ module brz_gpu_air_state
         type(doubles_t) :: outflow !! (lines, n_var, 2) what left since the start
         type(doubles_t) :: part !! a number for each column along z; sums of bricks and their faces
         type(kernel_t) :: faces, march, last, redo !! of the scheme
-        type(air_kernels_t) :: kernels
-        type(ghost_kernels_t) :: ghosts
-        type(fallback_kernels_t) :: fallback
-        type(place_kernels_t) :: places
         type(gpu_fetch_t) :: halo, beside !! as in part_t: states, marks of bad cells
         type(gpu_common_t) :: common
         type(gpu_walls_t) :: walls
@@ -105,7 +96,11 @@ contains
         field = cells*air%n_var*bytes_of_real
         ends = int(gpu%grid%lines, int64)*air%n_var
         call require(device, 4*field + merge(7, 1, held)*cells + ends*(4*bytes_of_real + 16), err)
-        call find_kernels(device, air%scheme, gpu, err)
+        call gpu%common%open(device, 1, err)
+        call find_kernel(device, 'faces_'//name_of(air%scheme), gpu%faces, err)
+        call find_kernel(device, 'march_'//name_of(air%scheme), gpu%march, err)
+        call find_kernel(device, 'last_'//name_of(air%scheme), gpu%last, err)
+        call find_kernel(device, 'redo_'//name_of(air%scheme), gpu%redo, err)
         call allocate_buffer(gpu%u, field, err)
         call allocate_buffer(gpu%flux, field, err)
         call allocate_buffer(gpu%bad, cells, err)
@@ -118,9 +113,9 @@ contains
         call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, held), err)
         call allocate_buffer(gpu%walls%near, merge(cells, 1_int64, held), err)
         call allocate_buffer(gpu%walls%index, merge(4*cells, 1_int64, held), err)
-        call open_bricks(device, air, gpu, err)
-        call gpu%halo%open(device, air%part%ranks, air%part%halo, box_of(air), air%n_var, err)
-        call gpu%beside%open(device, air%part%ranks, air%part%beside, box_of(air), 0, err)
+        call open_bricks(air, gpu, err)
+        call gpu%halo%open(air%part%ranks, air%part%halo, box_of(air), air%n_var, err)
+        call gpu%beside%open(air%part%ranks, air%part%beside, box_of(air), 0, err)
         gpu%left_before = air%left
         call keep_outside(air)
         call set_scale(air)
@@ -135,7 +130,7 @@ contains
         end do
         if (.not. held) return
         call clear_buffer(gpu%walls%solid, err)
-        call mark_near_walls(gpu, air, err)
+        call mark_near_walls(gpu, err)
     end subroutine open_gpu_air
 
     !> Cells of the whole grid that the arrays of this process hold.
@@ -166,18 +161,16 @@ contains
     end function has_wall_ends
 
     !> Mark the cells beside walls, once the map of solid cells is there.
-    subroutine mark_near_walls(gpu, air, err)
+    subroutine mark_near_walls(gpu, err)
         type(gpu_air_t), intent(in) :: gpu
-        type(air_t), intent(in) :: air
         type(error_t), intent(inout) :: err
 
-        call gpu%kernels%air_near(air%n, gpu%grid, air%scheme, gpu%walls%solid, gpu%walls%near, &
-                                  gpu%bricks%reached, err)
+        call air_kernels%air_near(gpu%grid%n, gpu%grid, gpu%scheme, gpu%walls%solid, &
+                                  gpu%walls%near, gpu%bricks%reached, err)
     end subroutine mark_near_walls
 
     !> All bricks are awake at first.
-    subroutine open_bricks(device, air, gpu, err)
-        type(device_t), intent(in) :: device
+    subroutine open_bricks(air, gpu, err)
         type(air_t), intent(in) :: air
         type(gpu_air_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
@@ -198,7 +191,7 @@ contains
             call allocate_buffer(bricks%near_awake, size(air%part%reached, kind=int64), err)
             call put_buffer(places_in(map%whole, box_t(first, first + shape(air%reached) - 1)), &
                             bricks%own, 8*size(awake, kind=int64), err)
-            call bricks%others%open(device, air%part%ranks, map, map%whole, 0, err)
+            call bricks%others%open(air%part%ranks, map, map%whole, 0, err)
         end associate
     end subroutine open_bricks
 
@@ -213,25 +206,6 @@ contains
             to_text(int(device%free_bytes/2**20))//' MiB are free: use fewer cells, a build '// &
             'with PRECISION=mixed, or --backend cpu')
     end subroutine require
-
-    subroutine find_kernels(device, scheme, gpu, err)
-        type(device_t), intent(in) :: device
-        type(scheme_t), intent(in) :: scheme
-        type(gpu_air_t), intent(inout) :: gpu
-        type(error_t), intent(inout) :: err
-
-        call gpu%kernels%open(device, err)
-        call gpu%common%open(device, 1, err)
-        call gpu%ghosts%open(device, err)
-        call gpu%fallback%open(device, err)
-        call gpu%walls%kernels%open(device, err)
-        call gpu%places%open(device, err)
-        call gpu%bricks%kernels%open(device, err)
-        call find_kernel(device, 'faces_'//name_of(scheme), gpu%faces, err)
-        call find_kernel(device, 'march_'//name_of(scheme), gpu%march, err)
-        call find_kernel(device, 'last_'//name_of(scheme), gpu%last, err)
-        call find_kernel(device, 'redo_'//name_of(scheme), gpu%redo, err)
-    end subroutine find_kernels
 
     !> Name of a scheme among the kernels.
     function name_of(scheme) result(name)
@@ -297,7 +271,8 @@ contains
         allocate (values(air%n_var, n), source=0.0_rk)
         call put_buffer(place, place_at, 8_int64*n, err)
         call allocate_buffer(values_at, size(values)*bytes_of_real, err)
-        call gpu%places%pick_reals(n, air%n_var, 1, gpu%grid%apart, place_at, gpu%u, values_at, err)
+        call place_kernels%pick_reals(n, air%n_var, 1, gpu%grid%apart, place_at, gpu%u, &
+                                      values_at, err)
         call copy_out(values_at, values, size(values)*bytes_of_real, err)
         call free_buffers(place_at, values_at)
         if (failed(err)) return
@@ -324,7 +299,7 @@ contains
         allocate (row(4, n), source=0.0_rk)
         call put_buffer(place, place_at, 8_int64*n, err)
         call allocate_buffer(row_at, size(row)*bytes_of_real, err)
-        call gpu%walls%kernels%see_wall(n, place_at, gpu%walls%solid, gpu%walls%index, &
+        call face_kernels%see_wall(n, place_at, gpu%walls%solid, gpu%walls%index, &
                                         gpu%walls%v, row_at, err)
         call copy_out(row_at, row, size(row)*bytes_of_real, err)
         call free_buffers(place_at, row_at)

@@ -3,11 +3,14 @@
 module brz_gpu_air_step
     use brz_air_grid, only: faces_of_a_thread, lines_along, stage_t
     use brz_air_lost, only: find_lost, first_lost
-    use brz_air_launches, only: launch_faces, launch_march, launch_redo
+    use brz_air_launches, only: air_kernels, launch_faces, launch_march, launch_redo
     use brz_air_stage, only: stage_of
     use brz_air_state, only: air_ok, air_t, air_unphysical
     use brz_buffers, only: from, reals_t
     use brz_device, only: clear_buffer, copy_out, kernel_t
+    use brz_ghost_launches, only: ghost_kernels
+    use brz_fallback_launches, only: fallback_kernels
+    use brz_face_launches, only: face_kernels
     use brz_errors, only: error_t, failed
     use brz_fallback_items, only: to_hold, to_lose, to_redo
     use brz_gpu_air_activity, only: find_awake_bricks
@@ -50,17 +53,17 @@ contains
         do m = 1, air%n_stages
             stage = stage_of(air, dt, m)
             call gpu%halo%reals_of_others(gpu%grid%apart, states%u, err)
-            call gpu%ghosts%fill_end(2*gpu%grid%lines, gpu%grid, air%scheme, gpu%outside, &
+            call ghost_kernels%fill_end(2*gpu%grid%lines, gpu%grid, air%scheme, gpu%outside, &
                                      gpu%walls%solid, states%u, err)
             call sweep(gpu, air, stage, states, err)
             if (gpu%grid%walls == 1) call redo(gpu, air, states, stage, 0, to_redo, err)
             call repair(gpu, air, states, stage, lost, err)
             if (lost) status = air_unphysical
             if (failed(err) .or. lost) return
-            call gpu%kernels%air_outflow([gpu%grid%lines, air%n_var, 2], gpu%grid, stage, &
+            call air_kernels%air_outflow([gpu%grid%lines, air%n_var, 2], gpu%grid, stage, &
                                          gpu%edge, gpu%outflow, err)
             if (gpu%walls%n_faces > 0) &
-                call gpu%walls%kernels%add_push(gpu%walls%n_faces, gpu%walls%push, &
+                call face_kernels%add_push(gpu%walls%n_faces, gpu%walls%push, &
                                                 gpu%walls%impulse, err)
             states%u = states%new
             states%new = gpu%spare(1 + mod(m, 2))
@@ -102,7 +105,7 @@ contains
             call launch_faces(gpu%faces, threads, gpu%grid, air%scheme, states%u, &
                               gpu%bricks%awake, gpu%flux, gpu%edge, err)
         end if
-        if (gpu%grid%last == 1) call gpu%kernels%air_update_line(air%n, gpu%grid, stage, states%u, &
+        if (gpu%grid%last == 1) call air_kernels%air_update_line(air%n, gpu%grid, stage, states%u, &
             states%start, states%new, gpu%flux, gpu%walls%near, gpu%bad, gpu%found, err)
         do d = 2, 3
             if (air%n(d) == 1) cycle
@@ -193,7 +196,7 @@ contains
         integer :: number(1)
 
         call clear_buffer(gpu%found, err)
-        call gpu%fallback%count_marked(product(air%n), pass, gpu%grid, gpu%bad, gpu%found, err)
+        call fallback_kernels%count_marked(product(air%n), pass, gpu%grid, gpu%bad, gpu%found, err)
         number = 0
         call copy_out(gpu%found, number, 4_int64, err)
         call clear_buffer(gpu%found, err)

@@ -5,6 +5,8 @@ module brz_gpu_air_sums
     use brz_air_state, only: air_t
     use brz_air_totals, only: show_outflow
     use brz_device, only: copy_out
+    use brz_brick_launches, only: brick_kernels
+    use brz_air_launches, only: air_kernels
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
     use brz_gpu_air_state, only: faces_of_bricks, gpu_air_t
@@ -26,7 +28,7 @@ contains
         real(dp), intent(in), optional :: fastest !! of the walls [1/s]
         real(dp) :: least(1)
 
-        call gpu%kernels%air_speed([air%n(1:2), 1], gpu%grid, air%scheme, gpu%u, &
+        call air_kernels%air_speed([air%n(1:2), 1], gpu%grid, air%scheme, gpu%u, &
                                    gpu%walls%solid, gpu%bricks%awake, gpu%part, err)
         least = cfl/gpu%common%largest(gpu%part, air%n(1)*air%n(2), err)
         if (present(fastest)) least = min(least, cfl/max(fastest, tiny(dt)))
@@ -43,7 +45,7 @@ contains
         real(dp), allocatable :: part(:, :)
 
         allocate (part(0:air%n_var, size(air%reached)), source=0.0_dp)
-        call gpu%bricks%kernels%total_brick(size(part), gpu%grid, gpu%u, gpu%walls%solid, &
+        call brick_kernels%total_brick(size(part), gpu%grid, gpu%u, gpu%walls%solid, &
                                             gpu%part, err)
         call copy_out(gpu%part, part, 8*size(part, kind=int64), err)
         totals = 0
@@ -62,7 +64,7 @@ contains
 
         faces = faces_of_bricks(gpu%grid)
         allocate (part(air%n_var, 2*faces), source=0.0_dp)
-        call gpu%kernels%outflow_sums([faces, air%n_var, 2], faces, gpu%grid, gpu%outflow, &
+        call air_kernels%outflow_sums([faces, air%n_var, 2], faces, gpu%grid, gpu%outflow, &
                                       gpu%part, err)
         call copy_out(gpu%part, part, 8*size(part, kind=int64), err)
         if (failed(err)) return

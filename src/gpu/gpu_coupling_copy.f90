@@ -3,22 +3,22 @@
 module brz_gpu_coupling_copy
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
-    use brz_coupling_box, only: is_solid
     use brz_coupling_state, only: coupling_t
     use brz_debt_steps, only: enter_host_debts => enter_debts
+    use brz_debt_launches, only: debt_kernels
     use brz_device, only: clear_buffer, copy_in, copy_out, device_t
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_layout, only: book_given, book_high, book_low, book_taken, &
-        book_taken_work, book_threads, book_work, n_book, n_count
+        book_taken_work, book_threads, book_work, n_book
     use brz_gpu_coupling_guests, only: invite_gpu_guests, open_gpu_windows
-    use brz_gpu_coupling_shared, only: list_gpu_faces
     use brz_gpu_coupling_state, only: gpu_coupling_t, open_memory, particles_t, seen, seen_t
-    use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
-        look_at_particles
     use brz_gpu_debt_steps, only: enter_debts, size_debts
+    use brz_gpu_event_steps, only: put_up_walls
     use brz_gpu_wall_steps, only: find_mean_velocity
     use brz_kinds, only: dp, int64, rk
+    use brz_ledger_launches, only: ledger_kernels
+    use brz_load_launches, only: load_kernels
     use brz_ranks, only: agree, several
     implicit none
     private
@@ -36,7 +36,6 @@ contains
         type(gpu_air_t), intent(inout) :: there !! opened with walls
         type(gpu_coupling_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
-        integer :: counts(n_count), n
         type(seen_t) :: p
 
         call open_memory(device, air%part%ranks, coupling, particles%n, gpu, err)
@@ -48,12 +47,11 @@ contains
             call invite_gpu_guests(gpu, particles, coupling%guests, err)
             p = gpu%guests
         end if
-        call clear_buffer(there%walls%solid, err)
-        call look_at_particles(gpu, there, p, counts, err)
-        call list_cells_of_kind(gpu, is_solid, err, total=n)
-        call build_gpu_walls(gpu, there, air, n, err)
-        if (several(air%part%ranks)) call list_gpu_faces(gpu, err)
-        call fill_gpu_bins(gpu, there, p, err)
+        gpu%wall = there%walls
+        gpu%wall%n_cells = 0
+        call clear_buffer(gpu%wall%solid, err)
+        call clear_buffer(gpu%wall%index, err)
+        call put_up_walls(there, p, gpu, err)
         call find_mean_velocity(p, gpu, err)
         if (allocated(coupling%v_before)) &
             call copy_in(coupling%v_before, gpu%v_before, 3*bytes_of_real*particles%n, err)
@@ -159,10 +157,10 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: total(6)
 
-        call gpu%ledger_kernels%total_ledger(gpu%wall%n_cells, gpu%box, gpu%cell, there%u, &
+        call ledger_kernels%total_ledger(gpu%wall%n_cells, gpu%box, gpu%cell, there%u, &
                                              gpu%exact, err)
         total = gpu%exact%total(:6)
-        call gpu%debt_kernels%total_debt(gpu%n_debts, gpu%box, gpu%box%n_var, gpu%debt_cell, &
+        call debt_kernels%total_debt(gpu%n_debts, gpu%box, gpu%box%n_var, gpu%debt_cell, &
                                          gpu%debt, gpu%exact, err)
         total = (total + gpu%exact%total(:6))*product(air%dx)
         kept = total(1:5)
@@ -177,7 +175,7 @@ contains
         real(dp) :: part(book_threads)
 
         call clear_buffer(gpu%part, err)
-        call gpu%load_kernels%wall_speed(gpu%wall%n_cells, there%grid, there%walls%v, gpu%part, err)
+        call load_kernels%wall_speed(gpu%wall%n_cells, there%grid, there%walls%v, gpu%part, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)
         fastest = maxval(part)

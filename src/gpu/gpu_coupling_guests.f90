@@ -44,7 +44,7 @@ contains
             part%own%ranks = ranks
             part%own%bodies = coupling%guests%bodies
             call part%kernels%open(device, err)
-            call part%window%open(device, ranks, air%part%window, held, air%n_var, err)
+            call part%window%open(ranks, air%part%window, held, air%n_var, err)
             call part%parcels%open(device, ranks, nobody(out=parcels_t([integer ::], none), &
                                    in=parcels_t([integer ::], none)), max(most, 1 + 6*w), err)
         end associate

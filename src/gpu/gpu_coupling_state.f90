@@ -7,36 +7,26 @@
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: carrier_t
     use brz_coupling_state, only: coupling_books_t, coupling_t
-    use brz_bin_launches, only: bin_kernels_t
-    use brz_carrier_launches, only: carrier_kernels_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
-    use brz_cell_items, only: cells_of_a_chunk
-    use brz_cell_launches, only: cell_kernels_t
-    use brz_column_launches, only: column_kernels_t
     use brz_coupling_box, only: box_t
-    use brz_coupling_launches, only: coupling_kernels_t
-    use brz_debt_launches, only: debt_kernels_t
-    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers, put_buffer, &
-        reserve_buffer
-    use brz_donor_launches, only: donor_kernels_t
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, device_t, &
+        free_buffers, put_buffer
     use brz_errors, only: error_t
     use brz_gpu_coupling_part, only: close_gpu_part, gpu_part_t
     use brz_gpu_exact, only: gpu_exact_t
-    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, gpu_walls_t
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, gpu_walls_t, mark_near_walls
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_coupling_layout, only: book_threads, n_book, n_count
     use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
     use brz_ranks, only: ranks_t
     use brz_kinds, only: dp, int64, rk
-    use brz_ledger_launches, only: ledger_kernels_t
-    use brz_load_launches, only: load_kernels_t
     use brz_scheme, only: max_var
     use brz_velocity_launches, only: velocity_kernels_t
     implicit none
     private
     public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
-    public :: size_cells, size_faces, column_of, tags_of
-    public :: seen_t, seen, book_at, count_at, read_count, put_carriers
+    public :: column_of, tags_of, seen_t, seen
+    public :: book_at, count_at, clear_counts, read_counts, put_carriers, show_walls
 
     !> The particles as brz_gpu_solid_layout has them, for the time of a call.
     type :: particles_t
@@ -62,14 +52,14 @@ module brz_gpu_coupling_state
     type :: gpu_coupling_t
         type(box_t) :: box
         type(gpu_walls_t) :: wall !! those of the air, as they were put up last
-        integer :: n_var = 5, n_debts = 0, n_covered = 0, n_uncovered = 0
+        integer :: n_var = 5, n_debts = 0, n_covered = 0, n_uncovered = 0, outside = 0
+        integer(int64) :: rebuilds = -1
         type(coupling_books_t) :: books !! what the host has counted
         real(rk) :: level = 0
         real(dp) :: dt_before = 0
         integer(int64) :: fetched_changes = -1 !! cells that had changed hands at the last fetch
         type(buffer_t) :: shells !! shells_t
         type(bytes_t) :: mark !! (cells) what the particles make of a cell
-        type(integers_t) :: top !! (chunks) cells of a kind before each chunk
         type(integers_t) :: slot !! (cells) place among the debts, or 0
         type(integers_t) :: counts !! see brz_gpu_coupling_layout
         type(doubles_t) :: book, part !! likewise
@@ -91,22 +81,13 @@ module brz_gpu_coupling_state
         type(doubles_t) :: surface !! (n_faces) as in coupling_t
         type(reals_t) :: weight, force, impedance !! (n_faces) likewise
         type(integers_t) :: start !! counts that become places in lists
-        type(integers_t) :: uncovered !! cells that the solid has left
+        type(integers_t) :: uncovered, listed !! cells that the solid has left, of a kind
         type(integers_t) :: donor, donor_shell !! as in coupling_t
         type(reals_t) :: donation !! likewise
         type(integers_t) :: debt_cell, next_cell !! the list, and room for the next one
         type(reals_t) :: debt, next_debt
-        type(bin_kernels_t) :: bin_kernels
-        type(carrier_kernels_t) :: carrier_kernels
-        type(coupling_kernels_t) :: kernels
         type(gpu_common_t) :: common
-        type(cell_kernels_t) :: cell_kernels
-        type(load_kernels_t) :: load_kernels
-        type(column_kernels_t) :: column_kernels
         type(velocity_kernels_t) :: velocity_kernels
-        type(ledger_kernels_t) :: ledger_kernels
-        type(debt_kernels_t) :: debt_kernels
-        type(donor_kernels_t) :: donor_kernels
     end type gpu_coupling_t
 
 contains
@@ -126,20 +107,9 @@ contains
         gpu%level = coupling%level
         gpu%books = coupling%books
         gpu%bodies = size(coupling%carrier)
-        call gpu%kernels%open(device, err)
         call gpu%common%open(device, 1, err)
-        call gpu%bin_kernels%open(device, err)
-        call gpu%carrier_kernels%open(device, err)
-        call gpu%cell_kernels%open(device, err)
-        call gpu%load_kernels%open(device, err)
-        call gpu%column_kernels%open(device, err)
-        call gpu%velocity_kernels%open(device, err)
-        call gpu%ledger_kernels%open(device, err)
-        call gpu%debt_kernels%open(device, err)
-        call gpu%donor_kernels%open(device, err)
         call put_buffer(coupling%shells, gpu%shells, storage_size(coupling%shells)/8_int64, err)
         call allocate_buffer(gpu%mark, int(gpu%box%cells, int64), err)
-        call allocate_buffer(gpu%top, 4_int64*(gpu%box%cells/cells_of_a_chunk + 2), err)
         call allocate_buffer(gpu%slot, 4_int64*gpu%box%cells, err)
         call allocate_buffer(gpu%counts, 4_int64*n_count, err)
         call allocate_buffer(gpu%book, 8_int64*book_threads*n_book, err)
@@ -153,43 +123,6 @@ contains
         call put_buffer(gpu%carrier, gpu%carrier_there, gpu%bodies*bytes, err)
         call gpu%exact%open(device, ranks, err)
     end subroutine open_memory
-
-    !> Room for n solid cells.
-    subroutine size_cells(gpu, there, n, err)
-        type(gpu_coupling_t), intent(inout) :: gpu
-        type(gpu_air_t), intent(inout) :: there
-        integer, intent(in) :: n
-        type(error_t), intent(inout) :: err
-
-        there%walls%n_cells = n
-        call reserve_buffer(gpu%cell, 4_int64*n, err)
-        call reserve_buffer(gpu%ends, 4_int64*(n + 2), err)
-        call reserve_buffer(gpu%above, 24_int64*n, err)
-        call reserve_buffer(gpu%ledger, max_var*bytes_of_real*n, err)
-        call reserve_buffer(gpu%excess, bytes_of_real*n, err)
-        call reserve_buffer(there%walls%v, 3*bytes_of_real*n, err)
-        call reserve_buffer(there%walls%face_of, 24_int64*n, err)
-        call reserve_buffer(gpu%start, 4_int64*(6_int64*n + 1), err)
-    end subroutine size_cells
-
-    !> Room for n wall faces.
-    subroutine size_faces(gpu, there, n, err)
-        type(gpu_coupling_t), intent(inout) :: gpu
-        type(gpu_air_t), intent(inout) :: there
-        integer, intent(in) :: n
-        type(error_t), intent(inout) :: err
-
-        there%walls%n_faces = n
-        call reserve_buffer(gpu%gas, 4_int64*n, err)
-        call reserve_buffer(gpu%rows, 4_int64*n, err)
-        call reserve_buffer(there%walls%face_cell, 4_int64*n, err)
-        call reserve_buffer(gpu%surface, 8_int64*n, err)
-        call reserve_buffer(gpu%weight, bytes_of_real*n, err)
-        call reserve_buffer(gpu%force, bytes_of_real*n, err)
-        call reserve_buffer(gpu%impedance, bytes_of_real*n, err)
-        call reserve_buffer(there%walls%push, bytes_of_real*n, err)
-        call reserve_buffer(there%walls%impulse, bytes_of_real*n, err)
-    end subroutine size_faces
 
     !> A column of what the particles have.
     pure type(reals_t) function column_of(particles, number)
@@ -236,18 +169,39 @@ contains
         count_at = from(gpu%counts, int(number, int64))
     end function count_at
 
-    !> What the kernels have counted; 0 where the GPU fails.
-    subroutine read_count(gpu, number, n, err)
+    subroutine clear_counts(gpu, err)
         type(gpu_coupling_t), intent(in) :: gpu
-        integer, intent(in) :: number
-        integer, intent(out) :: n
         type(error_t), intent(inout) :: err
-        integer :: word(1)
 
-        word = 0
-        call copy_out(count_at(gpu, number), word, 4_int64, err)
-        n = word(1)
-    end subroutine read_count
+        call clear_buffer(gpu%counts, err)
+    end subroutine clear_counts
+
+    !> What the kernels have counted; 0 where the GPU fails.
+    subroutine read_counts(gpu, first, err, n1, n2, n3, n4)
+        type(gpu_coupling_t), intent(in) :: gpu
+        integer, intent(in) :: first
+        type(error_t), intent(inout) :: err
+        integer, intent(out) :: n1
+        integer, intent(out), optional :: n2, n3, n4
+        integer :: words(4)
+
+        words = 0
+        call copy_out(count_at(gpu, first), words, merge(16_int64, 4_int64, present(n2)), err)
+        n1 = words(1)
+        if (present(n2)) n2 = words(2)
+        if (present(n3)) n3 = words(3)
+        if (present(n4)) n4 = words(4)
+    end subroutine read_counts
+
+    !> The air gets the walls that have been put up.
+    subroutine show_walls(gpu, air, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(inout) :: air
+        type(error_t), intent(inout) :: err
+
+        air%walls = gpu%wall
+        call mark_near_walls(air, err)
+    end subroutine show_walls
 
     !> The carriers of the host.
     subroutine put_carriers(gpu, err)
@@ -262,8 +216,8 @@ contains
     subroutine close_gpu_coupling(gpu)
         type(gpu_coupling_t), intent(inout) :: gpu
 
-        call free_buffers(gpu%shells, gpu%mark, gpu%top, gpu%slot, gpu%counts, gpu%book, gpu%part, &
-            gpu%felt)
+        call free_buffers(gpu%shells, gpu%mark, gpu%listed, gpu%slot, gpu%counts, gpu%book, &
+            gpu%part, gpu%felt)
         call free_buffers(gpu%cell_of, gpu%place_of, gpu%binned, gpu%v_before, gpu%ends, gpu%cell, &
             gpu%above, gpu%ledger)
         call free_buffers(gpu%excess, gpu%gas, gpu%rows, gpu%surface, gpu%weight, gpu%force, &

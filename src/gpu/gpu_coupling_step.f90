@@ -4,9 +4,7 @@
 !> Nothing but counts comes to the host. `air` and `coupling` of the host say what does not change,
 !> and have their counters and dt_before brought up to date.
 module brz_gpu_coupling_step
-    use brz_air_state, only: air_t
     use brz_buffers, only: from
-    use brz_coupling_box, only: is_left
     use brz_coupling_part, only: introduce
     use brz_coupling_state, only: coupling_t
     use brz_device, only: clear_buffer, copy_out, reserve_buffer
@@ -14,17 +12,13 @@ module brz_gpu_coupling_step
     use brz_gpu_air_state, only: gpu_air_t
     use brz_gpu_carrier_steps, only: sum_loads
     use brz_gpu_coupling_guests, only: invite_gpu_guests, see_gpu_window, send_gpu_loads_home
-    use brz_gpu_coupling_layout, only: count_covered, count_moved, count_outside, count_own, &
-        count_uncovered, n_count
-    use brz_gpu_coupling_shared, only: list_gpu_faces, share_gpu_debts, share_gpu_impulses
+    use brz_gpu_coupling_shared, only: share_gpu_debts, share_gpu_impulses
     use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t, seen, seen_t
-    use brz_gpu_coupling_steps, only: find_velocities, settle_ledgers
-    use brz_gpu_coupling_walls, only: build_gpu_walls, fill_gpu_bins, list_cells_of_kind, &
-        look_at_particles
-    use brz_gpu_debt_steps, only: donate, fill_uncovered, settle_covered
-    use brz_gpu_lists, only: at_least
+    use brz_gpu_coupling_steps, only: find_velocities
+    use brz_gpu_event_steps, only: move_on
     use brz_gpu_wall_steps, only: keep_velocities, press_bodies
     use brz_kinds, only: dp, int64
+    use brz_load_launches, only: load_kernels
     use brz_ranks, only: several, sum_of_all
     use brz_solid_state, only: solid_t
     implicit none
@@ -99,10 +93,9 @@ contains
         call reserve_buffer(gpu%felt, 4_int64*size(first), err)
         call clear_buffer(gpu%felt, err)
         do b = 1, size(first)
-            call gpu%load_kernels%feel_load(last(b) - first(b) + 1, first(b), gpu%box, dt, &
-                                            gpu%cell_of, gpu%place_of, gpu%above, &
-                                            there%walls%impulse, &
-                                            from(gpu%felt, int(b, int64)), err)
+            call load_kernels%feel_load(last(b) - first(b) + 1, first(b), gpu%box, dt, &
+                                        gpu%cell_of, gpu%place_of, gpu%above, &
+                                        there%walls%impulse, from(gpu%felt, int(b, int64)), err)
         end do
         marks = 0
         call copy_out(gpu%felt, marks, 4_int64*size(marks), err)
@@ -112,11 +105,10 @@ contains
     end subroutine gpu_is_loaded
 
     !> Bring walls, ledgers and gas up to date with the particles, as reclassify does.
-    subroutine gpu_reclassify(gpu, there, particles, air, solid, coupling, err)
+    subroutine gpu_reclassify(gpu, there, particles, solid, coupling, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(gpu_air_t), intent(inout) :: there
         type(particles_t), intent(in) :: particles
-        type(air_t), intent(in) :: air
         type(solid_t), intent(in) :: solid !! its bodies
         type(coupling_t), intent(inout) :: coupling !! its counters are brought up to date
         type(error_t), intent(inout) :: err
@@ -126,61 +118,19 @@ contains
             call invite_gpu_guests(gpu, particles, coupling%guests, err)
             call see_gpu_window(gpu, there, err)
             call share_gpu_debts(gpu, err)
-            coupling%rebuilds = -1 ! a guest's place is another one's in the next step
-            call move_on(gpu, there, gpu%guests, air, coupling%guests, coupling, err)
+            gpu%rebuilds = -1 ! a guest's place is another one's in the next step
+            call move_on(there, coupling%guests, gpu%guests, gpu, err)
             call see_gpu_window(gpu, there, err)
         else
-            call move_on(gpu, there, seen(particles), air, solid, coupling, err)
+            call move_on(there, solid, seen(particles), gpu, err)
         end if
-    end subroutine gpu_reclassify
-
-    !> The same for the particles in the box.
-    subroutine move_on(gpu, there, p, air, solid, coupling, err)
-        type(gpu_coupling_t), intent(inout) :: gpu
-        type(gpu_air_t), intent(inout) :: there
-        type(seen_t), intent(in) :: p
-        type(air_t), intent(in) :: air
-        type(solid_t), intent(in) :: solid !! its bodies
-        type(coupling_t), intent(inout) :: coupling
-        type(error_t), intent(inout) :: err
-        integer :: counts(n_count)
-
-        call look_at_particles(gpu, there, p, counts, err)
-        coupling%outside = counts(count_outside)
-        if (counts(count_moved) > 0 .or. solid%rebuilds /= coupling%rebuilds) then
-            if (counts(count_covered) + counts(count_uncovered) > 0) &
-                call change_hands(gpu, there, air, coupling, counts, err)
-            call fill_gpu_bins(gpu, there, p, err)
-        end if
-        coupling%rebuilds = solid%rebuilds ! where they were sorted anew, so are those of a cell
-        call settle_ledgers(there, solid, p, gpu, err)
         there%fetched = .false.
-        coupling%n_debts = gpu%n_debts
-        coupling%books%kept = gpu%books%kept
-    end subroutine move_on
-
-    !> The map has changed: fill what the solid left, put the new walls up, pass the rest on.
-    subroutine change_hands(gpu, there, air, coupling, counts, err)
-        type(gpu_coupling_t), intent(inout) :: gpu
-        type(gpu_air_t), intent(inout) :: there
-        type(air_t), intent(in) :: air
-        type(coupling_t), intent(inout) :: coupling
-        integer, intent(in) :: counts(n_count) !! from look_at_particles
-        type(error_t), intent(inout) :: err
-
-        gpu%n_covered = counts(count_covered)
-        gpu%n_uncovered = counts(count_uncovered)
+        coupling%outside = gpu%outside
         coupling%n_covered = gpu%n_covered
         coupling%n_uncovered = gpu%n_uncovered
-        coupling%books%covered = coupling%books%covered + counts(count_own + 1)
-        coupling%books%uncovered = coupling%books%uncovered + counts(count_own + 2)
-        call at_least(gpu%uncovered, gpu%n_uncovered, err)
-        call list_cells_of_kind(gpu, is_left, err, list=gpu%uncovered)
-        call fill_uncovered(there, gpu, err)
-        call build_gpu_walls(gpu, there, air, gpu%wall%n_cells + gpu%n_covered &
-                             - gpu%n_uncovered, err)
-        if (several(air%part%ranks)) call list_gpu_faces(gpu, err)
-        call settle_covered(there, gpu, err)
-        call donate(there, gpu, err)
-    end subroutine change_hands
+        coupling%n_debts = gpu%n_debts
+        coupling%books%covered = gpu%books%covered
+        coupling%books%uncovered = gpu%books%uncovered
+        coupling%books%kept = gpu%books%kept
+    end subroutine gpu_reclassify
 end module brz_gpu_coupling_step

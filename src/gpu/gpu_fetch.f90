@@ -7,13 +7,13 @@ module brz_gpu_fetch
     use brz_boxes, only: box_t
     use brz_buffers, only: buffer_t, bytes_t, reals_t
     use brz_cell_lists, only: cell_list_t, list_cells
-    use brz_device, only: allocate_buffer, device_t, free_buffers, pin, put_buffer, unpin
+    use brz_device, only: allocate_buffer, free_buffers, pin, put_buffer, unpin
     use brz_errors, only: error_t
     use brz_fetch, only: fetch_t
     use brz_gpu_peers, only: begins, peers_t
     use brz_kinds, only: int64, rk
     use brz_mail, only: tell_all
-    use brz_place_launches, only: place_kernels_t
+    use brz_place_launches, only: place_kernels
     use brz_ranks, only: ranks_t, several
     implicit none
     private
@@ -32,7 +32,6 @@ module brz_gpu_fetch
         type(bytes_t) :: bytes_came !! the same memory
         type(peers_t) :: peers
         integer(int64), allocatable :: there(:) !! (0:processes - 1) cells before its parcel there
-        type(place_kernels_t) :: kernels
     contains
         procedure :: open, close, reals_of_others, bytes_of_others
     end type gpu_fetch_t
@@ -40,9 +39,8 @@ module brz_gpu_fetch
 contains
 
     !> Get ready to fetch into arrays that hold the cells `box` of the whole grid.
-    subroutine open (self, device, ranks, plan, box, numbers, err)
+    subroutine open (self, ranks, plan, box, numbers, err)
         class(gpu_fetch_t), intent(inout) :: self
-        type(device_t), intent(in) :: device
         type(ranks_t), intent(in) :: ranks
         type(fetch_t), intent(in) :: plan
         type(box_t), intent(in) :: box
@@ -57,7 +55,6 @@ contains
         call list_cells(ranks, plan, box, self%of_cell, self%list)
         self%n_out = size(self%list%out)
         self%n_in = size(self%list%in)
-        call self%kernels%open(device, err)
         call put_buffer(self%list%out, self%out_place, 8_int64*self%n_out, err)
         call put_buffer(self%list%in, self%in_place, 8_int64*self%n_in, err)
         call allocate_buffer(self%reals, int(self%of_cell, int64)*max(self%n_out, self%n_in), err)
@@ -93,10 +90,10 @@ contains
         type(error_t), intent(inout) :: err
 
         if (.not. several(self%ranks)) return
-        if (self%n_out > 0) call self%kernels%pick_reals(self%n_out, self%wide, 1, apart, &
+        if (self%n_out > 0) call place_kernels%pick_reals(self%n_out, self%wide, 1, apart, &
             self%out_place, field, self%reals, err)
         call swap(self, err)
-        if (self%n_in > 0) call self%kernels%put_reals(self%n_in, self%wide, 1, apart, &
+        if (self%n_in > 0) call place_kernels%put_reals(self%n_in, self%wide, 1, apart, &
             self%in_place, self%came, field, err)
     end subroutine reals_of_others
 
@@ -107,10 +104,10 @@ contains
         type(error_t), intent(inout) :: err
 
         if (.not. several(self%ranks)) return
-        if (self%n_out > 0) call self%kernels%pick_bytes(self%n_out, self%out_place, field, &
+        if (self%n_out > 0) call place_kernels%pick_bytes(self%n_out, self%out_place, field, &
                                                          self%bytes, err)
         call swap(self, err)
-        if (self%n_in > 0) call self%kernels%put_bytes(self%n_in, self%in_place, &
+        if (self%n_in > 0) call place_kernels%put_bytes(self%n_in, self%in_place, &
                                                        self%bytes_came, field, err)
     end subroutine bytes_of_others
 

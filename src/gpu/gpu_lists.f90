@@ -1,17 +1,19 @@
 ! SPDX-License-Identifier: MIT
 !> Lists that grow, on the GPU: as brz_lists has them, for steps that stand once.
 module brz_gpu_lists
-    use brz_buffers, only: buffer_t, integers_t, reals_t
-    use brz_device, only: copy_within, reserve_buffer
+    use brz_buffers, only: buffer_t, bytes_t, doubles_t, integers_t, reals_t
+    use brz_common_launches, only: common_kernels
+    use brz_device, only: clear_buffer, copy_within, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_kinds, only: int64, rk
     implicit none
     private
-    public :: at_least, copy_first, room_of, swap
+    public :: at_least, clear_list, clear_map, copy_first, room_of, swap, count_in_bins, put_in_bins
 
     !> Make room for n entries, or n columns of some rows; what was there is lost where it grows.
     interface at_least
-        module procedure integers_at_least, reals_at_least, columns_at_least
+        module procedure integers_at_least, reals_at_least, doubles_at_least, columns_at_least, &
+            integer_columns_at_least
     end interface at_least
 
     !> Copy the first n entries, or columns.
@@ -39,6 +41,22 @@ contains
         call reserve_buffer(a, bytes_of_real*n, err)
     end subroutine reals_at_least
 
+    subroutine doubles_at_least(a, n, err)
+        type(doubles_t), intent(inout) :: a
+        integer, intent(in) :: n
+        type(error_t), intent(inout) :: err
+
+        call reserve_buffer(a, 8_int64*n, err)
+    end subroutine doubles_at_least
+
+    subroutine integer_columns_at_least(a, rows, n, err)
+        type(integers_t), intent(inout) :: a
+        integer, intent(in) :: rows, n
+        type(error_t), intent(inout) :: err
+
+        call reserve_buffer(a, 4_int64*rows*n, err)
+    end subroutine integer_columns_at_least
+
     subroutine columns_at_least(a, rows, n, err)
         type(reals_t), intent(inout) :: a
         integer, intent(in) :: rows, n
@@ -46,6 +64,43 @@ contains
 
         call reserve_buffer(a, bytes_of_real*rows*n, err)
     end subroutine columns_at_least
+
+    !> Set the first n entries of a map to zero.
+    subroutine clear_map(n, a, err)
+        integer, intent(in) :: n
+        type(bytes_t), intent(in) :: a
+        type(error_t), intent(inout) :: err
+
+        call clear_buffer(a, err, int(n, int64))
+    end subroutine clear_map
+
+    !> Set the first n entries of a list to zero.
+    subroutine clear_list(n, a, err)
+        integer, intent(in) :: n
+        type(integers_t), intent(in) :: a
+        type(error_t), intent(inout) :: err
+
+        call clear_buffer(a, err, 4_int64*n)
+    end subroutine clear_list
+
+    !> Count the entries of each bin in the place behind its own.
+    subroutine count_in_bins(n, bin, ends, err)
+        integer, intent(in) :: n
+        type(integers_t), intent(in) :: bin !! (n) bin of each entry, 0: none
+        type(integers_t), intent(in) :: ends !! (bins + 1) added to
+        type(error_t), intent(inout) :: err
+
+        call common_kernels%bin_count([n, 1, 1], n, bin, ends, err)
+    end subroutine count_in_bins
+
+    !> Put entries into their bins: the place behind each bin goes from its start to its end.
+    subroutine put_in_bins(n, bin, ends, binned, err)
+        integer, intent(in) :: n
+        type(integers_t), intent(in) :: bin, ends, binned
+        type(error_t), intent(inout) :: err
+
+        call common_kernels%bin_fill([n, 1, 1], n, bin, ends, binned, err)
+    end subroutine put_in_bins
 
     !> Entries that a list has room for.
     pure integer function room_of(a) result(n)

@@ -89,7 +89,7 @@ contains
 
         if (failed(err)) return
         if (backend%coupling_on_gpu) then
-            call gpu_reclassify(backend%coupling, backend%air, particles_of(backend), air, solid, &
+            call gpu_reclassify(backend%coupling, backend%air, particles_of(backend), solid, &
                                 coupling, err)
             call wait_for_device(err)
         else

@@ -18,10 +18,9 @@ program bench_gpu_coupling
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, open_gpu_air
     use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
-    use brz_gpu_coupling_layout, only: n_count
     use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t, seen
     use brz_gpu_coupling_step, only: gpu_reclassify, gpu_set_wall_velocity, gpu_spread_load
-    use brz_gpu_coupling_walls, only: fill_gpu_bins, look_at_particles
+    use brz_gpu_event_steps, only: fill_bins, look_at_particles
     use brz_gpu_solid_layout, only: at_mass, n_tag
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
@@ -130,7 +129,7 @@ contains
         character(*), intent(in) :: what
         real(dp), intent(in) :: by !! cells
         real(dp) :: ms(6), speed
-        integer :: counts(n_count), m, p
+        integer :: m, moved, p
         integer(int64) :: changed
         integer, parameter :: steps = 10
 
@@ -151,16 +150,16 @@ contains
             call gpu_spread_load(gpu, particles, solid, 1e-6_dp, err)
             ms(2) = ms(2) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
-            call gpu_reclassify(gpu, there, particles, air, solid, coupling, err)
+            call gpu_reclassify(gpu, there, particles, solid, coupling, err)
             ms(3) = ms(3) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
             speed = gpu_fastest_wall(gpu, there, err)
             ms(4) = ms(4) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
-            call look_at_particles(gpu, there, seen(particles), counts, err)
+            call look_at_particles(seen(particles), gpu, moved, err)
             ms(5) = ms(5) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
-            call fill_gpu_bins(gpu, there, seen(particles), err)
+            call fill_bins(seen(particles), gpu, err)
             ms(6) = ms(6) + 1e3_dp*stop_timer(err)/steps
         end do
         changed = coupling%books%covered + coupling%books%uncovered

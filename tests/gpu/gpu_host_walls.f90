@@ -14,9 +14,8 @@ module gpu_host_walls
 contains
 
     !> Copy the walls to the GPU after they have changed.
-    subroutine put_walls(gpu, air, wall, face_of, err)
+    subroutine put_walls(gpu, wall, face_of, err)
         type(gpu_air_t), intent(inout) :: gpu
-        type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: face_of(:, :) !! (6, n_cells) wall face by side, or 0
         type(error_t), intent(inout) :: err
@@ -33,7 +32,7 @@ contains
             call copy_in(face_of, walls%face_of, 24_int64*wall%n_cells, err)
             call copy_in(wall%v, walls%v, 3*bytes_of_real*wall%n_cells, err)
         end associate
-        call mark_near_walls(gpu, air, err)
+        call mark_near_walls(gpu, err)
     end subroutine put_walls
 
     !> Bring the impulses of a step to the host, and the gas.

@@ -99,7 +99,12 @@ contains
     subroutine find_kernel(device, name, kernel, err)
         type(device_t), intent(in) :: device
         character(*), intent(in) :: name
-        type(kernel_t), intent(out) :: kernel
+        type(kernel_t), intent(inout) :: kernel
+        type(error_t), intent(inout) :: err
+    end subroutine
+    subroutine find_once(name, kernel, err)
+        character(*), intent(in) :: name
+        type(kernel_t), intent(inout) :: kernel
         type(error_t), intent(inout) :: err
     end subroutine
     subroutine launch(kernel, n, a, err)

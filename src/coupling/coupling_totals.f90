@@ -2,7 +2,7 @@
 !> Mass, momentum and energy of gas, ledgers and debts.
 module brz_coupling_totals
     use brz_air_state, only: air_t
-    use brz_air_sums, only: air_totals
+    use brz_air_totals, only: air_totals
     use brz_coupling_state, only: coupling_books_t, coupling_t
     use brz_debt_loops, only: each_total_debt
     use brz_exact_sum, only: exact_sums

@@ -11,11 +11,60 @@ module brz_coupling_shared
     use brz_lists, only: at_least
     use brz_mail, only: incoming, make_room, outgoing, post, tell_counts
     use brz_ranks, only: ranks_t
+    use brz_solid_part, only: parcels_t
     implicit none
     private
-    public :: share_impulses, share_debts
+    public :: list_shared_faces, share_impulses, share_debts
 
 contains
+
+    !> List the faces whose gas is in the box of one process and whose columns may reach into that
+    !> of another, in the order of the grid.
+    subroutine list_shared_faces(air, coupling)
+        type(air_t), intent(in) :: air
+        type(coupling_t), intent(inout) :: coupling
+        type(box_t) :: near(0:air%part%ranks%n - 1) !! boxes and what loads them
+        integer :: r, layers
+
+        layers = coupling%box%layers + 2
+        do r = 0, ubound(near, 1)
+            near(r) = widened(air%part%boxes(r), [layers, layers, layers])
+        end do
+        associate (boxes => air%part%boxes, me => air%part%ranks%rank, part => coupling%part)
+            call list_faces(spread(boxes(me), 1, size(near)), near, part%faces_out)
+            call list_faces(boxes, spread(near(me), 1, size(near)), part%faces_in)
+        end associate
+
+    contains
+
+        !> Faces with gas in a box and near another, for all processes but this one.
+        subroutine list_faces(has, wants, parcels)
+            type(box_t), intent(in) :: has(0:), wants(0:)
+            type(parcels_t), intent(inout) :: parcels
+            integer :: f, n, round, gas(3)
+
+            if (.not. allocated(parcels%first)) allocate (parcels%first(0:size(has)))
+            if (.not. allocated(parcels%place)) allocate (parcels%place(0))
+            do round = 1, 2 ! count, then list
+                n = 0
+                do r = 0, ubound(has, 1)
+                    parcels%first(r) = n + 1
+                    if (r == air%part%ranks%rank) cycle
+                    do f = 1, coupling%wall%n_faces
+                        gas = air%before + coupling%wall%face(1:3, f)
+                        if (any(gas < has(r)%lo .or. gas > has(r)%hi)) cycle
+                        if (any(gas < wants(r)%lo .or. gas > wants(r)%hi)) cycle
+                        n = n + 1
+                        if (round == 2) parcels%place(n) = f
+                    end do
+                end do
+                parcels%first(size(has)) = n + 1
+                if (round == 2 .or. size(parcels%place) >= n) cycle
+                deallocate (parcels%place)
+                allocate (parcels%place(n + n/4))
+            end do
+        end subroutine list_faces
+    end subroutine list_shared_faces
 
     !> Give every process the impulses of the faces whose columns may reach into its box. Both sides
     !> list them in the order of the grid.

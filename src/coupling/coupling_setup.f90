@@ -2,19 +2,18 @@
 !> Start of the coupling: walls from the particles at time zero, empty ledgers, no debts.
 module brz_coupling_setup
     use brz_air_state, only: air_t, bc_periodic
-    use brz_air_walls, only: build_walls, set_up_walls
+    use brz_air_walls, only: set_up_walls
     use brz_air_grid, only: grid_of
     use brz_air_part, only: window_of
     use brz_boxes, only: cells_t => box_t
     use brz_case, only: case_t
     use brz_cell_shells, only: make_shells
-    use brz_coupling_bins, only: fill_bins, find_cells, index_faces, mark_cells
-    use brz_coupling_events, only: size_walls
     use brz_coupling_guests, only: invite_guests, open_windows, see_window
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: move_walls
     use brz_debt_steps, only: enter_debts, size_debts
     use brz_errors, only: error_t, exit_deck, failed, raise
+    use brz_event_steps, only: put_up_walls
     use brz_kinds, only: dp, int32, rk
     use brz_positivity, only: floors_of
     use brz_ranks, only: several
@@ -163,32 +162,24 @@ contains
             call invite_guests(air, solid, coupling)
             call see_window(air)
             call move_alloc(coupling%guests, guests)
-            call put_up_walls(air, guests, coupling)
+            call begin_walls(air, guests, coupling)
             call move_alloc(guests, coupling%guests)
         else
-            call put_up_walls(air, solid, coupling)
+            call begin_walls(air, solid, coupling)
         end if
     end subroutine restart_coupling
 
-    subroutine put_up_walls(air, solid, coupling)
-        type(air_t), intent(in) :: air
+    subroutine begin_walls(air, solid, coupling)
+        type(air_t), intent(inout) :: air
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
-        logical :: moved
 
         coupling%cell_of = -1
-        call find_cells(solid, coupling, moved)
-        call mark_cells(solid, coupling)
-        associate (lo => coupling%wall%lo, hi => coupling%wall%hi)
-            coupling%wall%solid(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3)) = coupling%mark
-        end associate
-        call build_walls(air, coupling%wall)
-        call index_faces(air, coupling)
-        call size_walls(coupling)
-        call fill_bins(solid, coupling)
+        call put_up_walls(air, solid, coupling)
+        coupling%rebuilds = solid%rebuilds
         call move_walls(solid, solid, coupling)
         coupling%slot = 0
         call size_debts(coupling, 0)
         call enter_debts(coupling)
-    end subroutine put_up_walls
+    end subroutine begin_walls
 end module brz_coupling_setup
