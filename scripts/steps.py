@@ -166,7 +166,7 @@ def translated(text, items, solids):
 def main():
     source, target = Path(sys.argv[1]), Path(sys.argv[2])
     items = {}
-    for path in Path("src").glob("*/*_items.f90"):
+    for path in [*Path("src").glob("*/*_items.f90"), *source.parent.glob("*_items.f90")]:
         text = path.read_text(encoding="utf-8")
         for m in ITEM.finditer(text):
             family = path.stem.removesuffix("_items")

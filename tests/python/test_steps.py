@@ -74,8 +74,8 @@ def test_steps_of_the_gpu_launch_and_hand_on_the_error(tmp_path):
     assert text.index("type(error_t), intent(inout) :: err") < text.index("integer :: over")
     joined = " ".join(text.replace("&", "").split())
     tallies = "book_at(c, book_low), count_at(c, count_over), err)"
-    assert f"call c%debt_kernels%pay_debt(n, c%cell, {tallies}" in joined
-    assert "call read_count(c, count_over, over, err)" in text
+    assert f"call debt_kernels%pay_debt(n, c%cell, {tallies}" in joined
+    assert "call read_counts(c, count_over, err, over)" in text
     assert "if (over > 0) call drop(c, err)" in text
     assert "over = 0" not in text and "each_pay_debt" not in text
 
