@@ -17,6 +17,8 @@ module brz_row_items
     private
     public :: row_rules_t, rules_of, fill_row, stiffen_along, fill_hold, free_face
 
+    real(rk), parameter :: most_stretch = 1e6_rk !! no particle is drawn so far and held
+
     !> What is the same for all particles of a body.
     type :: row_rules_t
         integer :: formulation, limiter, artificial
@@ -61,7 +63,6 @@ contains
         real(rk), intent(inout) :: row(n_pair)
         real(rk) :: q(3, 3), z
         integer :: c, j
-        logical :: ok
 
         z = shear_limiter(rules%limiter, h, c_bulk/rules%h)
         row(pair_volume) = volume
@@ -72,10 +73,7 @@ contains
         call copy_matrix(h, q)
         if (rules%formulation == form_bending .or. rules%formulation == form_total) then
             call copy_matrix(a, q)
-            if (rules%formulation == form_bending) then
-                call inverse3(a, q, ok)
-                if (.not. ok) cut = 1
-            end if
+            if (rules%formulation == form_bending) call deformation(a, cut, q)
             z = rules%stiffness
             if (rules%formulation == form_total .and. rules%directional == 1) z = row(pair_hold)
             row(pair_keep) = strength*(1 - cut)
@@ -96,6 +94,32 @@ contains
         row(pair_hold) = z
         call copy_matrix(q, row(pair_affine + 1))
     end subroutine fill_row
+
+    !> Deformation dx/dX from dX/dx of a particle that is held to the unloaded body, else nothing.
+    !> Debris with a single neighbour at the edge of its support has a dX/dx near zero, whose
+    !> inverse, squared, is no number in real32.
+    !@cuf attributes(host,device) &
+    pure subroutine deformation(a, cut, q)
+        real(rk), intent(in) :: a(3, 3)
+        integer, intent(inout) :: cut !! 1: not held, or not any more
+        real(rk), intent(inout) :: q(3, 3)
+        logical :: ok
+        integer :: c, j
+
+        call inverse3(a, q, ok)
+        do j = 1, 3
+            do c = 1, 3
+                if (.not. abs(q(c, j)) < most_stretch) ok = .false.
+            end do
+        end do
+        if (.not. ok) cut = 1
+        if (cut == 0) return
+        do j = 1, 3
+            do c = 1, 3
+                q(c, j) = 0
+            end do
+        end do
+    end subroutine deformation
 
     !> Stiffness of the hourglass force along axes times the deformation dx/dX in the row. Where a
     !> metal has yielded it is a share of that of the axes: what keeps a layer from bending about
