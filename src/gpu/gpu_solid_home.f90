@@ -8,10 +8,10 @@
 !> but for those that leave.
 module brz_gpu_solid_home
     use brz_buffers, only: from
-    use brz_device, only: clear_buffer, copy_in, copy_out, free_buffers, reserve_buffer
+    use brz_device, only: clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_marks, only: find_firsts, place_pieces
-    use brz_gpu_parcels, only: gpu_places_t, put_places
+    use brz_gpu_parcels, only: put_places
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_links, only: build_gpu_links, settle_gpu_links
     use brz_gpu_solid_marks, only: list_places, mark_ghosts, mark_leaving
@@ -138,22 +138,21 @@ contains
         integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes)
         integer(int64), intent(in) :: all(:, :) !! (to processes, from processes)
         type(error_t), intent(inout) :: err
-        type(gpu_places_t) :: leaving, coming
         integer, allocatable :: gone(:), place(:), old(:), new(:)
         logical :: changed(size(out, 1))
 
+        if (sum(all) == 0) return
         changed = sum(out, dim=2) + sum(in, dim=2) > 0
         if (any(changed)) call close_books(gpu, solid, changed, err)
-        call list_places(gpu, out, leaving, err)
-        call gpu%ghosts%aim(all, leaving, err)
+        call list_places(gpu, out, gpu%leaving, err)
+        call gpu%ghosts%aim(all, gpu%leaving, err)
         allocate (gone(sum(out)), source=0)
-        call copy_out(leaving%place, gone, 4_int64*size(gone), err)
-        call choose_places(gpu, gone, leaving%first, out, in, place, old, new)
-        call find_firsts(in, coming%first)
-        call put_places(place, coming%place, err)
-        call gpu%ghosts%send(leaving, coming, record_of(gpu), record_of(gpu), err)
+        call copy_out(gpu%leaving%place, gone, 4_int64*size(gone), err)
+        call choose_places(gpu, gone, gpu%leaving%first, out, in, place, old, new)
+        call find_firsts(in, gpu%coming%first)
+        call put_places(place, gpu%coming%place, err)
+        call gpu%ghosts%send(gpu%leaving, gpu%coming, record_of(gpu), record_of(gpu), err)
         call gpu%ghosts%move(old, new, record_of(gpu), err)
-        call free_buffers(leaving%place, coming%place)
     end subroutine change_places
 
     !> The books of bodies whose particles change: what places have summed goes to the host.

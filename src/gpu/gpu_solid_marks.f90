@@ -3,7 +3,7 @@
 !> others need as ghosts.
 module brz_gpu_solid_marks
     use brz_buffers, only: doubles_t, from
-    use brz_device, only: free_buffers, put_buffer
+    use brz_device, only: copy_in, reserve_buffer
     use brz_errors, only: error_t
     use brz_ghost_wants, only: inhabited, planes_of, wants_of
     use brz_gpu_marks, only: begin_marks, count_marks, list_marks
@@ -24,19 +24,17 @@ contains
         logical, intent(in) :: which(:) !! (bodies)
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
         type(error_t), intent(inout) :: err
-        type(doubles_t) :: region
         integer :: b
 
         call begin_marks(gpu%n, solid%ranks%n, gpu%marks, err)
-        call put_buffer(solid%part%region, region, 48_int64*solid%ranks%n, err)
+        call put_doubles(solid%part%region, gpu%regions, size(solid%part%region), err)
         do b = 1, size(which)
             associate (body => gpu%bodies(b))
                 if (which(b)) call gpu%home_kernels%mark_home(body%last - body%first + 1, &
-                    body%first, gpu%n, solid%ranks%n, solid%ranks%rank, region, gpu%built, &
+                    body%first, gpu%n, solid%ranks%n, solid%ranks%rank, gpu%regions, gpu%built, &
                     gpu%marks%mark, err)
             end associate
         end do
-        call free_buffers(region)
         call count_places(gpu, number, err)
     end subroutine mark_leaving
 
@@ -46,7 +44,7 @@ contains
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
         type(error_t), intent(inout) :: err
-        type(doubles_t) :: region, wants
+        real(dp) :: regions(3, 2, 0:solid%ranks%n - 1)
         real(dp), allocatable :: want(:, :)
         integer :: b, r
 
@@ -57,26 +55,37 @@ contains
                 solid%part%lowest = min(solid%part%lowest, lowest)
             end associate
         end do
-        call put_buffer([(inhabited(solid, solid%part%region(:, :, r)), r=0, solid%ranks%n - 1)], &
-                        region, 48_int64*solid%ranks%n, err)
+        do r = 0, solid%ranks%n - 1
+            regions(:, :, r) = inhabited(solid, solid%part%region(:, :, r))
+        end do
+        call put_doubles(regions, gpu%regions, size(regions), err)
         do b = 1, size(number, 1)
             want = wants_of(solid, b)
             if (size(want) == 0) cycle
-            call put_buffer(want, wants, 8_int64*size(want), err)
+            call put_doubles(want, gpu%wants, size(want), err)
             do r = 0, solid%ranks%n - 1
                 if (r == solid%ranks%rank) cycle
                 associate (body => gpu%bodies(b))
                     call gpu%home_kernels%mark_near(body%last - body%first + 1, body%first, &
-                        is_gone, planes_of(solid), size(want, 2), wants, &
-                        from(region, 6_int64*r + 1), gpu%built, gpu%fixed, &
+                        is_gone, planes_of(solid), size(want, 2), gpu%wants, &
+                        from(gpu%regions, 6_int64*r + 1), gpu%built, gpu%fixed, &
                         from(gpu%marks%mark, int(gpu%n, int64)*r + 1), err)
                 end associate
             end do
-            call free_buffers(wants)
         end do
-        call free_buffers(region)
         call count_places(gpu, number, err)
     end subroutine mark_ghosts
+
+    !> A small table, into a buffer with room for it.
+    subroutine put_doubles(x, buffer, n, err)
+        real(dp), intent(in) :: x(*)
+        type(doubles_t), intent(inout) :: buffer
+        integer, intent(in) :: n
+        type(error_t), intent(inout) :: err
+
+        call reserve_buffer(buffer, 8_int64*n, err)
+        call copy_in(x(:n), buffer, 8_int64*n, err)
+    end subroutine put_doubles
 
     !> How many places of each body are marked for each process.
     subroutine count_places(gpu, number, err)
