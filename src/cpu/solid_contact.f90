@@ -10,13 +10,13 @@ module brz_solid_contact
     use brz_contact_release, only: is_tied, later_touch
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: n_press
-    use brz_solid_ghosts, only: refresh_press
+    use brz_solid_ghosts, only: refresh_motion, refresh_press
     use brz_solid_links, only: first_link, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: at_drag, at_hold, links_t, n_terms, solid_t, worth_threads
     implicit none
     private
-    public :: contact_pass, find_touch, is_pressed
+    public :: contact_pass, find_press, find_touch, is_pressed
 
 contains
 
@@ -133,18 +133,36 @@ contains
         end associate
     end subroutine kernel_sum
 
+    !> Pressures of contact at the present positions, of ghosts as well: what is_pressed asks for.
+    subroutine find_press(solid)
+        type(solid_t), intent(inout) :: solid
+        real(rk) :: lost
+        real(real32) :: touch
+        integer :: i, k
+
+        call refresh_motion(solid)
+        do k = 1, size(solid%block, 2)
+            do i = solid%block(2, k), solid%block(3, k)
+                associate (row => solid%links%row(i))
+                    if (row > 0) &
+                        call press(solid, i, 0.0_rk, solid%links%press(:, row), lost, touch)
+                end associate
+            end do
+        end do
+        call refresh_press(solid)
+    end subroutine find_press
+
     !> True where contact at the present positions pushes particle i, or may after one more step.
+    !> After find_press.
     logical function is_pressed(solid, i)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: i
-        real(rk) :: own(n_press), other(n_press), distance, lost
-        real(real32) :: touch
+        real(rk) :: distance
         integer(int64) :: k
         integer :: j
 
         is_pressed = .false.
         if (.not. solid%links%present) return
-        call press(solid, i, 0.0_rk, own, lost, touch)
         do k = first_link(solid%links, i), last_link(solid%links, i)
             j = link_partner(solid%links, k)
             associate (l => solid%links, &
@@ -154,8 +172,8 @@ contains
                     m%law /= law_shared) cycle
                 distance = real(norm2(solid%x(:, i) - signs(link_mask(l, k))*solid%x(:, j)), rk)
                 if (distance > 2*m%h) cycle
-                call press(solid, j, 0.0_rk, other, lost, touch)
-                is_pressed = own(1) + other(1) > 0 .or. m%law == law_shared .or. &
+                is_pressed = l%press(1, l%row(i)) + l%press(1, l%row(j)) > 0 .or. &
+                             m%law == law_shared .or. &
                              in_core(m, distance - real(crossing_share, rk)*m%spacing)
             end associate
             if (is_pressed) return

@@ -6,7 +6,7 @@
 !> it. Lists are built without it, so particles go when lists are built anew.
 module brz_solid_leaving
     use brz_kinds, only: dp
-    use brz_solid_contact, only: is_pressed
+    use brz_solid_contact, only: find_press, is_pressed
     use brz_solid_state, only: form_rigid, form_total, is_free, is_gone, loose_by, solid_t
     implicit none
     private
@@ -22,6 +22,7 @@ contains
         integer :: b, i
 
         if (.not. solid%remove) return
+        if (solid%links%present) call find_press(solid)
         do b = 1, size(solid%bodies)
             if (solid%bodies(b)%asleep .or. any(solid%bodies(b)%formulation &
                                                 == [form_rigid, form_total])) cycle

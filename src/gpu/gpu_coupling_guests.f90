@@ -102,10 +102,10 @@ contains
             body(1, :) = particles%first
             body(2, :) = particles%last
             call put_places([(body(:, b), b=1, size(body, 2))], marks%pieces, err)
-            call put_places(asks_of([part%windows, part%boxes]), part%asks, err)
+            call put_places(asks_of([part%windows, part%boxes]), part%marks%asks, err)
             call reserve_marks(n, size(number, 2), marks, err)
             call part%kernels%mark_guest(n, n, size(body, 2), marks%pieces, size(number, 2), &
-                part%asks, gpu%box, 4, particles%place, tags_of(particles, tag_fixed), &
+                part%marks%asks, gpu%box, 4, particles%place, tags_of(particles, tag_fixed), &
                 marks%mark, err)
             call count_marks(n, particles%first, gpu%common, part%parcels%kernels, marks, number, &
                              err)

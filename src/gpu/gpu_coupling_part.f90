@@ -6,7 +6,7 @@ module brz_gpu_coupling_part
     use brz_buffers, only: integers_t, reals_t
     use brz_device, only: free_buffers
     use brz_gpu_fetch, only: gpu_fetch_t
-    use brz_gpu_marks, only: gpu_marks_t
+    use brz_gpu_marks, only: close_marks, gpu_marks_t
     use brz_gpu_parcels, only: gpu_parcels_t, gpu_places_t
     use brz_guest_launches, only: guest_kernels_t
     use brz_kinds, only: int64
@@ -25,7 +25,6 @@ module brz_gpu_coupling_part
         type(gpu_places_t) :: faces_out, faces_in
         type(gpu_places_t) :: debts_out, debts_in
         type(gpu_marks_t) :: marks
-        type(integers_t) :: asks !! boxes that processes ask for
         type(integers_t) :: seat !! 1, 2, 3, ...
         type(reals_t) :: v_before !! (3, guests)
         type(solid_t) :: own !! the bodies, as the particles of this process lie on the GPU
@@ -41,8 +40,8 @@ contains
         call free_buffers(part%out%place, part%in%place, part%loads_out%place, &
             part%loads_in%place, part%faces_out%place, part%faces_in%place, part%debts_out%place, &
             part%debts_in%place)
-        call free_buffers(part%v_before, part%seat, part%marks%mark, part%marks%ends, &
-            part%marks%sums, part%marks%pieces, part%asks)
+        call free_buffers(part%v_before, part%seat)
+        call close_marks(part%marks)
         call part%window%close()
         call part%parcels%close()
     end subroutine close_gpu_part

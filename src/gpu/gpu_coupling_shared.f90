@@ -56,9 +56,9 @@ contains
         associate (part => gpu%shared, k => gpu%shared%parcels%kernels, marks => gpu%shared%marks)
             asked = boxes
             asked(part%own%ranks%rank) = cells_t()
-            call put_places(asks_of(asked), part%asks, err)
+            call put_places(asks_of(asked), part%marks%asks, err)
             call reserve_marks(n, size(boxes), marks, err)
-            call part%kernels%mark_cells(n, n, size(boxes), part%asks, gpu%box, cell, marks%mark, &
+            call part%kernels%mark_cells(n, n, size(boxes), part%marks%asks, gpu%box, cell, marks%mark, &
                                          err)
             call count_marks(n, [1], gpu%common, k, marks, number, err)
             call list_marks(n, [1, size(boxes)], number, k, marks, list, err)
@@ -123,8 +123,9 @@ contains
         if (gpu%n_debts == 0) return
         call at_least(gpu%start, gpu%n_debts + 1, err)
         associate (part => gpu%shared, n => gpu%n_debts)
-            call put_places(asks_of([part%boxes(part%own%ranks%rank)]), part%asks, err)
-            call part%kernels%mark_cells(n, n, 1, part%asks, gpu%box, gpu%debt_cell, gpu%start, err)
+            call put_places(asks_of([part%boxes(part%own%ranks%rank)]), part%marks%asks, err)
+            call part%kernels%mark_cells(n, n, 1, part%marks%asks, gpu%box, gpu%debt_cell, &
+                                         gpu%start, err)
         end associate
         call drop_paid(gpu, err)
     end subroutine keep_own

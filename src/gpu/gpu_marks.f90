@@ -3,8 +3,8 @@
 !> The host hears how many there are.
 module brz_gpu_marks
     use brz_boxes, only: box_t
-    use brz_buffers, only: from, integers_t
-    use brz_device, only: clear_buffer, copy_out, reserve_buffer
+    use brz_buffers, only: doubles_t, from, integers_t
+    use brz_device, only: clear_buffer, copy_out, free_buffers, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_parcels, only: gpu_places_t, put_places
@@ -12,16 +12,25 @@ module brz_gpu_marks
     use brz_place_launches, only: place_kernels_t
     implicit none
     private
-    public :: gpu_marks_t, asks_of, reserve_marks, begin_marks, count_marks, list_marks, &
-        place_pieces, find_firsts
+    public :: gpu_marks_t, close_marks, asks_of, reserve_marks, begin_marks, count_marks, &
+        list_marks, place_pieces, find_firsts
 
     type :: gpu_marks_t
         type(integers_t) :: mark !! (places, processes)
         type(integers_t) :: ends, sums !! of bodies, in a row; of the marks before
-        type(integers_t) :: pieces !! small tables
+        type(integers_t) :: pieces, asks !! small tables
+        type(doubles_t) :: regions, wants !! others
     end type gpu_marks_t
 
 contains
+
+    !> Give the memory back.
+    subroutine close_marks(marks)
+        type(gpu_marks_t), intent(inout) :: marks
+
+        call free_buffers(marks%mark, marks%ends, marks%sums, marks%pieces, marks%asks, &
+            marks%regions, marks%wants)
+    end subroutine close_marks
 
     !> Room for marks.
     subroutine reserve_marks(n, rows, marks, err)

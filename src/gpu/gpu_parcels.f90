@@ -35,6 +35,7 @@ module brz_gpu_parcels
         type(ranks_t) :: ranks
         integer :: most = 0 !! words of a particle in a message
         type(gpu_places_t) :: out, in !! particles, and their ghosts
+        type(gpu_places_t) :: gone, come !! who changes the process
         type(mail_t) :: mail
         type(integers_t) :: words !! of parcels to others
         type(integers_t) :: came !! of parcels from others
@@ -83,7 +84,8 @@ contains
     subroutine close (self)
         class(gpu_parcels_t), intent(inout) :: self
 
-        call free_buffers(self%out%place, self%in%place, self%words)
+        call free_buffers(self%out%place, self%in%place, self%gone%place, self%come%place, &
+            self%words)
         call self%peers%close(self%ranks)
     end subroutine close
 

@@ -144,14 +144,14 @@ contains
         if (sum(all) == 0) return
         changed = sum(out, dim=2) + sum(in, dim=2) > 0
         if (any(changed)) call close_books(gpu, solid, changed, err)
-        call list_places(gpu, out, gpu%leaving, err)
-        call gpu%ghosts%aim(all, gpu%leaving, err)
+        call list_places(gpu, out, gpu%ghosts%gone, err)
+        call gpu%ghosts%aim(all, gpu%ghosts%gone, err)
         allocate (gone(sum(out)), source=0)
-        call copy_out(gpu%leaving%place, gone, 4_int64*size(gone), err)
-        call choose_places(gpu, gone, gpu%leaving%first, out, in, place, old, new)
-        call find_firsts(in, gpu%coming%first)
-        call put_places(place, gpu%coming%place, err)
-        call gpu%ghosts%send(gpu%leaving, gpu%coming, record_of(gpu), record_of(gpu), err)
+        call copy_out(gpu%ghosts%gone%place, gone, 4_int64*size(gone), err)
+        call choose_places(gpu, gone, gpu%ghosts%gone%first, out, in, place, old, new)
+        call find_firsts(in, gpu%ghosts%come%first)
+        call put_places(place, gpu%ghosts%come%place, err)
+        call gpu%ghosts%send(gpu%ghosts%gone, gpu%ghosts%come, record_of(gpu), record_of(gpu), err)
         call gpu%ghosts%move(old, new, record_of(gpu), err)
     end subroutine change_places
 

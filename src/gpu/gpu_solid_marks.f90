@@ -27,12 +27,12 @@ contains
         integer :: b
 
         call begin_marks(gpu%n, solid%ranks%n, gpu%marks, err)
-        call put_doubles(solid%part%region, gpu%regions, size(solid%part%region), err)
+        call put_doubles(solid%part%region, gpu%marks%regions, size(solid%part%region), err)
         do b = 1, size(which)
             associate (body => gpu%bodies(b))
                 if (which(b)) call gpu%home_kernels%mark_home(body%last - body%first + 1, &
-                    body%first, gpu%n, solid%ranks%n, solid%ranks%rank, gpu%regions, gpu%built, &
-                    gpu%marks%mark, err)
+                    body%first, gpu%n, solid%ranks%n, solid%ranks%rank, gpu%marks%regions, &
+                    gpu%built, gpu%marks%mark, err)
             end associate
         end do
         call count_places(gpu, number, err)
@@ -58,17 +58,17 @@ contains
         do r = 0, solid%ranks%n - 1
             regions(:, :, r) = inhabited(solid, solid%part%region(:, :, r))
         end do
-        call put_doubles(regions, gpu%regions, size(regions), err)
+        call put_doubles(regions, gpu%marks%regions, size(regions), err)
         do b = 1, size(number, 1)
             want = wants_of(solid, b)
             if (size(want) == 0) cycle
-            call put_doubles(want, gpu%wants, size(want), err)
+            call put_doubles(want, gpu%marks%wants, size(want), err)
             do r = 0, solid%ranks%n - 1
                 if (r == solid%ranks%rank) cycle
                 associate (body => gpu%bodies(b))
                     call gpu%home_kernels%mark_near(body%last - body%first + 1, body%first, &
-                        is_gone, planes_of(solid), size(want, 2), gpu%wants, &
-                        from(gpu%regions, 6_int64*r + 1), gpu%built, gpu%fixed, &
+                        is_gone, planes_of(solid), size(want, 2), gpu%marks%wants, &
+                        from(gpu%marks%regions, 6_int64*r + 1), gpu%built, gpu%fixed, &
                         from(gpu%marks%mark, int(gpu%n, int64)*r + 1), err)
                 end associate
             end do

@@ -10,8 +10,8 @@ module brz_gpu_solid_state
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_exact, only: gpu_exact_t
-    use brz_gpu_marks, only: gpu_marks_t
-    use brz_gpu_parcels, only: gpu_parcels_t, gpu_places_t, rows_of, rows_t
+    use brz_gpu_marks, only: close_marks, gpu_marks_t
+    use brz_gpu_parcels, only: gpu_parcels_t, rows_of, rows_t
     use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, grid_gpu_t, &
         n_book, n_flag, n_tag, n_terms, n_total, tag_bond, tag_fixed, tag_id, tag_joined, &
         tag_touch, tag_weight
@@ -113,9 +113,7 @@ module brz_gpu_solid_state
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order, start, code
-        type(gpu_marks_t) :: marks !! who goes where, see brz_gpu_solid_home
-        type(doubles_t) :: regions, wants !! of processes and of a body, see brz_gpu_solid_marks
-        type(gpu_places_t) :: leaving, coming !! when lists are built
+        type(gpu_marks_t) :: marks !! who goes where: brz_gpu_solid_home, brz_gpu_solid_marks
         type(buffer_t) :: hold, grid
         ! parts of these arrays as items have them, under the names of solid_t
         integer :: wide = 4, step_d = 0, step_p = 1
@@ -376,9 +374,8 @@ contains
 
         call walk(gpu, solid, frees, [integer ::], 0, bytes, err)
         call free_buffers(gpu%flags, gpu%axes, gpu%region, gpu%start, gpu%code, gpu%grid)
-        call free_buffers(gpu%part, gpu%box, gpu%sums_of_forces, gpu%marks%mark, gpu%marks%ends, &
-            gpu%marks%sums, gpu%marks%pieces, gpu%regions)
-        call free_buffers(gpu%wants, gpu%leaving%place, gpu%coming%place)
+        call free_buffers(gpu%part, gpu%box, gpu%sums_of_forces)
+        call close_marks(gpu%marks)
         if (words_of_real == 1) call free_buffers(gpu%near, gpu%far)
         call gpu%ghosts%close()
         call gpu%exact%close()

@@ -64,8 +64,6 @@ contains
                 call find_rule(case, a, b, rule)
                 if (rule%law == 'none') cycle
                 if (rule%law == 'cohesive') what = 'the law ''cohesive'' between bodies'
-                if (case%solid%leave == 'remove') &
-                    what = 'particles that leave (leave=''remove'') of bodies that meet'
                 if (any(case%bodies([a, b])%formulation == 'total_lagrangian')) &
                     what = 'total-Lagrangian bodies that meet others'
             end do

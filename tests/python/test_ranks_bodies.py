@@ -98,6 +98,21 @@ def test_bodies_go_on_on_other_processes(n, m, name, bodies_alone, tmp_path):
     equal_bodies(bodies_alone[name], tmp_path / "out")
 
 
+@needs_mpirun
+def test_what_leaves_bodies_that_meet_does_not_depend_on_processes(tmp_path):
+    """Removed for good, unless they press on others, whose pressures other processes may know."""
+    deck = MEETING + "&solid region = -1,0.0115, -1,1, -0.0022,1, leave = 'remove' /\n"
+    (tmp_path / "deck.nml").write_text(deck)
+    for n, out, more in [(0, "one", []), (4, "four", []), (2, "two", ["--set", "run.max_steps=50"]),
+                         (3, "two", ["--restart", "latest"])]:  # fmt: skip
+        done = start(n, "run", "deck.nml", "--out", out, *more, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    equal_bodies(tmp_path / "one", tmp_path / "four")
+    equal_bodies(tmp_path / "one", tmp_path / "two")
+    fixed = arrays(sorted((tmp_path / "one").glob("chk_*.h5"))[-1])["solid/fixed"]
+    assert 10 < (fixed == 2).sum() < 100
+
+
 def test_a_check_tells_the_particles_of_processes(tmp_path):
     (tmp_path / "deck.nml").write_text(BODIES)
     done = start(0, "run", "deck.nml", "--check", "--ranks", "3", cwd=tmp_path)
