@@ -44,6 +44,7 @@ CHANGES += [("type.solid_t.", "type(seen_t)"), (r"use brz_(lists|\w+_steps)\b", 
 # what gpu_solid_t has as solid_t has it, for files of the solids
 ON_GPU = "n|wide|step_[dp]|x|x_ref|v|a|load|grip|mass|energy|stress|pair|fixed|id"
 OF_SOLIDS = [(r"\ballocated\(solid%(load|grip)\)", r"gpu%\1%address /= 0")]
+OF_SOLIDS += [(r"\bjoined_of\(solid%links\)", "gpu%links%joined")]
 OF_SOLIDS += [(r"\b(load|grip)_of\(solid\)", r"gpu%\1"), (rf"\bsolid%({ON_GPU})\b", r"gpu%\1")]
 OF_SOLIDS += [(r"\b(?!body\b)(\w+) => solid%", r"\1 => gpu%"), (r"\((?::, )?1:\)", "")]
 OF_SOLIDS += [(r"\bmodule brz_(\w+)", r"module brz_gpu_\1")]

@@ -4,7 +4,8 @@ module brz_solid_artificial
     use brz_kernel, only: kernel_shape, kernel_slope, pair_kernel
     use brz_kinds, only: int64, rk
     use brz_pair_force, only: stress_force
-    use brz_solid_lanes, only: centre_t, group_of
+    use brz_solid_arrays, only: group_of
+    use brz_solid_lanes, only: centre_t
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: at_hold, n_terms, body_t, pair_affine, solid_t
     implicit none

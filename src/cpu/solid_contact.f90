@@ -10,8 +10,8 @@ module brz_solid_contact
     use brz_contact_release, only: is_tied, later_touch
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: n_press
+    use brz_link_rows, only: first_link, joined_of, last_link, link_mask, link_partner
     use brz_solid_ghosts, only: refresh_motion, refresh_press
-    use brz_solid_links, only: first_link, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: at_drag, at_hold, links_t, n_terms, solid_t, worth_threads
     implicit none
@@ -128,8 +128,8 @@ contains
 
         associate (s => solid, l => solid%links)
             call sum_links(i, all, l%lay, dt, l%ends, l%table, l%cell, s%x, s%v, s%mass, &
-                           l%weight, l%bond, l%joined, l%row, l%slice(1:), l%count(1:), l%list, &
-                           now, before, freed)
+                           l%weight, l%bond, joined_of(l), l%row, l%slice(1:), l%count(1:), &
+                           l%list, now, before, freed)
         end associate
     end subroutine kernel_sum
 
@@ -160,15 +160,17 @@ contains
         real(rk) :: distance
         integer(int64) :: k
         integer :: j
+        integer(int32), pointer :: joined(:)
 
         is_pressed = .false.
         if (.not. solid%links%present) return
+        joined => joined_of(solid%links)
         do k = first_link(solid%links, i), last_link(solid%links, i)
             j = link_partner(solid%links, k)
             associate (l => solid%links, &
                        m => solid%links%table(owner_of(solid%links%ends, i), &
                                               owner_of(solid%links%ends, j)))
-                if (is_tied(m, l%bond(i), l%bond(j), l%joined(i), l%joined(j)) .and. &
+                if (is_tied(m, l%bond(i), l%bond(j), joined(i), joined(j)) .and. &
                     m%law /= law_shared) cycle
                 distance = real(norm2(solid%x(:, i) - signs(link_mask(l, k))*solid%x(:, j)), rk)
                 if (distance > 2*m%h) cycle
@@ -191,7 +193,7 @@ contains
 
         associate (s => solid, l => solid%links)
             call push_particle(i, l%lay, dt, l%ends, l%table, l%cell, s%x, s%v, s%mass, &
-                               l%weight, s%stress, s%pair, l%press(:, 1:), l%bond, l%joined, &
+                               l%weight, s%stress, s%pair, l%press(:, 1:), l%bond, joined_of(l), &
                                l%row, l%slice(1:), l%count(1:), l%list, f, kept, gain, limit)
             l%push(:, l%row(i)) = [f(1:3), f(at_drag + 1:at_drag + 3), f(at_hold + 1:at_hold + 3)]
             s%energy(i) = s%energy(i) + gain/s%mass(i)

@@ -7,8 +7,9 @@ module brz_solid_forces
     use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int64, real32, rk
     use brz_solid_bonds, only: add_bonded_forces
-    use brz_solid_lanes, only: centre_t, group_of, group_t, images_t, in_turn, most_images, &
-                               place_body, place_group, place_images
+    use brz_solid_arrays, only: group_of
+    use brz_solid_lanes, only: centre_t, group_t, images_t, in_turn, most_images, place_body, &
+        place_group, place_images
     use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
     use brz_solid_pair_sums, only: add_pairs
     use brz_solid_artificial, only: add_artificial

@@ -17,7 +17,8 @@ module brz_solid_gradients
     use brz_row_items, only: fill_hold, fill_row, row_rules_t, rules_of, stiffen_along
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: add_neighbours
-    use brz_solid_lanes, only: group_of, group_t, images_t, in_turn, most_images, place_body, &
+    use brz_solid_arrays, only: group_of
+    use brz_solid_lanes, only: group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
     use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
                                form_total, form_uncorrected, held_affine, held_stiffness, &

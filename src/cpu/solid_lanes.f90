@@ -9,12 +9,13 @@ module brz_solid_lanes
     use brz_gradient, only: limiter_slope
     use brz_kernel, only: kernel_scale
     use brz_kinds, only: dp, int32, int64, rk
+    use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, lanes, n_held, n_pair, n_terms, solid_t
     use brz_tilted_arm, only: radial_normal
     implicit none
     private
-    public :: centre_t, group_t, group_of, place_body, place_group
+    public :: centre_t, group_t, place_body, place_group
     public :: kernel_t, body_kernel, pair_kernels
     public :: images_t, place_images, most_images, in_turn
 
@@ -74,14 +75,6 @@ module brz_solid_lanes
     end type images_t
 
 contains
-
-    !> Group of particle i of a body.
-    pure integer function group_of(body, i)
-        type(body_t), intent(in) :: body
-        integer, intent(in) :: i
-
-        group_of = body%group + (i - body%first)/lanes
-    end function group_of
 
     !> The group of a body that begins with particle `first`: its members, their places and
     !> velocities, its list.

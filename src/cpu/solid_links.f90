@@ -10,14 +10,14 @@ module brz_solid_links
     use brz_contact, only: law_bonded, law_none
     use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit, n_press
+    use brz_link_rows, only: first_link, last_link, link_partner
     use brz_list_drift, only: begin_links, links_reach, may_link
     use brz_ranks, only: least_of_all, most_of_all, several
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: bond_whole, is_gone, links_t, solid_t, worth_threads
     implicit none
     private
-    public :: build_links, settle_links, is_bonded, first_link, last_link, link_partner, link_mask
-    public :: first_bonds
+    public :: build_links, settle_links, first_bonds
 
 contains
 
@@ -235,48 +235,6 @@ contains
         end if
         allocate (links%list((units + units/4 + 8)*link_unit))
     end subroutine make_room
-
-    !> Links of particle i: first..last.
-    pure integer(int64) function first_link(links, i) result(k)
-        type(links_t), intent(in) :: links
-        integer, intent(in) :: i
-
-        k = int(links%slice(links%row(i)), int64)*link_unit + 1
-    end function first_link
-
-    pure integer(int64) function last_link(links, i) result(k)
-        type(links_t), intent(in) :: links
-        integer, intent(in) :: i
-
-        k = int(links%slice(links%row(i)), int64)*link_unit + links%count(links%row(i))
-    end function last_link
-
-    !> The other end of a link, and its mirrored axes, bits 0..2.
-    pure integer function link_partner(links, k) result(j)
-        type(links_t), intent(in) :: links
-        integer(int64), intent(in) :: k
-
-        j = iand(links%list(k), mask_unit - 1)
-    end function link_partner
-
-    pure integer function link_mask(links, k) result(m)
-        type(links_t), intent(in) :: links
-        integer(int64), intent(in) :: k
-
-        m = links%list(k)/mask_unit
-    end function link_mask
-
-    !> True where a pair of bodies is bonded and the bond is whole at both particles.
-    pure logical function is_bonded(links, i, j)
-        type(links_t), intent(in) :: links
-        integer, intent(in) :: i, j
-
-        is_bonded = .false.
-        if (.not. links%bonds) return
-        is_bonded = links%table(owner_of(links%ends, i), &
-                                owner_of(links%ends, j))%law == law_bonded .and. &
-                    links%bond(i) == bond_whole .and. links%bond(j) == bond_whole
-    end function is_bonded
 
     !> Bond the particles that have a partner within reach at the start; others never bond.
     subroutine first_bonds(solid)

@@ -14,7 +14,7 @@ module brz_solid_neighbours
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_list_drift, only: level_unit
     use brz_move_level, only: level_of
-    use brz_solid_lanes, only: group_of
+    use brz_solid_arrays, only: group_of
     use brz_solid_links, only: build_links, settle_links
     use brz_solid_home, only: place_ghosts, send_home
     use brz_solid_sort, only: note_places, sort_body

@@ -136,7 +136,7 @@ contains
                 jump = vr
                 if (kind == viscous_jump .or. kind == held_jump .or. &
                     kind == plate_jump .or. kind == wall_jump) &
-                    jump = jump_speed(1.0_rk, own(pair_affine + 1), pair(pair_affine + 1, j), r, vr)
+                    jump = jump_speed(own(pair_affine + 1), pair(pair_affine + 1, j), r, vr)
                 u = viscous_force(w*s2, q%h(l)/sqrt(s2), r2, jump, &
                                   own(pair_linear) + pair(pair_linear, j), &
                                   own(pair_quadratic) + pair(pair_quadratic, j))

@@ -18,7 +18,7 @@ module brz_solid_step
     use brz_solid_forces, only: force_pass, update_sizes
     use brz_solid_ghosts, only: refresh_bonds, refresh_motion, refresh_rows
     use brz_solid_gradients, only: gradient_pass
-    use brz_solid_lanes, only: group_of
+    use brz_solid_arrays, only: group_of
     use brz_solid_leaving, only: remove_left
     use brz_solid_links, only: first_bonds
     use brz_solid_mirror, only: signs

@@ -5,8 +5,8 @@ module brz_solid_tilts
     use brz_contact_items, only: owner_of
     use brz_kernel, only: kernel_scale, kernel_slope
     use brz_kinds, only: dp, int64, real32, rk
-    use brz_solid_lanes, only: group_of
-    use brz_solid_links, only: first_link, is_bonded, last_link, link_mask, link_partner
+    use brz_solid_arrays, only: group_of
+    use brz_link_rows, only: first_link, is_bonded, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, form_total, solid_t, worth_threads
     use brz_tilted_arm, only: pack_tilt, radial_normal

@@ -8,6 +8,7 @@ module brz_between_steps
     use brz_between_items, only: add_impulse
     use brz_between_loops, only: each_sum_between
     use brz_kinds, only: dp
+    use brz_link_rows, only: joined_of !@cpu
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -52,7 +53,8 @@ contains
             call each_sum_between(there%last - there%first + 1, solid%ranks, there%first, body(2), &
                 links%lay, links%ends, links%table, links%cell, solid%x, solid%v, solid%mass, &
                 links%weight, solid%stress, solid%pair, links%press(:, 1:), links%bond, &
-                links%joined, links%row, links%slice(1:), links%count(1:), links%list, force)
+                joined_of(solid%links), links%row, links%slice(1:), links%count(1:), &
+                links%list, force)
         end associate
     end subroutine force_between
 end module brz_between_steps

@@ -150,7 +150,7 @@ contains
             call mirror_pair(s, pair(1, j), other)
             w = own(pair_volume)*other(pair_volume)*slope
             jump = vr
-            if (table(a, b)%spares > 0) jump = jump_speed(1.0_rk, own(pair_affine + 1), &
+            if (table(a, b)%spares > 0) jump = jump_speed(own(pair_affine + 1), &
                                                           other(pair_affine + 1), r, vr)
             u = viscous_force(w, table(a, b)%h, dot_product(r, r), jump, &
                               own(pair_linear) + other(pair_linear), &

@@ -56,6 +56,7 @@ contains
         if (n == 0) return
         solid%cohesive%present = .true.
         call link_nodes(solid%cohesive, solid%n)
+        allocate (solid%links%joined(solid%n), source=0_int32)
         call settle_stiffness(solid, err)
         do n = 1, size(solid%cohesive%law)
             if (.not. failed(err)) call keep_energy(solid, n)

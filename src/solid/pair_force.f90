@@ -61,8 +61,7 @@ contains
     !>
     !> Source: Frontiere, Raskin and Owen 2017 after Christensen 1990
     !@cuf attributes(host,device) &
-    pure function jump_speed(spares, hi, hj, r, vr) result(q)
-        real(rk), intent(in) :: spares !! 1; 0: all of v_ij.x_ij
+    pure function jump_speed(hi, hj, r, vr) result(q)
         real(rk), intent(in) :: hi(9), hj(9) !! velocity gradients [1/s]
         real(rk), intent(in) :: r(3) !! x_ij [m]
         real(rk), intent(in) :: vr !! v_ij.x_ij [m2/s]
@@ -76,7 +75,7 @@ contains
             + r(2)*(hj(2)*r(1) + hj(5)*r(2) + hj(8)*r(3)) &
             + r(3)*(hj(3)*r(1) + hj(6)*r(2) + hj(9)*r(3))
         s = p + q
-        q = vr - 2*spares*max(p*q, 0.0_rk)*s/(s*s + tiny(s))
+        q = vr - 2*max(p*q, 0.0_rk)*s/(s*s + tiny(s))
         q = min(max(jumps*q, vr), 0.0_rk)
     end function jump_speed
 

@@ -4,10 +4,10 @@ module brz_solid_arrays
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t, link_unit, n_press
     use brz_solid_fields, only: fields_of, fields_t, make_fields, memory_of
-    use brz_solid_state, only: lanes, solid_t
+    use brz_solid_state, only: body_t, lanes, solid_t
     implicit none
     private
-    public :: allocate_solid, bytes_per_particle, number_groups, cut_blocks
+    public :: allocate_solid, bytes_per_particle, number_groups, cut_blocks, group_of
 
     integer, parameter :: block_size = 16*lanes !! most particles of a block: whole groups
     integer, parameter :: n_sum = 8 !! sums that a pass may keep per block
@@ -54,6 +54,14 @@ contains
             first = 1
         end subroutine renew
     end subroutine number_groups
+
+    !> Group of particle i of a body.
+    pure integer function group_of(body, i)
+        type(body_t), intent(in) :: body
+        integer, intent(in) :: i
+
+        group_of = body%group + (i - body%first)/lanes
+    end function group_of
 
     !> What particles need to meet those of other bodies.
     subroutine allocate_links(solid)

@@ -131,7 +131,7 @@ contains
         call see(t, 'touch', s%links%touch, linked, in_tag, tag_touch)
         call see(t, 'contact_weight', s%links%weight, linked, in_tag, tag_weight)
         call see(t, 'bond', s%links%bond, linked, in_tag, tag_bond)
-        call see(t, 'joined', s%links%joined, linked, in_tag, tag_joined, derived=.true.)
+        call see(t, 'joined', s%links%joined, .false., in_tag, tag_joined, derived=.true.)
         call see(t, 'owed', s%owed, held, in_state, next)
         call see(t, 'load', s%load, 3, .false., in_state, next)
         call see(t, 'v_before', s%v_before, 3, .false., in_state, next, derived=.true.)

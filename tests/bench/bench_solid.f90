@@ -17,7 +17,7 @@ program bench_solid
     use brz_solid_arrays, only: bytes_per_particle
     use brz_solid_forces, only: force_pass
     use brz_solid_gradients, only: gradient_pass
-    use brz_solid_lanes, only: group_of
+    use brz_solid_arrays, only: group_of
     use brz_solid_neighbours, only: build_neighbours
     use brz_solid_state, only: lanes, solid_t
     use brz_solid_step, only: solid_step, solid_time_step, start_solid

@@ -3,8 +3,8 @@
 module brz_solid_doubles
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, int64
-    use brz_solid_lanes, only: group_of
-    use brz_solid_links, only: first_link, last_link, link_mask, link_partner
+    use brz_solid_arrays, only: group_of
+    use brz_link_rows, only: first_link, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, solid_t, worth_threads
     use brz_text, only: to_text
