@@ -127,6 +127,7 @@ contains
         coupling%box%dx = air%dx
         coupling%box%area = product(air%dx)/air%dx
         coupling%box%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
+        coupling%box%grid%n = coupling%box%n
         coupling%box%grid%g = air%g - (air%before - coupling%box%before) ! cell 1 of the window
     end subroutine make_box
 
