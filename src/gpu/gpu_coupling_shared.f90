@@ -58,8 +58,8 @@ contains
             asked(part%own%ranks%rank) = cells_t()
             call put_places(asks_of(asked), part%marks%asks, err)
             call reserve_marks(n, size(boxes), marks, err)
-            call part%kernels%mark_cells(n, n, size(boxes), part%marks%asks, gpu%box, cell, marks%mark, &
-                                         err)
+            call part%kernels%mark_cells(n, n, size(boxes), part%marks%asks, gpu%box, cell, &
+                                         marks%mark, err)
             call count_marks(n, [1], gpu%common, k, marks, number, err)
             call list_marks(n, [1, size(boxes)], number, k, marks, list, err)
         end associate
