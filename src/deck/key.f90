@@ -28,7 +28,7 @@ module brz_key
         logical :: bare = .false. !! a text may stand without quotes
         character(1024) :: choices = '' !! allowed texts, separated by '|'; '' = any
         character(24) :: former = '' !! what the key was called before
-        character(250) :: meaning = '' !! one sentence
+        character(300) :: meaning = '' !! one sentence
         character(24) :: owner = '' !! &material: the model that has this key, '' = every model
         character(24) :: needs = '' !! key without which this one means nothing, '' = none
     end type key_t
