@@ -55,7 +55,7 @@ FOREIGN := $(shell grep -ls '^ *!@foreign' $(SRC))
 REWRITTEN := $(VARIANTS) $(FOREIGN)
 STEPS := $(filter %_steps.f90,$(SRC))
 # folders whose kernels of all items are one type
-HOUSES := solid
+HOUSES := $(if $(filter src/solid/%,$(ITEMS)),solid)
 LOOPS := $(HOUSES:%=$(MADE)/%_families.f90) $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \

@@ -176,6 +176,10 @@ contains
         type(coupling_t), intent(inout) :: coupling
 
         coupling%cell_of = -1
+        ! from none: a checkpoint has a map, and not the lists that belong to it
+        coupling%wall%n_cells = 0
+        coupling%wall%solid = 0
+        coupling%wall%index = 0
         call put_up_walls(air, solid, coupling)
         coupling%rebuilds = solid%rebuilds
         call move_walls(solid, solid, coupling)

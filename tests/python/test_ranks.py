@@ -64,7 +64,6 @@ def test_another_mpi_is_named():
 @pytest.mark.parametrize(
     ("deck", "args", "reason"),
     [
-        ("rod_concrete.nml", ["--set", "solid.leave='remove'"], "leave='remove') of bodies that"),
         (
             "rod_concrete.nml",
             ["--set", "body(slab).formulation='total_lagrangian'"],
