@@ -91,6 +91,9 @@ contains
 
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
+                ! a rigid body that sleeps may be met in the next step: its limit holds on
+                if (body%asleep .and. body%formulation == form_rigid) &
+                    solid%dt_limit = min(solid%dt_limit, body%dt_limit)
                 if (body%asleep .and. dt > 0) cycle
                 if (body%formulation == form_rigid) call balance_body(solid, b, push(:, b), dt)
                 if (dt > 0 .and. body%motion%n > 0) call balance_drive(solid, b, dt)
