@@ -22,12 +22,14 @@ module brz_gpu_air_state
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: several
     use brz_scheme, only: first_order, hllc, max_var, muscl_cells, reach_of, scheme_t, weno3_cells
+    use brz_snapshots, only: snapshot_t
     use brz_total_state, only: running_total_t
     use brz_text, only: to_text
     implicit none
     private
     public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air, close_gpu_air
-    public :: mark_near_walls, fetch_air, fetch_cells, fetch_walls, bytes_of_real, faces_of_bricks
+    public :: mark_near_walls, fetch_air, note_air, fetch_cells, fetch_walls, bytes_of_real, &
+        faces_of_bricks
 
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
 
@@ -248,6 +250,15 @@ contains
         call copy_out(gpu%bricks%reached, air%reached, size(air%reached, kind=int64), err)
         gpu%fetched = .not. failed(err)
     end subroutine fetch_air
+
+    !> What fetch_air reads.
+    subroutine note_air(gpu, snapshot)
+        type(gpu_air_t), intent(in) :: gpu
+        type(snapshot_t), intent(inout) :: snapshot
+
+        call snapshot%note(gpu%u)
+        call snapshot%note(gpu%bricks%reached)
+    end subroutine note_air
 
     !> Refresh the host's conserved variables in a list of cells, of which those of others are left.
     subroutine fetch_cells(gpu, cell, air, err)

@@ -20,9 +20,10 @@ module brz_gpu_coupling_copy
     use brz_ledger_launches, only: ledger_kernels
     use brz_load_launches, only: load_kernels
     use brz_ranks, only: agree, several
+    use brz_snapshots, only: snapshot_t
     implicit none
     private
-    public :: open_gpu_coupling, fetch_coupling, fetch_books, gpu_ledger_totals, gpu_fastest_wall
+    public :: open_gpu_coupling, fetch_coupling, note_coupling, fetch_books, gpu_ledger_totals, gpu_fastest_wall
 
 contains
 
@@ -131,6 +132,20 @@ contains
         call fetch_debts(gpu, coupling, err)
         call fetch_books(gpu, coupling, err)
     end subroutine fetch_coupling
+
+    !> What fetch_coupling reads.
+    subroutine note_coupling(gpu, there, snapshot)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_air_t), intent(in) :: there
+        type(snapshot_t), intent(inout) :: snapshot
+
+        call snapshot%note(there%walls%solid)
+        call snapshot%note(there%walls%v)
+        call snapshot%note(gpu%v_before)
+        call snapshot%note(gpu%debt_cell)
+        call snapshot%note(gpu%debt)
+        call snapshot%note(gpu%book)
+    end subroutine note_coupling
 
     subroutine fetch_debts(gpu, coupling, err)
         type(gpu_coupling_t), intent(in) :: gpu

@@ -17,6 +17,7 @@ module brz_gpu_solid_copy
     use brz_kinds, only: dp, int32, int64, rk
     use brz_materials, only: unloaded_speed
     use brz_ranks, only: several
+    use brz_snapshots, only: snapshot_t
     use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_built, in_motion, in_place, &
         in_reference, in_state, in_tag
@@ -24,7 +25,7 @@ module brz_gpu_solid_copy
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: open_gpu_solid, fetch_solid, fetch_particles, faults_of
+    public :: open_gpu_solid, fetch_solid, note_solid, fetch_particles, faults_of
 
     integer, parameter :: at_once = int(32/bytes_of_real) !! columns that take no more than rows do
     real(dp), parameter :: spare = 0.25_dp !! of the places of a body, kept free on several GPUs
@@ -156,6 +157,23 @@ contains
         call fetch_gpu_points(gpu, .true., solid%cohesive, err)
         gpu%fetched = .not. failed(err)
     end subroutine fetch_solid
+
+    !> What fetch_solid reads.
+    subroutine note_solid(gpu, snapshot)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(snapshot_t), intent(inout) :: snapshot
+
+        call snapshot%note(gpu%place)
+        call snapshot%note(gpu%reference)
+        call snapshot%note(gpu%built)
+        call snapshot%note(gpu%motion)
+        call snapshot%note(gpu%state)
+        call snapshot%note(gpu%tag)
+        call snapshot%note(gpu%cohesive%place)
+        call snapshot%note(gpu%cohesive%damage)
+        call snapshot%note(gpu%cohesive%spent)
+        call snapshot%note(gpu%cohesive%held)
+    end subroutine note_solid
 
     !> The bodies lie in the host arrays as on the GPU from now on. Only numbers of particles are
     !> fetched.

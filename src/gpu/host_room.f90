@@ -8,6 +8,7 @@ module brz_host_room
         c_null_ptr, c_ptr, c_size_t
     use brz_cuda_driver, only: cu_host_allocate, cu_to_host
     use brz_kinds, only: int64, int8
+    use brz_snapshots, only: read_snapshot, snapshot_in_use
     implicit none
     private
     public :: read_memory
@@ -20,7 +21,8 @@ module brz_host_room
 
 contains
 
-    !> Copy from the GPU to the host; waits for all work before it. What the driver says: 0 if done.
+    !> Copy from the GPU to the host, or from a snapshot where one is in use; waits for all work
+    !> before it. What the driver says: 0 if done.
     integer(c_int) function read_memory(host, address, bytes) result(code)
         type(c_ptr), intent(in) :: host
         integer(c_intptr_t), intent(in) :: address
@@ -28,6 +30,11 @@ contains
         integer(int8), pointer, contiguous :: from(:), to(:)
         integer(int64) :: first, k, n
 
+        if (snapshot_in_use()) then
+            call c_f_pointer(host, to, [bytes])
+            code = read_snapshot(to, address)
+            return
+        end if
         if (bytes >= worth .and. .not. asked) then
             asked = .true.
             if (cu_host_allocate(room, int(room_bytes, c_size_t)) /= 0) room = c_null_ptr

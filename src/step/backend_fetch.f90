@@ -10,20 +10,22 @@ module brz_backend_fetch
     use brz_errors, only: error_t, failed
     use brz_force_steps, only: forces_on_body, n_forces
     use brz_gpu_force_steps, only: gpu_forces_on_body => forces_on_body
-    use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls
+    use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls, note_air
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
-    use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, gpu_ledger_totals
+    use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, gpu_ledger_totals, &
+        note_coupling
     use brz_gpu_solid_cohesive, only: fetch_gpu_points
-    use brz_gpu_solid_copy, only: fetch_particles, fetch_solid
+    use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid
     use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
     use brz_kinds, only: dp, rk
     use brz_ranks, only: bits_of_all, several
+    use brz_snapshots, only: snapshot_t
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals, solid_totals_t
     implicit none
     private
     public :: stock_of_air, stock_of_books, stock_of_solid, stock_of_forces, stock_of_interfaces
-    public :: fetch_state, fetch_followed, fetch_around
+    public :: fetch_sums, fetch_state, take_snapshot, fetch_followed, fetch_around
 
 contains
 
@@ -107,7 +109,20 @@ contains
             call fetch_gpu_points(backend%solid, .false., solid%cohesive, err)
     end subroutine stock_of_interfaces
 
-    !> Bring the whole state to the host, for a dump or a checkpoint.
+    !> Bring sums and books to the host that the GPU must work out, for a dump or a checkpoint.
+    subroutine fetch_sums(backend, air, solid, err)
+        type(backend_t), intent(inout) :: backend
+        type(air_t), intent(inout) :: air
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (failed(err)) return
+        if (backend%on_gpu) call gpu_outflow(backend%air, air, err)
+        if (backend%bodies_on_gpu) call fetch_ledgers(backend%solid, solid, err)
+    end subroutine fetch_sums
+
+    !> Bring the state to the host, for a dump or a checkpoint, with fetch_sums before. It is read
+    !> alone, so that a snapshot can take the place of the GPU.
     subroutine fetch_state(backend, air, solid, coupling, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(inout) :: air
@@ -116,17 +131,22 @@ contains
         type(error_t), intent(inout) :: err
 
         if (failed(err)) return
-        if (backend%on_gpu) then
-            call fetch_air(backend%air, air, err)
-            call gpu_outflow(backend%air, air, err)
-        end if
-        if (backend%bodies_on_gpu) then
-            call fetch_solid(backend%solid, solid, err)
-            call fetch_ledgers(backend%solid, solid, err)
-        end if
+        if (backend%on_gpu) call fetch_air(backend%air, air, err)
+        if (backend%bodies_on_gpu) call fetch_solid(backend%solid, solid, err)
         if (backend%coupling_on_gpu) &
             call fetch_coupling(backend%coupling, backend%air, air, coupling, err)
     end subroutine fetch_state
+
+    !> Put by what fetch_state reads; whether that was done tells snapshot%room.
+    subroutine take_snapshot(backend, snapshot)
+        type(backend_t), intent(in) :: backend
+        type(snapshot_t), intent(out) :: snapshot
+
+        if (backend%on_gpu) call note_air(backend%air, snapshot)
+        if (backend%bodies_on_gpu) call note_solid(backend%solid, snapshot)
+        if (backend%coupling_on_gpu) call note_coupling(backend%coupling, backend%air, snapshot)
+        call snapshot%take()
+    end subroutine take_snapshot
 
     !> Bring the motion of some particles to the host, for gauges; with `all` the whole state.
     subroutine fetch_followed(backend, id, all, solid, err)

@@ -2,13 +2,14 @@
 !> Dumps and checkpoints: written by this process, or where a GPU computes by copies of it beside
 !> the run, and named in the order in which they began.
 module brz_saves
-    use brz_backend_fetch, only: fetch_state
+    use brz_backend_fetch, only: fetch_state, fetch_sums, take_snapshot
     use brz_checkpoint, only: name_checkpoint, write_checkpoint
     use brz_dumps, only: dumps_t, name_dump, write_dump_files
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp
     use brz_ranks, only: agree, several
     use brz_simulation, only: simulation_t
+    use brz_snapshots, only: snapshot_t, use_snapshot
     use brz_text, only: to_text
     use brz_timer, only: lap, wall_seconds
     use brz_writer, only: begin_writing, end_writing, has_room, hear_writer, no_dump, writer_t, &
@@ -83,6 +84,36 @@ contains
         on_gpu = (sim%backend%on_gpu .or. sim%backend%bodies_on_gpu) .and. .not. several(sim%ranks)
     end function on_gpu
 
+    !> Decide who writes, and bring the state to the host there. A copy of this process has it from
+    !> a snapshot: what this one has on its host stays as it is, and no page is copied for it.
+    subroutine begin(sim, saves, writer, beside, here, err)
+        type(simulation_t), intent(inout) :: sim
+        type(saves_t), intent(inout) :: saves
+        type(writer_t), intent(inout) :: writer
+        logical, intent(in) :: beside !! a copy shall write
+        logical, intent(out) :: here !! this process writes, or it is the copy that does
+        type(error_t), intent(inout) :: err
+        type(snapshot_t) :: snapshot
+        real(dp) :: mark
+
+        here = .false.
+        mark = wall_seconds()
+        call fetch_sums(sim%backend, sim%air, sim%solid, err)
+        if (beside .and. .not. failed(err)) call take_snapshot(sim%backend, snapshot)
+        if (snapshot%room == 0) &
+            call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
+        call agree(sim%ranks, err)
+        call lap(mark, saves%fetching)
+        if (failed(err)) return
+        call begin_writing(saves%writers, writer, beside, here)
+        call lap(mark, saves%copying)
+        if (snapshot%room == 0 .or. .not. here) return
+        if (writer%copy == 0) call use_snapshot(snapshot) ! else no copy could be made
+        call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
+        call snapshot%give_back()
+        call use_snapshot(snapshot)
+    end subroutine begin
+
     !> Write a dump; where a GPU computes, beside the run, but the last one: all threads are free
     !> then.
     subroutine save_dump(sim, saves, last, err)
@@ -97,16 +128,12 @@ contains
         mark = wall_seconds()
         call make_room(sim, saves, err)
         call lap(mark, saves%writing)
-        call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
-        call agree(sim%ranks, err)
-        call lap(mark, saves%fetching)
-        if (failed(err)) return
         beside = on_gpu(sim) .and. .not. last
         writer%what = 'the dump of t = '//to_text(sim%clock%time)//' s'
         writer%dump = sim%clock%dump_number
         writer%time = sim%clock%time
-        call begin_writing(saves%writers, writer, beside, here)
-        call lap(mark, saves%copying)
+        call begin(sim, saves, writer, beside, here, err)
+        mark = wall_seconds()
         if (here) then
             call write_dump_files(saves%dumps, sim%case, sim%clock, sim%air, &
                                   sim%coupling%wall, sim%solid, err)
@@ -141,16 +168,12 @@ contains
         end if
         call lap(mark, saves%writing)
         if (saves%saved_cycle == sim%clock%cycle .or. failed(err)) return
-        call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
-        call agree(sim%ranks, err)
-        call lap(mark, saves%fetching)
-        if (failed(err)) return
         sums = [sim%start%total, sim%start%mass, sim%start%momentum, sim%start%energy, &
                 sim%start%work, sim%start%supply]
         writer%what = 'the checkpoint of t = '//to_text(sim%clock%time)//' s'
         writer%step = sim%clock%cycle
-        call begin_writing(saves%writers, writer, apart, here)
-        call lap(mark, saves%copying)
+        call begin(sim, saves, writer, apart, here, err)
+        mark = wall_seconds()
         if (here) then
             if (writer%copy < 0) call hear_writers(sim, saves, 0, err) ! those before it first
             call write_checkpoint(saves%dumps%folder, sim%case, sim%clock, sim%air, sim%coupling, &
