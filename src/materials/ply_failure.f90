@@ -168,7 +168,7 @@ contains
                     if (f < 1) cycle
                     rest = dt*(1 - crossing(par, mode, s_old, s_trial))
                 end if
-                damage(mode) = 1 - (1 - before)*exp(-rest/relaxation(par, dt, crack, mode))
+                damage(mode) = 1 - (1 - before)*exp(-rest/relaxation(par, crack, mode))
             end if
             damage(mode) = min(damage(mode), par(p_limit))
             grown = grown .or. damage(mode) > before
@@ -202,9 +202,10 @@ contains
     end function crossing
 
     !> Time in which a failed mode lets go: as given, or half of a crack's width at wave speed.
+    !> It does not know the time step: what failure costs would grow with it.
     !@cuf attributes(host,device) &
-    pure function relaxation(par, dt, crack, mode) result(tau)
-        real(rk), intent(in) :: par(n_par), dt, crack
+    pure function relaxation(par, crack, mode) result(tau)
+        real(rk), intent(in) :: par(n_par), crack
         integer, intent(in) :: mode
         real(rk) :: tau
 
@@ -215,7 +216,7 @@ contains
         case (matrix_cracking, matrix_crushing); tau = par(p_c22)
         case default; tau = par(p_c33)
         end select
-        tau = max(10*dt, crack/2*sqrt(par(p_density)/tau), tiny(tau))
+        tau = max(crack/2*sqrt(par(p_density)/tau), tiny(tau))
     end function relaxation
 
     !> Damage on the line of linear softening that spends the fracture energy over the crack.
