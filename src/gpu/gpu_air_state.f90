@@ -268,16 +268,16 @@ contains
         end do
         if (gpu%fetched .or. n == 0) return
         place = [(place_of(gpu%grid, at(1, c), at(2, c), at(3, c)), c=1, n)]
-        allocate (values(air%n_var, n), source=0.0_rk)
+        allocate (values(n, air%n_var), source=0.0_rk)
         call put_buffer(place, place_at, 8_int64*n, err)
         call allocate_buffer(values_at, size(values)*bytes_of_real, err)
-        call place_kernels%pick_reals(n, air%n_var, 1, gpu%grid%apart, place_at, gpu%u, &
+        call place_kernels%pick_reals(n, n, air%n_var, 1, gpu%grid%apart, place_at, gpu%u, &
                                       values_at, err)
         call copy_out(values_at, values, size(values)*bytes_of_real, err)
         call free_buffers(place_at, values_at)
         if (failed(err)) return
         do c = 1, n
-            air%u(at(1, c), at(2, c), at(3, c), :) = values(:, c)
+            air%u(at(1, c), at(2, c), at(3, c), :) = values(c, :)
         end do
     end subroutine fetch_cells
 
