@@ -5,7 +5,7 @@
 !> before a dump or a checkpoint, and `fetch_cells` at the places of gauges.
 module brz_gpu_air_state
     use brz_air_boundary, only: beyond_wall
-    use brz_air_grid, only: brick, grid_of, grid_t, layers_around, place_of
+    use brz_air_grid, only: brick, column, grid_of, grid_t, layers_around, place_of
     use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
     use brz_boxes, only: box_t
@@ -107,7 +107,7 @@ contains
         call allocate_buffer(gpu%found, 8_int64, err)
         call allocate_buffer(gpu%edge, 2*ends*bytes_of_real, err)
         call allocate_buffer(gpu%outflow, 16*ends, err)
-        call allocate_buffer(gpu%part, 8_int64*max(air%n(1)*air%n(2), &
+        call allocate_buffer(gpu%part, 8_int64*max(air%n(1)*air%n(2)*((air%n(3) - 1)/column + 1), &
                              (max_var + 1)*size(air%reached), &
                              2*max_var*faces_of_bricks(gpu%grid)), err)
         call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, held), err)

@@ -24,6 +24,8 @@ module brz_gpu_coupling_guests
     public :: open_gpu_windows, invite_gpu_guests, send_gpu_loads_home, see_gpu_window
 
     integer, parameter :: w = int(bytes_of_real/4) !! words of a real number
+    integer, parameter :: n_known = 7 !! arrays of a guest
+    integer, parameter :: n_moving = 4 !! those of them that change in a step
 
 contains
 
@@ -85,7 +87,9 @@ contains
                 call part%kernels%miss_guest(n, n, size(guests%bodies), part%bodies_at, &
                     guests%ranks%n, part%asks_at, gpu%box, 4, particles%place, &
                     tags_of(particles, tag_fixed), part%listed%mark, part%missed, err)
-                call send_guests(gpu, particles, err)
+                call gpu%velocity_kernels%keep_velocity(gpu%guests%n, 4, 1, 3, gpu%guests%v, &
+                    part%seat, part%v_before, err) ! as their processes do when loads come home
+                call send_guests(gpu, particles, n_moving, err)
                 word = 0
                 call copy_out(part%missed, word, 4_int64, err)
                 missed = word
@@ -93,7 +97,7 @@ contains
             end if
             if (missed(1) > 0) then
                 call list_guests(gpu, particles, guests, err)
-                call send_guests(gpu, particles, err)
+                call send_guests(gpu, particles, n_known, err)
                 part%laid = particles%laid
                 gpu%rebuilds = -1 ! a guest's place was another one's
             end if
@@ -102,14 +106,17 @@ contains
     end subroutine invite_gpu_guests
 
     !> Send what the copies have of their particles.
-    subroutine send_guests(gpu, particles, err)
+    subroutine send_guests(gpu, particles, n, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(particles_t), intent(in) :: particles
+        integer, intent(in) :: n !! arrays
         type(error_t), intent(inout) :: err
+        type(rows_t) :: from(n_known), to(n_known)
 
+        from = rows_of_particles(particles)
+        to = rows_of_guests(gpu)
         associate (part => gpu%shared)
-            call part%parcels%send(part%out, part%in, rows_of_particles(particles), &
-                                   rows_of_guests(gpu), err)
+            call part%parcels%send(part%out, part%in, from(:n), to(:n), err)
         end associate
     end subroutine send_guests
 
@@ -197,24 +204,23 @@ contains
     !> What of a particle its copies have.
     pure function rows_of_particles(particles) result(rows)
         type(particles_t), intent(in) :: particles
-        type(rows_t) :: rows(7)
+        type(rows_t) :: rows(n_known)
 
         associate (p => particles, n => particles%n)
             rows = [rows_of(p%place, 8), rows_of(p%motion, 4*w), &
-                    rows_of(column_of(p, at_mass), w), &
-                    rows_of(column_of(p, p%load + 1), w, 3, n), &
+                    rows_of(column_of(p, p%load + 1), w, 3, n), rows_of(tags_of(p, tag_fixed), 1), &
                     rows_of(column_of(p, p%before + 1), w, 3, n), &
-                    rows_of(tags_of(p, tag_id), 1), rows_of(tags_of(p, tag_fixed), 1)]
+                    rows_of(column_of(p, at_mass), w), rows_of(tags_of(p, tag_id), 1)]
         end associate
     end function rows_of_particles
 
     pure function rows_of_guests(gpu) result(rows)
         type(gpu_coupling_t), intent(in) :: gpu
-        type(rows_t) :: rows(7)
+        type(rows_t) :: rows(n_known)
 
         associate (p => gpu%guests)
-            rows = [rows_of(p%x, 8), rows_of(p%v, 4*w), rows_of(p%mass, w), rows_of(p%load, 3*w), &
-                    rows_of(gpu%shared%v_before, 3*w), rows_of(p%id, 1), rows_of(p%fixed, 1)]
+            rows = [rows_of(p%x, 8), rows_of(p%v, 4*w), rows_of(p%load, 3*w), rows_of(p%fixed, 1), &
+                    rows_of(gpu%shared%v_before, 3*w), rows_of(p%mass, w), rows_of(p%id, 1)]
         end associate
     end function rows_of_guests
 
