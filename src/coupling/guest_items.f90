@@ -128,7 +128,8 @@ contains
     !> The load of a particle, from the process in whose box it is: none comes from others.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine take_load(k, r, asks, box, wide, x, fixed, places, place, step, seat, guests, load)
+    pure subroutine take_load(k, r, asks, box, wide, x, fixed, places, place, step, seat, guests, &
+                              load)
         integer, intent(in) :: k !! particles that the process has copies of
         integer, intent(in) :: r !! row of its box
         integer(int32), intent(in) :: asks(6, *) !! lowest and highest cell of the grid
