@@ -69,7 +69,7 @@ DEBRIS = """\
 &interaction bodies = 'ball', 'plate', law = 'contact', shared_pressure = .true. /
 """
 GAUGE = "&gauge id = 'g{g}', {body} at = {x:.7f}, {y:.7f}, {z:.7f}, quantity = '{what}' /\n"
-MPIRUN = "mpirun -q --oversubscribe --mca mpi_yield_when_idle 1"
+MPIRUN = "mpirun -q --oversubscribe --bind-to none --mca mpi_yield_when_idle 1"
 AS_ROOT = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 PARTS = [("time step", "air"), ("bodies", "lists of bodies"), ("walls", "loads", "exchange"),
          ("set-up", "start"), ("output",)]  # fmt: skip

@@ -10,11 +10,12 @@ module brz_air_grid
     public :: first_cell, line_start, lines_along
     public :: rate_none, rate_in_flux, rate_in_new
     public :: faces_of_a_thread
-    public :: brick, rest_t, brick_of, brick_start, layers_around
+    public :: brick, column, rest_t, brick_of, brick_start, layers_around
 
     integer, parameter :: rate_none = 0, rate_in_flux = 1, rate_in_new = 2
     !! where the rates of the directions before one are: nowhere, the x fluxes, the next state
     integer, parameter :: brick = 8 !! cells per side of a brick, which is awake or not as a whole
+    integer, parameter :: column = 8*brick !! cells along z that a thread of a GPU looks through
     integer, parameter :: longest = 8 !! bricks along a line for one thread
     integer, parameter :: faces_of_a_thread = 2 !! of direction x, side by side
     integer, parameter :: threads_wanted = 200000 !! to fill a GPU a few times

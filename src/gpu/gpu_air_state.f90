@@ -5,7 +5,7 @@
 !> before a dump or a checkpoint, and `fetch_cells` at the places of gauges.
 module brz_gpu_air_state
     use brz_air_boundary, only: beyond_wall
-    use brz_air_grid, only: brick, grid_of, grid_t, layers_around, place_of
+    use brz_air_grid, only: brick, column, grid_of, grid_t, layers_around, place_of
     use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
     use brz_boxes, only: box_t
@@ -109,7 +109,7 @@ contains
         call allocate_buffer(gpu%found, 8_int64, err)
         call allocate_buffer(gpu%edge, 2*ends*bytes_of_real, err)
         call allocate_buffer(gpu%outflow, 16*ends, err)
-        call allocate_buffer(gpu%part, 8_int64*max(air%n(1)*air%n(2), &
+        call allocate_buffer(gpu%part, 8_int64*max(air%n(1)*air%n(2)*((air%n(3) - 1)/column + 1), &
                              (max_var + 1)*size(air%reached), &
                              2*max_var*faces_of_bricks(gpu%grid)), err)
         call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, held), err)
@@ -279,16 +279,16 @@ contains
         end do
         if (gpu%fetched .or. n == 0) return
         place = [(place_of(gpu%grid, at(1, c), at(2, c), at(3, c)), c=1, n)]
-        allocate (values(air%n_var, n), source=0.0_rk)
+        allocate (values(n, air%n_var), source=0.0_rk)
         call put_buffer(place, place_at, 8_int64*n, err)
         call allocate_buffer(values_at, size(values)*bytes_of_real, err)
-        call place_kernels%pick_reals(n, air%n_var, 1, gpu%grid%apart, place_at, gpu%u, &
+        call place_kernels%pick_reals(n, n, air%n_var, 1, gpu%grid%apart, place_at, gpu%u, &
                                       values_at, err)
         call copy_out(values_at, values, size(values)*bytes_of_real, err)
         call free_buffers(place_at, values_at)
         if (failed(err)) return
         do c = 1, n
-            air%u(at(1, c), at(2, c), at(3, c), :) = values(:, c)
+            air%u(at(1, c), at(2, c), at(3, c), :) = values(c, :)
         end do
     end subroutine fetch_cells
 

@@ -5,6 +5,7 @@ module brz_gpu_air_sums
     use brz_air_state, only: air_t
     use brz_air_totals, only: show_outflow
     use brz_device, only: copy_out
+    use brz_air_grid, only: column
     use brz_brick_launches, only: brick_kernels
     use brz_air_launches, only: air_kernels
     use brz_errors, only: error_t, failed
@@ -27,10 +28,12 @@ contains
         type(error_t), intent(inout) :: err
         real(dp), intent(in), optional :: fastest !! of the walls [1/s]
         real(dp) :: least(1)
+        integer :: columns
 
-        call air_kernels%air_speed([air%n(1:2), 1], gpu%grid, air%scheme, gpu%u, &
+        columns = (air%n(3) - 1)/column + 1
+        call air_kernels%air_speed([air%n(1:2), columns], gpu%grid, air%scheme, gpu%u, &
                                    gpu%walls%solid, gpu%bricks%awake, gpu%part, err)
-        least = cfl/gpu%common%largest(gpu%part, air%n(1)*air%n(2), err)
+        least = cfl/gpu%common%largest(gpu%part, air%n(1)*air%n(2)*columns, err)
         if (present(fastest)) least = min(least, cfl/max(fastest, tiny(dt)))
         call agree(air%part%ranks, err, least)
         dt = least(1)

@@ -5,7 +5,8 @@ module brz_gpu_coupling_guests
     use brz_air_state, only: air_t
     use brz_boxes, only: cells_t => box_t
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: clear_buffer, device_t, reserve_buffer
+    use brz_buffers, only: from, integers_t, reals_t
+    use brz_device, only: clear_buffer, copy_out, device_t, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_carrier_steps, only: sum_shifts
@@ -15,6 +16,7 @@ module brz_gpu_coupling_guests
     use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
     use brz_kinds, only: int64
     use brz_mail, only: tell_all
+    use brz_ranks, only: most_of_all
     use brz_solid_part, only: nobody => part_t, parcels_t
     use brz_solid_state, only: solid_t
     implicit none
@@ -22,6 +24,8 @@ module brz_gpu_coupling_guests
     public :: open_gpu_windows, invite_gpu_guests, send_gpu_loads_home, see_gpu_window
 
     integer, parameter :: w = int(bytes_of_real/4) !! words of a real number
+    integer, parameter :: n_known = 7 !! arrays of a guest
+    integer, parameter :: n_moving = 4 !! those of them that change in a step
 
 contains
 
@@ -33,8 +37,8 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer, parameter :: most = 8 + 11*w + 2 !! words of a guest
-        integer :: none(0:air%part%ranks%n)
-        type(cells_t) :: held
+        integer :: none(0:air%part%ranks%n), r
+        type(cells_t) :: held, near(0:air%part%ranks%n - 1)
 
         none = 1
         held = cells_t(air%before + 1 - air%g, air%before + air%n + air%g)
@@ -43,6 +47,13 @@ contains
             part%windows = coupling%part%windows
             part%own%ranks = ranks
             part%own%bodies = coupling%guests%bodies
+            near = part%windows ! a particle may move for some steps until it is missed
+            do r = 0, ubound(near, 1)
+                near(r)%lo = max(near(r)%lo - 1, 1)
+                near(r)%hi = min(near(r)%hi + 1, air%whole)
+            end do
+            call put_places(asks_of([part%windows, part%boxes, near]), part%asks_at, err)
+            call reserve_buffer(part%missed, 4_int64, err)
             call part%kernels%open(device, err)
             call part%window%open(ranks, air%part%window, held, air%n_var, err)
             call part%parcels%open(device, ranks, nobody(out=parcels_t([integer ::], none), &
@@ -59,58 +70,85 @@ contains
         call gpu%shared%window%reals_of_others(there%grid%apart, there%u, err)
     end subroutine see_gpu_window
 
-    !> Renew the guests of all processes: their particles have moved.
+    !> Renew the guests of all processes: their particles have moved. They are listed anew where one
+    !> of them is missing, or particles lie elsewhere.
     subroutine invite_gpu_guests(gpu, particles, guests, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(particles_t), intent(in) :: particles
         type(solid_t), intent(inout) :: guests !! of the host: where the guests of a body lie
         type(error_t), intent(inout) :: err
-        integer(int64) :: number(size(guests%bodies), 2*guests%ranks%n)
-        integer(int64) :: out(size(guests%bodies) + 1, guests%ranks%n)
-        integer(int64) :: all(size(guests%bodies) + 1, guests%ranks%n, guests%ranks%n)
+        integer(int64) :: missed(1)
+        integer :: word(1)
 
-        associate (part => gpu%shared, n => guests%ranks%n, bodies => size(guests%bodies))
-            part%own%bodies%first = particles%first
-            part%own%bodies%last = particles%last
-            call mark_guests(gpu, particles, number, err)
-            out(:bodies, :) = number(:, :n)
-            out(bodies + 1, :) = sum(number(:, n + 1:), 1) ! loads that will come back
-            call tell_all(guests%ranks, out, all)
-            call list_marks(particles%n, [1, n], number, part%parcels%kernels, part%marks, &
-                            part%out, err)
-            call list_marks(particles%n, [n + 1, 2*n], number, part%parcels%kernels, part%marks, &
-                            part%loads_in, err)
-            call part%parcels%aim(sum(all(:bodies, :, :), 1), part%out, err)
-            call part%parcels%aim(transpose(all(bodies + 1, :, :)), part%loads_out, err)
-            call seat_guests(gpu, all(:bodies, guests%ranks%rank + 1, :), particles%n, guests, err)
-            call part%parcels%send(part%out, part%in, rows_of_particles(particles), &
-                                   rows_of_guests(gpu), err)
+        associate (part => gpu%shared, n => particles%n)
+            missed = merge(0, 1, part%laid == particles%laid)
+            if (missed(1) == 0) then
+                call clear_buffer(part%missed, err, 4_int64)
+                call part%kernels%miss_guest(n, n, size(guests%bodies), part%bodies_at, &
+                    guests%ranks%n, part%asks_at, gpu%box, 4, particles%place, &
+                    tags_of(particles, tag_fixed), part%listed%mark, part%missed, err)
+                call gpu%velocity_kernels%keep_velocity(gpu%guests%n, 4, 1, 3, gpu%guests%v, &
+                    part%seat, part%v_before, err) ! as their processes do when loads come home
+                call send_guests(gpu, particles, n_moving, err)
+                word = 0
+                call copy_out(part%missed, word, 4_int64, err)
+                missed = word
+                call most_of_all(guests%ranks, missed)
+            end if
+            if (missed(1) > 0) then
+                call list_guests(gpu, particles, guests, err)
+                call send_guests(gpu, particles, n_known, err)
+                part%laid = particles%laid
+                gpu%rebuilds = -1 ! a guest's place was another one's
+            end if
             call sum_shifts(part%own, seen(particles), gpu, err)
         end associate
     end subroutine invite_gpu_guests
 
-    !> Mark the particles in the window of each process, and in its box, and count them.
-    subroutine mark_guests(gpu, particles, number, err)
+    !> Send what the copies have of their particles.
+    subroutine send_guests(gpu, particles, n, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(particles_t), intent(in) :: particles
-        integer(int64), intent(out) :: number(:, :) !! (bodies, windows and boxes)
+        integer, intent(in) :: n !! arrays
         type(error_t), intent(inout) :: err
-        integer :: b, body(2, size(particles%first)), n
+        type(rows_t) :: from(n_known), to(n_known)
 
-        associate (part => gpu%shared, marks => gpu%shared%marks)
-            n = particles%n
-            body(1, :) = particles%first
-            body(2, :) = particles%last
-            call put_places([(body(:, b), b=1, size(body, 2))], marks%pieces, err)
-            call put_places(asks_of([part%windows, part%boxes]), part%marks%asks, err)
-            call reserve_marks(n, size(number, 2), marks, err)
-            call part%kernels%mark_guest(n, n, size(body, 2), marks%pieces, size(number, 2), &
-                part%marks%asks, gpu%box, 4, particles%place, tags_of(particles, tag_fixed), &
-                marks%mark, err)
-            call count_marks(n, particles%first, gpu%common, part%parcels%kernels, marks, number, &
-                             err)
+        from = rows_of_particles(particles)
+        to = rows_of_guests(gpu)
+        associate (part => gpu%shared)
+            call part%parcels%send(part%out, part%in, from(:n), to(:n), err)
         end associate
-    end subroutine mark_guests
+    end subroutine send_guests
+
+    !> List the particles in the windows and a layer around, and give them places there.
+    subroutine list_guests(gpu, particles, guests, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(particles_t), intent(in) :: particles
+        type(solid_t), intent(inout) :: guests
+        type(error_t), intent(inout) :: err
+        integer(int64) :: number(size(guests%bodies), guests%ranks%n)
+        integer(int64) :: all(size(guests%bodies), guests%ranks%n, guests%ranks%n)
+        integer :: b
+
+        associate (part => gpu%shared, ranks => guests%ranks, n => particles%n)
+            part%own%bodies%first = particles%first
+            part%own%bodies%last = particles%last
+            call put_places([([particles%first(b), particles%last(b)], b=1, &
+                              size(particles%first))], part%bodies_at, err)
+            call reserve_marks(n, ranks%n, part%listed, err)
+            call part%kernels%mark_guest(n, n, size(particles%first), part%bodies_at, ranks%n, &
+                from(part%asks_at, 12_int64*ranks%n + 1), gpu%box, 4, particles%place, &
+                tags_of(particles, tag_fixed), part%listed%mark, err)
+            call count_marks(n, particles%first, gpu%common, part%parcels%kernels, part%listed, &
+                             number, err)
+            call tell_all(ranks, number, all)
+            call list_marks(n, [1, ranks%n], number, part%parcels%kernels, part%listed, part%out, &
+                            err)
+            call seat_guests(gpu, all(:, ranks%rank + 1, :), n, guests, err)
+            call part%parcels%aim(sum(all, 1), part%out, err)
+            call part%parcels%aim(transpose(sum(all, 1)), part%in, err) ! on which loads go home
+        end associate
+    end subroutine list_guests
 
     !> Places for the guests, body by body.
     subroutine seat_guests(gpu, number, particles, guests, err)
@@ -131,7 +169,6 @@ contains
         end do
         gpu%guests%n = n
         associate (part => gpu%shared, k => gpu%shared%parcels%kernels)
-            part%came = number
             call place_pieces(number, taken, k, part%marks%pieces, part%in, err)
             n = max(n, particles)
             if (part%seat%address /= 0 .and. part%seat%bytes >= 4_int64*n) return
@@ -167,24 +204,23 @@ contains
     !> What of a particle its copies have.
     pure function rows_of_particles(particles) result(rows)
         type(particles_t), intent(in) :: particles
-        type(rows_t) :: rows(7)
+        type(rows_t) :: rows(n_known)
 
         associate (p => particles, n => particles%n)
             rows = [rows_of(p%place, 8), rows_of(p%motion, 4*w), &
-                    rows_of(column_of(p, at_mass), w), &
-                    rows_of(column_of(p, p%load + 1), w, 3, n), &
+                    rows_of(column_of(p, p%load + 1), w, 3, n), rows_of(tags_of(p, tag_fixed), 1), &
                     rows_of(column_of(p, p%before + 1), w, 3, n), &
-                    rows_of(tags_of(p, tag_id), 1), rows_of(tags_of(p, tag_fixed), 1)]
+                    rows_of(column_of(p, at_mass), w), rows_of(tags_of(p, tag_id), 1)]
         end associate
     end function rows_of_particles
 
     pure function rows_of_guests(gpu) result(rows)
         type(gpu_coupling_t), intent(in) :: gpu
-        type(rows_t) :: rows(7)
+        type(rows_t) :: rows(n_known)
 
         associate (p => gpu%guests)
-            rows = [rows_of(p%x, 8), rows_of(p%v, 4*w), rows_of(p%mass, w), rows_of(p%load, 3*w), &
-                    rows_of(gpu%shared%v_before, 3*w), rows_of(p%id, 1), rows_of(p%fixed, 1)]
+            rows = [rows_of(p%x, 8), rows_of(p%v, 4*w), rows_of(p%load, 3*w), rows_of(p%fixed, 1), &
+                    rows_of(gpu%shared%v_before, 3*w), rows_of(p%mass, w), rows_of(p%id, 1)]
         end associate
     end function rows_of_guests
 
@@ -194,33 +230,44 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         type(particles_t), intent(in) :: particles
         type(error_t), intent(inout) :: err
-        integer(int64) :: number(1, size(gpu%shared%came, 2))
-        integer :: b, ends(size(gpu%shared%came)), k, r
-        type(rows_t) :: loads(2)
+        type(reals_t) :: came
+        type(integers_t) :: parcel
+        type(rows_t) :: loads(1)
+        integer :: r
 
-        k = 0
-        associate (came => gpu%shared%came)
-            do b = 1, size(came, 1)
-                do r = 1, size(came, 2)
-                    k = k + 1
-                    ends(k) = int(came(b, r))
-                    if (k > 1) ends(k) = ends(k) + ends(k - 1)
-                end do
-            end do
-        end associate
-        associate (part => gpu%shared, p => particles, n => gpu%guests%n, marks => gpu%shared%marks)
-            call put_places(ends, marks%pieces, err)
-            call reserve_marks(n, size(number), marks, err)
-            call part%kernels%mark_load(n, n, size(number), k, marks%pieces, gpu%box, gpu%cell_of, &
-                                        marks%mark, err)
-            call count_marks(n, [1], gpu%common, part%parcels%kernels, marks, number, err)
-            call list_marks(n, [1, size(number)], number, part%parcels%kernels, marks, &
-                            part%loads_out, err)
+        associate (part => gpu%shared, p => particles, ranks => gpu%shared%own%ranks)
+            loads = [rows_of(gpu%guests%load, 3*w)]
             call clear_buffer(column_of(p, p%load + 1), err, 3*bytes_of_real*p%n)
-            loads = [rows_of(gpu%guests%load, 3*w), rows_of(column_of(p, p%load + 1), w, 3, p%n)]
-            call part%parcels%send(part%loads_out, part%loads_in, loads(1:1), loads(2:2), err)
+            call part%parcels%post(part%in, part%out, loads, err)
+            do r = 0, ranks%n - 1
+                parcel = part%parcels%parcel_from(part%out, loads, r)
+                came%address = parcel%address
+                if (r == ranks%rank) came = gpu%guests%load
+                call take_loads(r, came, merge(3, (3*w + 1)/2*2/w, r == ranks%rank))
+            end do
             call gpu%velocity_kernels%keep_velocity(p%n, 4, p%n, 1, p%motion, part%seat, &
                                                     column_of(p, p%before + 1), err)
         end associate
+
+    contains
+
+        !> Take the loads that process r has for particles of this one.
+        subroutine take_loads(r, load, step)
+            integer, intent(in) :: r
+            type(reals_t), intent(in) :: load
+            integer, intent(in) :: step !! numbers from one to the next
+            type(integers_t) :: seat
+
+            associate (part => gpu%shared, p => particles, first => gpu%shared%out%first)
+                if (first(r + 1) == first(r)) return
+                seat = part%seat
+                if (r == part%own%ranks%rank) seat = from(part%in%place, &
+                                                          int(part%in%first(r), int64))
+                call part%kernels%take_load(first(r + 1) - first(r), &
+                    part%own%ranks%n + r + 1, part%asks_at, gpu%box, 4, p%place, &
+                    tags_of(p, tag_fixed), p%n, from(part%out%place, int(first(r), int64)), step, &
+                    seat, load, column_of(p, p%load + 1), err)
+            end associate
+        end subroutine take_loads
     end subroutine send_gpu_loads_home
 end module brz_gpu_coupling_guests

@@ -19,9 +19,12 @@ module brz_gpu_coupling_part
         type(box_t), allocatable :: boxes(:), windows(:) !! (0:processes - 1)
         type(gpu_fetch_t) :: window !! gas and ledgers of others in the window
         type(gpu_parcels_t) :: parcels
-        integer(int64), allocatable :: came(:, :) !! (bodies, processes) guests
-        type(gpu_places_t) :: out, in !! particles of this process in windows, guests
-        type(gpu_places_t) :: loads_out, loads_in !! guests, particles of this process
+        integer(int64) :: laid = -1 !! of the particles, when guests were listed
+        type(gpu_places_t) :: out, in !! particles of this process near windows, guests
+        type(gpu_marks_t) :: listed !! which particles those are
+        type(integers_t) :: bodies_at !! (2, bodies) first and last particle
+        type(integers_t) :: asks_at !! (6, 3*processes) windows, boxes, windows and a layer
+        type(integers_t) :: missed !! 1: a particle is in a window and not listed for it
         type(gpu_places_t) :: faces_out, faces_in
         type(gpu_places_t) :: debts_out, debts_in
         type(gpu_marks_t) :: marks
@@ -37,11 +40,11 @@ contains
     subroutine close_gpu_part(part)
         type(gpu_part_t), intent(inout) :: part
 
-        call free_buffers(part%out%place, part%in%place, part%loads_out%place, &
-            part%loads_in%place, part%faces_out%place, part%faces_in%place, part%debts_out%place, &
-            part%debts_in%place)
-        call free_buffers(part%v_before, part%seat)
+        call free_buffers(part%out%place, part%in%place, part%faces_out%place, &
+            part%faces_in%place, part%debts_out%place, part%debts_in%place)
+        call free_buffers(part%v_before, part%seat, part%bodies_at, part%asks_at, part%missed)
         call close_marks(part%marks)
+        call close_marks(part%listed)
         call part%window%close()
         call part%parcels%close()
     end subroutine close_gpu_part

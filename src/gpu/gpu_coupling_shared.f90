@@ -10,8 +10,9 @@ module brz_gpu_coupling_shared
     use brz_gpu_coupling_state, only: gpu_coupling_t
     use brz_gpu_debt_steps, only: drop_paid, enter_debts, size_debts
     use brz_gpu_lists, only: at_least
-    use brz_gpu_marks, only: asks_of, count_marks, list_marks, place_pieces, reserve_marks
-    use brz_gpu_parcels, only: gpu_places_t, put_places, rows_of
+    use brz_gpu_marks, only: asks_of, count_marks, find_firsts, list_marks, place_pieces, &
+        reserve_marks
+    use brz_gpu_parcels, only: gpu_places_t, put_places, rows_of, rows_t
     use brz_kinds, only: int64
     use brz_mail, only: tell_all
     implicit none
@@ -84,36 +85,53 @@ contains
     subroutine share_gpu_debts(gpu, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        integer(int64), dimension(1, size(gpu%shared%boxes)) :: out, in
-        integer(int64) :: all(1, size(out), size(out))
+        integer(int64) :: out(1, size(gpu%shared%boxes)), all(1, size(out), size(out))
+        integer :: n
+
+        associate (part => gpu%shared, ranks => gpu%shared%own%ranks)
+            call keep_own(gpu, err)
+            n = gpu%n_debts
+            out = 0
+            call find_firsts(out, part%debts_out%first)
+            if (n > 0) call list_cells(gpu, n, gpu%debt_cell, part%windows, out, part%debts_out, &
+                                       err)
+            call tell_all(ranks, out, all)
+            if (sum(all) > 0) call swap_debts(gpu, n, all(1, :, :), err)
+            if (gpu%n_debts > 0) call enter_debts(gpu, err)
+        end associate
+    end subroutine share_gpu_debts
+
+    !> Send the listed ones of n debts, and put those of others behind them.
+    subroutine swap_debts(gpu, n, all, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        integer, intent(in) :: n
+        integer(int64), intent(in) :: all(:, :) !! (to processes, from processes)
+        type(error_t), intent(inout) :: err
+        integer(int64) :: in(1, size(all, 1))
         type(box_t) :: grid
-        integer :: more, n, next(1)
+        type(rows_t) :: rows(2)
+        integer :: more, next(1)
 
         grid = gpu%box
         grid%before = 0
         grid%n = grid%whole
-        associate (part => gpu%shared, ranks => gpu%shared%own%ranks)
-            call keep_own(gpu, err)
-            n = gpu%n_debts
-            call list_cells(gpu, n, gpu%debt_cell, part%windows, out, part%debts_out, err)
-            call tell_all(ranks, out, all)
-            call part%parcels%aim(all(1, :, :), part%debts_out, err)
-            in(1, :) = all(1, ranks%rank + 1, :)
+        associate (part => gpu%shared)
+            call part%parcels%aim(all, part%debts_out, err)
+            in(1, :) = all(part%own%ranks%rank + 1, :)
             more = int(sum(in))
             call size_debts(gpu, n + more, err)
             call at_least(gpu%next_cell, n + more, err)
-            call part%kernels%renumber(n, gpu%box, grid, gpu%debt_cell, gpu%next_cell, err)
+            if (n > 0) call part%kernels%renumber(n, gpu%box, grid, gpu%debt_cell, gpu%next_cell, &
+                                                  err)
             next = n
             call place_pieces(in, next, part%parcels%kernels, part%marks%pieces, part%debts_in, err)
-            call part%parcels%send(part%debts_out, part%debts_in, &
-                [rows_of(gpu%next_cell, 1), rows_of(gpu%debt, gpu%n_var*w)], &
-                [rows_of(gpu%next_cell, 1), rows_of(gpu%debt, gpu%n_var*w)], err)
-            call part%kernels%renumber(more, grid, gpu%box, from(gpu%next_cell, n + 1_int64), &
-                                       from(gpu%debt_cell, n + 1_int64), err)
+            rows = [rows_of(gpu%next_cell, 1), rows_of(gpu%debt, gpu%n_var*w)]
+            call part%parcels%send(part%debts_out, part%debts_in, rows, rows, err)
+            if (more > 0) call part%kernels%renumber(more, grid, gpu%box, &
+                from(gpu%next_cell, n + 1_int64), from(gpu%debt_cell, n + 1_int64), err)
             gpu%n_debts = n + more
-            call enter_debts(gpu, err)
         end associate
-    end subroutine share_gpu_debts
+    end subroutine swap_debts
 
     !> Drop the debts of cells of others.
     subroutine keep_own(gpu, err)

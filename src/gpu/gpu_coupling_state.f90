@@ -37,6 +37,7 @@ module brz_gpu_coupling_state
         integer :: load = 0 !! columns of `state` before those of the load of the air
         ! on several processes
         integer :: before = 0 !! columns before those of the velocity a step of the air before
+        integer(int64) :: laid = 0 !! how often their places have become others
         integer, allocatable :: first(:), last(:) !! (bodies) those of this process
     end type particles_t
 

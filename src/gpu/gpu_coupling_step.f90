@@ -118,7 +118,6 @@ contains
             call invite_gpu_guests(gpu, particles, coupling%guests, err)
             call see_gpu_window(gpu, there, err)
             call share_gpu_debts(gpu, err)
-            gpu%rebuilds = -1 ! a guest's place is another one's in the next step
             call move_on(there, coupling%guests, gpu%guests, gpu, err)
             call see_gpu_window(gpu, there, err)
         else

@@ -26,10 +26,8 @@ module brz_gpu_fetch
         integer :: of_cell = 1 !! bytes of each
         type(cell_list_t) :: list
         type(buffer_t) :: out_place, in_place
-        type(reals_t) :: reals !! of parcels to others
-        type(bytes_t) :: bytes !! the same memory
-        type(reals_t) :: came !! of parcels from others
-        type(bytes_t) :: bytes_came !! the same memory
+        type(buffer_t) :: row !! parcels, where they go by the host
+        type(buffer_t) :: came !! parcels from others
         type(peers_t) :: peers
         integer(int64), allocatable :: there(:) !! (0:processes - 1) cells before its parcel there
     contains
@@ -57,14 +55,13 @@ contains
         self%n_in = size(self%list%in)
         call put_buffer(self%list%out, self%out_place, 8_int64*self%n_out, err)
         call put_buffer(self%list%in, self%in_place, 8_int64*self%n_in, err)
-        call allocate_buffer(self%reals, int(self%of_cell, int64)*max(self%n_out, self%n_in), err)
-        self%bytes%address = self%reals%address
         associate (mail => self%list%mail)
             number(1, :) = (mail%out_first(1:) - mail%out_first(:ranks%n - 1))/self%of_cell
             call tell_all(ranks, number, all)
             call begins(ranks%rank, all(1, :, :), self%there, most)
             call self%peers%open(ranks, most*self%of_cell, err)
             if (self%peers%linked) return
+            call allocate_buffer(self%row, int(self%of_cell, int64)*max(self%n_out, self%n_in), err)
             call pin(mail%out)
             call pin(mail%in)
         end associate
@@ -73,7 +70,7 @@ contains
     subroutine close (self)
         class(gpu_fetch_t), intent(inout) :: self
 
-        call free_buffers(self%out_place, self%in_place, self%reals)
+        call free_buffers(self%out_place, self%in_place, self%row)
         if (self%peers%linked) then
             call self%peers%close(self%ranks)
         else if (allocated(self%list%mail%out)) then
@@ -88,13 +85,28 @@ contains
         integer(int64), intent(in) :: apart
         type(reals_t), intent(in) :: field
         type(error_t), intent(inout) :: err
+        type(reals_t) :: row
+        integer :: before, n, r
 
         if (.not. several(self%ranks)) return
-        if (self%n_out > 0) call place_kernels%pick_reals(self%n_out, self%wide, 1, apart, &
-            self%out_place, field, self%reals, err)
-        call swap(self, err)
-        if (self%n_in > 0) call place_kernels%put_reals(self%n_in, self%wide, 1, apart, &
-            self%in_place, self%came, field, err)
+        associate (mail => self%list%mail)
+            do r = 0, self%ranks%n - 1
+                call cells_of_parcel(self, mail%out_first, r, before, n)
+                if (n == 0) cycle
+                call self%peers%aim_at(r, self%there(r)*self%of_cell, &
+                                       part_of(self%row, before, self%of_cell), row)
+                call place_kernels%pick_reals(n, n, self%wide, 1, apart, &
+                                              part_of(self%out_place, before, 8), field, row, err)
+            end do
+            call self%peers%swap(self%ranks, mail, self%row, self%came, err)
+            do r = 0, self%ranks%n - 1
+                call cells_of_parcel(self, mail%in_first, r, before, n)
+                if (n == 0) cycle
+                row%address = self%came%address + int(before, int64)*self%of_cell
+                call place_kernels%put_reals(n, n, self%wide, 1, apart, &
+                                             part_of(self%in_place, before, 8), row, field, err)
+            end do
+        end associate
     end subroutine reals_of_others
 
     !> The same of marks.
@@ -102,22 +114,37 @@ contains
         class(gpu_fetch_t), intent(inout) :: self
         type(bytes_t), intent(in) :: field
         type(error_t), intent(inout) :: err
+        type(bytes_t) :: row
+        integer :: before, n, r
 
         if (.not. several(self%ranks)) return
-        if (self%n_out > 0) call place_kernels%pick_bytes(self%n_out, self%out_place, field, &
-                                                         self%bytes, err)
-        call swap(self, err)
-        if (self%n_in > 0) call place_kernels%put_bytes(self%n_in, self%in_place, &
-                                                       self%bytes_came, field, err)
+        do r = 0, self%ranks%n - 1
+            call cells_of_parcel(self, self%list%mail%out_first, r, before, n)
+            if (n == 0) cycle
+            call self%peers%aim_at(r, self%there(r), part_of(self%row, before, 1), row)
+            call place_kernels%pick_bytes(n, part_of(self%out_place, before, 8), field, row, err)
+        end do
+        call self%peers%swap(self%ranks, self%list%mail, self%row, self%came, err)
+        row%address = self%came%address
+        if (self%n_in > 0) call place_kernels%put_bytes(self%n_in, self%in_place, row, field, err)
     end subroutine bytes_of_others
 
-    !> Send what is packed, and tell where the parcels of others have come to.
-    subroutine swap(self, err)
-        class(gpu_fetch_t), intent(inout) :: self
-        type(error_t), intent(inout) :: err
+    !> The cells of the parcel to or from a process.
+    pure subroutine cells_of_parcel(self, first, r, before, n)
+        type(gpu_fetch_t), intent(in) :: self
+        integer(int64), intent(in) :: first(0:) !! (processes + 1) bytes
+        integer, intent(in) :: r
+        integer, intent(out) :: before, n !! cells of others before, of this one
 
-        call self%peers%swap(self%ranks, self%list%mail, self%of_cell, self%there, self%reals, &
-                             self%came, err)
-        self%bytes_came%address = self%came%address
-    end subroutine swap
+        before = int((first(r) - 1)/self%of_cell)
+        n = int((first(r + 1) - first(r))/self%of_cell)
+    end subroutine cells_of_parcel
+
+    !> A buffer behind its first elements.
+    pure type(buffer_t) function part_of(buffer, before, bytes) result(part)
+        class(buffer_t), intent(in) :: buffer
+        integer, intent(in) :: before, bytes !! elements; bytes of each
+
+        part%address = buffer%address + int(before, int64)*bytes
+    end function part_of
 end module brz_gpu_fetch

@@ -7,7 +7,7 @@ module brz_gpu_marks
     use brz_device, only: clear_buffer, copy_out, free_buffers, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_common, only: gpu_common_t
-    use brz_gpu_parcels, only: gpu_places_t, put_places
+    use brz_gpu_parcels, only: gpu_places_t, pick_rows, put_places, rows_of
     use brz_kinds, only: int64
     use brz_place_launches, only: place_kernels_t
     implicit none
@@ -78,8 +78,8 @@ contains
               n*size(number, 2) + 1]
         call put_places(at, marks%ends, err)
         call reserve_buffer(marks%sums, 4_int64*size(at), err)
-        call kernels%pick_words(size(at), 1, 1, 0_int64, 1, 0, marks%ends, marks%mark, marks%sums, &
-                                err)
+        call pick_rows(kernels, [rows_of(marks%mark, 1)], marks%ends, size(at), marks%sums, err, &
+                       wide=1)
         at = 0
         call copy_out(marks%sums, at, 4_int64*size(at), err)
         number = reshape(at(2:) - at(:size(at) - 1), shape(number))

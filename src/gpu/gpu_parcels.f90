@@ -10,10 +10,11 @@ module brz_gpu_parcels
     use brz_mail, only: mail_t, make_room, tell_all
     use brz_place_launches, only: place_kernels_t
     use brz_ranks, only: ranks_t, several
+    use brz_record_rules, only: add_array, most_arrays, record_t
     use brz_solid_part, only: part_t
     implicit none
     private
-    public :: gpu_parcels_t, gpu_places_t, rows_t, rows_of, put_places
+    public :: gpu_parcels_t, gpu_places_t, rows_t, rows_of, pick_rows, put_places
 
     !> Particles that are in a message: parcel r is entries first(r) to first(r + 1) - 1. What a
     !> process has for itself never leaves its GPU.
@@ -37,12 +38,12 @@ module brz_gpu_parcels
         type(gpu_places_t) :: out, in !! particles, and their ghosts
         type(gpu_places_t) :: gone, come !! who changes the process
         type(mail_t) :: mail
-        type(integers_t) :: words !! of parcels to others
+        type(integers_t) :: words !! of parcels, where they go by the host or stay here
         type(integers_t) :: came !! of parcels from others
         type(peers_t) :: peers
         type(place_kernels_t) :: kernels
     contains
-        procedure :: open, close, refresh, aim, send, move
+        procedure :: open, close, refresh, aim, send, post, parcel_from, move
     end type gpu_parcels_t
 
 contains
@@ -153,7 +154,40 @@ contains
         type(gpu_places_t), intent(in) :: out, in
         type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
-        integer :: goes(0:self%ranks%n), comes(0:self%ranks%n), half, wide
+        integer :: comes(0:self%ranks%n), half
+
+        call self%post(out, in, from, err)
+        comes = without(self%ranks%rank, in%first)
+        do half = 1, 2 ! before and behind what stays here
+            associate (me => self%ranks%rank, n => self%ranks%n)
+                associate (r => merge(0, me + 1, half == 1), s => merge(me, n, half == 1))
+                    call put_rows(self%kernels, record_at(self%came, width_of(to), comes(r)), &
+                                  from_place(in, r), comes(s) - comes(r), to, err)
+                end associate
+            end associate
+        end do
+    end subroutine bring
+
+    !> The records that have come from another process.
+    pure type(integers_t) function parcel_from(self, in, rows, r) result(parcel)
+        class(gpu_parcels_t), intent(in) :: self
+        type(gpu_places_t), intent(in) :: in !! as they were posted
+        type(rows_t), intent(in) :: rows(:)
+        integer, intent(in) :: r
+        integer :: comes(0:self%ranks%n)
+
+        comes = without(self%ranks%rank, in%first)
+        parcel = record_at(self%came, width_of(rows), comes(r))
+    end function parcel_from
+
+    !> Send the rows of listed particles to others; `came` gets to know where those are that come.
+    subroutine post(self, out, in, from, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        type(gpu_places_t), intent(in) :: out, in !! `in`: how many come
+        type(rows_t), intent(in) :: from(:)
+        type(error_t), intent(inout) :: err
+        integer :: comes(0:self%ranks%n), goes(0:self%ranks%n), r, wide
+        type(integers_t) :: parcel
 
         associate (n => self%ranks%n, me => self%ranks%rank)
             goes = without(me, out%first)
@@ -164,23 +198,18 @@ contains
             call make_room(self%ranks, 4_int64*wide*(goes(1:) - goes(:n - 1)), &
                            4_int64*wide*(comes(1:) - comes(:n - 1)), self%mail, &
                            elsewhere=self%peers%linked)
-            call reserve_buffer(self%words, 4_int64*wide*max(goes(n), comes(n)), err)
-            do half = 1, 2 ! before and behind what stays here
-                associate (r => merge(0, me + 1, half == 1), s => merge(me, n, half == 1))
-                    call pick(self, from_place(out, r), goes(s) - goes(r), from, &
-                              record_at(self%words, wide, goes(r)), err)
-                end associate
+            if (.not. self%peers%linked) &
+                call reserve_buffer(self%words, 4_int64*wide*max(goes(n), comes(n)), err)
+            do r = 0, n - 1
+                if (r == me) cycle
+                call self%peers%aim_at(r, 4*wide*out%there(r), &
+                                       record_at(self%words, wide, goes(r)), parcel)
+                call pick_rows(self%kernels, from, from_place(out, r), goes(r + 1) - goes(r), &
+                               parcel, err)
             end do
-            call self%peers%swap(self%ranks, self%mail, 4*wide, out%there, self%words, self%came, &
-                                 err)
-            do half = 1, 2
-                associate (r => merge(0, me + 1, half == 1), s => merge(me, n, half == 1))
-                    call put(self, record_at(self%came, wide, comes(r)), from_place(in, r), &
-                             comes(s) - comes(r), to, err)
-                end associate
-            end do
+            call self%peers%swap(self%ranks, self%mail, self%words, self%came, err)
         end associate
-    end subroutine bring
+    end subroutine post
 
     !> First entries of parcels where that of a process to itself is left out.
     pure function without(me, first) result(others)
@@ -213,16 +242,17 @@ contains
         type(gpu_places_t), intent(in) :: out, in
         type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
-        integer :: k, n
+        type(integers_t) :: a(most_arrays), b(most_arrays)
+        type(record_t) :: there, here
 
         associate (me => self%ranks%rank)
-            n = out%first(me + 1) - out%first(me)
-            do k = 1, merge(size(from), 0, n > 0)
-                associate (a => from(k), b => to(k), wide => from(k)%words*from(k)%columns)
-                    call self%kernels%carry_words(n*wide, wide, a%words, a%stride, &
-                        from_place(out, me), a%of, b%words, b%stride, from_place(in, me), b%of, err)
-                end associate
-            end do
+            if (out%first(me + 1) == out%first(me)) return
+            call make_record(from, here, a)
+            call make_record(to, there, b)
+            call self%kernels%carry_record((out%first(me + 1) - out%first(me))*here%wide, &
+                here%wide, here, from_place(out, me), a(1), a(2), a(3), a(4), a(5), a(6), a(7), &
+                a(8), there, from_place(in, me), b(1), b(2), b(3), b(4), b(5), b(6), b(7), b(8), &
+                err)
         end associate
     end subroutine carry
 
@@ -237,9 +267,9 @@ contains
         if (size(from) == 0) return
         call reserve_buffer(self%words, 4_int64*width_of(arrays)*size(from), err)
         call put_places(from, list, err)
-        call pick(self, list, size(from), arrays, self%words, err)
+        call pick_rows(self%kernels, arrays, list, size(from), self%words, err)
         call put_places(to, list, err)
-        call put(self, self%words, list, size(from), arrays, err)
+        call put_rows(self%kernels, self%words, list, size(from), arrays, err)
         call free_buffers(list)
     end subroutine move
 
@@ -250,42 +280,53 @@ contains
         wide = (sum(arrays%words*arrays%columns) + 1)/2*2
     end function width_of
 
+    !> How records are made of some arrays, most_arrays at most.
+    pure subroutine make_record(arrays, record, array)
+        type(rows_t), intent(in) :: arrays(:)
+        type(record_t), intent(out) :: record
+        type(integers_t), intent(out) :: array(most_arrays)
+        integer :: k
+
+        do k = 1, size(arrays)
+            call add_array(arrays(k)%words, arrays(k)%columns, arrays(k)%stride, record)
+            array(k) = arrays(k)%of
+        end do
+    end subroutine make_record
+
     !> Rows of n listed particles, into their records.
-    subroutine pick(self, place, n, arrays, records, err)
-        class(gpu_parcels_t), intent(in) :: self
+    subroutine pick_rows(kernels, arrays, place, n, records, err, wide)
+        type(place_kernels_t), intent(in) :: kernels
+        type(rows_t), intent(in) :: arrays(:)
         type(integers_t), intent(in) :: place
         integer, intent(in) :: n
-        type(rows_t), intent(in) :: arrays(:)
         type(integers_t), intent(in) :: records
         type(error_t), intent(inout) :: err
-        integer :: before, k
+        integer, intent(in), optional :: wide !! words of a record, else width_of
+        type(integers_t) :: a(most_arrays)
+        type(record_t) :: record
+        integer :: words
 
-        before = 0
-        do k = 1, merge(size(arrays), 0, n > 0)
-            associate (a => arrays(k))
-                call self%kernels%pick_words(n*a%words*a%columns, a%words, a%columns, a%stride, &
-                                             width_of(arrays), before, place, a%of, records, err)
-                before = before + a%words*a%columns
-            end associate
-        end do
-    end subroutine pick
+        if (n == 0) return
+        call make_record(arrays, record, a)
+        words = width_of(arrays)
+        if (present(wide)) words = wide
+        call kernels%pick_record(n*words, words, record, place, a(1), a(2), a(3), a(4), a(5), &
+                                 a(6), a(7), a(8), records, err)
+    end subroutine pick_rows
 
     !> The way back.
-    subroutine put(self, records, place, n, arrays, err)
-        class(gpu_parcels_t), intent(in) :: self
+    subroutine put_rows(kernels, records, place, n, arrays, err)
+        type(place_kernels_t), intent(in) :: kernels
         type(integers_t), intent(in) :: records, place
         integer, intent(in) :: n
         type(rows_t), intent(in) :: arrays(:)
         type(error_t), intent(inout) :: err
-        integer :: before, k
+        type(integers_t) :: a(most_arrays)
+        type(record_t) :: record
 
-        before = 0
-        do k = 1, merge(size(arrays), 0, n > 0)
-            associate (a => arrays(k))
-                call self%kernels%put_words(n*a%words*a%columns, a%words, a%columns, a%stride, &
-                                            width_of(arrays), before, place, records, a%of, err)
-                before = before + a%words*a%columns
-            end associate
-        end do
-    end subroutine put
+        if (n == 0) return
+        call make_record(arrays, record, a)
+        call kernels%put_record(n*width_of(arrays), width_of(arrays), record, place, records, &
+                                a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), err)
+    end subroutine put_rows
 end module brz_gpu_parcels

@@ -10,7 +10,7 @@ module brz_gpu_peers
     use, intrinsic :: iso_c_binding, only: c_intptr_t
     use brz_buffers, only: buffer_t
     use brz_cuda_driver, only: cu_ipc_close, cu_ipc_export, cu_ipc_open, ipc_handle_t, ipc_lazily
-    use brz_device, only: allocate_buffer, copy_in, copy_out, copy_within, free_buffer, &
+    use brz_device, only: allocate_buffer, copy_in, copy_out, free_buffer, &
         wait_for_device
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp, int64
@@ -31,7 +31,7 @@ module brz_gpu_peers
         type(buffer_t) :: arena
         integer(c_intptr_t), allocatable :: place(:) !! (0:processes - 1) the arenas of all
     contains
-        procedure :: open, reserve, close, swap
+        procedure :: open, reserve, close, aim_at, swap
     end type peers_t
 
 contains
@@ -113,19 +113,29 @@ contains
         self%linked = .false.
     end subroutine close
 
-    !> Bring every parcel to its process, and tell where those of others have come to. Who has an
-    !> error takes part with what there is.
-    subroutine swap(self, ranks, mail, bytes, there, parcels, came, err)
+    !> Where a parcel to another process is to be written: into its arena, or, where parcels go by
+    !> the host, into a row of them.
+    subroutine aim_at(self, r, bytes, here, parcel)
+        class(peers_t), intent(in) :: self
+        integer, intent(in) :: r !! process
+        integer(int64), intent(in) :: bytes !! before the parcel in the other arena
+        class(buffer_t), intent(in) :: here !! its place in the row
+        class(buffer_t), intent(inout) :: parcel !! its address is set
+
+        parcel%address = here%address
+        if (self%linked) parcel%address = self%place(r) + self%turn*self%half + bytes
+    end subroutine aim_at
+
+    !> Wait until every parcel that has been written is with its process, and tell where those of
+    !> others have come to. Who has an error takes part with what there is.
+    subroutine swap(self, ranks, mail, parcels, came, err)
         class(peers_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks
         type(mail_t), intent(inout) :: mail !! says how long the parcels are
-        integer, intent(in) :: bytes !! of an element
-        integer(int64), intent(in) :: there(0:) !! elements before the parcel in the other arena
-        class(buffer_t), intent(in) :: parcels !! one after the other; room for those that come
+        class(buffer_t), intent(in) :: parcels
+        !! where they go by the host: one after the other; room for those that come
         class(buffer_t), intent(inout) :: came !! its address is set
         type(error_t), intent(inout) :: err
-        type(buffer_t) :: from, to
-        integer :: r
 
         if (.not. self%linked) then
             call copy_out(parcels, mail%out, mail%out_first(ranks%n) - 1, err)
@@ -134,13 +144,6 @@ contains
             came%address = parcels%address
             return
         end if
-        associate (first => mail%out_first, half => self%turn*self%half)
-            do r = 0, ranks%n - 1
-                from%address = parcels%address + first(r) - 1
-                to%address = self%place(r) + half + there(r)*bytes
-                call copy_within(from, to, first(r + 1) - first(r), err)
-            end do
-        end associate
         call wait_for_device(err)
         call greet(ranks, mail)
         came%address = self%arena%address + self%turn*self%half

@@ -60,6 +60,7 @@ contains
             if (stale(b) .or. recut .or. grown .or. gpu%linked) call build_list(gpu, solid, b, err)
         end do
         call build_gpu_links(gpu, solid, err)
+        gpu%laid = gpu%laid + 1
         gpu%settled = .false.
         gpu%fetched = .false.
         gpu%summed = .false.

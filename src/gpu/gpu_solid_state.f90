@@ -99,6 +99,7 @@ module brz_gpu_solid_state
         logical :: stepped = .false. !! the GPU has made a step
         logical :: summed = .false. !! `sums` and the ledgers are those of the present state
         logical :: settled = .true. !! bodies lie in the host arrays as they do here
+        integer(int64) :: laid = 0 !! how often particles of several processes got other places
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
         type(gpu_links_t) :: links
         type(gpu_cohesive_t) :: cohesive

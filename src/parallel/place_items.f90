@@ -6,46 +6,49 @@
 !> numbers come for it.
 module brz_place_items
     use brz_kinds, only: int32, int64, int8, rk
+    use brz_record_rules, only: find_word, record_t
     implicit none
     private
-    public :: pick_reals, put_reals, pick_bytes, put_bytes, pick_words, put_words, carry_words, &
+    public :: pick_reals, put_reals, pick_bytes, put_bytes, pick_record, put_record, carry_record, &
         give_place, list_marked
 
 contains
 
-    !> The numbers of a listed element, into its row.
+    !> The numbers of a listed element, each into the row of such numbers.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine pick_reals(t, wide, step_p, step_d, place, array, row)
+    pure subroutine pick_reals(t, length, wide, step_p, step_d, place, array, row)
         integer, intent(in) :: t !! elements of the list
+        integer, intent(in) :: length !! elements of a row
         integer, intent(in) :: wide !! numbers of each
         integer, intent(in) :: step_p
         integer(int64), intent(in) :: step_d
         integer(int64), intent(in) :: place(*) !! of each element, from 1
         real(rk), intent(in) :: array(*)
-        real(rk), intent(inout) :: row(*) !! (wide, elements)
+        real(rk), intent(inout) :: row(*) !! (length, wide)
         integer :: c
 
         do c = 1, wide
-            row(c + (t - 1)*int(wide, int64)) = array((place(t) - 1)*step_p + (c - 1)*step_d + 1)
+            row(t + (c - 1)*int(length, int64)) = array((place(t) - 1)*step_p + (c - 1)*step_d + 1)
         end do
     end subroutine pick_reals
 
-    !> Its row, into the numbers of a listed element.
+    !> The way back.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine put_reals(t, wide, step_p, step_d, place, row, array)
+    pure subroutine put_reals(t, length, wide, step_p, step_d, place, row, array)
         integer, intent(in) :: t !! elements of the list
+        integer, intent(in) :: length !! elements of a row
         integer, intent(in) :: wide !! numbers of each
         integer, intent(in) :: step_p
         integer(int64), intent(in) :: step_d
         integer(int64), intent(in) :: place(*) !! of each element, from 1
-        real(rk), intent(in) :: row(*) !! (wide, elements)
+        real(rk), intent(in) :: row(*) !! (length, wide)
         real(rk), intent(inout) :: array(*)
         integer :: c
 
         do c = 1, wide
-            array((place(t) - 1)*step_p + (c - 1)*step_d + 1) = row(c + (t - 1)*int(wide, int64))
+            array((place(t) - 1)*step_p + (c - 1)*step_d + 1) = row(t + (c - 1)*int(length, int64))
         end do
     end subroutine put_reals
 
@@ -73,77 +76,122 @@ contains
         array(place(t)) = row(t)
     end subroutine put_bytes
 
-    !> A word of 4 B of a listed particle, into its record, which has those of other arrays, too.
-    !> One after the other they are those of a record.
+    !> A word of a listed particle, into its record. One after the other they are those of a record;
+    !> of `wide` words, of which the last may be of no array.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine pick_words(t, words, columns, stride, wide, before, place, array, record)
+    pure subroutine pick_record(t, wide, record, place, a1, a2, a3, a4, a5, a6, a7, a8, row)
         integer, intent(in) :: t !! words of all records
-        integer, intent(in) :: words !! of a particle in a column
-        integer, intent(in) :: columns
-        integer(int64), intent(in) :: stride !! words from a column to the next
-        integer, intent(in) :: wide, before !! words of a record, before those of this array
+        integer, intent(in) :: wide !! words of a record in the message
+        type(record_t), intent(in) :: record
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
-        integer(int32), intent(in) :: array(*) !! (words, particles) in each column
-        integer(int32), intent(inout) :: record(*) !! (wide, particles of the list)
-        integer :: c, p
+        integer(int32), intent(in) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
+        integer(int32), intent(inout) :: row(*) !! (wide, particles of the list)
+        integer :: array, p
+        integer(int64) :: at
 
-        p = (t - 1)/(words*columns)
-        c = t - 1 - p*(words*columns)
-        record(p*int(wide, int64) + before + c + 1) = array(word_of(place(p + 1), c, words, stride))
-    end subroutine pick_words
+        p = (t - 1)/wide
+        if (t - 1 - p*wide >= record%wide) return
+        call find_word(record, t - 1 - p*wide, place(p + 1), array, at)
+        row(t) = word_of(array, at, a1, a2, a3, a4, a5, a6, a7, a8)
+    end subroutine pick_record
 
     !> The way back.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine put_words(t, words, columns, stride, wide, before, place, record, array)
+    pure subroutine put_record(t, wide, record, place, row, a1, a2, a3, a4, a5, a6, a7, a8)
         integer, intent(in) :: t !! words of all records
-        integer, intent(in) :: words !! of a particle in a column
-        integer, intent(in) :: columns
-        integer(int64), intent(in) :: stride !! words from a column to the next
-        integer, intent(in) :: wide, before !! words of a record, before those of this array
+        integer, intent(in) :: wide !! words of a record in the message
+        type(record_t), intent(in) :: record
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
-        integer(int32), intent(in) :: record(*) !! (wide, particles of the list)
-        integer(int32), intent(inout) :: array(*) !! (words, particles) in each column
-        integer :: c, p
-
-        p = (t - 1)/(words*columns)
-        c = t - 1 - p*(words*columns)
-        array(word_of(place(p + 1), c, words, stride)) = record(p*int(wide, int64) + before + c + 1)
-    end subroutine put_words
-
-    !> A word of a listed particle, to the particle of another list in another array.
-    !@item
-    !@cuf attributes(host,device) &
-    pure subroutine carry_words(t, wide, words, stride, place, array, words_to, stride_to, &
-                                place_to, array_to)
-        integer, intent(in) :: t !! words of all particles
-        integer, intent(in) :: wide !! of each
-        integer, intent(in) :: words, words_to !! of a particle in a column
-        integer(int64), intent(in) :: stride, stride_to !! words from a column to the next
-        integer(int32), intent(in) :: place(*), place_to(*) !! of each particle, from 1
-        integer(int32), intent(in) :: array(*)
-        integer(int32), intent(inout) :: array_to(*)
-        integer :: c, p
+        integer(int32), intent(in) :: row(*) !! (wide, particles of the list)
+        integer(int32), intent(inout) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
+        integer :: array, p
+        integer(int64) :: at
 
         p = (t - 1)/wide
-        c = t - 1 - p*wide
-        array_to(word_of(place_to(p + 1), c, words_to, stride_to)) = &
-            array(word_of(place(p + 1), c, words, stride))
-    end subroutine carry_words
+        if (t - 1 - p*wide >= record%wide) return
+        call find_word(record, t - 1 - p*wide, place(p + 1), array, at)
+        call set_word(array, at, row(t), a1, a2, a3, a4, a5, a6, a7, a8)
+    end subroutine put_record
 
-    !> Where a word of a particle lies in an array of columns.
+    !> A word of a listed particle, to the particle of another list in other arrays.
+    !@item
     !@cuf attributes(host,device) &
-    pure integer(int64) function word_of(place, before, words, stride) result(at)
-        integer(int32), intent(in) :: place !! of the particle
-        integer, intent(in) :: before !! its words before this one
-        integer, intent(in) :: words !! of a particle in a column
-        integer(int64), intent(in) :: stride !! words from a column to the next
-        integer :: column
+    pure subroutine carry_record(t, wide, from, place, a1, a2, a3, a4, a5, a6, a7, a8, to, &
+                                 place_to, b1, b2, b3, b4, b5, b6, b7, b8)
+        integer, intent(in) :: t !! words of all records
+        integer, intent(in) :: wide !! words of a record
+        type(record_t), intent(in) :: from, to
+        integer(int32), intent(in) :: place(*), place_to(*) !! of each particle, from 1
+        integer(int32), intent(in) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
+        integer(int32), intent(inout) :: b1(*), b2(*), b3(*), b4(*), b5(*), b6(*), b7(*), b8(*)
+        integer :: array, p
+        integer(int32) :: word
+        integer(int64) :: at
 
-        column = before/words
-        at = column*stride + (place - 1)*int(words, int64) + (before - column*words) + 1
+        p = (t - 1)/wide
+        call find_word(from, t - 1 - p*wide, place(p + 1), array, at)
+        word = word_of(array, at, a1, a2, a3, a4, a5, a6, a7, a8)
+        call find_word(to, t - 1 - p*wide, place_to(p + 1), array, at)
+        call set_word(array, at, word, b1, b2, b3, b4, b5, b6, b7, b8)
+    end subroutine carry_record
+
+    !> A word of one of the arrays.
+    !@cuf attributes(host,device) &
+    pure function word_of(array, at, a1, a2, a3, a4, a5, a6, a7, a8) result(word)
+        integer, intent(in) :: array !! 1 to most_arrays
+        integer(int64), intent(in) :: at
+        integer(int32), intent(in) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
+        integer(int32) :: word
+
+        select case (array)
+        case (1)
+            word = a1(at)
+        case (2)
+            word = a2(at)
+        case (3)
+            word = a3(at)
+        case (4)
+            word = a4(at)
+        case (5)
+            word = a5(at)
+        case (6)
+            word = a6(at)
+        case (7)
+            word = a7(at)
+        case default
+            word = a8(at)
+        end select
     end function word_of
+
+    !> The way back.
+    !@cuf attributes(host,device) &
+    pure subroutine set_word(array, at, word, a1, a2, a3, a4, a5, a6, a7, a8)
+        integer, intent(in) :: array !! 1 to most_arrays
+        integer(int64), intent(in) :: at
+        integer(int32), intent(in) :: word
+        integer(int32), intent(inout) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
+
+        select case (array)
+        case (1)
+            a1(at) = word
+        case (2)
+            a2(at) = word
+        case (3)
+            a3(at) = word
+        case (4)
+            a4(at) = word
+        case (5)
+            a5(at) = word
+        case (6)
+            a6(at) = word
+        case (7)
+            a7(at) = word
+        case default
+            a8(at) = word
+        end select
+    end subroutine set_word
 
     !> Places of the entries of a list that is made of pieces.
     !@item

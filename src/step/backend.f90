@@ -136,7 +136,8 @@ contains
 
         associate (solid => backend%solid)
             particles = particles_t(solid%n, solid%place, solid%motion, solid%state, &
-                                    solid%tag, solid%column%load, solid%column%before)
+                                    solid%tag, solid%column%load, solid%column%before, &
+                                    solid%laid)
             particles%first = solid%bodies%first
             particles%last = solid%bodies%last
         end associate

@@ -23,7 +23,7 @@ module brz_run
     use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_run_axial, only: run_axial
     use brz_run_radial, only: run_radial
-    use brz_run_ranks, only: cut_air, print_ranks, refuse_on_ranks
+    use brz_run_ranks, only: cut_air, note_cores, print_ranks, refuse_on_ranks
     use brz_saves, only: on_gpu
     use brz_scanner, only: read_deck
     use brz_scene_size, only: refuse_too_large, scene_size_t, size_scene, too_large_to_look
@@ -93,6 +93,7 @@ contains
                             note, err)
         if (failed(err)) return
         if (note /= '') write (error_unit, '(a)') note
+        call note_cores(sim%ranks, sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
         if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes
         if (sim%early%present) call print_early(sim%early)
         if (options%check) then
@@ -177,6 +178,7 @@ contains
         call choose_backend(trim(sim%case%run%backend), sim%case%air%present, &
                             size(sim%case%bodies) > 0, sim%ranks, sim%backend, note, err)
         if (note /= '') write (error_unit, '(a)') note
+        call note_cores(sim%ranks, sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
     end subroutine open_backend
 
     !> Book the time of each kernel; there are none on the CPU.
@@ -251,6 +253,7 @@ contains
         if (.not. stop) then
             stop = look_for_stop_file(outputs%folder, trim(sim%case%run%job), note)
             if (note /= '') write (error_unit, '(a)') note
+            call note_cores(sim%ranks, sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
             if (stop) why = 'a stop file'
         end if
         if (walltime_is_up(sim%clock, outputs%saves%reserve)) then
@@ -282,6 +285,7 @@ contains
             end if
         end if
         if (note /= '') write (error_unit, '(a)') note
+        call note_cores(sim%ranks, sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
         wish = [1, merge(0, 1, stop), merge(sim%ranks%rank, sim%ranks%n, stop)]
         if (checkpoint_asked()) wish(1) = 0
         call agree(sim%ranks, err, wish)

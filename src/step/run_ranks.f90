@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> A scene on several processes: what they can do, and what each of them gets.
 module brz_run_ranks
-    use, intrinsic :: iso_fortran_env, only: output_unit
+    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_air_grid, only: brick
     use brz_air_part, only: layers_seen
     use brz_air_state, only: n_ghost
@@ -11,15 +11,17 @@ module brz_run_ranks
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp
+    use brz_ranks, only: ranks_t
     use brz_scene_size, only: scene_size_t
     use brz_solid_arrays, only: bytes_per_particle
     use brz_ghost_wants, only: find_lowest, inhabited, is_needed, wants_of
     use brz_solid_regions, only: cut_regions, region_of
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
+    use omp_lib, only: omp_get_max_threads, omp_get_num_procs
     implicit none
     private
-    public :: refuse_on_ranks, cut_air, print_ranks, print_regions
+    public :: refuse_on_ranks, note_cores, cut_air, print_ranks, print_regions
 
 contains
 
@@ -50,6 +52,23 @@ contains
                        to_text(most_boxes(case%air%cells, brick))//' at most')
         end if
     end subroutine refuse_on_ranks
+
+    !> Say where several processes have fewer cores than threads: mpirun binds each of two to one
+    !> core. What a GPU leaves to the host wants more than one thread.
+    subroutine note_cores(ranks, on_gpu)
+        type(ranks_t), intent(in) :: ranks
+        logical, intent(in) :: on_gpu
+        integer :: cores, length, threads
+
+        if (ranks%n < 2 .or. ranks%rank > 0) return
+        cores = omp_get_num_procs()
+        threads = omp_get_max_threads()
+        call get_environment_variable('OMP_NUM_THREADS', length=length)
+        if (threads <= cores .and. .not. (on_gpu .and. cores == 1 .and. length == 0)) return
+        write (error_unit, '(a, i0, a, i0, a)') 'threads of a process: ', threads, &
+            ', cores that it is bound to: ', cores, &
+            '; set-up and output will be slow: mpirun --bind-to none gives it all cores'
+    end subroutine note_cores
 
     !> What of a scene with bodies is not distributed, '' for nothing.
     function missing_of_bodies(case) result(what)
