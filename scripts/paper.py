@@ -43,7 +43,7 @@ class Case:
     section: str
     deck: Path
     sets: tuple[str, ...]
-    seconds: float = 60  # that it takes, about: of one H200 at the paper's resolution
+    seconds: float = 60  # that it takes, about: of one H100 at the paper's resolution
 
     def arguments(self):
         """What follows `brisance run`: the deck and a `--set` for each override."""

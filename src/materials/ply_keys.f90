@@ -82,7 +82,7 @@ contains
         keys(p_degradation) = text_key(name, 'degradation', 'compliance', &
             'compliance|zeroing', 'how damage lowers the stiffness')
         keys(p_time) = real_key(name, 'relaxation_time', 's', none, &
-            'a failed mode lets go in this time; absent: h over wave speed', 0.0_dp, &
+            'a failed mode lets go in this time; absent: half a crack over wave speed', 0.0_dp, &
             open_lower=.true.)
         keys(p_limit) = real_key(name, 'damage_limit', '-', '0.999', &
             'largest damage of a mode', 0.0_dp, 0.99999_dp, open_lower=.true.)
