@@ -11,7 +11,8 @@ module brz_hjc
     use brz_kinds, only: dp, rk
     use brz_algebra, only: double_dot
     use brz_deviator, only: mises_stress, return_deviator, third_invariant, trial_deviator
-    use brz_hjc_cracks, only: cracks_t, flow_with_cracks, follow_rate, open_cracks
+    use brz_hjc_crack_flow, only: flow_with_cracks
+    use brz_hjc_cracks, only: cracks_t, follow_rate, open_cracks
     use brz_hjc_keys, only: hjc_keys
     use brz_hjc_pressure, only: crushing_strain, crushing_work, dense_curve, densest, &
                                 full_modulus, hjc_pressure, opening, unloading_modulus, &

@@ -11,14 +11,13 @@
 module brz_hjc_cracks
     use brz_algebra, only: double_dot, to_matrix, to_voigt
     use brz_eigen, only: diagonalise
-    use brz_hjc_pressure, only: p_crack_rate, p_density, p_k_el, p_shear, p_t, p_young
-    use brz_hjc_softening, only: by_malvar, crack_damage, faint, h_rate, h_tension
-    use brz_hjc_strength, only: strength
+    use brz_hjc_pressure, only: p_crack_rate, p_density, p_k_el, p_shear, p_young
+    use brz_hjc_softening, only: by_malvar, crack_damage, h_rate, h_tension
     use brz_kinds, only: rk
     use brz_material, only: n_hist, n_par
     implicit none
     private
-    public :: cracks_t, flow_with_cracks, follow_rate, open_cracks
+    public :: carry, compose, cracks_t, follow_rate, open_cracks
 
     real(rk), parameter :: thinnest = 1e-3_rk !! least density over that of the unloaded concrete
 
@@ -31,6 +30,7 @@ module brz_hjc_cracks
         real(rk) :: damage !! of the cracks; 0: there are none, and nothing else is set
         real(rk) :: rate !! at which it cracked [1/s]
         real(rk) :: released !! energy that their growth lets go [J/m3]
+        real(rk) :: beyond !! volume beyond that of the stress there: the mean tension was cut [Pa]
     end type cracks_t
 
 contains
@@ -70,6 +70,9 @@ contains
             if (i <= 3) start(i) = start(i) + volume
         end do
         shift = mean_pressure(start) - logarithmic(par, p)
+        cracks%beyond = 0
+        if (cracks%damage > 0) &
+            cracks%beyond = max(0.0_rk, mean_pressure(start) - logarithmic(par, p_old(2)))
         do i = 1, 6
             rise(i) = trial(i) - s(i)
             if (i <= 3) rise(i) = rise(i) + shift
@@ -79,13 +82,13 @@ contains
         taken = elastic(par, old, rise)
         cracks%trace = -3*mean_pressure(change)
         call principal(parted, cracks%uncracked, cracks%axes)
-        call carry(par, 1.0_rk, cracks, values)
+        call carry(par, 0.0_rk, cracks, values)
         kappa = max(values(1), values(2), values(3))/((1 - cracks%damage)*par(p_young))
         damage = max(cracks%damage, crack_damage(par, crack, kappa, hist(h_rate)))
         if (.not. damage > 0) return
         if (damage > cracks%damage) then
             cracks%damage = damage
-            call carry(par, 1.0_rk, cracks, values)
+            call carry(par, 0.0_rk, cracks, values)
         end if
         call compose(values, cracks%axes, trial)
         if (damage > hist(h_tension)) then
@@ -102,94 +105,6 @@ contains
             trial(i) = trial(i) + p
         end do
     end subroutine open_cracks
-
-    !> Back to the yield surface and to the cut-off in tension, at the traction that cracks carry.
-    !>
-    !> The flow is along the deviator s of the end: it takes lambda s from the uncracked stress,
-    !> and what cracks carry follows (`carry`), so that an open one is neither pressed nor pulled
-    !> by it. Without an open crack this is the radial return, 1/(1 + lambda) of the trial. The
-    !> pressure falls with the stress beside a crack; the surface is met at the one of the end, by
-    !> secants between bounds. What is left beyond it (no strength: the tip in tension) goes as the
-    !> deviator and the mean tension themselves.
-    !@cuf attributes(host,device) &
-    pure subroutine flow_with_cracks(par, damage, rate, cracks, trial, p, strain, lost)
-        real(rk), intent(in) :: par(n_par)
-        real(rk), intent(in) :: damage, rate !! for `strength`
-        type(cracks_t), intent(in) :: cracks
-        real(rk), intent(inout) :: trial(6), p !! deviator, pressure: of `open_cracks` in, end out
-        real(rk), intent(out) :: strain !! equivalent plastic strain
-        real(rk), intent(out) :: lost !! energy that the flow takes [J/m3]
-        real(rk) :: values(3), held(3), keep, low, high, last, mises, yield, excess, before, least
-        real(rk) :: share
-        integer :: pass, i
-        real(rk), parameter :: near = 1e-9_rk + 64*epsilon(1.0_rk), least_kept = 1e-4_rk + faint
-        integer, parameter :: passes = 30
-
-        least = -par(p_t)*(1 - damage)
-        keep = 1
-        last = 0
-        low = 0
-        high = 1
-        do pass = 0, passes
-            call carry(par, keep, cracks, values)
-            p = -(values(1) + values(2) + values(3))/3
-            mises = sqrt(((values(1) - values(2))**2 + (values(2) - values(3))**2 &
-                          + (values(3) - values(1))**2)/2)
-            yield = strength(par, max(p, least), damage, rate, cracks%rate, mises, &
-                             (values(1) + p)*(values(2) + p)*(values(3) + p))
-            excess = mises - yield
-            if (pass == 0) then
-                before = -yield
-                do i = 1, 3
-                    held(i) = values(i)
-                end do
-                if (excess <= 0) exit
-            end if
-            if (abs(excess) <= near*yield .or. keep <= least_kept .or. pass == passes) exit
-            if (excess > 0) high = keep
-            if (.not. excess > 0) low = keep
-            share = low ! the root of the secant
-            if (abs(before - excess) > 0) &
-                share = keep - excess*(last - keep)/(before - excess)
-            last = keep
-            before = excess
-            keep = max(share, least_kept)
-            if (.not. (keep > low .and. keep < high)) keep = (low + high)/2
-        end do
-        share = 1 ! a cut of what is near would pull at the cracks
-        if (mises - yield > 2*near*yield) share = yield/mises
-        strain = ((1 - keep)/keep + 1 - share)*mises/(3*par(p_shear))
-        least = max(p, least)
-        do i = 1, 3
-            values(i) = share*(values(i) + p) - least
-        end do
-        lost = spent(par, cracks, held, values)
-        p = least
-        call compose(values, cracks%axes, trial)
-        do i = 1, 3
-            trial(i) = trial(i) + p
-        end do
-    end subroutine flow_with_cracks
-
-    !> Mean stress of the step times the strain that was lost from one stress to another [J/m3].
-    !@cuf attributes(host,device) &
-    pure function spent(par, cracks, held, left) result(work)
-        real(rk), intent(in) :: par(n_par)
-        type(cracks_t), intent(in) :: cracks
-        real(rk), intent(in) :: held(3), left(3) !! along the axes of the cracks [Pa]
-        real(rk) :: work, nu, total, open
-        integer :: i
-
-        nu = par(p_young)/(2*par(p_shear)) - 1
-        total = held(1) - left(1) + held(2) - left(2) + held(3) - left(3)
-        open = cracks%damage/(1 - cracks%damage)
-        work = 0
-        do i = 1, 3
-            work = work + (cracks%old(i) + left(i))*((1 + nu)*(held(i) - left(i)) - nu*total &
-                + open*(max(held(i), 0.0_rk) - max(left(i), 0.0_rk)))
-        end do
-        work = max(0.0_rk, work/(2*par(p_young)))
-    end function spent
 
     !> Tension K mu as that of the logarithmic strain, to which the deviator belongs: the sides of a
     !> crack that opens wide are neither pressed nor pulled.
@@ -247,14 +162,14 @@ contains
     !> The part of the uncracked stress that is the same on every axis for the volume of the cracks
     !> may be left out of w: W is then the sum less that of the part left out.
     !> A flow that keeps the share k = 1/(1 + lambda) of a deviator has w_i - lambda (sigma_i - S/3)
-    !> in place of w_i; all is multiplied by k.
+    !> in place of w_i; all is multiplied by k. It is given by 1 - k, as most flows are small.
     !@cuf attributes(host,device) &
-    pure subroutine carry(par, keep, cracks, values)
+    pure subroutine carry(par, taken, cracks, values)
         real(rk), intent(in) :: par(n_par)
-        real(rk), intent(in) :: keep !! k, 1: no flow
+        real(rk), intent(in) :: taken !! 1 - k, 0: no flow
         type(cracks_t), intent(in) :: cracks
         real(rk), intent(out) :: values(3) !! principal stresses [Pa]
-        real(rk) :: nu, left, open, closed, flow, gain, total, rest, slope, share
+        real(rk) :: nu, keep, left, open, closed, flow, gain, total, rest, slope, share
         integer :: i, pass
         integer, parameter :: passes = 4
 
@@ -264,7 +179,8 @@ contains
         if (.not. cracks%damage > 0) return
         nu = par(p_young)/(2*par(p_shear)) - 1
         left = 1 - cracks%damage
-        flow = (1 + nu)*(1 - keep)
+        keep = 1 - taken
+        flow = (1 + nu)*taken
         open = left/(keep*(1 + nu*left) + flow*left)
         closed = 1/(1 + nu)
         gain = keep*nu + flow/3
