@@ -93,7 +93,6 @@ contains
                             note, err)
         if (failed(err)) return
         if (note /= '') write (error_unit, '(a)') note
-        call note_cores(sim%ranks, sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
         if (sim%solid%present) write (error_unit, '(a)', advance='no') sim%solid%notes
         if (sim%early%present) call print_early(sim%early)
         if (options%check) then
@@ -253,7 +252,6 @@ contains
         if (.not. stop) then
             stop = look_for_stop_file(outputs%folder, trim(sim%case%run%job), note)
             if (note /= '') write (error_unit, '(a)') note
-            call note_cores(sim%ranks, sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
             if (stop) why = 'a stop file'
         end if
         if (walltime_is_up(sim%clock, outputs%saves%reserve)) then
@@ -285,7 +283,6 @@ contains
             end if
         end if
         if (note /= '') write (error_unit, '(a)') note
-        call note_cores(sim%ranks, sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
         wish = [1, merge(0, 1, stop), merge(sim%ranks%rank, sim%ranks%n, stop)]
         if (checkpoint_asked()) wish(1) = 0
         call agree(sim%ranks, err, wish)
