@@ -5,11 +5,15 @@ module brz_guest_items
     use brz_cell_place, only: cell_number
     use brz_cell_shells, only: cell_at, number_of
     use brz_coupling_box, only: box_t
-    use brz_kinds, only: dp, int32, rk
+    use brz_kinds, only: dp, int32, int8, rk
     use brz_solid_state, only: is_gone
     implicit none
     private
-    public :: mark_guest, miss_guest, mark_cells, take_load, renumber
+    public :: mark_guest, miss_guest, mark_cells, take_load, renumber, mark_around
+    public :: block_at, blocks_of, always_near
+
+    integer, parameter :: side = 4 !! cells of a block, more than an event reaches
+    integer, parameter :: always_near = 1 !! a block that stands for cells which are always fetched
 
 contains
 
@@ -128,8 +132,7 @@ contains
     !> The load of a particle, from the process in whose box it is: none comes from others.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine take_load(k, r, asks, box, wide, x, fixed, places, place, step, seat, guests, &
-                              load)
+    pure subroutine take_load(k, r, asks, box, wide, x, fixed, places, place, seat, guests, load)
         integer, intent(in) :: k !! particles that the process has copies of
         integer, intent(in) :: r !! row of its box
         integer(int32), intent(in) :: asks(6, *) !! lowest and highest cell of the grid
@@ -139,9 +142,8 @@ contains
         integer(int32), intent(in) :: fixed(*)
         integer, intent(in) :: places !! of this process
         integer(int32), intent(in) :: place(*) !! of the particle
-        integer, intent(in) :: step !! numbers from a guest to the next
         integer(int32), intent(in) :: seat(*) !! of its copy
-        real(rk), intent(in) :: guests(*) !! (step, guests) loads of them [N]
+        real(rk), intent(in) :: guests(*) !! (3, guests) loads of them [N]
         real(rk), intent(inout) :: load(*) !! (places, 3)
         integer :: d, p
 
@@ -149,7 +151,7 @@ contains
         if (fixed(p) == is_gone) return
         if (.not. is_in(asks(1, r), box, x(1, p))) return
         do d = 1, 3
-            load((d - 1)*places + p) = guests((seat(k) - 1)*step + d)
+            load((d - 1)*places + p) = guests((seat(k) - 1)*3 + d)
         end do
     end subroutine take_load
 
@@ -169,4 +171,61 @@ contains
         end do
         number(i) = number_of(there%n, ijk)
     end subroutine renumber
+
+    !> Mark the blocks of cells around a solid cell, row by row for the processes that see it, too.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine mark_around(c, boxes, asks, box, cell, near)
+        integer, intent(in) :: c !! solid cells
+        integer, intent(in) :: boxes
+        integer(int32), intent(in) :: asks(6, *) !! lowest and highest cell of the grid
+        type(box_t), intent(in) :: box
+        integer(int32), intent(in) :: cell(*)
+        integer(int8), intent(inout) :: near(*) !! (blocks, boxes), behind always_near
+        integer :: d, i, ijk(3), j, k, r, to(3)
+        logical :: there
+
+        ijk = cell_at(box%n, cell(c))
+        do r = 1, boxes
+            there = .true.
+            do d = 1, 3
+                there = there .and. ijk(d) + box%before(d) >= asks(d, r) &
+                        .and. ijk(d) + box%before(d) <= asks(3 + d, r)
+            end do
+            if (.not. there) cycle
+            do k = -1, 1
+                do j = -1, 1
+                    do i = -1, 1
+                        to(1) = min(max(ijk(1) + i*side, 1), box%n(1))
+                        to(2) = min(max(ijk(2) + j*side, 1), box%n(2))
+                        to(3) = min(max(ijk(3) + k*side, 1), box%n(3))
+                        near(block_at(box, r, to)) = 1
+                    end do
+                end do
+            end do
+        end do
+    end subroutine mark_around
+
+    !> Place of the block of a cell in the map of blocks for a box. Blocks are those of the grid.
+    !@cuf attributes(host,device) &
+    pure function block_at(box, r, ijk) result(at)
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: r !! of the box, from 1
+        integer, intent(in) :: ijk(3) !! as the window counts
+        integer :: at, d
+
+        at = r - 1
+        do d = 3, 1, -1
+            at = at*((box%before(d) + box%n(d) - 1)/side - box%before(d)/side + 1) &
+                 + (box%before(d) + ijk(d) - 1)/side - box%before(d)/side
+        end do
+        at = at + always_near + 1
+    end function block_at
+
+    !> Blocks of a window.
+    pure integer function blocks_of(box)
+        type(box_t), intent(in) :: box
+
+        blocks_of = product((box%before + box%n - 1)/side - box%before/side + 1)
+    end function blocks_of
 end module brz_guest_items

@@ -10,9 +10,10 @@ module brz_gpu_coupling_guests
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_carrier_steps, only: sum_shifts
+    use brz_guest_items, only: always_near, block_at, blocks_of
     use brz_gpu_coupling_state, only: column_of, gpu_coupling_t, particles_t, seen, tags_of
     use brz_gpu_marks, only: asks_of, count_marks, list_marks, place_pieces, reserve_marks
-    use brz_gpu_parcels, only: put_places, rows_of, rows_t
+    use brz_gpu_parcels, only: put_places, put_rows, rows_of, rows_t
     use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
     use brz_kinds, only: int64
     use brz_mail, only: tell_all
@@ -56,12 +57,60 @@ contains
             call reserve_buffer(part%missed, 4_int64, err)
             call part%kernels%open(device, err)
             call part%window%open(ranks, air%part%window, held, air%n_var, err)
+            if (.not. any(gpu%box%wraps)) call map_blocks(gpu, held, err)
             call part%parcels%open(device, ranks, nobody(out=parcels_t([integer ::], none), &
                                    in=parcels_t([integer ::], none)), max(most, 1 + 6*w), err)
         end associate
     end subroutine open_gpu_windows
 
-    !> Bring the gas and the ledgers in the window of this process up to date.
+    !> Of the window what lies around walls is fetched, and three layers around the box for gauges:
+    !> say in which block of the map that brz_gpu_coupling_shared keeps each cell is.
+    subroutine map_blocks(gpu, held, err)
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(cells_t), intent(in) :: held !! cells of the arrays of the air
+        type(error_t), intent(inout) :: err
+        integer, allocatable :: block(:)
+
+        associate (window => gpu%shared%window, me => gpu%shared%own%ranks%rank, &
+                   n => gpu%shared%own%ranks%n)
+            call reserve_buffer(window%near, int(always_near + n*blocks_of(gpu%box), int64), err)
+            call clear_buffer(window%near, err)
+            block = blocks(window%list%out, window%list%mail%out_first, .true.)
+            call put_places(block, window%out_block, err)
+            block = blocks(window%list%in, window%list%mail%in_first, .false.)
+            call put_places(block, window%in_block, err)
+        end associate
+
+    contains
+
+        !> Blocks of listed cells, process by process.
+        function blocks(place, first, goes) result(block)
+            integer(int64), intent(in) :: place(:) !! in the arrays
+            integer(int64), intent(in) :: first(0:) !! (processes + 1) bytes
+            logical, intent(in) :: goes !! to the process
+            integer :: block(size(place)), cell(3), r, t
+            integer(int64) :: at
+            type(cells_t) :: box
+
+            associate (shared => gpu%shared, n => held%hi - held%lo + 1)
+                do r = 0, ubound(first, 1) - 1
+                    box = shared%boxes(merge(r, shared%own%ranks%rank, goes))
+                    do t = int((first(r) - 1)/shared%window%of_cell) + 1, &
+                        int((first(r + 1) - 1)/shared%window%of_cell)
+                        at = place(t) - 1
+                        cell = held%lo + int([mod(at, int(n(1), int64)), &
+                            mod(at/n(1), int(n(2), int64)), at/n(1)/n(2)])
+                        block(t) = block_at(gpu%box, r + 1, cell - gpu%box%before)
+                        if (all(cell >= box%lo - 3 .and. cell <= box%hi + 3)) &
+                            block(t) = always_near
+                    end do
+                end do
+            end associate
+        end function blocks
+    end subroutine map_blocks
+
+    !> Bring the gas and the ledgers in the window of this process up to date, where the coupling
+    !> and gauges look.
     subroutine see_gpu_window(gpu, there, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(gpu_air_t), intent(in) :: there
@@ -230,20 +279,22 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         type(particles_t), intent(in) :: particles
         type(error_t), intent(inout) :: err
-        type(reals_t) :: came
-        type(integers_t) :: parcel
-        type(rows_t) :: loads(1)
-        integer :: r
+        type(rows_t) :: came(1), loads(1)
+        integer :: n, r
 
         associate (part => gpu%shared, p => particles, ranks => gpu%shared%own%ranks)
             loads = [rows_of(gpu%guests%load, 3*w)]
             call clear_buffer(column_of(p, p%load + 1), err, 3*bytes_of_real*p%n)
             call part%parcels%post(part%in, part%out, loads, err)
+            call reserve_buffer(part%loads, 3*bytes_of_real*p%n, err)
+            came = [rows_of(part%loads, 3*w)]
             do r = 0, ranks%n - 1
-                parcel = part%parcels%parcel_from(part%out, loads, r)
-                came%address = parcel%address
-                if (r == ranks%rank) came = gpu%guests%load
-                call take_loads(r, came, merge(3, (3*w + 1)/2*2/w, r == ranks%rank))
+                n = part%out%first(r + 1) - part%out%first(r)
+                if (r == ranks%rank) call take_loads(r, gpu%guests%load)
+                if (r == ranks%rank) cycle
+                call put_rows(part%parcels%kernels, part%parcels%parcel_from(part%out, loads, r), &
+                              part%seat, n, came, err)
+                call take_loads(r, part%loads)
             end do
             call gpu%velocity_kernels%keep_velocity(p%n, 4, p%n, 1, p%motion, part%seat, &
                                                     column_of(p, p%before + 1), err)
@@ -252,10 +303,9 @@ contains
     contains
 
         !> Take the loads that process r has for particles of this one.
-        subroutine take_loads(r, load, step)
+        subroutine take_loads(r, load)
             integer, intent(in) :: r
-            type(reals_t), intent(in) :: load
-            integer, intent(in) :: step !! numbers from one to the next
+            type(reals_t), intent(in) :: load !! (3, copies) in the order of the list, or of seats
             type(integers_t) :: seat
 
             associate (part => gpu%shared, p => particles, first => gpu%shared%out%first)
@@ -265,7 +315,7 @@ contains
                                                           int(part%in%first(r), int64))
                 call part%kernels%take_load(first(r + 1) - first(r), &
                     part%own%ranks%n + r + 1, part%asks_at, gpu%box, 4, p%place, &
-                    tags_of(p, tag_fixed), p%n, from(part%out%place, int(first(r), int64)), step, &
+                    tags_of(p, tag_fixed), p%n, from(part%out%place, int(first(r), int64)), &
                     seat, load, column_of(p, p%load + 1), err)
             end associate
         end subroutine take_loads

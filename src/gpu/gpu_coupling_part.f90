@@ -30,6 +30,7 @@ module brz_gpu_coupling_part
         type(gpu_marks_t) :: marks
         type(integers_t) :: seat !! 1, 2, 3, ...
         type(reals_t) :: v_before !! (3, guests)
+        type(reals_t) :: loads !! (3, particles) that have come from a process
         type(solid_t) :: own !! the bodies, as the particles of this process lie on the GPU
         type(guest_kernels_t) :: kernels
     end type gpu_part_t
@@ -42,7 +43,8 @@ contains
 
         call free_buffers(part%out%place, part%in%place, part%faces_out%place, &
             part%faces_in%place, part%debts_out%place, part%debts_in%place)
-        call free_buffers(part%v_before, part%seat, part%bodies_at, part%asks_at, part%missed)
+        call free_buffers(part%v_before, part%loads, part%seat, part%bodies_at, part%asks_at, &
+            part%missed)
         call close_marks(part%marks)
         call close_marks(part%listed)
         call part%window%close()

@@ -5,6 +5,7 @@ module brz_gpu_coupling_shared
     use brz_boxes, only: cells_t => box_t, common, widened
     use brz_buffers, only: from, integers_t
     use brz_coupling_box, only: box_t
+    use brz_device, only: clear_buffer, copy_in
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real
     use brz_gpu_coupling_state, only: gpu_coupling_t
@@ -13,7 +14,7 @@ module brz_gpu_coupling_shared
     use brz_gpu_marks, only: asks_of, count_marks, find_firsts, list_marks, place_pieces, &
         reserve_marks
     use brz_gpu_parcels, only: gpu_places_t, put_places, rows_of, rows_t
-    use brz_kinds, only: int64
+    use brz_kinds, only: int64, int8
     use brz_mail, only: tell_all
     implicit none
     private
@@ -32,6 +33,7 @@ contains
         integer :: r
         integer(int64) :: number(1, size(near))
 
+        call mark_blocks(gpu, err)
         do r = 0, ubound(near, 1)
             near(r) = widened(gpu%shared%boxes(r), spread(gpu%box%layers + 2, 1, 3))
         end do
@@ -42,6 +44,20 @@ contains
                             err)
         end associate
     end subroutine list_gpu_faces
+
+    !> Mark where gas is fetched: around the solid cells that both processes see.
+    subroutine mark_blocks(gpu, err)
+        type(gpu_coupling_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+
+        associate (part => gpu%shared, near => gpu%shared%window%near)
+            if (near%address == 0) return
+            call clear_buffer(near, err)
+            call copy_in([1_int8], near, 1_int64, err) ! always_near
+            if (gpu%wall%n_cells > 0) call part%kernels%mark_around(gpu%wall%n_cells, &
+                size(part%windows), part%asks_at, gpu%box, gpu%cell, near, err)
+        end associate
+    end subroutine mark_blocks
 
     !> List what of n cells lies in boxes for all processes but this one.
     subroutine list_cells(gpu, n, cell, boxes, number, list, err)

@@ -5,7 +5,7 @@
 !> nobody waits for ever.
 module brz_gpu_fetch
     use brz_boxes, only: box_t
-    use brz_buffers, only: buffer_t, bytes_t, reals_t
+    use brz_buffers, only: buffer_t, bytes_t, from, integers_t, reals_t
     use brz_cell_lists, only: cell_list_t, list_cells
     use brz_device, only: allocate_buffer, free_buffers, pin, put_buffer, unpin
     use brz_errors, only: error_t
@@ -26,6 +26,8 @@ module brz_gpu_fetch
         integer :: of_cell = 1 !! bytes of each
         type(cell_list_t) :: list
         type(buffer_t) :: out_place, in_place
+        type(integers_t) :: out_block, in_block !! of each cell in a map, where there is one
+        type(bytes_t) :: near !! that map: cells of blocks that are not marked stay as they are
         type(buffer_t) :: row !! parcels, where they go by the host
         type(buffer_t) :: came !! parcels from others
         type(peers_t) :: peers
@@ -70,7 +72,8 @@ contains
     subroutine close (self)
         class(gpu_fetch_t), intent(inout) :: self
 
-        call free_buffers(self%out_place, self%in_place, self%row)
+        call free_buffers(self%out_place, self%in_place, self%row, self%out_block, self%in_block, &
+            self%near)
         if (self%peers%linked) then
             call self%peers%close(self%ranks)
         else if (allocated(self%list%mail%out)) then
@@ -95,16 +98,22 @@ contains
                 if (n == 0) cycle
                 call self%peers%aim_at(r, self%there(r)*self%of_cell, &
                                        part_of(self%row, before, self%of_cell), row)
-                call place_kernels%pick_reals(n, n, self%wide, 1, apart, &
-                                              part_of(self%out_place, before, 8), field, row, err)
+                if (self%near%address == 0) call place_kernels%pick_reals(n, n, self%wide, 1, &
+                    apart, part_of(self%out_place, before, 8), field, row, err)
+                if (self%near%address /= 0) call place_kernels%pick_near(n, n, self%wide, apart, &
+                    part_of(self%out_place, before, 8), &
+                    from(self%out_block, before + 1_int64), self%near, field, row, err)
             end do
             call self%peers%swap(self%ranks, mail, self%row, self%came, err)
             do r = 0, self%ranks%n - 1
                 call cells_of_parcel(self, mail%in_first, r, before, n)
                 if (n == 0) cycle
                 row%address = self%came%address + int(before, int64)*self%of_cell
-                call place_kernels%put_reals(n, n, self%wide, 1, apart, &
-                                             part_of(self%in_place, before, 8), row, field, err)
+                if (self%near%address == 0) call place_kernels%put_reals(n, n, self%wide, 1, &
+                    apart, part_of(self%in_place, before, 8), row, field, err)
+                if (self%near%address /= 0) call place_kernels%put_near(n, n, self%wide, apart, &
+                    part_of(self%in_place, before, 8), &
+                    from(self%in_block, before + 1_int64), self%near, row, field, err)
             end do
         end associate
     end subroutine reals_of_others

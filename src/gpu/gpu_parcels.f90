@@ -14,7 +14,7 @@ module brz_gpu_parcels
     use brz_solid_part, only: part_t
     implicit none
     private
-    public :: gpu_parcels_t, gpu_places_t, rows_t, rows_of, pick_rows, put_places
+    public :: gpu_parcels_t, gpu_places_t, rows_t, rows_of, pick_rows, put_rows, put_places
 
     !> Particles that are in a message: parcel r is entries first(r) to first(r + 1) - 1. What a
     !> process has for itself never leaves its GPU.
@@ -154,17 +154,13 @@ contains
         type(gpu_places_t), intent(in) :: out, in
         type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
-        integer :: comes(0:self%ranks%n), half
+        integer :: r
 
         call self%post(out, in, from, err)
-        comes = without(self%ranks%rank, in%first)
-        do half = 1, 2 ! before and behind what stays here
-            associate (me => self%ranks%rank, n => self%ranks%n)
-                associate (r => merge(0, me + 1, half == 1), s => merge(me, n, half == 1))
-                    call put_rows(self%kernels, record_at(self%came, width_of(to), comes(r)), &
-                                  from_place(in, r), comes(s) - comes(r), to, err)
-                end associate
-            end associate
+        do r = 0, self%ranks%n - 1
+            if (r == self%ranks%rank) cycle
+            call put_rows(self%kernels, self%parcel_from(in, to, r), from_place(in, r), &
+                          in%first(r + 1) - in%first(r), to, err)
         end do
     end subroutine bring
 
@@ -242,17 +238,16 @@ contains
         type(gpu_places_t), intent(in) :: out, in
         type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
-        type(integers_t) :: a(most_arrays), b(most_arrays)
-        type(record_t) :: there, here
+        integer :: k, n
 
         associate (me => self%ranks%rank)
-            if (out%first(me + 1) == out%first(me)) return
-            call make_record(from, here, a)
-            call make_record(to, there, b)
-            call self%kernels%carry_record((out%first(me + 1) - out%first(me))*here%wide, &
-                here%wide, here, from_place(out, me), a(1), a(2), a(3), a(4), a(5), a(6), a(7), &
-                a(8), there, from_place(in, me), b(1), b(2), b(3), b(4), b(5), b(6), b(7), b(8), &
-                err)
+            n = out%first(me + 1) - out%first(me)
+            do k = 1, merge(size(from), 0, n > 0)
+                associate (a => from(k), b => to(k), wide => from(k)%words*from(k)%columns)
+                    call self%kernels%carry_words(n*wide, wide, a%words, a%stride, &
+                        from_place(out, me), a%of, b%words, b%stride, from_place(in, me), b%of, err)
+                end associate
+            end do
         end associate
     end subroutine carry
 
@@ -310,7 +305,7 @@ contains
         call make_record(arrays, record, a)
         words = width_of(arrays)
         if (present(wide)) words = wide
-        call kernels%pick_record(n*words, words, record, place, a(1), a(2), a(3), a(4), a(5), &
+        call kernels%pick_record(n*words, n, words, record, place, a(1), a(2), a(3), a(4), a(5), &
                                  a(6), a(7), a(8), records, err)
     end subroutine pick_rows
 
@@ -326,7 +321,7 @@ contains
 
         if (n == 0) return
         call make_record(arrays, record, a)
-        call kernels%put_record(n*width_of(arrays), width_of(arrays), record, place, records, &
+        call kernels%put_record(n*width_of(arrays), n, width_of(arrays), record, place, records, &
                                 a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), err)
     end subroutine put_rows
 end module brz_gpu_parcels

@@ -9,8 +9,10 @@ module brz_place_items
     use brz_record_rules, only: find_word, record_t
     implicit none
     private
-    public :: pick_reals, put_reals, pick_bytes, put_bytes, pick_record, put_record, carry_record, &
-        give_place, list_marked
+    public :: pick_reals, put_reals, pick_near, put_near, pick_bytes, put_bytes
+    public :: pick_record, put_record, carry_words, give_place, list_marked
+
+    integer, parameter :: tile = 32 !! particles whose records lie word by word
 
 contains
 
@@ -52,6 +54,42 @@ contains
         end do
     end subroutine put_reals
 
+    !> The same of a field where the block of the element is marked.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine pick_near(t, length, wide, step_d, place, block, near, array, row)
+        integer, intent(in) :: t !! elements of the list
+        integer, intent(in) :: length !! elements of a row
+        integer, intent(in) :: wide !! numbers of each
+        integer(int64), intent(in) :: step_d
+        integer(int64), intent(in) :: place(*) !! of each element, from 1
+        integer(int32), intent(in) :: block(*) !! of each element
+        integer(int8), intent(in) :: near(*) !! (blocks)
+        real(rk), intent(in) :: array(*)
+        real(rk), intent(inout) :: row(*) !! (length, wide)
+
+        if (near(block(t)) == 0) return
+        call pick_reals(t, length, wide, 1, step_d, place, array, row)
+    end subroutine pick_near
+
+    !> The way back.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine put_near(t, length, wide, step_d, place, block, near, row, array)
+        integer, intent(in) :: t !! elements of the list
+        integer, intent(in) :: length !! elements of a row
+        integer, intent(in) :: wide !! numbers of each
+        integer(int64), intent(in) :: step_d
+        integer(int64), intent(in) :: place(*) !! of each element, from 1
+        integer(int32), intent(in) :: block(*) !! of each element
+        integer(int8), intent(in) :: near(*) !! (blocks)
+        real(rk), intent(in) :: row(*) !! (length, wide)
+        real(rk), intent(inout) :: array(*)
+
+        if (near(block(t)) == 0) return
+        call put_reals(t, length, wide, 1, step_d, place, row, array)
+    end subroutine put_near
+
     !> The mark of a listed element, into its row.
     !@item
     !@cuf attributes(host,device) &
@@ -76,66 +114,95 @@ contains
         array(place(t)) = row(t)
     end subroutine put_bytes
 
-    !> A word of a listed particle, into its record. One after the other they are those of a record;
-    !> of `wide` words, of which the last may be of no array.
+    !> A word of 4 B of a listed particle, into its record of `wide` words, of which the last may be
+    !> of no array. Records lie in tiles, a word of all particles of a tile behind the other:
+    !> threads beside each other are at the same word of their particles.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine pick_record(t, wide, record, place, a1, a2, a3, a4, a5, a6, a7, a8, row)
+    pure subroutine pick_record(t, number, wide, record, place, a1, a2, a3, a4, a5, a6, a7, a8, row)
         integer, intent(in) :: t !! words of all records
+        integer, intent(in) :: number !! particles of the list
         integer, intent(in) :: wide !! words of a record in the message
         type(record_t), intent(in) :: record
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
         integer(int32), intent(in) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
-        integer(int32), intent(inout) :: row(*) !! (wide, particles of the list)
-        integer :: array, p
+        integer(int32), intent(inout) :: row(*) !! (particles of a tile, wide, tiles)
+        integer :: array, c, p
         integer(int64) :: at
 
-        p = (t - 1)/wide
-        if (t - 1 - p*wide >= record%wide) return
-        call find_word(record, t - 1 - p*wide, place(p + 1), array, at)
+        call find_particle(t, number, wide, p, c)
+        if (c >= record%wide) return
+        call find_word(record, c, place(p), array, at)
         row(t) = word_of(array, at, a1, a2, a3, a4, a5, a6, a7, a8)
     end subroutine pick_record
 
     !> The way back.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine put_record(t, wide, record, place, row, a1, a2, a3, a4, a5, a6, a7, a8)
+    pure subroutine put_record(t, number, wide, record, place, row, a1, a2, a3, a4, a5, a6, a7, a8)
         integer, intent(in) :: t !! words of all records
+        integer, intent(in) :: number !! particles of the list
         integer, intent(in) :: wide !! words of a record in the message
         type(record_t), intent(in) :: record
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
-        integer(int32), intent(in) :: row(*) !! (wide, particles of the list)
+        integer(int32), intent(in) :: row(*) !! (particles of a tile, wide, tiles)
         integer(int32), intent(inout) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
-        integer :: array, p
+        integer :: array, c, p
         integer(int64) :: at
 
-        p = (t - 1)/wide
-        if (t - 1 - p*wide >= record%wide) return
-        call find_word(record, t - 1 - p*wide, place(p + 1), array, at)
+        call find_particle(t, number, wide, p, c)
+        if (c >= record%wide) return
+        call find_word(record, c, place(p), array, at)
         call set_word(array, at, row(t), a1, a2, a3, a4, a5, a6, a7, a8)
     end subroutine put_record
 
-    !> A word of a listed particle, to the particle of another list in other arrays.
+    !> The particle of a word of the records in tiles, and the word.
+    !@cuf attributes(host,device) &
+    pure subroutine find_particle(t, number, wide, p, c)
+        integer, intent(in) :: t, number, wide
+        integer, intent(out) :: p !! particle of the list
+        integer, intent(out) :: c !! words of its record before this one
+        integer :: before, rest, some
+
+        before = (t - 1)/(tile*wide)*tile
+        rest = t - 1 - before*wide
+        some = min(tile, number - before)
+        c = rest/some
+        p = before + rest - c*some + 1
+    end subroutine find_particle
+
+    !> A word of a listed particle, to the particle of another list in another array.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine carry_record(t, wide, from, place, a1, a2, a3, a4, a5, a6, a7, a8, to, &
-                                 place_to, b1, b2, b3, b4, b5, b6, b7, b8)
-        integer, intent(in) :: t !! words of all records
-        integer, intent(in) :: wide !! words of a record
-        type(record_t), intent(in) :: from, to
+    pure subroutine carry_words(t, wide, words, stride, place, array, words_to, stride_to, &
+                                place_to, array_to)
+        integer, intent(in) :: t !! words of all particles
+        integer, intent(in) :: wide !! of each
+        integer, intent(in) :: words, words_to !! of a particle in a column
+        integer(int64), intent(in) :: stride, stride_to !! words from a column to the next
         integer(int32), intent(in) :: place(*), place_to(*) !! of each particle, from 1
-        integer(int32), intent(in) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
-        integer(int32), intent(inout) :: b1(*), b2(*), b3(*), b4(*), b5(*), b6(*), b7(*), b8(*)
-        integer :: array, p
-        integer(int32) :: word
-        integer(int64) :: at
+        integer(int32), intent(in) :: array(*)
+        integer(int32), intent(inout) :: array_to(*)
+        integer :: c, p
 
         p = (t - 1)/wide
-        call find_word(from, t - 1 - p*wide, place(p + 1), array, at)
-        word = word_of(array, at, a1, a2, a3, a4, a5, a6, a7, a8)
-        call find_word(to, t - 1 - p*wide, place_to(p + 1), array, at)
-        call set_word(array, at, word, b1, b2, b3, b4, b5, b6, b7, b8)
-    end subroutine carry_record
+        c = t - 1 - p*wide
+        array_to(place_of_word(place_to(p + 1), c, words_to, stride_to)) = &
+            array(place_of_word(place(p + 1), c, words, stride))
+    end subroutine carry_words
+
+    !> Where a word of a particle lies in an array of columns.
+    !@cuf attributes(host,device) &
+    pure integer(int64) function place_of_word(place, before, words, stride) result(at)
+        integer(int32), intent(in) :: place !! of the particle
+        integer, intent(in) :: before !! its words before this one
+        integer, intent(in) :: words !! of a particle in a column
+        integer(int64), intent(in) :: stride !! words from a column to the next
+        integer :: column
+
+        column = before/words
+        at = column*stride + (place - 1)*int(words, int64) + (before - column*words) + 1
+    end function place_of_word
 
     !> A word of one of the arrays.
     !@cuf attributes(host,device) &
