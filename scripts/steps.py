@@ -15,7 +15,8 @@ says that a procedure runs on the host for both.
 In files of the solids, which hand on `solid`, the GPU has `gpu` besides: the arrays that it has
 under the same names are read there, and all that is associated but `body`. `!@gpu x => y` behind a
 call says what stands in place of an argument. Procedures that are not handed `solid` run on the
-host for both.
+host for both. Files of the air in src/air and src/step hand on `air` in the same way; walls are on
+the GPU those of `gpu`. Where src/cpu has operations of the air, src/gpu has them by the same names.
 """
 
 import re
@@ -29,6 +30,8 @@ HEAD = re.compile(r"^subroutine (\w+)\((.*)\)$")
 ARRAY = re.compile(r"^([\w()]+), intent\(\w+\) :: (\w+)\(:.*\)$")
 TAGS = re.compile(r"!@gpu (?!call|if)(.*)")
 KNOWN = {"gpu_solid_t": "brz_gpu_solid_state", "list_gpu_faces": "brz_gpu_coupling_shared"}
+KNOWN |= {"gpu_air_t": "brz_gpu_air_state", "clear_buffer": "brz_device"}
+KNOWN |= {"take_found": "brz_gpu_air_operations"}
 KNOWN |= {"from": "brz_buffers", "error_t": "brz_errors", "several": "brz_ranks"}
 KNOWN |= dict.fromkeys(BUFFER.values(), "brz_buffers")
 KNOWN |= dict.fromkeys(
@@ -47,8 +50,13 @@ OF_SOLIDS = [(r"\ballocated\(solid%(load|grip)\)", r"gpu%\1%address /= 0")]
 OF_SOLIDS += [(r"\bjoined_of\(solid%links\)", "gpu%links%joined")]
 OF_SOLIDS += [(r"\b(load|grip)_of\(solid\)", r"gpu%\1"), (rf"\bsolid%({ON_GPU})\b", r"gpu%\1")]
 OF_SOLIDS += [(r"\b(?!body\b)(\w+) => solid%", r"\1 => gpu%"), (r"\((?::, )?1:\)", "")]
-OF_SOLIDS += [(r"\bmodule brz_(\w+)", r"module brz_gpu_\1")]
-OF_SOLIDS += [(r"use brz_(\w+_steps)\b", r"use brz_gpu_\1")]
+OF_AIR = [(r"\bair%(u|outside|grid)\b", r"gpu%\1"), (r"\bair%(reached|awake)\b", r"gpu%bricks%\1")]
+OF_AIR += [(r"\bair%part%(reached|awake)\b", r"gpu%bricks%near_\1")]
+OF_AIR += [(r"\bair%part%own\b", "gpu%bricks%own")]
+OF_AIR += [("^type.wall_t.*", ""), (r", wall\b(?!%)", ""), (r"\bwall%", "gpu%walls%")]
+OWN = [(r"\bmodule brz_(\w+)", r"module brz_gpu_\1")]
+OWN += [(r"use brz_(\w+_(?:steps|operations))\b", r"use brz_gpu_\1")]
+OWNED = {"solid": OF_SOLIDS + OWN, "air": OF_AIR + OWN}
 
 
 def statements(text):
@@ -98,19 +106,19 @@ def launch(family, item, given, comment, c):
     return made
 
 
-def called(code, comment, items, solids):
+def called(code, comment, items, owner):
     """Statements in place of one, which may be a call."""
     if not code and comment.startswith("!@gpu "):
         code = comment.removeprefix("!@gpu ")
-        return [code[:-1] + ", err)" if "call " in code else code]
+        return [re.sub(r"(call .*[^(])\)$", r"\1, err)", code)]
     if comment.startswith("!@host") or not (found := CALL.match(code)):
         return [code]
     before, name, given = found.groups()
     if name.startswith("each_"):
-        first, *more = launch(*items[name[5:]], arguments(given), comment, "gpu" if solids else "c")
+        first, *more = launch(*items[name[5:]], arguments(given), comment, "gpu" if owner else "c")
         return [before + first, *more]
-    if solids:
-        handed_on = arguments(given)[0] == "solid"
+    if owner:
+        handed_on = arguments(given)[0] == owner
         return [f"{before}call {name}(gpu, {given}, err)" if handed_on else code]
     if name == "running_sum":
         x, n, *total = arguments(given)
@@ -129,12 +137,13 @@ def uses(code, tags, families):
         yield f"use {owner}, only: {', '.join(sorted(x for x in known if known[x] == owner))}"
 
 
-def changed(code, solids):
+def changed(code, owner):
     """A statement with the names of the GPU."""
-    if solids:
-        for old, new in OF_SOLIDS:
+    if owner:
+        for old, new in OWNED[owner]:
             code = re.sub(old, new, code)
-        return re.sub(r"^subroutine (\w+)\((solid.*)\)$", r"subroutine \1(gpu, \2, err)", code)
+        head = rf"^subroutine (\w+)\(({owner}.*)\)$"
+        return re.sub(head, r"subroutine \1(gpu, \2, err)", code)
     if (array := ARRAY.match(code)) and array[1] in BUFFER:
         code = f"type({BUFFER[array[1]]}), intent(in) :: {array[2]}"
     for old, new in CHANGES:
@@ -142,23 +151,26 @@ def changed(code, solids):
     return HEAD.sub(r"subroutine \1(\2, err)", code)
 
 
-def translated(text, items, solids):
+def translated(text, items, owner):
     """(indent, statement, comment) of the module for the GPU."""
     opened, lines = False, []
     for indent, code, comment in statements(text):
         if re.match(r"use brz_\w+_loops", code) or comment.startswith("!@cpu"):
             continue
-        if opened and solids and code.startswith("type(solid_t)"):
-            lines.append((8, "type(gpu_solid_t), intent(inout) :: gpu", ""))
+        if opened and owner and code.startswith(f"type({owner}_t)"):
+            lines.append((8, f"type(gpu_{owner}_t), intent(inout) :: gpu", ""))
         if opened and "intent(" not in code and not comment:
             lines.append((8, "type(error_t), intent(inout) :: err", ""))
         if "intent(" not in code and not comment:
             opened = False
         opened = opened or bool(HEAD.match(code))
-        for one in called(changed(code, solids), comment, items, solids):
+        new = changed(code, owner)
+        if code and not new:
+            continue
+        for one in called(new, comment, items, owner):
             lines.append((indent, one, "" if comment.startswith("!@") else comment))
     code = "\n".join(x for _, x, _ in lines)
-    tags = [] if solids else {x for line in TAGS.findall(text) for x in line.split()}
+    tags = [] if owner else {x for line in TAGS.findall(text) for x in line.split()}
     families = set(re.findall(r"(?<!%)\b(\w+)_kernels%", code))
     at = next(k for k, line in enumerate(lines) if line[1] == "implicit none")
     return [*lines[:at], *((4, x, "") for x in uses(code, tags, families)), *lines[at:]]
@@ -173,8 +185,8 @@ def main():
             family = path.stem.removesuffix("_items")
             items[m[3]] = family, Item(*m.groups(), text[m.end() :])
     lines = []
-    solids = source.parent.name == "solid"
-    for indent, code, comment in translated(source.read_text(encoding="utf-8"), items, solids):
+    owner = {"solid": "solid", "air": "air", "step": "air"}.get(source.parent.name, "")
+    for indent, code, comment in translated(source.read_text(encoding="utf-8"), items, owner):
         every = fold(code) if code else [""]
         every[-1] += f" {comment}" if code else comment
         lines += [(" " * indent + x).rstrip() for x in every]

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> The gas beyond the open boundaries, for which they let waves pass.
+!> The gas beyond the open boundaries, for which they let waves pass, and where cells lie in memory.
 module brz_air_outside
     use brz_air_grid, only: first_cell, grid_of, grid_t, lines_along
     use brz_air_state, only: air_t, bc_outflow, bc_periodic
-    use brz_kinds, only: rk
+    use brz_inflow, only: fastest_over
+    use brz_kinds, only: dp, rk
     implicit none
     private
-    public :: keep_outside
+    public :: keep_outside, limit_of_inflow, set_grid
 
 contains
 
@@ -36,4 +37,26 @@ contains
             end do
         end do
     end subroutine keep_outside
+
+    !> Where the cells of the air lie in memory, without walls.
+    pure subroutine set_grid(air)
+        type(air_t), intent(inout) :: air
+
+        air%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
+    end subroutine set_grid
+
+    !> Largest stable time step of what comes in within that step [s].
+    pure real(dp) function limit_of_inflow(air, cfl, from, dt) result(limit)
+        type(air_t), intent(in) :: air
+        real(dp), intent(in) :: cfl !! Courant number [-]
+        real(dp), intent(in) :: from, dt !! start of the step, limit of the gas inside [s]
+        integer :: m
+
+        limit = dt
+        if (.not. allocated(air%inflow)) return
+        do m = 1, size(air%inflow)
+            limit = min(limit, cfl/fastest_over(air%inflow(m), &
+                merge(air%dx, huge(1.0_dp), air%whole > 1), from, dt))
+        end do
+    end function limit_of_inflow
 end module brz_air_outside

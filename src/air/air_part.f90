@@ -7,8 +7,9 @@ module brz_air_part
     use brz_air_boundary, only: bc_inside, bc_periodic
     use brz_air_grid, only: brick
     use brz_boxes, only: box_t, cut_grid, widened
+    use brz_cell_lists, only: places_in
     use brz_fetch, only: fetch_t, plan_fetch
-    use brz_kinds, only: dp, int8, rk
+    use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: ranks_t, several
     implicit none
     private
@@ -23,6 +24,7 @@ module brz_air_part
         type(fetch_t) :: window !! the cells as far as the coupling looks, where there are bodies
         integer(int8), allocatable :: reached(:, :, :), awake(:, :, :)
         !! the maps of bricks, with those of others that are near
+        integer(int64), allocatable :: own(:) !! place of each brick of this process there
         real(rk), allocatable :: seen(:, :, :)
         !! (n_var, 0:7, points) conserved variables around the gauges, see fetch_around
     end type part_t
@@ -60,6 +62,7 @@ contains
         if (around > 0) call plan(part%boxes, n, merge(around, 0, n > 1), n_var, part%window)
         call make_map(part%bricks%whole, part%reached)
         call make_map(part%bricks%whole, part%awake)
+        part%own = places_in(part%bricks%whole, bricks(part%ranks%rank))
 
     contains
 

@@ -2,7 +2,7 @@
 !> The state of the air: conserved variables on a Cartesian grid, and the walls inside it.
 module brz_air_state
     use brz_air_boundary, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
-    use brz_air_grid, only: brick
+    use brz_air_grid, only: brick, grid_t
     use brz_air_part, only: part_t
     use brz_inflow, only: inflow_t
     use brz_kinds, only: dp, int8, int64, rk
@@ -94,6 +94,8 @@ module brz_air_state
         integer, allocatable :: suspect(:)
         !! (blocks) cells of a block whose next state looks unphysical
         integer(int8), allocatable :: bad(:, :, :) !! marks of a stage, see brz_fallback_items
+        integer :: found(1) = 0 !! 1: a cell has been marked
+        type(grid_t), allocatable :: grid !! as set_grid has it, in steps
     end type air_t
 
     !> Faces of one direction whose four cells hold both gas and solid, block of lines by block.

@@ -8,24 +8,19 @@
 !> one into them are awake too. The rates of all other cells are zero to the bit, so leaving them
 !> out changes nothing.
 module brz_air_activity
-    use brz_air_grid, only: grid_of, layers_around
-    use brz_air_state, only: air_t, brick, bc_periodic, lines_per_block, wall_t
-    use brz_brick_loops, only: each_wake_near
-    use brz_fetch, only: fetch
+    use brz_air_state, only: air_t, brick, lines_per_block, wall_t
     use brz_grid_lines, only: first_cell_of, n_lines
     use brz_kinds, only: int8, rk
-    use brz_ranks, only: several
-    use brz_scheme, only: reach_of
     implicit none
     private
-    public :: find_awake, awake_along, next_run
+    public :: settle_bricks, awake_along, next_run
 
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
 
 contains
 
-    !> Bring the maps of reached and awake bricks up to date. At the start of a step.
-    subroutine find_awake(air, wall)
+    !> Bring the map of reached bricks up to date. At the start of a step.
+    subroutine settle_bricks(air, wall)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(in) :: wall
         integer :: c, i, j, k, cell(3)
@@ -44,8 +39,7 @@ contains
             end do
         end do
         !$omp end parallel do
-        if (air%activity) call wake_neighbours(air)
-    end subroutine find_awake
+    end subroutine settle_bricks
 
     !> Put a brick to rest if it is but for rounding, or mark it as reached.
     pure subroutine settle(air, at)
@@ -77,42 +71,6 @@ contains
         air%reached(at(1), at(2), at(3)) = 0
         if (.not. still) air%u(lo(1):hi(1), lo(2):hi(2), lo(3):hi(3), 2:4) = 0
     end subroutine settle
-
-    !> Awake are the reached bricks and those as near as a step reaches.
-    subroutine wake_neighbours(air)
-        type(air_t), intent(inout) :: air
-        integer :: layers(3)
-
-        if (several(air%part%ranks)) then
-            call wake_from_others(air)
-            return
-        end if
-        layers = layers_around(air%n, air%bc(1, :) == bc_periodic, &
-                               air%n_stages*reach_of(air%scheme))
-        call each_wake_near(size(air%awake), grid_of(air%n, air%g, air%n_var, real(air%dx, rk), &
-                            air%bc, bc_periodic), layers(1), layers(2), layers(3), air%reached, &
-                            air%awake)
-    end subroutine wake_neighbours
-
-    !> The same with the bricks of other processes around the box.
-    subroutine wake_from_others(air)
-        type(air_t), intent(inout) :: air
-        integer :: lo(3), hi(3), first(3), layers(3)
-
-        first = air%before/brick + 1
-        lo = air%part%bricks%whole%lo
-        hi = air%part%bricks%whole%hi
-        layers = layers_around(air%whole, air%outer(1, :) == bc_periodic, &
-                               air%n_stages*reach_of(air%scheme))
-        associate (part => air%part, last => first + shape(air%reached) - 1)
-            part%reached(first(1):last(1), first(2):last(2), first(3):last(3)) = air%reached
-            call fetch(part%ranks, part%bricks, lo, hi, part%reached)
-            call each_wake_near(size(part%awake), grid_of(brick*(hi - lo + 1), air%g, air%n_var, &
-                                real(air%dx, rk), air%bc, bc_periodic), layers(1), layers(2), &
-                                layers(3), part%reached, part%awake)
-            air%awake = part%awake(first(1):last(1), first(2):last(2), first(3):last(3))
-        end associate
-    end subroutine wake_from_others
 
     !> Bricks along a block of lines of which some line is awake.
     pure subroutine awake_along(air, d, b, awake)

@@ -7,14 +7,14 @@ module brz_air_sweep
     use brz_kinds, only: dp, int8, rk
     use brz_air_activity, only: awake_along, next_run
     use brz_air_boundary, only: beyond_wall
-    use brz_air_grid, only: stage_t
+    use brz_air_grid, only: place_of, stage_t
     use brz_air_state, only: air_t, bc_inside, bc_periodic, brick, lines_per_block, n_ghost, &
         sweep_work_t, wall_t
     use brz_grid_lines, only: first_cell_of, line_of, n_blocks, n_lines, turned
     use brz_gas, only: pressure
     use brz_positivity, only: margin, stray
     use brz_scheme, only: max_var
-    use brz_air_faces, only: flux_at
+    use brz_face_items, only: face_at
     use brz_air_lines, only: line_fluxes
     use omp_lib, only: omp_get_thread_num
     implicit none
@@ -131,7 +131,8 @@ contains
         do l = 1, nb
             call first_cell_of(air%n, d, (run%block - 1)*nb + min(l, run%lines), low)
             low(d) = run%lo - 1 + i
-            call flux_at(air, wall, air%scheme, d, low, flux, p_star, speed)
+            call face_at(d, air%grid, air%scheme, place_of(air%grid, low(1), low(2), low(3)), &
+                         low(d), air%u, wall%solid, wall%index, wall%v, flux, p_star, speed)
             f(l, :, i) = flux(:air%n_var)
         end do
     end subroutine wall_end
@@ -347,7 +348,9 @@ contains
         do e = wall%cut(d)%first(run%block), wall%cut(d)%first(run%block + 1) - 1
             low = wall%cut(d)%face(1:3, e)
             if (low(d) < run%lo - 1 .or. low(d) > run%hi) cycle
-            call flux_at(air, wall, air%scheme, d, low, flux, p_star, wall%cut(d)%speed(e))
+            call face_at(d, air%grid, air%scheme, place_of(air%grid, low(1), low(2), low(3)), &
+                         low(d), air%u, wall%solid, wall%index, wall%v, flux, p_star, &
+                         wall%cut(d)%speed(e))
             wall%cut(d)%push(e) = wall%cut(d)%side(e)*p_star*real(1/air%dx(d), rk)
             l = lane_of(run, low)
             f(l, :, low(d) - run%lo + 1) = flux(:air%n_var)

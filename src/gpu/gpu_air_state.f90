@@ -5,7 +5,7 @@
 !> before a dump or a checkpoint, and `fetch_cells` at the places of gauges.
 module brz_gpu_air_state
     use brz_air_boundary, only: beyond_wall
-    use brz_air_grid, only: brick, column, grid_of, grid_t, layers_around, place_of
+    use brz_air_grid, only: column, grid_of, grid_t, place_of
     use brz_air_outside, only: keep_outside
     use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
     use brz_boxes, only: box_t
@@ -16,12 +16,11 @@ module brz_gpu_air_state
     use brz_face_launches, only: face_kernels
     use brz_air_launches, only: air_kernels
     use brz_errors, only: error_t, exit_device, failed, raise
-    use brz_cell_lists, only: places_in
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_fetch, only: gpu_fetch_t
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: several
-    use brz_scheme, only: first_order, hllc, max_var, muscl_cells, reach_of, scheme_t, weno3_cells
+    use brz_scheme, only: first_order, hllc, max_var, muscl_cells, scheme_t, weno3_cells
     use brz_snapshots, only: snapshot_t
     use brz_total_state, only: running_total_t
     use brz_text, only: to_text
@@ -49,8 +48,6 @@ module brz_gpu_air_state
         logical :: swept = .false. !! every brick has been computed once
         type(bytes_t) :: reached, awake !! one byte for each brick
         ! on several processes, with the bricks of others that are near
-        type(grid_t) :: grid !! of brick cells in each direction
-        integer :: layers(3) = 0 !! bricks that a step reaches
         type(bytes_t) :: near_reached, near_awake
         type(buffer_t) :: own !! (bricks) place of each of this process there
         type(gpu_fetch_t) :: others
@@ -61,8 +58,9 @@ module brz_gpu_air_state
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         type(scheme_t) :: scheme
         real(rk) :: rho_rest = 0, p_rest = 0 !! as in air_t
-        type(reals_t) :: u !! conserved variables, as in air_t
-        type(reals_t) :: spare(2) !! the same of the stages of a step
+        type(reals_t) :: u !! conserved variables, as in air_t; in a step those of a stage
+        type(reals_t) :: start !! the same at the start of the step, in one of the others
+        type(reals_t) :: new, spare !! the next state; room for another
         type(reals_t) :: flux !! through the faces of direction x above each cell
         type(bytes_t) :: bad !! one byte for each cell, see mark_cell
         type(integers_t) :: found !! 1: a kernel has found a bad cell; a count
@@ -76,6 +74,8 @@ module brz_gpu_air_state
         type(gpu_walls_t) :: walls
         type(gpu_bricks_t) :: bricks
         type(running_total_t) :: left_before(6) !! what had left when the GPU took over
+    contains
+        procedure :: go_on
     end type gpu_air_t
 
 contains
@@ -88,7 +88,6 @@ contains
         type(gpu_air_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: cells, field, ends
-        integer :: m
         logical :: held
 
         gpu%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
@@ -103,7 +102,6 @@ contains
         call find_kernel(device, 'march_'//name_of(air%scheme), gpu%march, err)
         call find_kernel(device, 'last_'//name_of(air%scheme), gpu%last, err)
         call find_kernel(device, 'redo_'//name_of(air%scheme), gpu%redo, err)
-        call allocate_buffer(gpu%u, field, err)
         call allocate_buffer(gpu%flux, field, err)
         call allocate_buffer(gpu%bad, cells, err)
         call allocate_buffer(gpu%found, 8_int64, err)
@@ -125,15 +123,26 @@ contains
         gpu%rho_rest = air%rho_rest
         gpu%p_rest = air%p_rest
         call put_buffer(air%outside, gpu%outside, 2*ends*bytes_of_real, err)
-        call copy_in(air%u, gpu%u, field, err)
-        do m = 1, 2
-            call allocate_buffer(gpu%spare(m), field, err)
-            call copy_in(air%u, gpu%spare(m), field, err)
-        end do
+        call put_buffer(air%u, gpu%u, field, err)
+        call put_buffer(air%u, gpu%new, field, err)
+        call put_buffer(air%u, gpu%spare, field, err)
         if (.not. held) return
         call clear_buffer(gpu%walls%solid, err)
         call mark_near_walls(gpu, err)
     end subroutine open_gpu_air
+
+    !> After a stage: the next state is that which the next stage starts from.
+    pure subroutine go_on(self)
+        class(gpu_air_t), intent(inout) :: self
+        type(reals_t) :: before
+
+        before = self%u
+        self%u = self%new
+        self%new = before
+        if (before%address /= self%start%address) return
+        self%new = self%spare
+        self%spare = before
+    end subroutine go_on
 
     !> Cells of the whole grid that the arrays of this process hold.
     pure type(box_t) function box_of(air) result(box)
@@ -179,20 +188,13 @@ contains
         integer(int8) :: awake(size(air%reached))
 
         awake = 1
-        call allocate_buffer(gpu%bricks%reached, size(awake, kind=int64), err)
-        call allocate_buffer(gpu%bricks%awake, size(awake, kind=int64), err)
-        call copy_in(air%reached, gpu%bricks%reached, size(awake, kind=int64), err)
-        call copy_in(awake, gpu%bricks%awake, size(awake, kind=int64), err)
-        gpu%bricks%layers = layers_around(air%whole, air%outer(1, :) == bc_periodic, &
-                                          air%n_stages*reach_of(air%scheme))
+        call put_buffer(air%reached, gpu%bricks%reached, size(awake, kind=int64), err)
+        call put_buffer(awake, gpu%bricks%awake, size(awake, kind=int64), err)
         if (.not. several(air%part%ranks)) return
-        associate (map => air%part%bricks, bricks => gpu%bricks, first => air%before/brick + 1)
-            bricks%grid = grid_of(brick*(map%whole%hi - map%whole%lo + 1), air%g, air%n_var, &
-                                  real(air%dx, rk), air%bc, bc_periodic)
+        associate (map => air%part%bricks, bricks => gpu%bricks)
             call allocate_buffer(bricks%near_reached, size(air%part%reached, kind=int64), err)
             call allocate_buffer(bricks%near_awake, size(air%part%reached, kind=int64), err)
-            call put_buffer(places_in(map%whole, box_t(first, first + shape(air%reached) - 1)), &
-                            bricks%own, 8*size(awake, kind=int64), err)
+            call put_buffer(air%part%own, bricks%own, 8*size(awake, kind=int64), err)
             call bricks%others%open(air%part%ranks, map, map%whole, 0, err)
         end associate
     end subroutine open_bricks
@@ -227,7 +229,7 @@ contains
     subroutine close_gpu_air(gpu)
         type(gpu_air_t), intent(inout) :: gpu
 
-        call free_buffers(gpu%u, gpu%spare(1), gpu%spare(2), gpu%flux, gpu%bad, gpu%found, &
+        call free_buffers(gpu%u, gpu%new, gpu%spare, gpu%flux, gpu%bad, gpu%found, &
             gpu%outside, gpu%edge)
         call free_buffers(gpu%outflow, gpu%part, gpu%bricks%reached, gpu%bricks%awake, &
             gpu%walls%solid, gpu%walls%near, gpu%walls%index, gpu%walls%v)

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> The operations of a step that differ between CPU and GPU, but for the coupling.
 module brz_backend_step
-    use brz_air_inflow, only: let_in, limit_of_inflow
+    use brz_air_outside, only: limit_of_inflow
     use brz_air_state, only: air_t, wall_t
-    use brz_air_step, only: air_step
+    use brz_air_steps, only: air_step
     use brz_air_sums, only: air_time_step
     use brz_backend, only: backend_t, particles_of
     use brz_between_steps, only: book_between
@@ -11,16 +11,17 @@ module brz_backend_step
     use brz_device, only: measure_memory
     use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_force_steps, only: book_impulse
-    use brz_gpu_air_inflow, only: gpu_let_in
     use brz_gpu_air_state, only: open_gpu_air
-    use brz_gpu_air_step, only: gpu_air_step
+    use brz_gpu_air_steps, only: gpu_air_step => air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
     use brz_gpu_between_steps, only: book_gpu_between => book_between
     use brz_gpu_solid_copy, only: open_gpu_solid
     use brz_gpu_force_steps, only: book_gpu_impulse => book_impulse
+    use brz_gpu_inflow_steps, only: gpu_let_in => let_in
     use brz_gpu_load_steps, only: gpu_load_faces => load_faces
     use brz_gpu_solid_step, only: gpu_solid_step
+    use brz_inflow_steps, only: let_in
     use brz_kinds, only: dp
     use brz_load_steps, only: load_faces
     use brz_solid_state, only: solid_t

@@ -5,7 +5,7 @@ module brz_time_step
     use brz_air_state, only: air_ok
     use brz_backend_coupling, only: exchange_gas, load_bodies, set_walls
     use brz_backend_step, only: advance_air, advance_solid, let_gas_in, limit_of_air
-    use brz_coupling_paper, only: move_paper_walls, paper_step
+    use brz_paper_step, only: move_paper_walls, paper_step
     use brz_errors, only: error_t, exit_numerical, failed, raise
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64

@@ -10,7 +10,7 @@ program bench_gpu
     use brz_device, only: device_t, wait_for_device
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: close_gpu_air, gpu_air_t, open_gpu_air
-    use brz_gpu_air_step, only: gpu_air_step
+    use brz_gpu_air_steps, only: gpu_air_step => air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_kinds, only: dp, rk
     use brz_scheme, only: hllc, muscl_cells, steger_warming, weno3_cells, weno5z_cells

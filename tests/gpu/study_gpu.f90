@@ -11,7 +11,7 @@ program study_gpu
     use brz_device, only: device_t
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: close_gpu_air, fetch_air, gpu_air_t, open_gpu_air
-    use brz_gpu_air_step, only: gpu_air_step
+    use brz_gpu_air_steps, only: gpu_air_step => air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_kinds, only: dp, int64
     use brz_timer, only: wall_seconds

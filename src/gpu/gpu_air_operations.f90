@@ -1,0 +1,153 @@
+! SPDX-License-Identifier: MIT
+!> What a step of the air is made of on the GPU, as launches; brz_gpu_air_steps puts it in order.
+!>
+!> Each stage reads one state and writes another, so that a cell can be computed again.
+module brz_gpu_air_operations
+    use brz_air_grid, only: faces_of_a_thread, lines_along, rest_t, stage_t
+    use brz_air_launches, only: air_kernels, launch_faces, launch_march, launch_redo
+    use brz_air_lost, only: find_lost
+    use brz_air_state, only: air_t
+    use brz_buffers, only: from
+    use brz_device, only: clear_buffer, copy_out, kernel_t
+    use brz_errors, only: error_t, failed
+    use brz_fallback_items, only: to_redo
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_kinds, only: dp, int64, int8, rk
+    use brz_ranks, only: agree
+    implicit none
+    private
+    public :: get_ready, sweep_all, find_bad, take_found, redo, find_lost_cell, add_outflow
+
+contains
+
+    !> Impulses and the map of what is reached, for a step: a brick that nothing has reached is put
+    !> to rest, see brz_air_activity.
+    subroutine get_ready(gpu, air, err)
+        type(gpu_air_t), intent(inout) :: gpu
+        type(air_t), intent(in) :: air
+        type(error_t), intent(inout) :: err !! exit_device where the GPU fails
+        type(rest_t) :: rest
+        integer :: columns(3)
+
+        gpu%fetched = .false.
+        gpu%start = gpu%u
+        if (gpu%walls%n_faces > 0) call clear_buffer(gpu%walls%impulse, err)
+        rest%u = air%rest
+        rest%momentum = epsilon(1.0_rk)*sqrt(air%scheme%gamma*air%p_rest*air%rho_rest)
+        columns = [air%n(1:2), gpu%grid%bricks(3)]
+        associate (bricks => gpu%bricks)
+            call air_kernels%air_look(columns, gpu%grid, rest, gpu%u, bricks%awake, &
+                                      bricks%reached, err)
+            call air_kernels%air_settle(columns, gpu%grid, bricks%awake, bricks%reached, gpu%u, err)
+        end associate
+    end subroutine get_ready
+
+    !> Rates of all directions; the last one completes the next state and marks its bad cells. Cells
+    !> near walls are computed again.
+    subroutine sweep_all(gpu, air, stage, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        type(stage_t), intent(in) :: stage
+        type(error_t), intent(inout) :: err
+        type(kernel_t) :: kernel
+        integer :: d, threads(3)
+
+        if (air%n(1) > 1) then
+            threads = [(air%n(1)/faces_of_a_thread + 1)*air%n(2), air%n(3), 1]
+            call launch_faces(gpu%faces, threads, gpu%grid, air%scheme, gpu%u, &
+                              gpu%bricks%awake, gpu%flux, gpu%edge, err)
+        end if
+        if (gpu%grid%last == 1) call air_kernels%air_update_line(air%n, gpu%grid, stage, gpu%u, &
+            gpu%start, gpu%new, gpu%flux, gpu%walls%near, gpu%bad, gpu%found, err)
+        do d = 2, 3
+            if (air%n(d) == 1) cycle
+            threads = [lines_along(gpu%grid, d), (air%n(d) - 1)/gpu%grid%segment(d) + 1, 1]
+            kernel = gpu%march
+            if (d == gpu%grid%last) kernel = gpu%last
+            call launch_march(kernel, threads, d, gpu%grid, air%scheme, stage, gpu%u, gpu%start, &
+                              gpu%new, gpu%flux, gpu%walls%near, gpu%bricks%awake, gpu%bad, &
+                              gpu%found, gpu%edge, err)
+        end do
+        if (gpu%grid%walls == 1) call redo(gpu, air, stage, 0, to_redo, err)
+    end subroutine sweep_all
+
+    !> Compute marked cells and their neighbours again, in pass 0 those near walls.
+    subroutine redo(gpu, air, stage, pass, task, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        type(stage_t), intent(in) :: stage
+        integer, intent(in) :: pass !! marks up to this one count
+        integer, intent(in) :: task !! to_redo, ...
+        type(error_t), intent(inout) :: err
+
+        associate (walls => gpu%walls)
+            call launch_redo(gpu%redo, air%n, pass, task, gpu%grid, air%scheme, stage, gpu%u, &
+                             gpu%start, gpu%new, gpu%bad, gpu%found, gpu%edge, walls%near, &
+                             walls%solid, walls%index, walls%v, walls%face_of, walls%push, err)
+        end associate
+    end subroutine redo
+
+    !> Has a kernel found a bad cell since the last call, in any process? An error of one is then
+    !> that of all.
+    subroutine find_bad(gpu, air, found, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        logical, intent(out) :: found
+        type(error_t), intent(inout) :: err
+        integer :: number
+        real(dp) :: none(1)
+
+        call take_found(gpu, number, err)
+        none = merge(1, 0, number == 0)
+        call agree(air%part%ranks, err, none)
+        found = none(1) < 1 .and. .not. failed(err)
+    end subroutine find_bad
+
+    !> What kernels have found since the last call.
+    subroutine take_found(gpu, number, err)
+        type(gpu_air_t), intent(in) :: gpu
+        integer, intent(out) :: number
+        type(error_t), intent(inout) :: err
+        integer :: found(1)
+
+        found = 0
+        call copy_out(gpu%found, found, 4_int64, err)
+        number = found(1)
+        if (number > 0) call clear_buffer(gpu%found, err)
+    end subroutine take_found
+
+    !> Book what left through the outer faces.
+    subroutine add_outflow(gpu, air, stage, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        type(stage_t), intent(in) :: stage
+        type(error_t), intent(inout) :: err
+
+        call air_kernels%air_outflow([gpu%grid%lines, air%n_var, 2], gpu%grid, stage, gpu%edge, &
+                                     gpu%outflow, err)
+    end subroutine add_outflow
+
+    !> Where the first lost cell of this process is, and what it would have become: the next state
+    !> holds the Euler step of lost cells.
+    subroutine find_lost_cell(gpu, air, here, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(inout) :: air
+        logical, intent(out) :: here !! there is one
+        type(error_t), intent(inout) :: err
+        integer(int8), allocatable :: marks(:)
+        real(rk) :: value(1)
+        integer(int64) :: at
+        integer :: c
+
+        allocate (marks(gpu%grid%apart), source=0_int8)
+        call copy_out(gpu%bad, marks, gpu%grid%apart, err)
+        call find_lost(air, gpu%grid, marks, at)
+        here = at > 0
+        do c = 1, 5
+            value = 0
+            if (here) call copy_out(from(gpu%new, at + (c - 1)*gpu%grid%apart), value, &
+                                    bytes_of_real, err)
+            air%bad_state(c) = value(1)
+        end do
+    end subroutine find_lost_cell
+end module brz_gpu_air_operations
