@@ -11,7 +11,8 @@ device with lines such as
     !@kernel march_weno3_split(128,3): 0, weno3_cells, steger_warming
 
 is called by a kernel for each of them, with these constants in place of its first arguments and
-with these bounds on a launch: `launch_PROCEDURE` launches the kernel that it is given. Structures
+with these bounds on a launch: `launch_PROCEDURE` launches the kernel that it is given. `march_?: 0,
+?` stands for all schemes of the air that no other line names. Structures
 are passed by value, but for those whose line says `!@buffer`; an array of `!@any` may be a buffer
 of other numbers. Kernels whose name has a star are written by another script, models.py.
 """
@@ -26,11 +27,15 @@ KERNEL = re.compile(r"((?:^ *!>.*\n)+)^ *attributes\(global\)[^&\n]*?subroutine 
 VARIED = re.compile(
     r"((?:^ *!>.*\n)+)((?:^ *!@kernel .*\n)+)^ *attributes\(device\) subroutine (\w+)\(", re.M
 )
-VARIANT = re.compile(r"!@kernel ([\w*]+)(\([\d, ]+\))?: (.*)")
+VARIANT = re.compile(r"!@kernel ([\w*?]+)(\([\d, ]+\))?: (.*)")
 PUBLIC = re.compile(r"^ *public :: ((?:[\w, ]|& *\n *&?)+)", re.M)
 LINE = re.compile(
     r"^ *(\w+(?:\(\w+\))?), *(value|(?:device, *)?intent\(\w+\)) *::([^!\n]*)(?:!!?(.*))?", re.M
 )
+
+RECONSTRUCTIONS = {"first_order": "first_order"}
+RECONSTRUCTIONS |= {x: f"{x}_cells" for x in ("muscl", "weno3", "weno5z")}
+SOLVERS = {"split": "steger_warming", "hllc": "hllc"}
 
 
 class Kernel:
@@ -49,6 +54,16 @@ class Kernel:
         self.variants = variants
         skip = len(variants[0][2].split(",")) if variants else 0
         self.given = [found[x] for x in names[skip:]]
+
+
+def each_scheme(found):
+    """(name, bounds, constants) of all variants: `?` stands for every scheme that is not named."""
+    for name, bounds, constants in found:
+        for r, cells in RECONSTRUCTIONS.items():
+            for s, solver in SOLVERS.items():
+                one = name.replace("?", f"{r}_{s}")
+                if one == name or one not in [x[0] for x in found]:
+                    yield one, bounds, constants.replace("?", f"{cells}, {solver}")
 
 
 def parameters(kernel):
@@ -99,7 +114,8 @@ def main():
     for text in (Path(x).read_text(encoding="utf-8") for x in sys.argv[3:]):
         plain += [Kernel(*m.groups(), text[m.end() :]) for m in KERNEL.finditer(text)]
         for m in VARIED.finditer(text):
-            varied += [Kernel(m[1], m[3], text[m.end() :], VARIANT.findall(m[2]))]
+            found = list(dict.fromkeys(each_scheme(VARIANT.findall(m[2]))))
+            varied += [Kernel(m[1], m[3], text[m.end() :], found)]
         for owner, names in USE.findall(text):
             known |= dict.fromkeys(re.findall(r"\w+", names), owner)
         for names in PUBLIC.findall(text):

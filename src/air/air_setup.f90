@@ -21,7 +21,7 @@ module brz_air_setup
     use brz_scheme, only: max_var, reach_of
     implicit none
     private
-    public :: set_up_air, has_own_gas, make_grid, time_step_ramp
+    public :: set_up_air, has_own_gas, make_grid, time_step_ramp, reconstruction_names
 
     ! in the order of the codes in brz_scheme
     character(*), parameter :: reconstruction_names(4) = [character(16) :: 'first_order', 'muscl', &

@@ -15,7 +15,7 @@ module brz_coupling_state
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: coupling_t, coupling_books_t, side_of
+    public :: coupling_t, coupling_books_t, side_of, sums_in, put_sums
 
     !> What the air has given to the bodies, and other sums over all steps.
     type :: coupling_books_t
@@ -87,4 +87,25 @@ module brz_coupling_state
         real(rk), allocatable :: impedance(:) !! (n_faces) loss of force per velocity [N s/m]
         type(coupling_books_t) :: books
     end type coupling_t
+
+contains
+
+    !> Work and impulses of the books in a row, in the order of the columns on a GPU.
+    pure function sums_in(books) result(sums)
+        type(coupling_books_t), intent(in) :: books
+        real(dp) :: sums(8)
+
+        sums = [books%work, books%work_reference, books%impulse, books%impulse_reference]
+    end function sums_in
+
+    !> The same from a row.
+    pure subroutine put_sums(sums, books)
+        real(dp), intent(in) :: sums(8)
+        type(coupling_books_t), intent(inout) :: books
+
+        books%work = sums(1)
+        books%work_reference = sums(2)
+        books%impulse = sums(3:5)
+        books%impulse_reference = sums(6:8)
+    end subroutine put_sums
 end module brz_coupling_state

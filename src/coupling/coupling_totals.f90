@@ -3,7 +3,7 @@
 module brz_coupling_totals
     use brz_air_state, only: air_t
     use brz_air_totals, only: air_totals
-    use brz_coupling_state, only: coupling_books_t, coupling_t
+    use brz_coupling_state, only: coupling_books_t, coupling_t, put_sums, sums_in
     use brz_debt_loops, only: each_total_debt
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, rk
@@ -62,12 +62,8 @@ contains
 
         books = coupling%books
         if (.not. several(ranks)) return
-        call exact_sums(ranks, reshape([books%work, books%work_reference, books%impulse, &
-                                        books%impulse_reference], [8, 1]), sums)
-        books%work = sums(1)
-        books%work_reference = sums(2)
-        books%impulse = sums(3:5)
-        books%impulse_reference = sums(6:8)
+        call exact_sums(ranks, reshape(sums_in(books), [8, 1]), sums)
+        call put_sums(sums, books)
         counts = [books%covered, books%uncovered, books%kept]
         call sum_of_all(ranks, counts)
         books%covered = counts(1)

@@ -7,10 +7,11 @@ module brz_gpu_air_state
     use brz_air_boundary, only: beyond_wall
     use brz_air_grid, only: column, grid_of, grid_t, place_of
     use brz_air_outside, only: keep_outside
+    use brz_air_setup, only: reconstruction_names
     use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
     use brz_boxes, only: box_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, integers_t, reals_t
-    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, &
+    use brz_device, only: allocate_buffer, clear_buffer, copy_out, &
         device_t, find_kernel, free_buffers, kernel_t, put_buffer
     use brz_place_launches, only: place_kernels
     use brz_face_launches, only: face_kernels
@@ -20,7 +21,7 @@ module brz_gpu_air_state
     use brz_gpu_fetch, only: gpu_fetch_t
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: several
-    use brz_scheme, only: first_order, hllc, max_var, muscl_cells, scheme_t, weno3_cells
+    use brz_scheme, only: hllc, max_var, scheme_t
     use brz_snapshots, only: snapshot_t
     use brz_total_state, only: running_total_t
     use brz_text, only: to_text
@@ -88,6 +89,7 @@ contains
         type(gpu_air_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
         integer(int64) :: cells, field, ends
+        character(:), allocatable :: scheme !! its name among the kernels
         logical :: held
 
         gpu%grid = grid_of(air%n, air%g, air%n_var, real(air%dx, rk), air%bc, bc_periodic)
@@ -98,10 +100,12 @@ contains
         ends = int(gpu%grid%lines, int64)*air%n_var
         call require(device, 4*field + merge(7, 1, held)*cells + ends*(4*bytes_of_real + 16), err)
         call gpu%common%open(device, 1, err)
-        call find_kernel(device, 'faces_'//name_of(air%scheme), gpu%faces, err)
-        call find_kernel(device, 'march_'//name_of(air%scheme), gpu%march, err)
-        call find_kernel(device, 'last_'//name_of(air%scheme), gpu%last, err)
-        call find_kernel(device, 'redo_'//name_of(air%scheme), gpu%redo, err)
+        scheme = trim(reconstruction_names(air%scheme%reconstruction))// &
+            merge('_hllc ', '_split', air%scheme%flux == hllc)
+        call find_kernel(device, 'faces_'//trim(scheme), gpu%faces, err)
+        call find_kernel(device, 'march_'//trim(scheme), gpu%march, err)
+        call find_kernel(device, 'last_'//trim(scheme), gpu%last, err)
+        call find_kernel(device, 'redo_'//trim(scheme), gpu%redo, err)
         call allocate_buffer(gpu%flux, field, err)
         call allocate_buffer(gpu%bad, cells, err)
         call allocate_buffer(gpu%found, 8_int64, err)
@@ -210,20 +214,6 @@ contains
             to_text(int(device%free_bytes/2**20))//' MiB are free: use fewer cells, a build '// &
             'with PRECISION=mixed, or --backend cpu')
     end subroutine require
-
-    !> Name of a scheme among the kernels.
-    function name_of(scheme) result(name)
-        type(scheme_t), intent(in) :: scheme
-        character(:), allocatable :: name
-
-        select case (scheme%reconstruction)
-        case (first_order); name = 'first_order'
-        case (muscl_cells); name = 'muscl'
-        case (weno3_cells); name = 'weno3'
-        case default; name = 'weno5z'
-        end select
-        name = name//trim(merge('_hllc ', '_split', scheme%flux == hllc))
-    end function name_of
 
     !> Give the memory back.
     subroutine close_gpu_air(gpu)

@@ -3,14 +3,13 @@
 module brz_gpu_coupling_copy
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
-    use brz_coupling_state, only: coupling_t
+    use brz_coupling_state, only: coupling_t, put_sums, sums_in
     use brz_debt_steps, only: enter_host_debts => enter_debts
     use brz_debt_launches, only: debt_kernels
     use brz_device, only: clear_buffer, copy_in, copy_out, device_t
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
-    use brz_gpu_coupling_layout, only: book_given, book_high, book_low, book_taken, &
-        book_taken_work, book_threads, book_work, n_book
+    use brz_gpu_coupling_layout, only: book_high, book_low, book_threads, n_book
     use brz_gpu_coupling_guests, only: invite_gpu_guests, open_gpu_windows
     use brz_gpu_coupling_state, only: gpu_coupling_t, open_memory, particles_t, seen, seen_t
     use brz_gpu_debt_steps, only: enter_debts, size_debts
@@ -80,10 +79,7 @@ contains
         real(dp) :: book(book_threads, n_book)
 
         book = 0
-        book(1, book_work) = coupling%books%work
-        book(1, book_taken_work) = coupling%books%work_reference
-        book(1, book_given + 1:book_given + 3) = coupling%books%impulse
-        book(1, book_taken + 1:book_taken + 3) = coupling%books%impulse_reference
+        book(1, :8) = sums_in(coupling%books)
         book(:, book_low) = coupling%books%ledger_low
         book(:, book_high) = coupling%books%ledger_high
         call copy_in(book, gpu%book, 8_int64*size(book), err)
@@ -94,16 +90,12 @@ contains
         type(gpu_coupling_t), intent(in) :: gpu
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
-        real(dp) :: book(book_threads, n_book), sums(n_book)
+        real(dp) :: book(book_threads, n_book)
 
         book = 0
         call copy_out(gpu%book, book, 8_int64*size(book), err)
         if (failed(err)) return
-        sums = sum(book, 1)
-        coupling%books%work = sums(book_work)
-        coupling%books%work_reference = sums(book_taken_work)
-        coupling%books%impulse = sums(book_given + 1:book_given + 3)
-        coupling%books%impulse_reference = sums(book_taken + 1:book_taken + 3)
+        call put_sums(sum(book(:, :8), 1), coupling%books)
         coupling%books%ledger_low = real(minval(book(:, book_low)), rk)
         coupling%books%ledger_high = real(maxval(book(:, book_high)), rk)
     end subroutine fetch_books

@@ -7,7 +7,7 @@ module brz_gpu_coupling_layout
     public :: book_threads, n_book
     public :: count_moved, count_outside, count_covered, count_uncovered, count_own, count_over, &
               count_kept, n_count
-    public :: book_work, book_taken_work, book_given, book_taken, book_low, book_high
+    public :: book_work, book_low, book_high
 
     ! what the kernels count
     integer, parameter :: count_moved = 1 !! particles that have changed their cell
@@ -20,10 +20,7 @@ module brz_gpu_coupling_layout
 
     ! the books, as partial results of `book_threads` threads: part(book_threads, n_book)
     integer, parameter :: book_threads = tally_threads
-    integer, parameter :: book_work = 1 !! energy that the air spent on moving walls [J]
-    integer, parameter :: book_taken_work = 2 !! part of it that the reference pressure did
-    integer, parameter :: book_given = 2 !! + 1..3: impulse given to the solid [N s]
-    integer, parameter :: book_taken = 5 !! + 1..3: what was taken off
+    integer, parameter :: book_work = 1 !! to 8: work and impulses, as sums_in has them
     integer, parameter :: book_low = 9, book_high = 10 !! least and largest ledger
     integer, parameter :: n_book = 10
 end module brz_gpu_coupling_layout

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """What is written around an item does what the item says, and checks how it is called."""
 
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -259,6 +260,22 @@ def leaf(tmp_path_factory):
     writer = [sys.executable, ROOT / "scripts/kernels.py", "leaf", folder]
     subprocess.run([*writer, folder / "leaf_kernels.CUF"], check=True)
     return folder
+
+
+def test_a_question_mark_stands_for_all_schemes_that_are_not_named(tmp_path):
+    text = KERNELS.replace("!@kernel press_flat(128,2): flat, .true.", "!@kernel press_?(64,1): ?")
+    named = "!@kernel press_weno3_hllc(9,9): weno3_cells, hllc"
+    (tmp_path / "leaf.CUF").write_text(
+        text.replace("!@kernel press_folded: folded, .false.", named)
+    )
+    writer = [sys.executable, ROOT / "scripts/kernels.py", "leaf", tmp_path, tmp_path / "leaf.CUF"]
+    subprocess.run(writer, check=True)
+    made = (tmp_path / "leaf_variants.CUF").read_text()
+    found = re.findall(r"launch_bounds\((.*)\) subroutine press_(\w+)\(", made)
+    assert len(found) == 8
+    assert {bounds for bounds, name in found if name != "weno3_hllc"} == {"64,1"}
+    assert ("9,9", "weno3_hllc") in found
+    assert "call press(muscl_cells, steger_warming, n, step, x)" in made
 
 
 @pytest.mark.parametrize(

@@ -41,6 +41,28 @@ contains
     end subroutine pay_all
 end module brz_debt_steps
 """
+OF_AIR = """\
+! SPDX-License-Identifier: MIT
+module brz_gust_steps
+    use brz_air_operations, only: blow
+    use brz_air_state, only: air_t, wall_t
+    use brz_debt_loops, only: each_pay_debt
+    implicit none
+contains
+    !> Let it blow.
+    subroutine let_blow(air, wall, n)
+        type(air_t), intent(inout) :: air
+        type(wall_t), intent(inout) :: wall
+        integer, intent(in) :: n
+
+        call blow(air, wall, air%n)
+        call settle(n)
+        call each_pay_debt(n, air%u, wall%push, air%u_start) !@cpu
+        !@gpu call gpu%go_on()
+        !@gpu call gpu%halo%reals_of_others(gpu%u)
+    end subroutine let_blow
+end module brz_gust_steps
+"""
 LOOP = """\
 ! SPDX-License-Identifier: MIT
     !> Add.
@@ -78,6 +100,20 @@ def test_steps_of_the_gpu_launch_and_hand_on_the_error(tmp_path):
     assert "call read_counts(c, count_over, err, over)" in text
     assert "if (over > 0) call drop(c, err)" in text
     assert "over = 0" not in text and "each_pay_debt" not in text
+
+
+def test_steps_of_the_air_hand_on_the_gpu_and_the_host(tmp_path):
+    folder = tmp_path / "air"
+    folder.mkdir()
+    lines = [x.strip() for x in written(folder, "steps.py", "gust_steps.f90", OF_AIR).splitlines()]
+    assert "use brz_gpu_air_operations, only: blow" in lines
+    assert "subroutine let_blow(gpu, air, n, err)" in lines
+    head = lines.index("type(gpu_air_t), intent(inout) :: gpu")
+    assert lines[head + 1] == "type(air_t), intent(inout) :: air"
+    assert not [x for x in lines if x.startswith("type(wall_t)")]
+    body = lines.index("call blow(gpu, air, air%n, err)")
+    rest = ["call settle(n)", "call gpu%go_on()", "call gpu%halo%reals_of_others(gpu%u, err)"]
+    assert lines[body + 1 : body + 4] == rest
 
 
 def test_variants_are_copies_with_a_constant(tmp_path):
