@@ -54,9 +54,7 @@ VARIANTS := $(shell grep -ls '^ *!@variant' $(SRC))
 FOREIGN := $(shell grep -ls '^ *!@foreign' $(SRC))
 REWRITTEN := $(VARIANTS) $(FOREIGN)
 STEPS := $(filter %_steps.f90,$(SRC))
-# folders whose kernels of all items are one type
-HOUSES := $(if $(filter src/solid/%,$(ITEMS)),solid)
-LOOPS := $(HOUSES:%=$(MADE)/%_families.f90) $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
+LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
@@ -103,8 +101,6 @@ $(foreach f,$(VARIANTS),$(eval $(MADE)/$(notdir $f): $f scripts/variants.py ; @m
 $(foreach f,$(FOREIGN),$(eval $(MADE)/$(notdir $f): $f scripts/foreign.py ; @mkdir -p $(MADE) && scripts/foreign.py $$< $$@))
 $(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(ITEMS) scripts/steps.py scripts/items.py ; \
     @mkdir -p $(MADE) && scripts/steps.py $$< $$@))
-$(foreach f,$(HOUSES),$(eval $(MADE)/$f_families.f90: scripts/items.py $(filter src/$f/%,$(ITEMS)) ; \
-    @mkdir -p $(MADE) && scripts/items.py --families $$@ $(patsubst src/$f/%_items.f90,%,$(filter src/$f/%,$(ITEMS)))))
 $(MADE)/model_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)
 $(B)/obj/%.o: %.f90 $(B)/command

@@ -3,7 +3,6 @@
 """Write the loops, kernels and launches around items; docs/extending.md says what an item is.
 
 usage: items.py NAME_items.f90 OUTDIR    (NAME_loops.f90, NAME_kernels.CUF, NAME_launches.f90)
-       items.py --families FOLDER_families.f90 NAME...    (the kernels of all files of a folder)
 """
 
 import re
@@ -18,7 +17,7 @@ BUFFER = {"real(rk)": "reals_t", "real(dp)": "doubles_t", "integer(int8)": "byte
 BUFFER |= {"integer": "integers_t", "integer(int32)": "integers_t"}
 TALLY = {"count": "+", "sum": "+", "least": "min", "most": "max", "exact": ""}
 KNOWN = {"worth_threads": "brz_solid_state", "tally_threads": "brz_tallies", "dp": "brz_kinds"}
-KNOWN |= dict.fromkeys(["find_kernel", "find_once", "kernel_t", "launch", "device_t"], "brz_device")
+KNOWN |= dict.fromkeys(["find_once", "kernel_t", "launch"], "brz_device")
 EXACT = ["widen", "open_sums", "add_terms", "close_sums", "scale_t", "limbs"]
 KNOWN |= {"ranks_t": "brz_ranks", "int64": "brz_kinds"} | dict.fromkeys(EXACT, "brz_exact_sum")
 KNOWN |= {"tally_exactly": "brz_tallies", "gpu_exact_t": "brz_gpu_exact"}
@@ -199,16 +198,10 @@ def launch(number, stem, item):
 def launches(stem, items, launch, prefix):
     """The type whose procedures launch the kernels of a file, one of it, and these procedures."""
     kind = [f"type :: {stem}_kernels_t", "contains"]
-    kind += ["    procedure, nopass :: open => find_kernels"]
     kind += [f"    procedure, nopass :: {x.name} => launch_{x.name}" for x in items]
     kind += [f"end type {stem}_kernels_t", f"type({stem}_kernels_t) :: {stem}_kernels"]
     kind += [f"type(kernel_t) :: kernel({len(items)})", ""]
-    declared = ["type(device_t), intent(in) :: device", "type(error_t), intent(inout) :: err"]
-    find = "call find_kernel(device, '{}{}', kernel({}), err)"
-    body = [find.format(prefix, x.name, k) for k, x in enumerate(items, 1)]
-    doc, head = "!> Find all kernels, not each at its first launch.", "subroutine find_kernels"
-    find = procedure(doc, head, ["device", "err"], declared, body)
-    return kind, [find, *(launch(k, stem, x) for k, x in enumerate(items, 1))]
+    return kind, [launch(k, stem, x) for k, x in enumerate(items, 1)]
 
 
 def write(path, source, known, kind, procedures):
@@ -231,25 +224,7 @@ def write(path, source, known, kind, procedures):
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
-def families(path, names):
-    """A type with the kernels of all items of a folder, and of the family of its name."""
-    folder = path.stem.removesuffix("_families")
-    owned = {f"{x}_kernels": f"{x}_kernels_t" for x in names} | {"kernels": f"{folder}_kernels_t"}
-    kind = [f"type :: {path.stem}_t", *(f"    type({t}) :: {x}" for x, t in owned.items())]
-    kind += ["contains", "    procedure :: find_kernels", f"end type {path.stem}_t", ""]
-    declared = [f"class({path.stem}_t), intent(inout) :: self"]
-    declared += ["type(device_t), intent(in) :: device", "type(error_t), intent(inout) :: err"]
-    body = [f"call self%{x}%open(device, err)" for x in owned]
-    head = "subroutine find_kernels", ["self", "device", "err"]
-    find = procedure("!> Find all kernels; before any launch.", *head, declared, body)
-    known = KNOWN | {f"{x}_kernels_t": f"brz_{x}_launches" for x in [*names, folder]}
-    write(path, f"the items of src/{folder}", known, kind, [find])
-
-
 def main():
-    if sys.argv[1] == "--families":
-        families(Path(sys.argv[2]), sys.argv[3:])
-        return
     source, folder = Path(sys.argv[1]), Path(sys.argv[2])
     text, stem = source.read_text(encoding="utf-8"), source.stem.removesuffix("_items")
     items = [Item(*m.groups(), text[m.end() :]) for m in ITEM.finditer(text)]

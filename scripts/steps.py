@@ -118,7 +118,7 @@ def called(code, comment, items, owner):
         first, *more = launch(*items[name[5:]], arguments(given), comment, "gpu" if owner else "c")
         return [before + first, *more]
     if owner:
-        handed_on = arguments(given)[0] == owner
+        handed_on, given = arguments(given)[0] == owner, given.removesuffix(", err")
         return [f"{before}call {name}(gpu, {given}, err)" if handed_on else code]
     if name == "running_sum":
         x, n, *total = arguments(given)
@@ -142,7 +142,7 @@ def changed(code, owner):
     if owner:
         for old, new in OWNED[owner]:
             code = re.sub(old, new, code)
-        head = rf"^subroutine (\w+)\(({owner}.*)\)$"
+        head = rf"^subroutine (\w+)\(({owner}.*?)(, err)?\)$"
         return re.sub(head, r"subroutine \1(gpu, \2, err)", code)
     if (array := ARRAY.match(code)) and array[1] in BUFFER:
         code = f"type({BUFFER[array[1]]}), intent(in) :: {array[2]}"
@@ -156,6 +156,8 @@ def translated(text, items, owner):
     opened, lines = False, []
     for indent, code, comment in statements(text):
         if re.match(r"use brz_\w+_loops", code) or comment.startswith("!@cpu"):
+            continue
+        if opened and owner and code == "type(error_t), intent(inout) :: err":
             continue
         if opened and owner and code.startswith(f"type({owner}_t)"):
             lines.append((8, f"type(gpu_{owner}_t), intent(inout) :: gpu", ""))
@@ -185,7 +187,8 @@ def main():
             family = path.stem.removesuffix("_items")
             items[m[3]] = family, Item(*m.groups(), text[m.end() :])
     lines = []
-    owner = {"solid": "solid", "air": "air", "step": "air"}.get(source.parent.name, "")
+    folder = "solid" if source.name.startswith("solid_") else source.parent.name
+    owner = {"solid": "solid", "air": "air", "step": "air"}.get(folder, "")
     for indent, code, comment in translated(source.read_text(encoding="utf-8"), items, owner):
         every = fold(code) if code else [""]
         every[-1] += f" {comment}" if code else comment

@@ -3,13 +3,11 @@
 !>
 !> Results do not depend on the number of threads.
 module brz_solid_contact
-    use brz_contact, only: crossing_share, in_core, law_shared, link_normal, link_pressure, &
-        link_stiffness, link_sum, n_link, spring_loss
+    use brz_contact, only: crossing_share, in_core, law_shared, link_sum, n_link
     use brz_contact_items, only: kept_early, kept_energy, kept_heat, kept_rub, n_kept, owner_of, &
-        push_particle, sum_links
-    use brz_contact_release, only: is_tied, later_touch
+        press_particle, push_particle, sum_links
+    use brz_contact_release, only: is_tied
     use brz_kinds, only: dp, int32, int64, real32, rk
-    use brz_link_layout, only: n_press
     use brz_link_rows, only: first_link, joined_of, last_link, link_mask, link_partner
     use brz_solid_ghosts, only: refresh_motion, refresh_press
     use brz_solid_mirror, only: signs
@@ -26,20 +24,18 @@ contains
         real(dp), intent(in) :: dt !! [s]
         real(rk) :: lost
         real(dp) :: limit
-        real(real32) :: touch
         integer :: i, k
 
         solid%bodies%ledger%early = 0
         if (.not. solid%links%present) return
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, lost, touch)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, lost)
         do k = 1, size(solid%block, 2)
             solid%search%sums(1:4, k) = 0
             if (solid%bodies(solid%block(1, k))%asleep .and. dt > 0) cycle
             do i = solid%block(2, k), solid%block(3, k)
                 associate (row => solid%links%row(i))
                     if (row == 0) cycle
-                    call press(solid, i, real(dt, rk), solid%links%press(:, row), lost, touch)
-                    solid%links%touch(i) = touch
+                    call press(solid, i, real(dt, rk), lost)
                     solid%energy(i) = solid%energy(i) + lost/solid%mass(i)
                     solid%search%sums(2, k) = solid%search%sums(2, k) + lost
                 end associate
@@ -87,65 +83,41 @@ contains
         !$omp parallel do if(solid%n >= worth_threads) schedule(dynamic, 1024) &
         !$omp private(now, before, freed)
         do i = 1, solid%n
-            call kernel_sum(solid, i, .true., 0.0_rk, now, before, freed)
+            associate (s => solid, l => solid%links)
+                call sum_links(i, .true., l%lay, 0.0_rk, l%ends, l%table, l%cell, s%x, s%v, &
+                               s%mass, l%weight, l%bond, joined_of(l), l%row, l%slice(1:), &
+                               l%count(1:), l%list, now, before, freed)
+            end associate
             solid%links%touch(i) = max(solid%links%touch(i), &
                                        nearest(real(now(link_sum), real32), 1.0_real32))
         end do
     end subroutine find_touch
 
-    !> Pressure of contact of particle i, the sum of V F x_ij that shows its normal, what its spring
-    !> lost over dt, the step just made, and the sum at which contact begins from now on.
-    subroutine press(solid, i, dt, p, lost, touch)
-        type(solid_t), intent(in) :: solid
+    !> Pressure of contact of particle i, and what its spring lost over dt, the step just made.
+    subroutine press(solid, i, dt, lost)
+        type(solid_t), intent(inout) :: solid
         integer, intent(in) :: i
         real(rk), intent(in) :: dt !! [s]
-        real(rk), intent(out) :: p(n_press) !! as links%press
         real(rk), intent(out) :: lost !! [J]
-        real(real32), intent(out) :: touch
-        real(rk) :: now(n_link), before(n_link), freed
-
-        call kernel_sum(solid, i, .false., dt, now, before, freed)
-        associate (links => solid%links)
-            touch = links%touch(i)
-            if (freed > 0) touch = later_touch(touch, before(link_sum), freed)
-            p(1) = link_pressure(now, real(touch, rk))
-            p(2:4) = now(link_normal + 1:link_normal + 3)
-            p(5) = now(link_stiffness)
-            p(6:) = 0
-            lost = 0
-            if (dt > 0) lost = links%cell(owner_of(links%ends, i))*solid%mass(i)*links%weight(i) &
-                *spring_loss(real(links%touch(i), rk), real(touch, rk), dt, now, before)
-        end associate
-    end subroutine press
-
-    !> Kernel sums of particle i, see sum_links.
-    subroutine kernel_sum(solid, i, all, dt, now, before, freed)
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: i
-        logical, intent(in) :: all !! bonded partners as well
-        real(rk), intent(in) :: dt !! step just made, 0: none [s]
-        real(rk), intent(out) :: now(n_link), before(n_link), freed
 
         associate (s => solid, l => solid%links)
-            call sum_links(i, all, l%lay, dt, l%ends, l%table, l%cell, s%x, s%v, s%mass, &
-                           l%weight, l%bond, joined_of(l), l%row, l%slice(1:), l%count(1:), &
-                           l%list, now, before, freed)
+            call press_particle(i, l%lay, dt, l%ends, l%table, l%cell, s%x, s%v, s%mass, l%weight, &
+                                l%bond, joined_of(l), l%row, l%slice(1:), l%count(1:), l%list, &
+                                l%touch(i), l%press(:, l%row(i)), lost)
         end associate
-    end subroutine kernel_sum
+    end subroutine press
 
     !> Pressures of contact at the present positions, of ghosts as well: what is_pressed asks for.
     subroutine find_press(solid)
         type(solid_t), intent(inout) :: solid
         real(rk) :: lost
-        real(real32) :: touch
         integer :: i, k
 
         call refresh_motion(solid)
         do k = 1, size(solid%block, 2)
             do i = solid%block(2, k), solid%block(3, k)
                 associate (row => solid%links%row(i))
-                    if (row > 0) &
-                        call press(solid, i, 0.0_rk, solid%links%press(:, row), lost, touch)
+                    if (row > 0) call press(solid, i, 0.0_rk, lost)
                 end associate
             end do
         end do

@@ -8,65 +8,32 @@
 !> the numbers of the particles (images: of the planes, then of the numbers), so the sums of a
 !> particle depend neither on who shares its group nor on where particles are in memory.
 module brz_solid_neighbours
-    use brz_cohesive_steps, only: place_nodes
     use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
     use brz_id_order, only: order_by_id, order_room_t
     use brz_kinds, only: dp, int32, int64, int8, rk
-    use brz_list_drift, only: level_unit
-    use brz_move_level, only: level_of
     use brz_solid_arrays, only: group_of
-    use brz_solid_links, only: build_links, settle_links
-    use brz_solid_home, only: place_ghosts, send_home
-    use brz_solid_sort, only: note_places, sort_body
-    use brz_ranks, only: most_of_all, several
     use brz_solid_state, only: body_t, form_rigid, form_total, is_gone, lanes, solid_t, &
                                worth_threads
     implicit none
     private
-    public :: build_neighbours, moved_levels
+    public :: build_list
 
 contains
 
-    !> Build the lists and the links. With `sort`, the particles of all bodies, or of the `stale`
-    !> ones, are first brought into the order of the cells at their present positions; other lists
-    !> stay. Without, the lists of the positions `x_built` are restored.
-    subroutine build_neighbours(solid, sort, stale)
+    !> List of a body: those of total-Lagrangian bodies are of the unloaded places.
+    subroutine build_list(solid, b)
         type(solid_t), intent(inout) :: solid
-        logical, intent(in) :: sort
-        logical, intent(in), optional :: stale(:) !! (bodies)
-        logical :: anew(size(solid%bodies))
-        integer :: b
+        integer, intent(in) :: b
 
-        anew = .true.
-        if (present(stale)) anew = stale
-        if (sort) then
-            do b = 1, size(solid%bodies)
-                if (anew(b)) call note_places(solid, b)
-            end do
+        if (solid%bodies(b)%formulation == form_total) then
+            call list_places(solid, b, solid%x_ref)
+        else
+            call list_places(solid, b, solid%x_built)
         end if
-        if (several(solid%ranks)) then ! particles move: all lists are built, most as they were
-            anew = .true.
-            call send_home(solid)
-        end if
-        do b = 1, size(solid%bodies)
-            if (anew(b) .and. (sort .or. several(solid%ranks))) call sort_body(solid, b)
-        end do
-        call settle_links(solid, resume=.not. sort)
-        if (several(solid%ranks)) call place_ghosts(solid)
-        do b = 1, size(solid%bodies)
-            if (.not. anew(b)) cycle
-            if (solid%bodies(b)%formulation == form_total) then
-                call build_list(solid, b, solid%x_ref)
-            else
-                call build_list(solid, b, solid%x_built)
-            end if
-        end do
-        call build_links(solid)
-        call place_nodes(solid)
-    end subroutine build_neighbours
+    end subroutine build_list
 
-    !> List of a body for given places: those of total-Lagrangian bodies are the unloaded ones.
-    subroutine build_list(solid, b, place)
+    !> List of a body for given places.
+    subroutine list_places(solid, b, place)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
@@ -83,42 +50,7 @@ contains
                 call list_body(solid, body, reach, place)
             end if
         end associate
-    end subroutine build_list
-
-    !> How far the particles of each body have moved relative to it since its list was built: the
-    !> highest level of brz_list_drift.
-    function moved_levels(solid) result(level)
-        type(solid_t), intent(inout) :: solid !! its block sums are overwritten
-        integer :: level(size(solid%bodies))
-        integer(int64) :: most(size(solid%bodies))
-        real(dp) :: far, d(3)
-        integer :: i, k
-
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, d, far)
-        do k = 1, size(solid%block, 2)
-            solid%search%limit(k) = 0
-            associate (body => solid%bodies(solid%block(1, k)))
-                if (body%asleep) cycle
-                if (body%formulation == form_total .and. .not. solid%links%present) cycle
-                far = 0
-                do i = solid%block(2, k), solid%block(3, k)
-                    if (solid%fixed(i) == is_gone) cycle
-                    d = solid%x(:, i) - solid%x_built(:, i) - body%drift
-                    far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
-                end do
-                solid%search%limit(k) = far
-            end associate
-        end do
-        level = 0
-        do k = 1, size(solid%block, 2)
-            associate (b => solid%block(1, k))
-                level(b) = max(level(b), level_of(solid%search%limit(k), level_unit(solid)))
-            end associate
-        end do
-        most = level
-        call most_of_all(solid%ranks, most)
-        level = int(most)
-    end function moved_levels
+    end subroutine list_places
 
     !> The particles of a rigid body have no neighbours.
     pure subroutine leave_out(solid, body)

@@ -5,9 +5,8 @@ module brz_solid_totals
     use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
     use brz_kinds, only: dp, int64
     use brz_particle_sums, only: add_particle
-    use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
+    use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums, velocity_at_step
     use brz_solid_state, only: is_gone, solid_t, worth_threads
-    use brz_solid_step, only: velocity_at_step
     implicit none
     private
     public :: solid_totals, solid_totals_t

@@ -6,7 +6,8 @@ module brz_buffers
     use brz_kinds, only: rk
     implicit none
     private
-    public :: buffer_t, reals_t, doubles_t, integers_t, bytes_t, from, arguments_t, most_arguments
+    public :: buffer_t, reals_t, doubles_t, integers_t, bytes_t, bytes_each, from
+    public :: arguments_t, most_arguments
 
     integer, parameter :: most_arguments = 40
     integer, parameter :: most_words = 200 !! of eight bytes, for all arguments of a launch
@@ -99,6 +100,21 @@ contains
 
         call self%add_long(int(x%address, c_int64_t))
     end subroutine add_buffer
+
+    !> Bytes of one of its numbers.
+    pure integer(c_size_t) function bytes_each(buffer) result(bytes)
+        class(buffer_t), intent(in) :: buffer
+
+        bytes = 8
+        select type (buffer)
+        type is (reals_t)
+            bytes = storage_size(1.0_rk)/8
+        type is (integers_t)
+            bytes = 4
+        type is (bytes_t)
+            bytes = 1
+        end select
+    end function bytes_each
 
     pure type(reals_t) function from_real(whole, first) result(part)
         type(reals_t), intent(in) :: whole

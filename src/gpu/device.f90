@@ -24,21 +24,23 @@ module brz_device
     private
     public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
     public :: find_kernel, find_once, launch, side_by_side, wait_for_device
-    public :: allocate_buffer, put_buffer, reserve_buffer, free_buffer, free_buffers
-    public :: copy_in, copy_out, copy_within, clear_buffer, pin, unpin
+    public :: allocate_buffer, put_buffer, reserve_buffer, free_buffer, free_all
+    public :: copy_in, copy_out, copy_within, clear_buffer, pin
 
     integer, parameter :: threads_per_block = 128 !! all along x
     integer, parameter :: most_streams = 8 !! in which kernels run side by side
     type(c_ptr), save :: streams(most_streams) = c_null_ptr
     type(c_ptr), save :: stream = c_null_ptr !! of the launches to come; null: the default stream
-    type(c_ptr), save :: loaded = c_null_ptr !! the kernels that were loaded last
+    type(c_ptr), save :: loaded = c_null_ptr !! the kernels
+
+    integer(c_intptr_t), allocatable, save :: held(:) !! all memory that is reserved
+    type(c_ptr), allocatable, save :: pinned(:) !! memory of the host, see `pin`
 
     type :: device_t
         logical :: open = .false.
         integer :: count = 0 !! devices that this process sees
         character(:), allocatable :: name !! with memory and driver, for messages
         integer(c_size_t) :: free_bytes = 0 !! when it was opened or measured last
-        type(c_ptr) :: module = c_null_ptr
     end type device_t
 
     type :: kernel_t
@@ -90,6 +92,7 @@ contains
         call check(cu_context_set(context), 'using the context', err)
         call describe(handle, device, err)
         device%open = .not. failed(err)
+        if (.not. allocated(held)) allocate (held(0), pinned(0))
     end subroutine open_device
 
     !> Name, capability, memory and driver in one line.
@@ -133,8 +136,7 @@ contains
     end subroutine measure_memory
 
     !> Load the kernels from a PTX file that was built from the same sources as this program.
-    subroutine load_kernels(device, file, stamp, err)
-        type(device_t), intent(inout) :: device
+    subroutine load_kernels(file, stamp, err)
         character(*), intent(in) :: file
         character(*), intent(in) :: stamp !! of the sources, first line of the file
         type(error_t), intent(inout) :: err
@@ -149,12 +151,10 @@ contains
         if (failed(err)) return
         log = c_null_char
         values = [c_loc(log), transfer(size(log, kind=c_intptr_t), c_null_ptr)]
-        code = cu_module_load(device%module, c_loc(image), 2_c_int, [log_option, log_size_option], &
-                              values)
+        code = cu_module_load(loaded, c_loc(image), 2_c_int, [log_option, log_size_option], values)
         text = text_of(log)
         if (code /= 0 .and. text /= '') text = ': '//text
         call check(code, 'loading '//file//text, err)
-        loaded = device%module
     end subroutine load_kernels
 
     !> The PTX text with a null character at its end.
@@ -184,26 +184,24 @@ contains
     end subroutine read_image
 
     !> Find a kernel by its name in the sources.
-    subroutine find_kernel(device, name, kernel, err)
-        type(device_t), intent(in) :: device
+    subroutine find_kernel(name, kernel, err)
         character(*), intent(in) :: name
         type(kernel_t), intent(inout) :: kernel
         type(error_t), intent(inout) :: err
 
         if (failed(err)) return
         kernel%name = name
-        call check(cu_module_function(kernel%handle, device%module, name//c_null_char), &
+        call check(cu_module_function(kernel%handle, loaded, name//c_null_char), &
                    'finding the kernel '//name, err)
     end subroutine find_kernel
 
-    !> The same before its first launch, among those that were loaded last.
+    !> The same before its first launch.
     subroutine find_once(name, kernel, err)
         character(*), intent(in) :: name
         type(kernel_t), intent(inout) :: kernel
         type(error_t), intent(inout) :: err
 
-        if (.not. c_associated(kernel%handle)) &
-            call find_kernel(device_t(module=loaded), name, kernel, err)
+        if (.not. c_associated(kernel%handle)) call find_kernel(name, kernel, err)
     end subroutine find_once
 
     !> Reserve memory on the GPU, all bytes zero.
@@ -219,6 +217,7 @@ contains
         call check(cu_allocate(buffer%address, buffer%bytes), 'reserving '//to_text(bytes)// &
                    ' bytes', err)
         call book_call(to_reserve, buffer%bytes, began)
+        held = [held, buffer%address]
         call clear_buffer(buffer, err)
     end subroutine allocate_buffer
 
@@ -243,22 +242,25 @@ contains
         began = wall_seconds()
         code = cu_free(buffer%address)
         call book_call(to_reserve, 0_int64, began)
+        held = pack(held, held /= buffer%address)
         buffer%address = 0
     end subroutine free_buffer
 
-    !> The same for several.
-    subroutine free_buffers(b1, b2, b3, b4, b5, b6, b7, b8)
-        class(buffer_t), intent(inout), optional :: b1, b2, b3, b4, b5, b6, b7, b8
+    !> Give all memory back, and let go of that of the host: no buffer holds any from now on.
+    subroutine free_all()
+        type(buffer_t) :: buffer
+        integer(c_int) :: code
+        integer :: k
 
-        if (present(b1)) call free_buffer(b1)
-        if (present(b2)) call free_buffer(b2)
-        if (present(b3)) call free_buffer(b3)
-        if (present(b4)) call free_buffer(b4)
-        if (present(b5)) call free_buffer(b5)
-        if (present(b6)) call free_buffer(b6)
-        if (present(b7)) call free_buffer(b7)
-        if (present(b8)) call free_buffer(b8)
-    end subroutine free_buffers
+        do k = size(held), 1, -1
+            buffer%address = held(k)
+            call free_buffer(buffer)
+        end do
+        do k = 1, size(pinned)
+            code = cu_host_unregister(pinned(k))
+        end do
+        pinned = pinned(:0)
+    end subroutine free_all
 
     !> Set a buffer, or its first bytes, to zero.
     subroutine clear_buffer(buffer, err, bytes)
@@ -316,21 +318,16 @@ contains
         call book_call(to_read, bytes, began)
     end subroutine copy_out
 
-    !> Let the GPU copy to and from memory of the host without a detour, until `unpin`.
+    !> Let the GPU copy to and from memory of the host without a detour, until `free_all`. Memory that
+    !> is given back before must not lie in what is copied later: the driver refuses that.
     subroutine pin(bytes)
         integer(int8), intent(in), target, contiguous :: bytes(:)
         integer(c_int) :: code
 
-        if (size(bytes) > 0) code = cu_host_register(c_loc(bytes), size(bytes, kind=int64), 0_c_int)
+        if (size(bytes) == 0) return
+        code = cu_host_register(c_loc(bytes), size(bytes, kind=int64), 0_c_int)
+        if (code == 0) pinned = [pinned, c_loc(bytes)]
     end subroutine pin
-
-    !> Before memory is given back: the driver refuses to copy what lies half in a pinned range.
-    subroutine unpin(bytes)
-        integer(int8), intent(in), target, contiguous :: bytes(:)
-        integer(c_int) :: code
-
-        if (size(bytes) > 0) code = cu_host_unregister(c_loc(bytes))
-    end subroutine unpin
 
     !> Copy from one place on the GPU to another, in turn with the kernels.
     subroutine copy_within(from, to, bytes, err)

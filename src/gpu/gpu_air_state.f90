@@ -12,7 +12,7 @@ module brz_gpu_air_state
     use brz_boxes, only: box_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, integers_t, reals_t
     use brz_device, only: allocate_buffer, clear_buffer, copy_out, &
-        device_t, find_kernel, free_buffers, kernel_t, put_buffer
+        device_t, find_kernel, free_buffer, kernel_t, put_buffer
     use brz_place_launches, only: place_kernels
     use brz_face_launches, only: face_kernels
     use brz_air_launches, only: air_kernels
@@ -27,7 +27,7 @@ module brz_gpu_air_state
     use brz_text, only: to_text
     implicit none
     private
-    public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air, close_gpu_air
+    public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air
     public :: mark_near_walls, fetch_air, note_air, fetch_cells, fetch_walls, bytes_of_real, &
         faces_of_bricks
 
@@ -99,13 +99,13 @@ contains
         field = cells*air%n_var*bytes_of_real
         ends = int(gpu%grid%lines, int64)*air%n_var
         call require(device, 4*field + merge(7, 1, held)*cells + ends*(4*bytes_of_real + 16), err)
-        call gpu%common%open(device, 1, err)
+        call gpu%common%open(1, err)
         scheme = trim(reconstruction_names(air%scheme%reconstruction))// &
             merge('_hllc ', '_split', air%scheme%flux == hllc)
-        call find_kernel(device, 'faces_'//trim(scheme), gpu%faces, err)
-        call find_kernel(device, 'march_'//trim(scheme), gpu%march, err)
-        call find_kernel(device, 'last_'//trim(scheme), gpu%last, err)
-        call find_kernel(device, 'redo_'//trim(scheme), gpu%redo, err)
+        call find_kernel('faces_'//trim(scheme), gpu%faces, err)
+        call find_kernel('march_'//trim(scheme), gpu%march, err)
+        call find_kernel('last_'//trim(scheme), gpu%last, err)
+        call find_kernel('redo_'//trim(scheme), gpu%redo, err)
         call allocate_buffer(gpu%flux, field, err)
         call allocate_buffer(gpu%bad, cells, err)
         call allocate_buffer(gpu%found, 8_int64, err)
@@ -215,22 +215,6 @@ contains
             'with PRECISION=mixed, or --backend cpu')
     end subroutine require
 
-    !> Give the memory back.
-    subroutine close_gpu_air(gpu)
-        type(gpu_air_t), intent(inout) :: gpu
-
-        call free_buffers(gpu%u, gpu%new, gpu%spare, gpu%flux, gpu%bad, gpu%found, &
-            gpu%outside, gpu%edge)
-        call free_buffers(gpu%outflow, gpu%part, gpu%bricks%reached, gpu%bricks%awake, &
-            gpu%walls%solid, gpu%walls%near, gpu%walls%index, gpu%walls%v)
-        call free_buffers(gpu%walls%face_of, gpu%walls%face_cell, gpu%walls%push, gpu%walls%impulse)
-        call gpu%common%close()
-        call free_buffers(gpu%bricks%near_reached, gpu%bricks%near_awake, gpu%bricks%own)
-        call gpu%bricks%others%close()
-        call gpu%halo%close()
-        call gpu%beside%close()
-    end subroutine close_gpu_air
-
     !> Refresh the host's conserved variables and what it knows of bricks, if the GPU has moved on.
     subroutine fetch_air(gpu, air, err)
         type(gpu_air_t), intent(inout) :: gpu
@@ -277,7 +261,8 @@ contains
         call place_kernels%pick_reals(n, n, air%n_var, 1, gpu%grid%apart, place_at, gpu%u, &
                                       values_at, err)
         call copy_out(values_at, values, size(values)*bytes_of_real, err)
-        call free_buffers(place_at, values_at)
+        call free_buffer(place_at)
+        call free_buffer(values_at)
         if (failed(err)) return
         do c = 1, n
             air%u(at(1, c), at(2, c), at(3, c), :) = values(c, :)
@@ -305,7 +290,8 @@ contains
         call face_kernels%see_wall(n, place_at, gpu%walls%solid, gpu%walls%index, &
                                         gpu%walls%v, row_at, err)
         call copy_out(row_at, row, size(row)*bytes_of_real, err)
-        call free_buffers(place_at, row_at)
+        call free_buffer(place_at)
+        call free_buffer(row_at)
         if (failed(err)) return
         do c = 1, n
             wall%solid(cell(1, c), cell(2, c), cell(3, c)) = int(row(1, c), int8)

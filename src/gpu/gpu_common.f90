@@ -3,9 +3,8 @@
 !> a fixed order.
 module brz_gpu_common
     use brz_buffers, only: doubles_t, from, integers_t
-    use brz_common_launches, only: common_kernels_t
-    use brz_device, only: allocate_buffer, clear_buffer, copy_out, device_t, free_buffers, &
-        reserve_buffer
+    use brz_common_launches, only: common_kernels
+    use brz_device, only: allocate_buffer, clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: scan_chunk
     use brz_kinds, only: dp, int64
@@ -16,31 +15,22 @@ module brz_gpu_common
     integer, parameter :: first_fold = 32768, last_fold = 1024 !! of the largest number
 
     type :: gpu_common_t
-        type(common_kernels_t) :: kernels
         type(integers_t) :: levels !! of running sums
         type(doubles_t) :: part, folded !! partial results
     contains
-        procedure :: open, close, running_sum, fold, largest
+        procedure :: open, running_sum, fold, largest
     end type gpu_common_t
 
 contains
 
-    subroutine open (self, device, numbers, err)
+    subroutine open (self, numbers, err)
         class(gpu_common_t), intent(inout) :: self
-        type(device_t), intent(in) :: device
         integer, intent(in) :: numbers !! most that a fold leaves for the host
         type(error_t), intent(inout) :: err
 
-        call self%kernels%open(device, err)
         call allocate_buffer(self%part, 8_int64*first_fold, err)
         call allocate_buffer(self%folded, 8_int64*max(numbers, last_fold), err)
     end subroutine open
-
-    subroutine close (self)
-        class(gpu_common_t), intent(inout) :: self
-
-        call free_buffers(self%levels, self%part, self%folded)
-    end subroutine close
 
     !> Every one of n integers becomes the sum of those before it; one more, behind them, becomes
     !> the sum of all and is brought to the host if asked for.
@@ -61,7 +51,7 @@ contains
         level(1) = self%levels
         do while (length(last) > 1)
             length(last + 1) = chunks(length(last))
-            call self%kernels%scan_up([length(last + 1), 1, 1], length(last), level(last), &
+            call common_kernels%scan_up([length(last + 1), 1, 1], length(last), level(last), &
                                       level(last + 1), err)
             last = last + 1
             if (length(last) == 1) exit
@@ -69,7 +59,7 @@ contains
         end do
         call clear_buffer(level(last), err, 4_int64)
         do l = last - 1, 0, -1
-            call self%kernels%scan_down([chunks(length(l)), 1, 1], length(l), level(l + 1), &
+            call common_kernels%scan_down([chunks(length(l)), 1, 1], length(l), level(l + 1), &
                                         level(l), err)
         end do
         if (.not. present(total)) return
@@ -95,7 +85,7 @@ contains
         integer :: left(2)
 
         left = shape(folded)
-        call self%kernels%fold_columns([left(1), left(2), 1], m, left(1), part, self%folded, err)
+        call common_kernels%fold_columns([left(1), left(2), 1], m, left(1), part, self%folded, err)
         folded = 0
         call copy_out(self%folded, folded, 8_int64*size(folded), err)
     end subroutine fold
@@ -109,11 +99,11 @@ contains
         real(dp) :: folded(last_fold)
 
         if (n > first_fold) then
-            call self%kernels%largest([first_fold, 1, 1], n, first_fold, x, self%part, err)
-            call self%kernels%largest([last_fold, 1, 1], first_fold, last_fold, self%part, &
+            call common_kernels%largest([first_fold, 1, 1], n, first_fold, x, self%part, err)
+            call common_kernels%largest([last_fold, 1, 1], first_fold, last_fold, self%part, &
                                       self%folded, err)
         else
-            call self%kernels%largest([last_fold, 1, 1], n, last_fold, x, self%folded, err)
+            call common_kernels%largest([last_fold, 1, 1], n, last_fold, x, self%folded, err)
         end if
         folded = 0
         call copy_out(self%folded, folded, 8_int64*last_fold, err)

@@ -6,7 +6,7 @@ module brz_gpu_coupling_copy
     use brz_coupling_state, only: coupling_t, put_sums, sums_in
     use brz_debt_steps, only: enter_host_debts => enter_debts
     use brz_debt_launches, only: debt_kernels
-    use brz_device, only: clear_buffer, copy_in, copy_out, device_t
+    use brz_device, only: clear_buffer, copy_in, copy_out
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_layout, only: book_high, book_low, book_threads, n_book
@@ -28,8 +28,7 @@ contains
 
     !> Reserve memory on the GPU and put the walls up where the particles are there. Debts and books
     !> are those of the host; the ledgers are in the air.
-    subroutine open_gpu_coupling(device, air, coupling, particles, there, gpu, err)
-        type(device_t), intent(in) :: device
+    subroutine open_gpu_coupling(air, coupling, particles, there, gpu, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling !! its guests are those on the GPU
         type(particles_t), intent(in) :: particles
@@ -38,12 +37,12 @@ contains
         type(error_t), intent(inout) :: err
         type(seen_t) :: p
 
-        call open_memory(device, air%part%ranks, coupling, particles%n, gpu, err)
+        call open_memory(air%part%ranks, coupling, particles%n, gpu, err)
         call agree(air%part%ranks, err)
         if (failed(err)) return
         p = seen(particles)
         if (several(air%part%ranks)) then
-            call open_gpu_windows(device, air, coupling, gpu, err)
+            call open_gpu_windows(air, coupling, gpu, err)
             call invite_gpu_guests(gpu, particles, coupling%guests, err)
             p = gpu%guests
         end if

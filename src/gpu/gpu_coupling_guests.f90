@@ -6,7 +6,7 @@ module brz_gpu_coupling_guests
     use brz_boxes, only: cells_t => box_t
     use brz_coupling_state, only: coupling_t
     use brz_buffers, only: from, integers_t, reals_t
-    use brz_device, only: clear_buffer, copy_out, device_t, reserve_buffer
+    use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_carrier_steps, only: sum_shifts
@@ -15,11 +15,14 @@ module brz_gpu_coupling_guests
     use brz_gpu_marks, only: asks_of, count_marks, list_marks, place_pieces, reserve_marks
     use brz_gpu_parcels, only: put_places, put_rows, rows_of, rows_t
     use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
+    use brz_guest_launches, only: guest_kernels
     use brz_kinds, only: int64
     use brz_mail, only: tell_all
+    use brz_place_launches, only: place_kernels
     use brz_ranks, only: most_of_all
     use brz_solid_part, only: nobody => part_t, parcels_t
     use brz_solid_state, only: solid_t
+    use brz_velocity_launches, only: velocity_kernels
     implicit none
     private
     public :: open_gpu_windows, invite_gpu_guests, send_gpu_loads_home, see_gpu_window
@@ -31,8 +34,7 @@ module brz_gpu_coupling_guests
 contains
 
     !> Get ready to speak with the other processes, whose windows the host knows.
-    subroutine open_gpu_windows(device, air, coupling, gpu, err)
-        type(device_t), intent(in) :: device
+    subroutine open_gpu_windows(air, coupling, gpu, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(in) :: coupling
         type(gpu_coupling_t), intent(inout) :: gpu
@@ -55,10 +57,9 @@ contains
             end do
             call put_places(asks_of([part%windows, part%boxes, near]), part%asks_at, err)
             call reserve_buffer(part%missed, 4_int64, err)
-            call part%kernels%open(device, err)
             call part%window%open(ranks, air%part%window, held, air%n_var, err)
             if (.not. any(gpu%box%wraps)) call map_blocks(gpu, held, err)
-            call part%parcels%open(device, ranks, nobody(out=parcels_t([integer ::], none), &
+            call part%parcels%open(ranks, nobody(out=parcels_t([integer ::], none), &
                                    in=parcels_t([integer ::], none)), max(most, 1 + 6*w), err)
         end associate
     end subroutine open_gpu_windows
@@ -133,10 +134,10 @@ contains
             missed = merge(0, 1, part%laid == particles%laid)
             if (missed(1) == 0) then
                 call clear_buffer(part%missed, err, 4_int64)
-                call part%kernels%miss_guest(n, n, size(guests%bodies), part%bodies_at, &
+                call guest_kernels%miss_guest(n, n, size(guests%bodies), part%bodies_at, &
                     guests%ranks%n, part%asks_at, gpu%box, 4, particles%place, &
                     tags_of(particles, tag_fixed), part%listed%mark, part%missed, err)
-                call gpu%velocity_kernels%keep_velocity(gpu%guests%n, 4, 1, 3, gpu%guests%v, &
+                call velocity_kernels%keep_velocity(gpu%guests%n, 4, 1, 3, gpu%guests%v, &
                     part%seat, part%v_before, err) ! as their processes do when loads come home
                 call send_guests(gpu, particles, n_moving, err)
                 word = 0
@@ -185,13 +186,13 @@ contains
             call put_places([([particles%first(b), particles%last(b)], b=1, &
                               size(particles%first))], part%bodies_at, err)
             call reserve_marks(n, ranks%n, part%listed, err)
-            call part%kernels%mark_guest(n, n, size(particles%first), part%bodies_at, ranks%n, &
+            call guest_kernels%mark_guest(n, n, size(particles%first), part%bodies_at, ranks%n, &
                 from(part%asks_at, 12_int64*ranks%n + 1), gpu%box, 4, particles%place, &
                 tags_of(particles, tag_fixed), part%listed%mark, err)
-            call count_marks(n, particles%first, gpu%common, part%parcels%kernels, part%listed, &
+            call count_marks(n, particles%first, gpu%common, part%listed, &
                              number, err)
             call tell_all(ranks, number, all)
-            call list_marks(n, [1, ranks%n], number, part%parcels%kernels, part%listed, part%out, &
+            call list_marks(n, [1, ranks%n], number, part%listed, part%out, &
                             err)
             call seat_guests(gpu, all(:, ranks%rank + 1, :), n, guests, err)
             call part%parcels%aim(sum(all, 1), part%out, err)
@@ -217,14 +218,14 @@ contains
             guests%bodies(b)%last = n
         end do
         gpu%guests%n = n
-        associate (part => gpu%shared, k => gpu%shared%parcels%kernels)
-            call place_pieces(number, taken, k, part%marks%pieces, part%in, err)
+        associate (part => gpu%shared)
+            call place_pieces(number, taken, part%marks%pieces, part%in, err)
             n = max(n, particles)
             if (part%seat%address /= 0 .and. part%seat%bytes >= 4_int64*n) return
             call reserve_buffer(part%seat, 4_int64*n, err)
             n = int(part%seat%bytes/4)
             call put_places([n, 0], part%marks%pieces, err)
-            call k%give_place(n, 1, part%marks%pieces, part%seat, err)
+            call place_kernels%give_place(n, 1, part%marks%pieces, part%seat, err)
         end associate
     end subroutine seat_guests
 
@@ -292,11 +293,11 @@ contains
                 n = part%out%first(r + 1) - part%out%first(r)
                 if (r == ranks%rank) call take_loads(r, gpu%guests%load)
                 if (r == ranks%rank) cycle
-                call put_rows(part%parcels%kernels, part%parcels%parcel_from(part%out, loads, r), &
+                call put_rows(part%parcels%parcel_from(part%out, loads, r), &
                               part%seat, n, came, err)
                 call take_loads(r, part%loads)
             end do
-            call gpu%velocity_kernels%keep_velocity(p%n, 4, p%n, 1, p%motion, part%seat, &
+            call velocity_kernels%keep_velocity(p%n, 4, p%n, 1, p%motion, part%seat, &
                                                     column_of(p, p%before + 1), err)
         end associate
 
@@ -313,7 +314,7 @@ contains
                 seat = part%seat
                 if (r == part%own%ranks%rank) seat = from(part%in%place, &
                                                           int(part%in%first(r), int64))
-                call part%kernels%take_load(first(r + 1) - first(r), &
+                call guest_kernels%take_load(first(r + 1) - first(r), &
                     part%own%ranks%n + r + 1, part%asks_at, gpu%box, 4, p%place, &
                     tags_of(p, tag_fixed), p%n, from(part%out%place, int(first(r), int64)), &
                     seat, load, column_of(p, p%load + 1), err)

@@ -4,16 +4,14 @@
 module brz_gpu_coupling_part
     use brz_boxes, only: box_t
     use brz_buffers, only: integers_t, reals_t
-    use brz_device, only: free_buffers
     use brz_gpu_fetch, only: gpu_fetch_t
-    use brz_gpu_marks, only: close_marks, gpu_marks_t
+    use brz_gpu_marks, only: gpu_marks_t
     use brz_gpu_parcels, only: gpu_parcels_t, gpu_places_t
-    use brz_guest_launches, only: guest_kernels_t
     use brz_kinds, only: int64
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: gpu_part_t, close_gpu_part
+    public :: gpu_part_t
 
     type :: gpu_part_t
         type(box_t), allocatable :: boxes(:), windows(:) !! (0:processes - 1)
@@ -32,22 +30,5 @@ module brz_gpu_coupling_part
         type(reals_t) :: v_before !! (3, guests)
         type(reals_t) :: loads !! (3, particles) that have come from a process
         type(solid_t) :: own !! the bodies, as the particles of this process lie on the GPU
-        type(guest_kernels_t) :: kernels
     end type gpu_part_t
-
-contains
-
-    !> Give the memory back.
-    subroutine close_gpu_part(part)
-        type(gpu_part_t), intent(inout) :: part
-
-        call free_buffers(part%out%place, part%in%place, part%faces_out%place, &
-            part%faces_in%place, part%debts_out%place, part%debts_in%place)
-        call free_buffers(part%v_before, part%loads, part%seat, part%bodies_at, part%asks_at, &
-            part%missed)
-        call close_marks(part%marks)
-        call close_marks(part%listed)
-        call part%window%close()
-        call part%parcels%close()
-    end subroutine close_gpu_part
 end module brz_gpu_coupling_part

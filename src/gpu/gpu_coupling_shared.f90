@@ -14,6 +14,7 @@ module brz_gpu_coupling_shared
     use brz_gpu_marks, only: asks_of, count_marks, find_firsts, list_marks, place_pieces, &
         reserve_marks
     use brz_gpu_parcels, only: gpu_places_t, put_places, rows_of, rows_t
+    use brz_guest_launches, only: guest_kernels
     use brz_kinds, only: int64, int8
     use brz_mail, only: tell_all
     implicit none
@@ -54,7 +55,7 @@ contains
             if (near%address == 0) return
             call clear_buffer(near, err)
             call copy_in([1_int8], near, 1_int64, err) ! always_near
-            if (gpu%wall%n_cells > 0) call part%kernels%mark_around(gpu%wall%n_cells, &
+            if (gpu%wall%n_cells > 0) call guest_kernels%mark_around(gpu%wall%n_cells, &
                 size(part%windows), part%asks_at, gpu%box, gpu%cell, near, err)
         end associate
     end subroutine mark_blocks
@@ -70,15 +71,15 @@ contains
         type(error_t), intent(inout) :: err
         type(cells_t) :: asked(0:ubound(boxes, 1))
 
-        associate (part => gpu%shared, k => gpu%shared%parcels%kernels, marks => gpu%shared%marks)
+        associate (part => gpu%shared, marks => gpu%shared%marks)
             asked = boxes
             asked(part%own%ranks%rank) = cells_t()
             call put_places(asks_of(asked), part%marks%asks, err)
             call reserve_marks(n, size(boxes), marks, err)
-            call part%kernels%mark_cells(n, n, size(boxes), part%marks%asks, gpu%box, cell, &
+            call guest_kernels%mark_cells(n, n, size(boxes), part%marks%asks, gpu%box, cell, &
                                          marks%mark, err)
-            call count_marks(n, [1], gpu%common, k, marks, number, err)
-            call list_marks(n, [1, size(boxes)], number, k, marks, list, err)
+            call count_marks(n, [1], gpu%common, marks, number, err)
+            call list_marks(n, [1, size(boxes)], number, marks, list, err)
         end associate
     end subroutine list_cells
 
@@ -137,13 +138,13 @@ contains
             more = int(sum(in))
             call size_debts(gpu, n + more, err)
             call at_least(gpu%next_cell, n + more, err)
-            if (n > 0) call part%kernels%renumber(n, gpu%box, grid, gpu%debt_cell, gpu%next_cell, &
+            if (n > 0) call guest_kernels%renumber(n, gpu%box, grid, gpu%debt_cell, gpu%next_cell, &
                                                   err)
             next = n
-            call place_pieces(in, next, part%parcels%kernels, part%marks%pieces, part%debts_in, err)
+            call place_pieces(in, next, part%marks%pieces, part%debts_in, err)
             rows = [rows_of(gpu%next_cell, 1), rows_of(gpu%debt, gpu%n_var*w)]
             call part%parcels%send(part%debts_out, part%debts_in, rows, rows, err)
-            if (more > 0) call part%kernels%renumber(more, grid, gpu%box, &
+            if (more > 0) call guest_kernels%renumber(more, grid, gpu%box, &
                 from(gpu%next_cell, n + 1_int64), from(gpu%debt_cell, n + 1_int64), err)
             gpu%n_debts = n + more
         end associate
@@ -158,7 +159,7 @@ contains
         call at_least(gpu%start, gpu%n_debts + 1, err)
         associate (part => gpu%shared, n => gpu%n_debts)
             call put_places(asks_of([part%boxes(part%own%ranks%rank)]), part%marks%asks, err)
-            call part%kernels%mark_cells(n, n, 1, part%marks%asks, gpu%box, gpu%debt_cell, &
+            call guest_kernels%mark_cells(n, n, 1, part%marks%asks, gpu%box, gpu%debt_cell, &
                                          gpu%start, err)
         end associate
         call drop_paid(gpu, err)

@@ -9,10 +9,10 @@ module brz_gpu_coupling_state
     use brz_coupling_state, only: coupling_books_t, coupling_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
     use brz_coupling_box, only: box_t
-    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, device_t, &
-        free_buffers, put_buffer
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, &
+        put_buffer
     use brz_errors, only: error_t
-    use brz_gpu_coupling_part, only: close_gpu_part, gpu_part_t
+    use brz_gpu_coupling_part, only: gpu_part_t
     use brz_gpu_exact, only: gpu_exact_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, gpu_walls_t, mark_near_walls
     use brz_gpu_common, only: gpu_common_t
@@ -21,10 +21,9 @@ module brz_gpu_coupling_state
     use brz_ranks, only: ranks_t
     use brz_kinds, only: dp, int64, rk
     use brz_scheme, only: max_var
-    use brz_velocity_launches, only: velocity_kernels_t
     implicit none
     private
-    public :: gpu_coupling_t, particles_t, open_memory, close_gpu_coupling
+    public :: gpu_coupling_t, particles_t, open_memory
     public :: column_of, tags_of, seen_t, seen
     public :: book_at, count_at, clear_counts, read_counts, put_carriers, show_walls
 
@@ -88,14 +87,12 @@ module brz_gpu_coupling_state
         type(integers_t) :: debt_cell, next_cell !! the list, and room for the next one
         type(reals_t) :: debt, next_debt
         type(gpu_common_t) :: common
-        type(velocity_kernels_t) :: velocity_kernels
     end type gpu_coupling_t
 
 contains
 
     !> Reserve what does not grow, and find the kernels.
-    subroutine open_memory(device, ranks, coupling, particles, gpu, err)
-        type(device_t), intent(in) :: device
+    subroutine open_memory(ranks, coupling, particles, gpu, err)
         type(ranks_t), intent(in) :: ranks
         type(coupling_t), intent(in) :: coupling
         integer, intent(in) :: particles
@@ -108,7 +105,7 @@ contains
         gpu%level = coupling%level
         gpu%books = coupling%books
         gpu%bodies = size(coupling%carrier)
-        call gpu%common%open(device, 1, err)
+        call gpu%common%open(1, err)
         call put_buffer(coupling%shells, gpu%shells, storage_size(coupling%shells)/8_int64, err)
         call allocate_buffer(gpu%mark, int(gpu%box%cells, int64), err)
         call allocate_buffer(gpu%slot, 4_int64*gpu%box%cells, err)
@@ -122,7 +119,7 @@ contains
         gpu%carrier = coupling%carrier
         bytes = storage_size(coupling%carrier)/8
         call put_buffer(gpu%carrier, gpu%carrier_there, gpu%bodies*bytes, err)
-        call gpu%exact%open(device, ranks, err)
+        call gpu%exact%open(ranks, err)
     end subroutine open_memory
 
     !> A column of what the particles have.
@@ -212,25 +209,4 @@ contains
         call copy_in(gpu%carrier, gpu%carrier_there, &
                      gpu%bodies*(storage_size(gpu%carrier)/8_int64), err)
     end subroutine put_carriers
-
-    !> Give the memory back.
-    subroutine close_gpu_coupling(gpu)
-        type(gpu_coupling_t), intent(inout) :: gpu
-
-        call free_buffers(gpu%shells, gpu%mark, gpu%listed, gpu%slot, gpu%counts, gpu%book, &
-            gpu%part, gpu%felt)
-        call free_buffers(gpu%cell_of, gpu%place_of, gpu%binned, gpu%v_before, gpu%ends, gpu%cell, &
-            gpu%above, gpu%ledger)
-        call free_buffers(gpu%excess, gpu%gas, gpu%rows, gpu%surface, gpu%weight, gpu%force, &
-            gpu%impedance)
-        call free_buffers(gpu%start, gpu%uncovered, gpu%donor, gpu%donor_shell, gpu%donation, &
-            gpu%debt_cell, gpu%next_cell, gpu%debt)
-        call free_buffers(gpu%next_debt, gpu%carrier_there)
-        associate (p => gpu%guests)
-            call free_buffers(p%x, p%v, p%mass, p%load, p%fixed, p%id)
-        end associate
-        call close_gpu_part(gpu%shared)
-        call gpu%exact%close()
-        call gpu%common%close()
-    end subroutine close_gpu_coupling
 end module brz_gpu_coupling_state

@@ -4,7 +4,8 @@
 module brz_gpu_exact
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use brz_buffers, only: doubles_t, from
-    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers
+    use brz_common_launches, only: common_kernels
+    use brz_device, only: allocate_buffer, copy_in, copy_out
     use brz_errors, only: error_t
     use brz_exact_sum, only: close_sums, limbs, open_sums, scale_t
     use brz_gpu_common, only: gpu_common_t
@@ -26,29 +27,21 @@ module brz_gpu_exact
         real(dp) :: total(most) = 0
         type(gpu_common_t) :: common
     contains
-        procedure :: open, close, end
+        procedure :: open, end
     end type gpu_exact_t
 
 contains
 
-    subroutine open (self, device, ranks, err)
+    subroutine open (self, ranks, err)
         class(gpu_exact_t), intent(inout) :: self
-        type(device_t), intent(in) :: device
         type(ranks_t), intent(in) :: ranks
         type(error_t), intent(inout) :: err
 
         self%ranks = ranks
-        call self%common%open(device, rows*limbs*most, err)
+        call self%common%open(rows*limbs*most, err)
         call allocate_buffer(self%sums, 8_int64*tally_threads*limbs*most, err)
         call allocate_buffer(self%up, 16_int64*most, err)
     end subroutine open
-
-    subroutine close (self)
-        class(gpu_exact_t), intent(inout) :: self
-
-        call free_buffers(self%sums, self%up)
-        call self%common%close()
-    end subroutine close
 
     !> A pass has ended: 0 has found the largest term of each sum, 1 leaves their `total`. All
     !> processes must call.
@@ -66,7 +59,7 @@ contains
             return
         end if
         do r = 1, n
-            call self%common%kernels%largest([rows, 1, 1], tally_threads, rows, &
+            call common_kernels%largest([rows, 1, 1], tally_threads, rows, &
                 from(self%sums, (r - 1_int64)*tally_threads + 1), &
                 from(self%common%folded, (r - 1_int64)*rows + 1), err)
         end do

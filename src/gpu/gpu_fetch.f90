@@ -7,7 +7,7 @@ module brz_gpu_fetch
     use brz_boxes, only: box_t
     use brz_buffers, only: buffer_t, bytes_t, from, integers_t, reals_t
     use brz_cell_lists, only: cell_list_t, list_cells
-    use brz_device, only: allocate_buffer, free_buffers, pin, put_buffer, unpin
+    use brz_device, only: allocate_buffer, pin, put_buffer
     use brz_errors, only: error_t
     use brz_fetch, only: fetch_t
     use brz_gpu_peers, only: begins, peers_t
@@ -33,7 +33,7 @@ module brz_gpu_fetch
         type(peers_t) :: peers
         integer(int64), allocatable :: there(:) !! (0:processes - 1) cells before its parcel there
     contains
-        procedure :: open, close, reals_of_others, bytes_of_others
+        procedure :: open, reals_of_others, bytes_of_others
     end type gpu_fetch_t
 
 contains
@@ -68,19 +68,6 @@ contains
             call pin(mail%in)
         end associate
     end subroutine open
-
-    subroutine close (self)
-        class(gpu_fetch_t), intent(inout) :: self
-
-        call free_buffers(self%out_place, self%in_place, self%row, self%out_block, self%in_block, &
-            self%near)
-        if (self%peers%linked) then
-            call self%peers%close(self%ranks)
-        else if (allocated(self%list%mail%out)) then
-            call unpin(self%list%mail%out)
-            call unpin(self%list%mail%in)
-        end if
-    end subroutine close
 
     !> Fill the cells of a field that others own; `apart` numbers lie between those of a cell.
     subroutine reals_of_others(self, apart, field, err)

@@ -1,86 +1,54 @@
 ! SPDX-License-Identifier: MIT
 !> Lists that grow, on the GPU: as brz_lists has them, for steps that stand once.
 module brz_gpu_lists
-    use brz_buffers, only: buffer_t, bytes_t, doubles_t, integers_t, reals_t
+    use brz_buffers, only: buffer_t, bytes_each, integers_t
     use brz_common_launches, only: common_kernels
     use brz_device, only: clear_buffer, copy_within, reserve_buffer
     use brz_errors, only: error_t, failed
-    use brz_kinds, only: int64, rk
     implicit none
     private
     public :: at_least, clear_list, clear_map, copy_first, room_of, swap, count_in_bins, put_in_bins
 
     !> Make room for n entries, or n columns of some rows; what was there is lost where it grows.
     interface at_least
-        module procedure integers_at_least, reals_at_least, doubles_at_least, columns_at_least, &
-            integer_columns_at_least
+        module procedure list_at_least, columns_at_least
     end interface at_least
 
     !> Copy the first n entries, or columns.
     interface copy_first
-        module procedure copy_integers, copy_columns
+        module procedure copy_list, copy_columns
     end interface copy_first
 
-    integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
+    !> Set the first n entries of a map to zero.
+    interface clear_map
+        module procedure clear_list
+    end interface clear_map
 
 contains
 
-    subroutine integers_at_least(a, n, err)
-        type(integers_t), intent(inout) :: a
+    subroutine list_at_least(a, n, err)
+        class(buffer_t), intent(inout) :: a
         integer, intent(in) :: n
         type(error_t), intent(inout) :: err
 
-        call reserve_buffer(a, 4_int64*n, err)
-    end subroutine integers_at_least
-
-    subroutine reals_at_least(a, n, err)
-        type(reals_t), intent(inout) :: a
-        integer, intent(in) :: n
-        type(error_t), intent(inout) :: err
-
-        call reserve_buffer(a, bytes_of_real*n, err)
-    end subroutine reals_at_least
-
-    subroutine doubles_at_least(a, n, err)
-        type(doubles_t), intent(inout) :: a
-        integer, intent(in) :: n
-        type(error_t), intent(inout) :: err
-
-        call reserve_buffer(a, 8_int64*n, err)
-    end subroutine doubles_at_least
-
-    subroutine integer_columns_at_least(a, rows, n, err)
-        type(integers_t), intent(inout) :: a
-        integer, intent(in) :: rows, n
-        type(error_t), intent(inout) :: err
-
-        call reserve_buffer(a, 4_int64*rows*n, err)
-    end subroutine integer_columns_at_least
+        call reserve_buffer(a, bytes_each(a)*n, err)
+    end subroutine list_at_least
 
     subroutine columns_at_least(a, rows, n, err)
-        type(reals_t), intent(inout) :: a
+        class(buffer_t), intent(inout) :: a
         integer, intent(in) :: rows, n
         type(error_t), intent(inout) :: err
 
-        call reserve_buffer(a, bytes_of_real*rows*n, err)
+        call reserve_buffer(a, bytes_each(a)*rows*n, err)
     end subroutine columns_at_least
-
-    !> Set the first n entries of a map to zero.
-    subroutine clear_map(n, a, err)
-        integer, intent(in) :: n
-        type(bytes_t), intent(in) :: a
-        type(error_t), intent(inout) :: err
-
-        call clear_buffer(a, err, int(n, int64))
-    end subroutine clear_map
 
     !> Set the first n entries of a list to zero.
     subroutine clear_list(n, a, err)
         integer, intent(in) :: n
-        type(integers_t), intent(in) :: a
+        class(buffer_t), intent(in) :: a
         type(error_t), intent(inout) :: err
 
-        call clear_buffer(a, err, 4_int64*n)
+        call clear_buffer(a, err, bytes_each(a)*n)
     end subroutine clear_list
 
     !> Count the entries of each bin in the place behind its own.
@@ -99,7 +67,7 @@ contains
         type(integers_t), intent(in) :: bin, ends, binned
         type(error_t), intent(inout) :: err
 
-        call common_kernels%bin_fill([n, 1, 1], n, bin, ends, binned, err)
+        call common_kernels%bin_fill([n, 1, 1], n, 0, bin, ends, binned, err)
     end subroutine put_in_bins
 
     !> Entries that a list has room for.
@@ -110,20 +78,20 @@ contains
         if (a%address /= 0) n = int(a%bytes/4)
     end function room_of
 
-    subroutine copy_integers(n, from, to, err)
+    subroutine copy_list(n, from, to, err)
         integer, intent(in) :: n
-        type(integers_t), intent(in) :: from, to
+        class(buffer_t), intent(in) :: from, to
         type(error_t), intent(inout) :: err
 
-        call copy_within(from, to, 4_int64*n, err)
-    end subroutine copy_integers
+        call copy_within(from, to, bytes_each(from)*n, err)
+    end subroutine copy_list
 
     subroutine copy_columns(n, rows, from, to, err)
         integer, intent(in) :: n, rows
-        type(reals_t), intent(in) :: from, to
+        class(buffer_t), intent(in) :: from, to
         type(error_t), intent(inout) :: err
 
-        call copy_within(from, to, bytes_of_real*rows*n, err)
+        call copy_within(from, to, bytes_each(from)*rows*n, err)
     end subroutine copy_columns
 
     !> Two lists change places.

@@ -4,15 +4,15 @@
 module brz_gpu_marks
     use brz_boxes, only: box_t
     use brz_buffers, only: doubles_t, from, integers_t
-    use brz_device, only: clear_buffer, copy_out, free_buffers, reserve_buffer
+    use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_parcels, only: gpu_places_t, pick_rows, put_places, rows_of
     use brz_kinds, only: int64
-    use brz_place_launches, only: place_kernels_t
+    use brz_place_launches, only: place_kernels
     implicit none
     private
-    public :: gpu_marks_t, close_marks, asks_of, reserve_marks, begin_marks, count_marks, &
+    public :: gpu_marks_t, asks_of, reserve_marks, begin_marks, count_marks, &
         list_marks, place_pieces, find_firsts
 
     type :: gpu_marks_t
@@ -23,14 +23,6 @@ module brz_gpu_marks
     end type gpu_marks_t
 
 contains
-
-    !> Give the memory back.
-    subroutine close_marks(marks)
-        type(gpu_marks_t), intent(inout) :: marks
-
-        call free_buffers(marks%mark, marks%ends, marks%sums, marks%pieces, marks%asks, &
-            marks%regions, marks%wants)
-    end subroutine close_marks
 
     !> Room for marks.
     subroutine reserve_marks(n, rows, marks, err)
@@ -63,11 +55,10 @@ contains
     end function asks_of
 
     !> How many places of each body are marked for each process. Marks become running sums.
-    subroutine count_marks(n, first, common, kernels, marks, number, err)
+    subroutine count_marks(n, first, common, marks, number, err)
         integer, intent(in) :: n !! places
         integer, intent(in) :: first(:) !! (bodies) their first places
         type(gpu_common_t), intent(inout) :: common
-        type(place_kernels_t), intent(in) :: kernels
         type(gpu_marks_t), intent(inout) :: marks
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
         type(error_t), intent(inout) :: err
@@ -78,19 +69,17 @@ contains
               n*size(number, 2) + 1]
         call put_places(at, marks%ends, err)
         call reserve_buffer(marks%sums, 4_int64*size(at), err)
-        call pick_rows(kernels, [rows_of(marks%mark, 1)], marks%ends, size(at), marks%sums, err, &
-                       wide=1)
+        call pick_rows([rows_of(marks%mark, 1)], marks%ends, size(at), marks%sums, err, wide=1)
         at = 0
         call copy_out(marks%sums, at, 4_int64*size(at), err)
         number = reshape(at(2:) - at(:size(at) - 1), shape(number))
     end subroutine count_marks
 
     !> The marked places of some rows, process by process.
-    subroutine list_marks(n, rows, number, kernels, marks, list, err)
+    subroutine list_marks(n, rows, number, marks, list, err)
         integer, intent(in) :: n !! places
         integer, intent(in) :: rows(2) !! the first and the last row
         integer(int64), intent(in) :: number(:, :) !! (bodies, rows)
-        type(place_kernels_t), intent(in) :: kernels
         type(gpu_marks_t), intent(in) :: marks !! running sums
         type(gpu_places_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
@@ -100,16 +89,15 @@ contains
         listed = sum(number(:, rows(1):rows(2)))
         call find_firsts(number(:, rows(1):rows(2)), list%first)
         call reserve_buffer(list%place, 4*max(listed, 1_int64), err)
-        if (listed > 0) call kernels%list_marked(n*(rows(2) - rows(1) + 1), n, &
+        if (listed > 0) call place_kernels%list_marked(n*(rows(2) - rows(1) + 1), n, &
             int(sum(number(:, :rows(1) - 1))), from(marks%mark, int(n, int64)*(rows(1) - 1) + 1), &
             list%place, err)
     end subroutine list_marks
 
     !> Places of what comes, that of a process and body in one piece, process by process.
-    subroutine place_pieces(number, before, kernels, pieces, list, err)
+    subroutine place_pieces(number, before, pieces, list, err)
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
         integer, intent(inout) :: before(:) !! (bodies) places that are taken; these ones, too, then
-        type(place_kernels_t), intent(in) :: kernels
         type(integers_t), intent(inout) :: pieces
         type(gpu_places_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
@@ -129,7 +117,7 @@ contains
         call find_firsts(number, list%first)
         call reserve_buffer(list%place, 4*max(n, 1)*1_int64, err)
         call put_places(reshape(piece, [2*k]), pieces, err)
-        call kernels%give_place(n, k, pieces, list%place, err)
+        call place_kernels%give_place(n, k, pieces, list%place, err)
     end subroutine place_pieces
 
     !> First entry of the parcel of each process.

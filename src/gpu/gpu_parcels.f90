@@ -3,12 +3,12 @@
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t, part_from => from
-    use brz_device, only: copy_in, device_t, free_buffers, reserve_buffer
+    use brz_device, only: copy_in, free_buffer, reserve_buffer
     use brz_errors, only: error_t, exit_device, raise
     use brz_gpu_peers, only: begins, peers_t
     use brz_kinds, only: int64
     use brz_mail, only: mail_t, make_room, tell_all
-    use brz_place_launches, only: place_kernels_t
+    use brz_place_launches, only: place_kernels
     use brz_ranks, only: ranks_t, several
     use brz_record_rules, only: add_array, most_arrays, record_t
     use brz_solid_part, only: part_t
@@ -41,17 +41,15 @@ module brz_gpu_parcels
         type(integers_t) :: words !! of parcels, where they go by the host or stay here
         type(integers_t) :: came !! of parcels from others
         type(peers_t) :: peers
-        type(place_kernels_t) :: kernels
     contains
-        procedure :: open, close, refresh, aim, send, post, parcel_from, move
+        procedure :: open, refresh, aim, send, post, parcel_from, move
     end type gpu_parcels_t
 
 contains
 
     !> Get ready for the ghosts of now.
-    subroutine open (self, device, ranks, part, most, err)
+    subroutine open (self, ranks, part, most, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(device_t), intent(in) :: device
         type(ranks_t), intent(in) :: ranks
         type(part_t), intent(in) :: part
         integer, intent(in) :: most !! words of 4 B of a particle in a message
@@ -63,7 +61,6 @@ contains
         self%out%first = part%out%first
         self%in%first = part%in%first
         self%most = (most + 1)/2*2
-        call self%kernels%open(device, err)
         call put_places(part%out%place, self%out%place, err)
         call put_places(part%in%place, self%in%place, err)
         call self%peers%open(ranks, 0_int64, err)
@@ -81,14 +78,6 @@ contains
         call reserve_buffer(buffer, 4*max(size(place, kind=int64), 1_int64), err)
         call copy_in(place, buffer, 4*size(place, kind=int64), err)
     end subroutine put_places
-
-    subroutine close (self)
-        class(gpu_parcels_t), intent(inout) :: self
-
-        call free_buffers(self%out%place, self%in%place, self%gone%place, self%come%place, &
-            self%words)
-        call self%peers%close(self%ranks)
-    end subroutine close
 
     !> An array of particles as words of 4 B.
     pure type(integers_t) function words_of(array) result(words)
@@ -159,7 +148,7 @@ contains
         call self%post(out, in, from, err)
         do r = 0, self%ranks%n - 1
             if (r == self%ranks%rank) cycle
-            call put_rows(self%kernels, self%parcel_from(in, to, r), from_place(in, r), &
+            call put_rows(self%parcel_from(in, to, r), from_place(in, r), &
                           in%first(r + 1) - in%first(r), to, err)
         end do
     end subroutine bring
@@ -200,7 +189,7 @@ contains
                 if (r == me) cycle
                 call self%peers%aim_at(r, 4*wide*out%there(r), &
                                        record_at(self%words, wide, goes(r)), parcel)
-                call pick_rows(self%kernels, from, from_place(out, r), goes(r + 1) - goes(r), &
+                call pick_rows(from, from_place(out, r), goes(r + 1) - goes(r), &
                                parcel, err)
             end do
             call self%peers%swap(self%ranks, self%mail, self%words, self%came, err)
@@ -244,7 +233,7 @@ contains
             n = out%first(me + 1) - out%first(me)
             do k = 1, merge(size(from), 0, n > 0)
                 associate (a => from(k), b => to(k), wide => from(k)%words*from(k)%columns)
-                    call self%kernels%carry_words(n*wide, wide, a%words, a%stride, &
+                    call place_kernels%carry_words(n*wide, wide, a%words, a%stride, &
                         from_place(out, me), a%of, b%words, b%stride, from_place(in, me), b%of, err)
                 end associate
             end do
@@ -262,10 +251,10 @@ contains
         if (size(from) == 0) return
         call reserve_buffer(self%words, 4_int64*width_of(arrays)*size(from), err)
         call put_places(from, list, err)
-        call pick_rows(self%kernels, arrays, list, size(from), self%words, err)
+        call pick_rows(arrays, list, size(from), self%words, err)
         call put_places(to, list, err)
-        call put_rows(self%kernels, self%words, list, size(from), arrays, err)
-        call free_buffers(list)
+        call put_rows(self%words, list, size(from), arrays, err)
+        call free_buffer(list)
     end subroutine move
 
     !> Words of a record: an even number.
@@ -289,8 +278,7 @@ contains
     end subroutine make_record
 
     !> Rows of n listed particles, into their records.
-    subroutine pick_rows(kernels, arrays, place, n, records, err, wide)
-        type(place_kernels_t), intent(in) :: kernels
+    subroutine pick_rows(arrays, place, n, records, err, wide)
         type(rows_t), intent(in) :: arrays(:)
         type(integers_t), intent(in) :: place
         integer, intent(in) :: n
@@ -305,13 +293,12 @@ contains
         call make_record(arrays, record, a)
         words = width_of(arrays)
         if (present(wide)) words = wide
-        call kernels%pick_record(n*words, n, words, record, place, a(1), a(2), a(3), a(4), a(5), &
+        call place_kernels%pick_record(n*words, n, words, record, place, a(1), a(2), a(3), a(4), a(5), &
                                  a(6), a(7), a(8), records, err)
     end subroutine pick_rows
 
     !> The way back.
-    subroutine put_rows(kernels, records, place, n, arrays, err)
-        type(place_kernels_t), intent(in) :: kernels
+    subroutine put_rows(records, place, n, arrays, err)
         type(integers_t), intent(in) :: records, place
         integer, intent(in) :: n
         type(rows_t), intent(in) :: arrays(:)
@@ -321,7 +308,7 @@ contains
 
         if (n == 0) return
         call make_record(arrays, record, a)
-        call kernels%put_record(n*width_of(arrays), n, width_of(arrays), record, place, records, &
+        call place_kernels%put_record(n*width_of(arrays), n, width_of(arrays), record, place, records, &
                                 a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), err)
     end subroutine put_rows
 end module brz_gpu_parcels

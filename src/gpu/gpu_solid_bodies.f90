@@ -2,7 +2,7 @@
 !> Each body on the GPU: its parameters, its material, and the kernels that suit them.
 module brz_gpu_solid_bodies
     use brz_artificial_stress, only: artificial_none
-    use brz_device, only: allocate_buffer, device_t, find_kernel, put_buffer
+    use brz_device, only: allocate_buffer, find_kernel, put_buffer
     use brz_errors, only: error_t, exit_device, raise
     use brz_gradient, only: limiter_slope
     use brz_gpu_solid_layout, only: body_gpu_t, slice_width
@@ -48,8 +48,7 @@ contains
     end subroutine cannot_share_solid
 
     !> Memory and kernels of all bodies.
-    subroutine open_gpu_bodies(device, solid, gpu, err)
-        type(device_t), intent(in) :: device
+    subroutine open_gpu_bodies(solid, gpu, err)
         type(solid_t), intent(in) :: solid
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
@@ -57,7 +56,7 @@ contains
 
         call put_axes(solid, gpu, err)
         do b = 1, size(solid%bodies)
-            call open_body(device, solid, b, gpu%column, gpu%bodies(b), err)
+            call open_body(solid, b, gpu%column, gpu%bodies(b), err)
         end do
     end subroutine open_gpu_bodies
 
@@ -92,8 +91,7 @@ contains
     end function axes_before
 
     !> What one body needs.
-    subroutine open_body(device, solid, b, column, gpu, err)
-        type(device_t), intent(in) :: device
+    subroutine open_body(solid, b, column, gpu, err)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         type(columns_t), intent(in) :: column
@@ -123,12 +121,12 @@ contains
         call put_buffer(params, gpu%params, storage_size(params)/8_int64, err)
         call put_buffer(material, gpu%material, storage_size(material)/8_int64, err)
         call allocate_buffer(gpu%slice, 4_int64*(gpu%slices + 1), err)
-        call find_kernel(device, 'solid_moments_'//moment_name(params), gpu%moments, err)
+        call find_kernel('solid_moments_'//moment_name(params), gpu%moments, err)
         call find_kernel_of(int(material%model), name, slots)
         if (slots < material%n_hist) call raise(err, exit_device, 'the kernel '//name//' holds '// &
             to_text(slots)//' history variables, the material '//to_text(int(material%n_hist)))
-        call find_kernel(device, name, gpu%update, err)
-        call find_kernel(device, 'solid_forces_'//force_name(params), gpu%forces, err)
+        call find_kernel(name, gpu%update, err)
+        call find_kernel('solid_forces_'//force_name(params), gpu%forces, err)
     end subroutine open_body
 
     !> A body as the kernels see it.
@@ -137,41 +135,19 @@ contains
         integer, intent(in) :: dimension, axes
         type(body_gpu_t) :: p
 
-        p%first = body%first
-        p%last = body%last
+        p%body_numbers_t = body%body_numbers_t
         p%dimension = dimension
-        p%formulation = body%formulation
-        p%artificial = body%artificial
         p%directional = merge(1, 0, body%directional)
         p%variable = merge(1, 0, body%variable)
-        p%h_range = body%h_range
         p%axes = axes
-        p%fails = 0
-        p%springs = 0
-        p%owed = 0
-        p%grip = 0
         p%keep_force = merge(0, 1, body%motion%n > 0)
-        p%h = body%h
-        p%crack = body%crack
         p%scale = kernel_scale(body%h, dimension)
         p%half_over_h = 1/(2*body%h)
-        p%alpha = body%alpha
-        p%beta = body%beta
-        p%tension_hold = body%tension_hold
         p%spares = merge(1, 0, body%limiter == limiter_slope)
-        p%cfl = body%cfl
-        p%artificial_power = body%artificial_power
-        p%shape_at_spacing = body%shape_at_spacing
-        p%normal = body%normal
         p%curved = merge(1, 0, body%curved)
         p%middle = body%round%centre
         p%width = real(1/body%stretch, rk)
-        p%at_rest = body%at_rest
-        p%lift = 0
-        p%layer = body%layer
         p%layer_of_ply = merge(1, 0, body%layer_of_ply)
-        p%layer_stiffness = body%layer_stiffness
-        p%contraction = body%contraction
     end function params_of
 
     !> Which sums of pass 1 a body needs, as the kernels are named.

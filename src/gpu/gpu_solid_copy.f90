@@ -2,16 +2,16 @@
 !> The solids on their way to the GPU and back.
 module brz_gpu_solid_copy
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
-    use brz_buffers, only: doubles_t, integers_t
-    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffers, put_buffer
+    use brz_buffers, only: buffer_t, doubles_t, integers_t
+    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffer, put_buffer
     use brz_errors, only: error_t, failed
-    use brz_field_values, only: get_columns, get_marks, get_rows, set_columns, set_marks, set_rows
+    use brz_field_values, only: carry_columns, carry_marks, carry_rows
     use brz_gpu_solid_bodies, only: open_gpu_bodies
     use brz_gpu_solid_cohesive, only: fetch_gpu_points, open_gpu_cohesive
-    use brz_gpu_solid_layout, only: at_bulk, at_wave, tag_fault
+    use brz_gpu_solid_list_steps, only: build_neighbours
+    use brz_gpu_solid_layout, only: at_bulk, at_wave, flag_bad, n_flag, tag_fault
     use brz_gpu_solid_load, only: open_gpu_loads
-    use brz_gpu_solid_links, only: build_gpu_links, open_gpu_links, settle_gpu_links
-    use brz_gpu_solid_search, only: build_gpu_lists
+    use brz_gpu_solid_links, only: open_gpu_links
     use brz_gpu_solid_state, only: bytes_of_real, column_of, gpu_solid_t, &
         open_gpu_solid_memory, tags_of, threads_of
     use brz_kinds, only: dp, int32, int64, rk
@@ -19,13 +19,14 @@ module brz_gpu_solid_copy
     use brz_ranks, only: several
     use brz_snapshots, only: snapshot_t
     use brz_solid_arrays, only: cut_blocks, number_groups
-    use brz_solid_fields, only: field_t, fields_of, fields_t, in_built, in_motion, in_place, &
-        in_reference, in_state, in_tag
+    use brz_solid_fields, only: field_t, fields_of, fields_t, in_motion, in_place, in_state, &
+        in_tag
     use brz_solid_home, only: make_room, spread_bodies
+    use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: open_gpu_solid, fetch_solid, note_solid, fetch_particles, faults_of
+    public :: open_gpu_solid, fetch_solid, note_solid, fetch_particles, fetch_faults
 
     integer, parameter :: at_once = int(32/bytes_of_real) !! columns that take no more than rows do
     real(dp), parameter :: spare = 0.25_dp !! of the places of a body, kept free on several GPUs
@@ -44,93 +45,34 @@ contains
         if (several(solid%ranks)) call spread_bodies(solid, spare)
         call open_gpu_solid_memory(device, solid, in_air .or. allocated(solid%loads%of), gpu, err)
         if (failed(err)) return
-        call open_gpu_bodies(device, solid, gpu, err)
+        call open_gpu_bodies(solid, gpu, err)
         do b = 1, size(solid%bodies)
             gpu%ledger(b) = solid%bodies(b)%ledger
             gpu%reaction(:, b) = solid%bodies(b)%reaction
         end do
-        call put_fields(solid, gpu, err)
+        call carry_fields(gpu, solid, .true., err)
+        call put_speeds(solid, gpu, err)
         call open_gpu_links(solid, gpu, err)
         call open_gpu_cohesive(solid%cohesive, gpu, err)
         call open_gpu_loads(solid%loads, gpu, err)
-        call build_gpu_lists(gpu, solid, .false., spread(.true., 1, size(solid%bodies)), err)
-        call settle_gpu_links(gpu, solid, .true.)
-        call build_gpu_links(gpu, solid, err)
+        call build_neighbours(gpu, solid, .false., spread(.true., 1, size(solid%bodies)), err)
     end subroutine open_gpu_solid
 
-    !> All fields of the particles, and what follows from their material.
-    subroutine put_fields(solid, gpu, err)
-        type(solid_t), intent(inout), target :: solid
+    !> What follows from the material of the particles.
+    subroutine put_speeds(solid, gpu, err)
+        type(solid_t), intent(in) :: solid
         type(gpu_solid_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
-        type(fields_t) :: fields
-        real(dp), allocatable :: rows(:, :)
         real(rk) :: wave(size(solid%materials)), bulk(size(solid%materials))
-        integer :: k, lies, m
+        integer :: m
 
-        call fields_of(solid, fields)
-        allocate (rows(4, solid%n))
-        do lies = in_place, in_motion
-            rows = 0
-            do k = 1, fields%n
-                associate (field => fields%of(k))
-                    if (field%lies == lies) &
-                        call get_rows(field, rows(field%at:field%at + field%rows - 1, :))
-                end associate
-            end do
-            if (lies == in_motion) then
-                call copy_in(real(rows, rk), gpu%motion, 4*bytes_of_real*solid%n, err)
-            else
-                call copy_in(rows, rows_of(gpu, lies), 32_int64*solid%n, err)
-            end if
-        end do
-        deallocate (rows)
-        call put_columns(gpu, fields, err)
         wave = solid%materials%c_wave
         do m = 1, size(solid%materials)
             bulk(m) = unloaded_speed(solid%materials(m))
         end do
         call copy_in(of_bodies(solid, wave), column_of(gpu, at_wave), bytes_of_real*solid%n, err)
         call copy_in(of_bodies(solid, bulk), column_of(gpu, at_bulk), bytes_of_real*solid%n, err)
-    end subroutine put_fields
-
-    !> The fields that lie in columns, and the marks.
-    subroutine put_columns(gpu, fields, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(fields_t), intent(in) :: fields
-        type(error_t), intent(inout) :: err
-        integer(int32), allocatable :: marks(:)
-        real(rk), allocatable :: columns(:, :)
-        integer :: first, k, n
-
-        allocate (columns(gpu%n, at_once), marks(gpu%n))
-        do k = 1, fields%n
-            associate (field => fields%of(k))
-                if (field%lies == in_tag) then
-                    call get_marks(field, marks)
-                    call copy_in(marks, tags_of(gpu, field%at), 4_int64*gpu%n, err)
-                else if (field%lies == in_state) then
-                    do first = 1, field%rows, at_once
-                        n = min(at_once, field%rows - first + 1)
-                        call get_columns(field, first, columns(:, :n))
-                        call copy_in(columns, column_of(gpu, field%at + first - 1), &
-                                     bytes_of_real*n*gpu%n, err)
-                    end do
-                end if
-            end associate
-        end do
-    end subroutine put_columns
-
-    !> The rows of four real64 that fields lie in.
-    pure function rows_of(gpu, lies) result(buffer)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: lies
-        type(doubles_t) :: buffer
-
-        buffer = gpu%place
-        if (lies == in_reference) buffer = gpu%reference
-        if (lies == in_built) buffer = gpu%built
-    end function rows_of
+    end subroutine put_speeds
 
     !> A number of each material, for every particle.
     pure function of_bodies(solid, values) result(x)
@@ -153,7 +95,7 @@ contains
 
         if (gpu%fetched .or. failed(err)) return
         call settle_bodies(gpu, solid, err)
-        call fetch_fields(gpu, solid, err)
+        call carry_fields(gpu, solid, .false., err)
         call fetch_gpu_points(gpu, .true., solid%cohesive, err)
         gpu%fetched = .not. failed(err)
     end subroutine fetch_solid
@@ -194,48 +136,52 @@ contains
         gpu%settled = .true.
     end subroutine settle_bodies
 
-    !> All fields; what each copy brings lies in the same memory for a moment.
-    subroutine fetch_fields(gpu, solid, err)
+    !> All fields of the particles, to the GPU or from there; what each copy takes lies in the same
+    !> memory for a moment.
+    subroutine carry_fields(gpu, solid, puts, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(inout), target :: solid
+        logical, intent(in) :: puts !! else they come from the GPU
         type(error_t), intent(inout) :: err
         type(fields_t) :: fields
+        type(buffer_t) :: rows(in_place:in_motion)
         real(dp), allocatable, target :: room(:, :)
         real(rk), pointer, contiguous :: motion(:, :)
+        integer(int64) :: bytes
         integer :: k, lies
 
         call fields_of(solid, fields)
-        allocate (room(4, gpu%n))
+        allocate (room(4, gpu%n), source=0.0_dp)
         call c_f_pointer(c_loc(room), motion, [4, gpu%n])
+        rows = [gpu%place%buffer_t, gpu%reference%buffer_t, gpu%built%buffer_t, gpu%motion%buffer_t]
         do lies = in_place, in_motion
-            if (lies == in_motion) then
-                call copy_out(gpu%motion, motion, 4*bytes_of_real*gpu%n, err)
-            else
-                call copy_out(rows_of(gpu, lies), room, 32_int64*gpu%n, err)
-            end if
+            bytes = merge(4*bytes_of_real, 32_int64, lies == in_motion)*gpu%n
+            if (puts) room = 0
+            if (.not. puts) call copy_out(rows(lies), room, bytes, err)
             if (failed(err)) return
             do k = 1, fields%n
-                associate (field => fields%of(k))
+                associate (field => fields%of(k), first => fields%of(k)%at, &
+                           last => fields%of(k)%at + fields%of(k)%rows - 1)
                     if (field%lies /= lies) cycle
-                    associate (first => field%at, last => field%at + field%rows - 1)
-                        if (lies == in_motion) then
-                            call set_rows(field, motion(first:last, :))
-                        else
-                            call set_rows(field, room(first:last, :))
-                        end if
-                    end associate
+                    if (lies == in_motion) then
+                        call carry_rows(field, motion(first:last, :), puts)
+                    else
+                        call carry_rows(field, room(first:last, :), puts)
+                    end if
                 end associate
             end do
+            if (puts) call copy_in(room, rows(lies), bytes, err)
         end do
         do k = 1, fields%n
-            call fetch_columns(gpu, fields%of(k), room, err)
+            call carry_field(gpu, fields%of(k), puts, room, err)
         end do
-    end subroutine fetch_fields
+    end subroutine carry_fields
 
     !> A field that lies in columns, or marks.
-    subroutine fetch_columns(gpu, field, room, err)
+    subroutine carry_field(gpu, field, puts, room, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(field_t), intent(in) :: field
+        logical, intent(in) :: puts
         real(dp), intent(inout), target, contiguous :: room(:, :) !! (4, n) is overwritten
         type(error_t), intent(inout) :: err
         integer(int32), pointer, contiguous :: marks(:)
@@ -244,18 +190,24 @@ contains
 
         if (field%lies == in_tag) then
             call c_f_pointer(c_loc(room), marks, [gpu%n])
-            call copy_out(tags_of(gpu, field%at), marks, 4_int64*gpu%n, err)
-            if (.not. failed(err)) call set_marks(field, marks)
+            if (.not. puts) call copy_out(tags_of(gpu, field%at), marks, 4_int64*gpu%n, err)
+            if (failed(err)) return
+            call carry_marks(field, marks, puts)
+            if (puts) call copy_in(marks, tags_of(gpu, field%at), 4_int64*gpu%n, err)
         else if (field%lies == in_state) then
             do first = 1, field%rows, at_once
                 n = min(at_once, field%rows - first + 1)
                 call c_f_pointer(c_loc(room), columns, [gpu%n, n])
-                call copy_out(column_of(gpu, field%at + first - 1), columns, &
-                              bytes_of_real*n*gpu%n, err)
-                if (.not. failed(err)) call set_columns(field, first, columns)
+                associate (there => column_of(gpu, field%at + first - 1), &
+                           bytes => bytes_of_real*n*gpu%n)
+                    if (.not. puts) call copy_out(there, columns, bytes, err)
+                    if (failed(err)) return
+                    call carry_columns(field, first, columns, puts)
+                    if (puts) call copy_in(columns, there, bytes, err)
+                end associate
             end do
         end if
-    end subroutine fetch_columns
+    end subroutine carry_field
 
     !> Refresh the motion of some particles on the host, wherever they lie there.
     subroutine fetch_particles(gpu, id, solid, err)
@@ -273,13 +225,14 @@ contains
         call put_buffer(id, id_at, 4_int64*size(id), err)
         call allocate_buffer(values_at, 8_int64*size(values), err)
         do b = 1, size(gpu%bodies)
-            call gpu%kernels%find_particles(threads_of(gpu%bodies(b)), gpu%n, &
+            call solid_kernels%find_particles(threads_of(gpu%bodies(b)), gpu%n, &
                 gpu%bodies(b)%first, gpu%bodies(b)%last, size(id), id_at, gpu%tag, gpu%place, &
                 gpu%reference, gpu%motion, gpu%state, values_at, err)
         end do
         values = 0
         call copy_out(values_at, values, 8_int64*size(values), err)
-        call free_buffers(id_at, values_at)
+        call free_buffer(id_at)
+        call free_buffer(values_at)
         do k = 1, size(id)
             i = place_of(solid, id(k))
             if (i == 0) cycle ! of another process
@@ -308,13 +261,17 @@ contains
     end function place_of
 
     !> The particles with an impossible state are noted in the blocks of the host, as its own are.
-    subroutine faults_of(gpu, solid, err)
+    subroutine fetch_faults(gpu, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         integer(int32), allocatable :: marks(:)
-        integer :: k
+        integer :: flags(n_flag), k
 
+        solid%search%bad = 0
+        flags = 0
+        call copy_out(gpu%flags, flags, 4_int64*n_flag, err)
+        if (failed(err) .or. flags(flag_bad) == 0) return
         call fetch_solid(gpu, solid, err)
         allocate (marks(solid%n), source=0_int32)
         call copy_out(tags_of(gpu, tag_fault), marks, 4_int64*gpu%n, err)
@@ -325,5 +282,5 @@ contains
                     solid%search%bad(k) = solid%search%bad(k) + first - 1
             end associate
         end do
-    end subroutine faults_of
+    end subroutine fetch_faults
 end module brz_gpu_solid_copy

@@ -4,72 +4,65 @@ module brz_gpu_solid_ghosts
     use brz_buffers, only: from
     use brz_device, only: copy_in
     use brz_errors, only: error_t
-    use brz_gpu_parcels, only: rows_of, rows_t
+    use brz_gpu_parcels, only: rows_of
     use brz_gpu_solid_layout, only: flag_drawn
     use brz_gpu_solid_state, only: gpu_solid_t, words_of_real
     use brz_kinds, only: int64
     use brz_link_layout, only: n_press
     use brz_ranks, only: several
-    use brz_solid_state, only: n_held, n_pair, solid_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: refresh_gpu_motion, refresh_gpu_rows, refresh_gpu_press, refresh_gpu_bonds
+    public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds
 
 contains
 
     !> Places, velocities, volumes and smoothing lengths: what pass 1 reads.
-    subroutine refresh_gpu_motion(gpu, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(error_t), intent(inout) :: err
-
-        if (.not. several(gpu%ghosts%ranks)) return
-        call gpu%ghosts%refresh([rows_of(gpu%place, 8), rows_of(gpu%motion, 4*words_of_real)], err)
-    end subroutine refresh_gpu_motion
-
-    !> What pass 1 has left, and pass 2 reads. What of a body is held may be a ghost, so then all
-    !> look for it.
-    subroutine refresh_gpu_rows(gpu, solid, err)
+    subroutine refresh_motion(gpu, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
-        type(rows_t) :: arrays(4)
+
+        if (.not. several(solid%ranks)) return
+        call gpu%ghosts%refresh([rows_of(gpu%place, 8), rows_of(gpu%motion, 4*words_of_real)], err)
+    end subroutine refresh_motion
+
+    !> What pass 1 has left, and pass 2 reads. What of a body is held may be a ghost, so then all
+    !> look for it.
+    subroutine refresh_rows(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
         integer :: n
 
-        if (.not. several(gpu%ghosts%ranks)) return
-        arrays(1) = rows_of(gpu%row, n_pair*words_of_real)
-        n = 1
-        if (allocated(solid%hold) .or. allocated(solid%tilt)) then
-            n = 2
-            arrays(n) = rows_of(gpu%hold, 6)
-        end if
-        if (allocated(solid%held)) then
-            n = n + 1
-            arrays(n) = rows_of(gpu%held, n_held*words_of_real)
-        end if
+        if (.not. several(solid%ranks)) return
+        n = gpu%n_left
         if (gpu%linked) then
-            n = n + 1
-            arrays(n) = rows_of(gpu%stress, words_of_real, 6, gpu%n)
+            call gpu%ghosts%refresh([gpu%left(:n), rows_of(gpu%stress, words_of_real, 6, gpu%n)], &
+                                    err)
+        else
+            call gpu%ghosts%refresh(gpu%left(:n), err)
         end if
-        call gpu%ghosts%refresh(arrays(:n), err)
         if (any(gpu%bodies%drawn)) call copy_in([1], &
             from(gpu%flags, int(flag_drawn, int64)), 4_int64, err)
-    end subroutine refresh_gpu_rows
+    end subroutine refresh_rows
 
     !> Pressures of contact.
-    subroutine refresh_gpu_press(gpu, err)
+    subroutine refresh_press(gpu, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
 
         if (several(gpu%ghosts%ranks)) call gpu%ghosts%refresh( &
             [rows_of(gpu%links%press, n_press*words_of_real)], err)
-    end subroutine refresh_gpu_press
+    end subroutine refresh_press
 
     !> Which bonds are whole.
-    subroutine refresh_gpu_bonds(gpu, err)
+    subroutine refresh_bonds(gpu, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
-        if (several(gpu%ghosts%ranks)) &
+        if (several(solid%ranks) .and. gpu%bonded) &
             call gpu%ghosts%refresh([rows_of(gpu%links%bond, 1)], err)
-    end subroutine refresh_gpu_bonds
+    end subroutine refresh_bonds
 end module brz_gpu_solid_ghosts

@@ -10,13 +10,11 @@ module brz_gpu_solid_home
     use brz_buffers, only: from
     use brz_device, only: clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t
-    use brz_gpu_marks, only: find_firsts, place_pieces
+    use brz_gpu_marks, only: find_firsts, list_marks, place_pieces
     use brz_gpu_parcels, only: put_places
     use brz_gpu_solid_layout, only: n_book, slice_width
-    use brz_gpu_solid_links, only: build_gpu_links, settle_gpu_links
-    use brz_gpu_solid_marks, only: list_places, mark_ghosts, mark_leaving
-    use brz_gpu_solid_search, only: begin_body, build_list, find_box, sort_body
-    use brz_gpu_solid_state, only: book_of, gpu_solid_t, lay_arrays, record_of
+    use brz_gpu_solid_marks, only: mark_ghosts, mark_leaving
+    use brz_gpu_solid_state, only: book_of, gpu_solid_t, lay_arrays
     use brz_gpu_solid_sums, only: fetch_ledgers
     use brz_kinds, only: dp, int64
     use brz_mail, only: tell_all
@@ -26,74 +24,37 @@ module brz_gpu_solid_home
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: lay_gpu_anew
+    public :: go_home, lay_ghosts
 
 contains
 
-    !> The stale bodies get lists for the places of now: particles go home, ghosts are laid. All
-    !> processes must call. Other bodies keep their particles, unless regions are cut anew.
-    subroutine lay_gpu_anew(gpu, solid, stale, recut, err)
+    !> Particles of the stale bodies go to the processes in whose regions they are. Ghosts are
+    !> dropped. All processes must call. Other bodies keep theirs, unless regions are cut anew.
+    subroutine go_home(gpu, solid, stale, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: stale(:) !! (bodies)
-        logical, intent(out) :: recut !! all bodies may have other particles
-        type(error_t), intent(inout) :: err
-        logical :: grown
-        integer(int64) :: any_grown(1)
-        integer :: b
-
-        do b = 1, size(stale)
-            if (stale(b)) call begin_body(gpu, solid, b, err)
-        end do
-        call go_home(gpu, solid, stale, recut, grown, err)
-        do b = 1, size(stale)
-            if (.not. stale(b)) cycle
-            call sort_body(gpu, solid, b, err)
-            call find_box(gpu, solid, b, gpu%built, gpu%bodies(b)%box, err)
-        end do
-        call settle_gpu_links(gpu, solid, .false.)
-        call lay_ghosts(gpu, solid, grown, err)
-        any_grown = merge(1, 0, grown)
-        if (.not. all(stale)) call most_of_all(solid%ranks, any_grown) ! all build the same lists
-        grown = any_grown(1) > 0
-        do b = 1, size(stale) ! ghosts of others are as they were, unless links reach them
-            if (stale(b) .or. recut .or. grown .or. gpu%linked) call build_list(gpu, solid, b, err)
-        end do
-        call build_gpu_links(gpu, solid, err)
-        gpu%laid = gpu%laid + 1
-        gpu%settled = .false.
-        gpu%fetched = .false.
-        gpu%summed = .false.
-    end subroutine lay_gpu_anew
-
-    !> Particles of the stale bodies go to the processes in whose regions they are. Ghosts are
-    !> dropped.
-    subroutine go_home(gpu, solid, stale, recut, grown, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
-        logical, intent(in) :: stale(:)
-        logical, intent(out) :: recut, grown
         type(error_t), intent(inout) :: err
         integer(int64) :: out(size(stale) + 1, solid%ranks%n), in(size(stale), solid%ranks%n)
         integer(int64) :: all(size(stale) + 1, solid%ranks%n, solid%ranks%n)
         integer :: need(size(stale))
 
-        recut = .false.
+        gpu%recut = .false.
         do
-            call mark_leaving(gpu, solid, stale .or. recut, out(:size(stale), :), err)
+            call mark_leaving(gpu, solid, stale .or. gpu%recut, out(:size(stale), :), err)
             out(size(stale) + 1, :) = sum(gpu%bodies%last - gpu%bodies%first + 1)
             call tell_all(solid%ranks, out, all)
-            if (recut) exit
+            if (gpu%recut) exit
             if (.not. are_uneven(solid, all(size(stale) + 1, 1, :))) exit
             call cut_anew(gpu, solid, err)
-            recut = .true.
+            gpu%recut = .true.
         end do
         associate (n => size(stale))
             in = all(:n, solid%ranks%rank + 1, :)
             gpu%bodies%rim = gpu%bodies%last
             need = gpu%bodies%last - gpu%bodies%first + 1 + int(sum(in, dim=2))
-            call make_room(gpu, solid, need, grown, err)
-            if (grown) call mark_leaving(gpu, solid, stale .or. recut, out(:n, :), err)
+            call make_room(gpu, solid, need, gpu%grown, err)
+            if (gpu%grown) call mark_leaving(gpu, solid, stale .or. gpu%recut, out(:n, :), err)
             call change_places(gpu, solid, out(:n, :), in, sum(all(:n, :, :), 1), err)
         end associate
     end subroutine go_home
@@ -145,15 +106,15 @@ contains
         if (sum(all) == 0) return
         changed = sum(out, dim=2) + sum(in, dim=2) > 0
         if (any(changed)) call close_books(gpu, solid, changed, err)
-        call list_places(gpu, out, gpu%ghosts%gone, err)
+        call list_marks(gpu%n, [1, size(out, 2)], out, gpu%marks, gpu%ghosts%gone, err)
         call gpu%ghosts%aim(all, gpu%ghosts%gone, err)
         allocate (gone(sum(out)), source=0)
         call copy_out(gpu%ghosts%gone%place, gone, 4_int64*size(gone), err)
         call choose_places(gpu, gone, gpu%ghosts%gone%first, out, in, place, old, new)
         call find_firsts(in, gpu%ghosts%come%first)
         call put_places(place, gpu%ghosts%come%place, err)
-        call gpu%ghosts%send(gpu%ghosts%gone, gpu%ghosts%come, record_of(gpu), record_of(gpu), err)
-        call gpu%ghosts%move(old, new, record_of(gpu), err)
+        call gpu%ghosts%send(gpu%ghosts%gone, gpu%ghosts%come, gpu%record, gpu%record, err)
+        call gpu%ghosts%move(old, new, gpu%record, err)
     end subroutine change_places
 
     !> The books of bodies whose particles change: what places have summed goes to the host.
@@ -221,14 +182,15 @@ contains
         gpu%bodies%rim = gpu%bodies%last
     end subroutine choose_places
 
-    !> Lay ghosts behind the particles of each body.
-    subroutine lay_ghosts(gpu, solid, grown, err)
+    !> Lay ghosts behind the particles of each body. Ghosts of a body that is not stale are as they
+    !> were, unless links reach them.
+    subroutine lay_ghosts(gpu, solid, anew, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
-        logical, intent(inout) :: grown
+        logical, intent(inout) :: anew(:) !! (bodies) whose lists must be built
         type(error_t), intent(inout) :: err
         integer(int64), dimension(size(gpu%bodies), solid%ranks%n) :: out, in
-        integer(int64) :: all(size(gpu%bodies), solid%ranks%n, solid%ranks%n)
+        integer(int64) :: all(size(gpu%bodies), solid%ranks%n, solid%ranks%n), any_grown(1)
         integer :: next(size(gpu%bodies))
         logical :: now
 
@@ -238,15 +200,22 @@ contains
         gpu%bodies%rim = gpu%bodies%last
         call make_room(gpu, solid, gpu%bodies%last - gpu%bodies%first + 1 + int(sum(in, dim=2)), &
                        now, err)
-        grown = grown .or. now
+        gpu%grown = gpu%grown .or. now
         if (now) call mark_ghosts(gpu, solid, out, err)
-        call list_places(gpu, out, gpu%ghosts%out, err)
+        call list_marks(gpu%n, [1, size(out, 2)], out, gpu%marks, gpu%ghosts%out, err)
         call gpu%ghosts%aim(sum(all, 1), gpu%ghosts%out, err)
         next = gpu%bodies%last
-        call place_pieces(in, next, gpu%ghosts%kernels, gpu%marks%pieces, gpu%ghosts%in, err)
+        call place_pieces(in, next, gpu%marks%pieces, gpu%ghosts%in, err)
         gpu%bodies%rim = next
-        call gpu%ghosts%send(gpu%ghosts%out, gpu%ghosts%in, record_of(gpu), record_of(gpu), err)
+        call gpu%ghosts%send(gpu%ghosts%out, gpu%ghosts%in, gpu%record, gpu%record, err)
         call tell_kernels(gpu, err)
+        any_grown = merge(1, 0, gpu%grown)
+        if (count(anew) < size(anew)) call most_of_all(solid%ranks, any_grown) ! all build the same lists
+        anew = anew .or. gpu%recut .or. any_grown(1) > 0 .or. gpu%linked
+        gpu%settled = .false.
+        gpu%fetched = .false.
+        gpu%summed = .false.
+        gpu%laid = gpu%laid + 1
     end subroutine lay_ghosts
 
     !> Room for so many places of each body. Where one has too few, all arrays are laid anew.

@@ -20,7 +20,7 @@ module brz_gpu_solid_layout
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, at_wave, n_tag, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_joined, &
         tag_ply, tag_support, tag_touch, tag_weight
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, body_numbers_t, n_terms
     implicit none
     private
     public :: body_gpu_t, grid_gpu_t
@@ -67,9 +67,8 @@ module brz_gpu_solid_layout
     integer, parameter :: scan_chunk = 256 !! numbers that a thread of a scan adds
 
     !> One body, as kernels see it.
-    type :: body_gpu_t
-        integer :: first, last !! particles
-        integer :: dimension, formulation, artificial
+    type, extends(body_numbers_t) :: body_gpu_t
+        integer :: dimension
         type(row_rules_t) :: rules
         integer :: directional !! 1: yes
         integer :: fails !! how the material may fail
@@ -79,19 +78,13 @@ module brz_gpu_solid_layout
         integer :: owed !! column of `state` with what the hold owes, see brz_solid_state
         integer :: grip !! column of `state` before the force on what holds a particle, 0: none
         integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step
-        real(rk) :: h_range(2) !! bounds of a smoothing length that varies, over h
-        real(rk) :: crack !! width of a smeared crack [m]
-        real(rk) :: h, scale, half_over_h, alpha, beta, cfl, tension_hold
+        real(rk) :: scale, half_over_h !! of the kernel
         real(rk) :: spares !! 1: the viscosity spares smooth flow, see jump_speed
-        real(rk) :: artificial_power, shape_at_spacing
-        real(rk) :: normal(3) !! of the layers, 0: no tilted gradients
-        integer :: curved !! 1: that of a particle is radial, see brz_solid_state
+        integer :: curved !! 1: the normal of a particle is radial, see brz_solid_state
         real(dp) :: middle(3) !! on the axis of such a wall [m]
-        real(rk) :: width(3), at_rest !! of the lattice, see brz_wide_lattice
+        real(rk) :: width(3) !! of the lattice, see brz_wide_lattice
         integer :: lift !! column of `state` with the lift of total-Lagrangian plates, 0: none
-        integer :: layer !! normal of a membrane of one layer, 0: none
         integer :: layer_of_ply !! 1: yes
-        real(rk) :: layer_stiffness(9), contraction !! see body_t
     end type body_gpu_t
 
     !> Cells over one body.

@@ -4,6 +4,7 @@ module brz_gpu_solid_load
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, put_buffer
     use brz_errors, only: error_t
     use brz_face_load, only: loads_t
+    use brz_facet_launches, only: facet_kernels
     use brz_gpu_solid_state, only: gpu_solid_t
     use brz_kinds, only: dp, int64
     use brz_tallies, only: tally_threads
@@ -53,7 +54,7 @@ contains
 
         call clear_buffer(gpu%sums_of_forces, err)
         associate (f => gpu%loads%facets)
-            call gpu%facet_kernels%see_carrier(f%carriers, f%first, f%id, f%beside, &
+            call facet_kernels%see_carrier(f%carriers, f%first, f%id, f%beside, &
                 gpu%loads%place, gpu%fixed, gpu%sums_of_forces, err)
         end associate
         lost = gpu%common%largest(gpu%sums_of_forces, tally_threads, err)

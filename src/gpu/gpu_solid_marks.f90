@@ -6,14 +6,14 @@ module brz_gpu_solid_marks
     use brz_device, only: copy_in, reserve_buffer
     use brz_errors, only: error_t
     use brz_ghost_wants, only: inhabited, planes_of, wants_of
-    use brz_gpu_marks, only: begin_marks, count_marks, list_marks
-    use brz_gpu_parcels, only: gpu_places_t
+    use brz_gpu_marks, only: begin_marks, count_marks
     use brz_gpu_solid_state, only: gpu_solid_t
+    use brz_home_launches, only: home_kernels
     use brz_kinds, only: dp, int64
     use brz_solid_state, only: is_gone, solid_t
     implicit none
     private
-    public :: mark_leaving, mark_ghosts, list_places
+    public :: mark_leaving, mark_ghosts
 
 contains
 
@@ -30,12 +30,12 @@ contains
         call put_doubles(solid%part%region, gpu%marks%regions, size(solid%part%region), err)
         do b = 1, size(which)
             associate (body => gpu%bodies(b))
-                if (which(b)) call gpu%home_kernels%mark_home(body%last - body%first + 1, &
+                if (which(b)) call home_kernels%mark_home(body%last - body%first + 1, &
                     body%first, gpu%n, solid%ranks%n, solid%ranks%rank, gpu%marks%regions, &
                     gpu%built, gpu%marks%mark, err)
             end associate
         end do
-        call count_places(gpu, number, err)
+        call count_marks(gpu%n, gpu%bodies%first, gpu%common, gpu%marks, number, err)
     end subroutine mark_leaving
 
     !> Mark the particles that others have ghosts of, and count them.
@@ -66,14 +66,14 @@ contains
             do r = 0, solid%ranks%n - 1
                 if (r == solid%ranks%rank) cycle
                 associate (body => gpu%bodies(b))
-                    call gpu%home_kernels%mark_near(body%last - body%first + 1, body%first, &
+                    call home_kernels%mark_near(body%last - body%first + 1, body%first, &
                         is_gone, planes_of(solid), size(want, 2), gpu%marks%wants, &
                         from(gpu%marks%regions, 6_int64*r + 1), gpu%built, gpu%fixed, &
                         from(gpu%marks%mark, int(gpu%n, int64)*r + 1), err)
                 end associate
             end do
         end do
-        call count_places(gpu, number, err)
+        call count_marks(gpu%n, gpu%bodies%first, gpu%common, gpu%marks, number, err)
     end subroutine mark_ghosts
 
     !> A small table, into a buffer with room for it.
@@ -86,25 +86,4 @@ contains
         call reserve_buffer(buffer, 8_int64*n, err)
         call copy_in(x(:n), buffer, 8_int64*n, err)
     end subroutine put_doubles
-
-    !> How many places of each body are marked for each process.
-    subroutine count_places(gpu, number, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
-        type(error_t), intent(inout) :: err
-
-        call count_marks(gpu%n, gpu%bodies%first, gpu%common, gpu%ghosts%kernels, gpu%marks, &
-                         number, err)
-    end subroutine count_places
-
-    !> List them, process by process.
-    subroutine list_places(gpu, number, list, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
-        type(gpu_places_t), intent(inout) :: list
-        type(error_t), intent(inout) :: err
-
-        call list_marks(gpu%n, [1, size(number, 2)], number, gpu%ghosts%kernels, gpu%marks, list, &
-                        err)
-    end subroutine list_places
 end module brz_gpu_solid_marks

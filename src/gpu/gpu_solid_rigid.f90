@@ -6,7 +6,9 @@ module brz_gpu_solid_rigid
     use brz_errors, only: error_t
     use brz_gpu_solid_state, only: gpu_solid_t, threads_of
     use brz_kinds, only: dp, int64
+    use brz_motion_launches, only: motion_kernels
     use brz_rigid_pose, only: resting_pose
+    use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -22,7 +24,7 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (there => gpu%bodies(b), n => gpu%bodies(b)%last - gpu%bodies(b)%first + 1)
-            call gpu%motion_kernels%fill_rigid_row(n, there%first, 4, &
+            call motion_kernels%fill_rigid_row(n, there%first, 4, &
                 resting_pose(solid%bodies(b)%rigid), gpu%volume, gpu%pair, err)
             ! the host knows its time step
             call clear_buffer(from(gpu%rate, int(there%first, int64)), err, 8_int64*n)
@@ -30,9 +32,10 @@ contains
     end subroutine fill_rigid
 
     !> Force and torque on rigid bodies by contact and interfaces.
-    subroutine sum_pushes(gpu, solid, push, err)
+    subroutine sum_pushes(gpu, solid, dt, push, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(out) :: push(6, size(gpu%bodies)) !! [N], [N m]
         type(error_t), intent(inout) :: err
         integer :: b
@@ -40,8 +43,8 @@ contains
         push = 0
         do b = 1, merge(size(gpu%bodies), 0, gpu%linked)
             associate (there => gpu%bodies(b))
-                if (.not. there%rigid .or. there%asleep) cycle
-                call gpu%motion_kernels%sum_pairs(there%last - there%first + 1, there%first, &
+                if (.not. there%rigid .or. there%asleep .and. dt > 0) cycle
+                call motion_kernels%sum_pairs(there%last - there%first + 1, there%first, &
                     gpu%wide, gpu%n, resting_pose(solid%bodies(b)%rigid), gpu%x, gpu%extra, &
                     gpu%exact, err)
                 push(:, b) = gpu%exact%total(:6)
@@ -59,7 +62,7 @@ contains
 
         do b = 1, merge(size(gpu%bodies), 0, gpu%linked)
             associate (there => gpu%bodies(b), rigid => solid%bodies(b)%rigid)
-                if (there%rigid .and. .not. there%asleep) call gpu%kernels%solid_rigid_drag( &
+                if (there%rigid .and. .not. there%asleep) call solid_kernels%solid_rigid_drag( &
                     threads_of(there), gpu%n, there%params, dt, rigid%omega(1), rigid%omega(2), &
                     rigid%omega(3), gpu%row, gpu%extra, gpu%state, gpu%book, err)
             end associate

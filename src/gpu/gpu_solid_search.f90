@@ -3,7 +3,9 @@
 module brz_gpu_solid_search
     use brz_cell_grid, only: cell_of_groups, choose_cells, reach_of_lists
     use brz_buffers, only: doubles_t, from
+    use brz_common_launches, only: common_kernels
     use brz_device, only: buffer_t, clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
+    use brz_drift_launches, only: drift_kernels
     use brz_errors, only: error_t, failed
     use brz_drift_items, only: drift_of
     use brz_gpu_solid_layout, only: grid_gpu_t, n_tag, slice_width
@@ -12,33 +14,14 @@ module brz_gpu_solid_search
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: begin_list
     use brz_ranks, only: least_of_all, sum_of_all
+    use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: n_pair, solid_t
     use brz_tallies, only: tally_threads
     implicit none
     private
-    public :: build_gpu_lists, build_list, order_body, begin_body, sort_body, find_box
+    public :: build_list, order_body, note_box, note_places, sort_body
 
 contains
-
-    !> Build the lists of the stale bodies. With `sort` their particles are first brought into the
-    !> order of the cells at their present positions; without, the lists of the positions `built`
-    !> are restored.
-    subroutine build_gpu_lists(gpu, solid, sort, stale, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid !! its search tables are overwritten
-        logical, intent(in) :: sort
-        logical, intent(in) :: stale(:) !! (bodies)
-        type(error_t), intent(inout) :: err
-        integer :: b
-
-        do b = 1, size(gpu%bodies)
-            if (.not. stale(b)) cycle
-            if (sort) call begin_body(gpu, solid, b, err)
-            if (sort) call sort_body(gpu, solid, b, err)
-            call find_box(gpu, solid, b, gpu%built, gpu%bodies(b)%box, err)
-            call build_list(gpu, solid, b, err)
-        end do
-    end subroutine build_gpu_lists
 
     !> The list of body b, of its particles and ghosts as they lie.
     subroutine build_list(gpu, solid, b, err)
@@ -65,15 +48,15 @@ contains
         integer :: cells
 
         call fill_cells(gpu, solid, b, gpu%built, cell_of_groups(solid, b), cells, err)
-        call gpu%common%kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, gpu%start, &
-                                           gpu%order, err)
+        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 0, gpu%start, &
+                                       gpu%id, gpu%order, err)
         if (failed(err)) return
         call reorder(gpu, gpu%bodies(b), err)
         call note_positions(gpu, gpu%bodies(b), err)
     end subroutine sort_body
 
     !> The list of body b is about to be built for the places of now.
-    subroutine begin_body(gpu, solid, b, err)
+    subroutine note_places(gpu, solid, b, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
@@ -86,7 +69,7 @@ contains
         lattice = solid%materials(solid%bodies(b)%material)%density &
             *solid%bodies(b)%spacing**solid%dimension*solid%depth
         associate (body => gpu%bodies(b))
-            call gpu%drift_kernels%sum_drift(body%last - body%first + 1, body%first, 4, gpu%n, &
+            call drift_kernels%sum_drift(body%last - body%first + 1, body%first, 4, gpu%n, &
                 real(solid%dt_last/2, rk), 1/lattice, gpu%mass, gpu%motion, &
                 gpu%a, gpu%sums_of_forces, err)
         end associate
@@ -95,7 +78,7 @@ contains
         numbers = nint(total, int64) ! they are whole
         call sum_of_all(solid%ranks, numbers)
         call begin_list(solid, b, drift_of(real(numbers, dp)))
-    end subroutine begin_body
+    end subroutine note_places
 
     !> Positions that decide on the neighbours: total-Lagrangian bodies that meet no other keep the
     !> unloaded ones.
@@ -125,8 +108,8 @@ contains
 
         call fill_cells(gpu, solid, b, place, reach, cells, err)
         if (failed(err)) return
-        call gpu%kernels%sort_by_number([cells, 1, 1], cells, gpu%bodies(b)%first, gpu%start, &
-                                        gpu%id, gpu%order, err)
+        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 1, gpu%start, &
+                                       gpu%id, gpu%order, err)
     end subroutine order_body
 
     !> The same but for the order within a cell.
@@ -145,12 +128,15 @@ contains
         if (failed(err)) return
         cells = ubound(solid%search%start, 1)
         call clear_buffer(gpu%start, err, 4_int64*(cells + 1))
-        associate (k => gpu%kernels, body => gpu%bodies(b))
+        associate (body => gpu%bodies(b))
             threads = [body%rim - body%first + 1, 1, 1]
-            call k%count_cells(threads, gpu%grid, gpu%code, place, gpu%cell, gpu%start, &
+            call solid_kernels%count_cells(threads, gpu%grid, gpu%code, place, gpu%cell, gpu%start, &
                                err)
             call gpu%common%running_sum(gpu%start, cells, err)
-            call k%fill_cells_of(threads, gpu%grid, gpu%cell, gpu%start, gpu%order, err)
+            ! here a cell stands one place further behind its end than a bin does
+            call common_kernels%bin_fill(threads, threads(1), body%first - 1, &
+                from(gpu%cell, int(body%first, int64)), from(gpu%start, 0_int64), &
+                from(gpu%order, int(body%first, int64)), err)
         end associate
     end subroutine fill_cells
 
@@ -184,6 +170,16 @@ contains
         call copy_in(solid%search%code, gpu%code, 4_int64*3*grid%stride, err)
     end subroutine lay_cells
 
+    !> Corners of body b at its positions `built`.
+    subroutine note_box(gpu, solid, b, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+
+        call find_box(gpu, solid, b, gpu%built, gpu%bodies(b)%box, err)
+    end subroutine note_box
+
     !> Corners of body b, of all processes, for given places.
     subroutine find_box(gpu, solid, b, place, box, err)
         type(gpu_solid_t), intent(in) :: gpu
@@ -194,7 +190,7 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: part(sum_threads, 6), least(6)
 
-        call gpu%kernels%solid_extent([sum_threads, 1, 1], gpu%bodies(b)%first, &
+        call solid_kernels%solid_extent([sum_threads, 1, 1], gpu%bodies(b)%first, &
                                       gpu%bodies(b)%last, sum_threads, place, gpu%part, err)
         part = 0
         call copy_out(gpu%part, part, 8_int64*size(part), err)
@@ -232,9 +228,9 @@ contains
 
         threads = [body%last - body%first + 1, columns, 1]
         stride = int(words, int64)*gpu%n
-        call gpu%kernels%gather_words(threads, body%first, body%last, words, stride, 0, &
+        call solid_kernels%gather_words(threads, body%first, body%last, words, stride, 0, &
                                       gpu%order, values, gpu%row, err)
-        call gpu%kernels%gather_words(threads, body%first, body%last, words, stride, 1, &
+        call solid_kernels%gather_words(threads, body%first, body%last, words, stride, 1, &
                                       gpu%order, gpu%row, values, err)
     end subroutine gather
 
@@ -248,7 +244,7 @@ contains
 
         associate (body => gpu%bodies(b))
             call search(gpu, b, place, 0, err)
-            call gpu%kernels%slice_widths([body%slices, 1, 1], body%slices, body%first, &
+            call solid_kernels%slice_widths([body%slices, 1, 1], body%slices, body%first, &
                                           body%last, gpu%count, body%slice, err)
             call gpu%common%running_sum(body%slice, body%slices, err, longest)
             call reserve_buffer(body%list, 4_int64*slice_width*(longest + 1_int64), err)
@@ -264,7 +260,7 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (body => gpu%bodies(b))
-            call gpu%kernels%solid_search(threads_of(body), keep, body%last, gpu%grid, gpu%code, &
+            call solid_kernels%solid_search(threads_of(body), keep, body%last, gpu%grid, gpu%code, &
                                           gpu%start, gpu%order, place, body%slice, gpu%count, &
                                           body%list, err)
         end associate

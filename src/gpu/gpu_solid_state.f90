@@ -5,12 +5,11 @@
 !> `solid_t` are a mirror that brz_gpu_solid_copy refreshes before a dump or a checkpoint.
 module brz_gpu_solid_state
     use brz_buffers, only: buffer_t, doubles_t, from, integers_t, reals_t
-    use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, &
-        free_buffers, kernel_t
+    use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, kernel_t
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_exact, only: gpu_exact_t
-    use brz_gpu_marks, only: close_marks, gpu_marks_t
+    use brz_gpu_marks, only: gpu_marks_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, rows_t
     use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, grid_gpu_t, &
         n_book, n_flag, n_tag, n_terms, n_total, tag_bond, tag_fixed, tag_id, tag_joined, &
@@ -18,7 +17,6 @@ module brz_gpu_solid_state
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t, n_press
     use brz_move_level, only: move_levels
-    use brz_solid_families, only: solid_families_t
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
     use brz_tallies, only: tally_threads
@@ -26,7 +24,7 @@ module brz_gpu_solid_state
     implicit none
     private
     public :: columns_t, gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, lay_arrays, &
-        record_of, close_gpu_solid, moved_flags, column_of, tags_of, book_of, threads_of, &
+        moved_flags, column_of, tags_of, book_of, threads_of, &
         bytes_of_real, words_of_real, sum_threads, total_threads, most_folded
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
@@ -94,11 +92,12 @@ module brz_gpu_solid_state
         integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
     end type columns_t
 
-    type, extends(solid_families_t) :: gpu_solid_t
+    type :: gpu_solid_t
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         logical :: stepped = .false. !! the GPU has made a step
         logical :: summed = .false. !! `sums` and the ledgers are those of the present state
         logical :: settled = .true. !! bodies lie in the host arrays as they do here
+        logical :: recut = .false., grown = .false. !! in the last search: regions, arrays laid anew
         integer(int64) :: laid = 0 !! how often particles of several processes got other places
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
         type(gpu_links_t) :: links
@@ -123,21 +122,25 @@ module brz_gpu_solid_state
         type(integers_t) :: id, fixed
         type(gpu_exact_t) :: exact
         type(gpu_common_t) :: common
+        integer :: n_record = 0, n_left = 0
+        type(rows_t) :: record(7) !! what a particle takes along to another process
+        type(rows_t) :: left(3) !! what pass 1 leaves for pass 2
         type(gpu_parcels_t) :: ghosts
     end type gpu_solid_t
 
-    integer, parameter :: counts = 0, lays = 1, frees = 2 !! what is done with arrays
+    ! what becomes of an array of the particles
+    integer, parameter :: passes = 0, stays = 1 !! is scratch; holds something for its place
+    integer, parameter :: goes = 2, is_left = 3 !! with its particle; for pass 2
 
 contains
 
-    !> Reserve all memory and find all kernels.
+    !> Reserve all memory.
     subroutine open_gpu_solid_memory(device, solid, loaded, gpu, err)
         type(device_t), intent(in) :: device
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: loaded !! the air, or what the deck says, loads the bodies
         type(gpu_solid_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
-        type(rows_t) :: record(7)
         integer :: b
 
         gpu%linked = solid%links%present
@@ -146,12 +149,8 @@ contains
         call number_columns(solid, loaded, gpu)
         call require(device, solid, gpu, err)
         if (failed(err)) return
-        call gpu%find_kernels(device, err)
-        record = record_of(gpu)
-        call gpu%ghosts%open(device, solid%ranks, solid%part, max(sum(record%words* &
-            record%columns), words_of_real*(n_pair + n_held + 6) + 6), err)
-        call gpu%exact%open(device, solid%ranks, err)
-        call gpu%common%open(device, most_folded*(n_total + n_book), err)
+        call gpu%exact%open(solid%ranks, err)
+        call gpu%common%open(most_folded*(n_total + n_book), err)
         allocate (gpu%bodies(size(solid%bodies)), gpu%ledger(size(solid%bodies)), &
                   gpu%reaction(3, size(solid%bodies)), gpu%sums(n_total, size(solid%bodies)))
         do b = 1, size(solid%bodies)
@@ -162,6 +161,9 @@ contains
             gpu%bodies(b)%rim = gpu%bodies(b)%first - 1 ! nothing is there yet
         end do
         call lay_arrays(gpu, solid, gpu%bodies%first, 0, err)
+        call gpu%ghosts%open(solid%ranks, solid%part, &
+            max(sum(gpu%record%words*gpu%record%columns), &
+                sum(gpu%left%words) + 6*words_of_real), err)
         call allocate_buffer(gpu%flags, 4_int64*(n_flag + move_levels*size(solid%bodies)), err)
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%box, 48_int64, err)
@@ -183,58 +185,64 @@ contains
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
 
-        call walk(gpu, solid, lays, old, n_old, bytes, err)
+        call walk(gpu, solid, .true., old, n_old, bytes, err)
         if (.not. failed(err)) call see_arrays(gpu)
     end subroutine lay_arrays
 
-    !> Count the bytes of the arrays of the particles, lay or free them all.
-    subroutine walk(gpu, solid, what, old, n_old, bytes, err)
+    !> Count the bytes of the arrays of the particles, and lay them all.
+    subroutine walk(gpu, solid, lays, old, n_old, bytes, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: what !! is done with them
+        logical, intent(in) :: lays !! else they are only counted
         integer, intent(in) :: old(:), n_old !! see lay_arrays
         integer(int64), intent(out) :: bytes
         type(error_t), intent(inout) :: err
         integer, parameter :: w = words_of_real
 
         bytes = 0
-        call visit(gpu%place, 8, 1, .true.)
-        call visit(gpu%reference, 8, 1, .true.)
-        call visit(gpu%built, 8, 1, .true.)
-        call visit(gpu%motion, 4*w, 1, .true.)
-        call visit(gpu%state, w, gpu%n_state, .true.)
-        call visit(gpu%tag, 1, n_tag, .true.)
-        call visit(gpu%book, 2, n_book, .true.)
-        call visit(gpu%rate, 2, 1, .true.)
-        call visit(gpu%row, n_pair*w, 1, .true.)
-        if (allocated(solid%hold) .or. allocated(solid%tilt)) call visit(gpu%hold, 6, 1, .true.)
-        if (allocated(solid%held)) call visit(gpu%held, n_held*w, 1, .true.)
-        call visit(gpu%grad, w, merge(18, 9, allocated(solid%lift)), .false.)
-        call visit(gpu%count, 1, 1, .false.)
-        call visit(gpu%cell, 1, 1, .false.)
-        call visit(gpu%order, 1, 1, .false.)
+        gpu%n_record = 0
+        gpu%n_left = 0
+        call visit(gpu%place, 8, 1, goes)
+        call visit(gpu%reference, 8, 1, goes)
+        call visit(gpu%built, 8, 1, goes)
+        call visit(gpu%motion, 4*w, 1, goes)
+        call visit(gpu%state, w, gpu%n_state, goes)
+        call visit(gpu%tag, 1, n_tag, goes)
+        call visit(gpu%rate, 2, 1, goes)
+        call visit(gpu%row, n_pair*w, 1, is_left)
+        if (allocated(solid%hold) .or. allocated(solid%tilt)) call visit(gpu%hold, 6, 1, is_left)
+        if (allocated(solid%held)) call visit(gpu%held, n_held*w, 1, is_left)
+        call visit(gpu%book, 2, n_book, stays)
+        call visit(gpu%grad, w, merge(18, 9, allocated(solid%lift)), passes)
+        call visit(gpu%count, 1, 1, passes)
+        call visit(gpu%cell, 1, 1, passes)
+        call visit(gpu%order, 1, 1, passes)
         if (.not. gpu%linked) return
-        call visit(gpu%links%press, n_press*w, 1, .true.)
-        call visit(gpu%extra, w, n_terms, .false.)
-        call visit(gpu%links%count, 1, 1, .false.)
-        call visit(gpu%links%loose, 1, 1, .false.)
-        call visit(gpu%links%slice, 1, 1, .false.)
+        call visit(gpu%links%press, n_press*w, 1, stays)
+        call visit(gpu%extra, w, n_terms, passes)
+        call visit(gpu%links%count, 1, 1, passes)
+        call visit(gpu%links%loose, 1, 1, passes)
+        call visit(gpu%links%slice, 1, 1, passes)
 
     contains
 
-        !> One of them: columns of rows of words of 4 B, with what it holds where that lasts.
-        subroutine visit(array, words, columns, lasts)
+        !> One of them: columns of rows of words of 4 B, with what it holds unless that passes.
+        subroutine visit(array, words, columns, how)
             class(buffer_t), intent(inout) :: array
             integer, intent(in) :: words, columns
-            logical, intent(in) :: lasts
+            integer, intent(in) :: how !! goes, ...
             type(buffer_t) :: before, from, to
             integer :: b, c
 
             bytes = bytes + 4_int64*words*columns*gpu%n
-            if (what == counts) return
+            if (.not. lays) return
             before%address = array%address
-            if (what == lays) call allocate_buffer(array, 4_int64*words*columns*gpu%n + 8, err)
-            do c = 1, merge(columns, 0, what == lays .and. lasts)
+            call allocate_buffer(array, 4_int64*words*columns*gpu%n + 8, err)
+            if (how == goes) gpu%n_record = gpu%n_record + 1
+            if (how == goes) gpu%record(gpu%n_record) = rows_of(array, words, columns, gpu%n)
+            if (how == is_left) gpu%n_left = gpu%n_left + 1
+            if (how == is_left) gpu%left(gpu%n_left) = rows_of(array, words)
+            do c = 1, merge(columns, 0, how /= passes)
                 do b = 1, size(gpu%bodies)
                     associate (body => gpu%bodies(b))
                         if (body%rim < body%first) cycle
@@ -280,17 +288,6 @@ contains
         end associate
     end subroutine see_arrays
 
-    !> All that a particle takes along when it goes to another process, or becomes a ghost there.
-    pure function record_of(gpu) result(record)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(rows_t) :: record(7)
-
-        record = [rows_of(gpu%place, 8), rows_of(gpu%reference, 8), rows_of(gpu%built, 8), &
-                  rows_of(gpu%motion, 4*words_of_real), &
-                  rows_of(gpu%state, words_of_real, gpu%n_state, gpu%n), &
-                  rows_of(gpu%tag, 1, n_tag, gpu%n), rows_of(gpu%rate, 2)]
-    end function record_of
-
     !> Number the columns of `state`.
     subroutine number_columns(solid, loaded, gpu)
         type(solid_t), intent(inout) :: solid
@@ -315,7 +312,7 @@ contains
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
 
-        call walk(gpu, solid, counts, [integer ::], 0, bytes, err)
+        call walk(gpu, solid, .false., [integer ::], 0, bytes, err)
         bytes = bytes + solid%n*(4_int64*neighbours_guess + merge(32, 0, words_of_real == 1))
         if (solid%cohesive%present) bytes = bytes + 36_int64*size(solid%cohesive%node) &
             + 168_int64*solid%cohesive%n + 8_int64*solid%cohesive%nodes + 4_int64*solid%n
@@ -364,36 +361,4 @@ contains
 
         n = [body%last - body%first + 1, 1, 1]
     end function threads_of
-
-    !> Give the memory back.
-    subroutine close_gpu_solid(gpu, solid)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
-        type(error_t) :: err
-        integer(int64) :: bytes
-        integer :: b
-
-        call walk(gpu, solid, frees, [integer ::], 0, bytes, err)
-        call free_buffers(gpu%flags, gpu%axes, gpu%region, gpu%start, gpu%code, gpu%grid)
-        call free_buffers(gpu%part, gpu%box, gpu%sums_of_forces)
-        call close_marks(gpu%marks)
-        if (words_of_real == 1) call free_buffers(gpu%near, gpu%far)
-        call gpu%ghosts%close()
-        call gpu%exact%close()
-        call gpu%common%close()
-        associate (links => gpu%links, glue => gpu%cohesive, f => gpu%loads%facets)
-            call free_buffers(links%ends, links%table, links%cell, links%list, links%met, f%wave)
-            call free_buffers(glue%law, glue%bit, glue%of, glue%first, glue%area, glue%gap, &
-                glue%rest, glue%weight)
-            call free_buffers(glue%back_first, glue%back, glue%row, glue%pull, glue%push, &
-                glue%entry, glue%place)
-            call free_buffers(glue%damage, glue%spent, glue%held, gpu%loads%place, gpu%loads%mean)
-            call free_buffers(f%first, f%id, f%load, f%beside, f%mirror, f%side, f%width, f%most)
-        end associate
-        do b = 1, size(gpu%bodies)
-            associate (body => gpu%bodies(b))
-                call free_buffers(body%params, body%material, body%slice, body%list)
-            end associate
-        end do
-    end subroutine close_gpu_solid
 end module brz_gpu_solid_state

@@ -9,6 +9,7 @@ module brz_gpu_solid_sums
         book_friction, book_hold, book_load, book_plastic, book_rub, book_viscous, n_book, n_total
     use brz_gpu_solid_state, only: gpu_solid_t, most_folded, total_threads
     use brz_kinds, only: dp, rk
+    use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: solid_totals_t, totals_of_sums
     implicit none
@@ -42,7 +43,7 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: folded(most_folded, size(sums))
 
-        call gpu%kernels%solid_totals_of([total_threads, 1, 1], gpu%n, total_threads, &
+        call solid_kernels%solid_totals_of([total_threads, 1, 1], gpu%n, total_threads, &
                                          gpu%bodies(b)%params, real(dt_last/2, rk), gpu%region, &
                                          gpu%place, gpu%motion, gpu%state, gpu%book, gpu%part, err)
         call gpu%common%fold(gpu%part, total_threads, folded, err)
@@ -120,15 +121,16 @@ contains
         end associate
     end subroutine add_held_impulse
 
-    !> Largest stable time step, as pass 1 left it [s].
-    subroutine fetch_limit(gpu, limit, err)
+    !> Largest stable time step, as pass 1, contact and interfaces left it [s].
+    subroutine fetch_limit(gpu, solid, err)
         type(gpu_solid_t), intent(in) :: gpu
-        real(dp), intent(out) :: limit
+        type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: rate
 
         rate = gpu%common%largest(gpu%rate, gpu%n, err)
-        limit = 0 ! no step is possible with a rate that is no number
-        if (rate < huge(rate)) limit = 1/max(rate, tiny(limit))
+        solid%dt_limit = 0 ! no step is possible with a rate that is no number
+        if (rate < huge(rate)) solid%dt_limit = 1/max(rate, tiny(rate))
+        if (solid%cohesive%present) solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
     end subroutine fetch_limit
 end module brz_gpu_solid_sums

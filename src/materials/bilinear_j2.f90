@@ -7,9 +7,9 @@
 !> Source:  Cowper & Symonds 1957
 !> History: plastic strain [-]; the damage of the point is plastic over failure strain
 module brz_bilinear_j2
-    use brz_equation_of_state, only: eos_linear, k_a1, k_density, k_kind, n_block
+    use brz_equation_of_state, only: n_block
     use brz_isotropic, only: begin_step, end_step, fail_step, no_cutoff, on_surface, &
-                             refine_root, step_t
+                             refine_root, set_linear, step_t
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_metal, fails_at_once, material_t, point_t, n_par
@@ -76,16 +76,10 @@ contains
             if (.not. given(p_failure)) par(p_failure) = huge(1.0_rk)
             par(p_hardening) = par(p_tangent)*par(p_young)/(par(p_young) - par(p_tangent))
             par(p_power) = 1/par(p_exponent)
-            material%density = par(p_density)
-            material%bulk = par(p_young)/(3*(1 - 2*par(p_poisson)))
-            material%shear = par(p_young)/(2*(1 + par(p_poisson)))
-            material%yields = par(p_yield)/(3*material%shear)
-            material%c_wave = sqrt((material%bulk + 4*material%shear/3)/material%density)
-            par(p_block:p_block + n_block - 1) = 0
-            par(p_block + k_kind - 1) = eos_linear
-            par(p_block + k_density - 1) = material%density
-            par(p_block + k_a1 - 1) = material%bulk
         end associate
+        call set_linear(material%par(p_density), material%par(p_young), material%par(p_poisson), &
+                        p_block, material)
+        material%yields = material%par(p_yield)/(3*material%shear)
     end subroutine derive
 
     !> One step of one material point; see `update_material` for the contract.

@@ -8,8 +8,8 @@
 !> Source:  Drucker & Prager 1952
 !> History: plastic strain [-]
 module brz_drucker_prager
-    use brz_equation_of_state, only: eos_linear, k_a1, k_density, k_kind, n_block
-    use brz_isotropic, only: begin_step, end_step, step_t
+    use brz_equation_of_state, only: n_block
+    use brz_isotropic, only: begin_step, end_step, set_linear, step_t
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_crumbling, material_t, point_t
@@ -73,15 +73,9 @@ contains
                     'strength is left; lower it'
             end if
             if (allocated(fault)) return
-            material%density = par(p_density)
-            material%bulk = par(p_young)/(3*(1 - 2*par(p_poisson)))
-            material%shear = par(p_young)/(2*(1 + par(p_poisson)))
-            material%c_wave = sqrt((material%bulk + 4*material%shear/3)/material%density)
-            par(p_block:p_block + n_block - 1) = 0
-            par(p_block + k_kind - 1) = eos_linear
-            par(p_block + k_density - 1) = material%density
-            par(p_block + k_a1 - 1) = material%bulk
         end associate
+        call set_linear(material%par(p_density), material%par(p_young), material%par(p_poisson), &
+                        p_block, material)
     end subroutine derive
 
     !> What a cylinder carries without pressure on its sides.

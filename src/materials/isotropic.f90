@@ -6,7 +6,8 @@
 !> of deviator.f90. Point physics: compiled for the CPU and for the GPU.
 module brz_isotropic
     use brz_deviator, only: trial_deviator, return_deviator, mises_stress
-    use brz_equation_of_state, only: eos_terms_t, eos_terms, n_block
+    use brz_equation_of_state, only: eos_linear, eos_terms_t, eos_terms, k_a1, k_density, k_kind, &
+        n_block
     use brz_kinds, only: rk
     use brz_kinematics, only: volume_step
     use brz_material, only: material_t, point_t, material_ok, material_clamped, &
@@ -14,7 +15,7 @@ module brz_isotropic
     use brz_mie_gruneisen, only: pressure_step
     implicit none
     private
-    public :: step_t, begin_step, end_step, fail_step, refine_root, no_cutoff, on_surface
+    public :: step_t, set_linear, begin_step, end_step, fail_step, refine_root, no_cutoff, on_surface
 
     real(rk), parameter :: no_cutoff = -1e15_rk !! least pressure where tension has no limit [Pa]
     !> A returned stress that is off the yield stress by this part of it is good enough.
@@ -32,6 +33,24 @@ module brz_isotropic
     end type step_t
 
 contains
+
+    !> What follows from the elastic constants of a model whose pressure is linear in compression.
+    pure subroutine set_linear(density, young, poisson, block, material)
+        real(rk), intent(in) :: density, young, poisson !! [kg/m3], [Pa], [-]
+        integer, intent(in) :: block !! where its equation of state begins among the parameters
+        type(material_t), intent(inout) :: material
+
+        material%density = density
+        material%bulk = young/(3*(1 - 2*poisson))
+        material%shear = young/(2*(1 + poisson))
+        material%c_wave = sqrt((material%bulk + 4*material%shear/3)/material%density)
+        associate (par => material%par(block:block + n_block - 1))
+            par = 0
+            par(k_kind) = eos_linear
+            par(k_density) = material%density
+            par(k_a1) = material%bulk
+        end associate
+    end subroutine set_linear
 
     !> New volume and elastic trial.
     !@cuf attributes(host,device) &

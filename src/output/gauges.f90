@@ -23,7 +23,7 @@ module brz_gauges
     use brz_ranks, only: bits_of_all, several, sum_of_all
     use brz_force_steps, only: n_forces
     use brz_solid_state, only: form_rigid, is_free, solid_t
-    use brz_solid_step, only: velocity_at_step
+    use brz_solid_sums, only: velocity_at_step
     use brz_wide_lattice, only: unloaded_place
     implicit none
     private

@@ -16,7 +16,7 @@ module brz_solid_dump
     use brz_materials, only: history_names
     use brz_meta, only: meta_t
     use brz_solid_state, only: solid_t
-    use brz_solid_step, only: velocity_at_step
+    use brz_solid_sums, only: velocity_at_step
     use brz_wide_lattice, only: unloaded_place
     use brz_vtkhdf, only: begin_dump, end_dump, root, write_field
     implicit none

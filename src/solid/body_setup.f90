@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> From the bodies of the deck to particles.
 !>
-!> `set_up_solid` fills all but lists and accelerations; start_solid (brz_solid_step) does that.
+!> `set_up_solid` fills all but lists and accelerations; start_solid (brz_solid_start) does that.
 module brz_body_setup
     use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: axis_of, shape_t

@@ -4,11 +4,11 @@
 !> approach or are compressed, though they start apart.
 module brz_bond_items
     use brz_contact, only: bond_effort, joins, law_bonded, law_shared, meeting_t, takes_part
-    use brz_contact_items, only: links_of, look_along, owner_of
+    use brz_contact_items, only: look_along, owner_of
     use brz_gradient, only: moment_terms, outer_terms
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, int64, real32, rk
-    use brz_link_layout, only: link_layout_t
+    use brz_link_layout, only: link_layout_t, links_of
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, &
         jump_speed, most_bent, most_drawn, viscous_force
     use brz_shared_sums, only: carried_along

@@ -10,13 +10,13 @@ module brz_contact_items
     use brz_contact_release, only: is_freed, is_tied, later_touch
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, int32, int64, real32, rk
-    use brz_link_layout, only: link_layout_t, mask_unit, n_press
+    use brz_link_layout, only: link_layout_t, links_of, mask_unit, n_press
     use brz_pair_force, only: viscous_force
     use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, n_pair, n_terms, &
         pair_linear, pair_quadratic, pair_spin, pair_volume
     implicit none
     private
-    public :: owner_of, links_of, look_along, sum_links, push_particle, press_links, push_links
+    public :: owner_of, look_along, sum_links, press_particle, push_particle, press_links, push_links
     public :: add_pair, trace_at
     public :: n_kept, kept_energy, kept_heat, kept_rub, kept_early
 
@@ -40,25 +40,6 @@ contains
             b = b + 1
         end do
     end function owner_of
-
-    !> The links of particle i: entries at, at + side, ... of the list, n of them, and the row of
-    !> its sums.
-    !@cuf attributes(host,device) &
-    pure subroutine links_of(lay, i, row, slice, count, r, n, at)
-        type(link_layout_t), intent(in) :: lay
-        integer, intent(in) :: i
-        integer(int32), intent(in) :: row(*), slice(*), count(*)
-        integer, intent(out) :: r, n
-        integer(int64), intent(out) :: at
-
-        r = i
-        if (lay%compact == 1) r = row(i)
-        n = 0
-        at = 1
-        if (r == 0) return
-        n = count(r)
-        at = int(slice((r - 1)/lay%side + 1), int64)*lay%unit + mod(r - 1, lay%side) + 1
-    end subroutine links_of
 
     !> Other end of a link: x_ij, v_ij, and the signs of mirrored components.
     !@cuf attributes(host,device) &
@@ -134,11 +115,45 @@ contains
         call mean_stiffness(before)
     end subroutine sum_links
 
-    !> Pressure of contact of each particle, the sum of V F x_ij that shows its normal, stiffness;
-    !> what its spring lost over dt, the step just made.
+    !> Pressure of contact of a particle, the sum of V F x_ij that shows its normal, stiffness; what
+    !> its spring lost over dt, the step just made.
     !>
     !> Where a bond or an interface has let go, contact begins with what is nearer than a step
     !> before: it must not find the bodies pressed together, with an energy that nothing gave.
+    !@cuf attributes(host,device) &
+    pure subroutine press_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, bond, &
+                                   joined, row, slice, count, list, touch, press, lost)
+        integer, intent(in) :: i
+        type(link_layout_t), intent(in) :: lay
+        real(rk), intent(in) :: dt !! 0: none [s]
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        real(rk), intent(in) :: cell(*)
+        real(dp), intent(in) :: x(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *), mass(*)
+        real(real32), intent(in) :: weight(*)
+        integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
+        real(real32), intent(inout) :: touch !! its kernel sum at which contact begins
+        real(rk), intent(inout) :: press(n_press) !! see links_t
+        real(rk), intent(out) :: lost !! [J]
+        real(rk) :: now(n_link), before(n_link), freed, last
+        integer :: t
+
+        call sum_links(i, .false., lay, dt, ends, table, cell, x, v, mass, weight, bond, joined, &
+                       row, slice, count, list, now, before, freed)
+        last = touch
+        if (freed > 0) touch = later_touch(touch, before(link_sum), freed)
+        press(1) = link_pressure(now, real(touch, rk))
+        do t = 1, 3
+            press(1 + t) = now(link_normal + t)
+        end do
+        press(5) = now(link_stiffness)
+        lost = 0
+        if (dt > 0) lost = cell(owner_of(ends, i))*mass(i)*weight(i) &
+            *spring_loss(last, real(touch, rk), dt, now, before)
+    end subroutine press_particle
+
+    !> The same of each particle that has links; its energy and heat.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine press_links(k, first, lay, dt, ends, table, cell, x, v, mass, weight, touch, &
@@ -158,25 +173,15 @@ contains
         real(rk), intent(inout) :: energy(*)
         real(dp), intent(inout) :: heat(*) !! of contact, of each particle [J]
         real(rk), intent(inout) :: press(n_press, *) !! see links_t
-        real(rk) :: now(n_link), before(n_link), freed, lost, last
-        integer :: i, n, r, t
+        real(rk) :: lost
+        integer :: i, n, r
         integer(int64) :: at
 
         i = first - 1 + k
         call links_of(lay, i, row, slice, count, r, n, at)
         if (n == 0) return
-        call sum_links(i, .false., lay, dt, ends, table, cell, x, v, mass, weight, bond, joined, &
-                       row, slice, count, list, now, before, freed)
-        last = touch(i)
-        if (freed > 0) touch(i) = later_touch(touch(i), before(link_sum), freed)
-        press(1, r) = link_pressure(now, real(touch(i), rk))
-        do t = 1, 3
-            press(1 + t, r) = now(link_normal + t)
-        end do
-        press(5, r) = now(link_stiffness)
-        if (.not. dt > 0) return
-        lost = cell(owner_of(ends, i))*mass(i)*weight(i) &
-            *spring_loss(last, real(touch(i), rk), dt, now, before)
+        call press_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, bond, joined, row, &
+                            slice, count, list, touch(i), press(1, r), lost)
         energy(i) = energy(i) + lost/mass(i)
         heat(i) = heat(i) + lost
     end subroutine press_links

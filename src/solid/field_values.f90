@@ -7,17 +7,12 @@ module brz_field_values
     use brz_solid_fields, only: field_t, is_double, is_integer, is_short, is_single
     implicit none
     private
-    public :: get_rows, set_rows, get_columns, set_columns, get_marks, set_marks
+    public :: carry_rows, carry_columns, carry_marks
 
-    !> Copy a field of real numbers to x(rows, n).
-    interface get_rows
-        module procedure get_rows_double, get_rows_single
-    end interface get_rows
-
-    !> Set a field of real numbers from x(rows, n).
-    interface set_rows
-        module procedure set_rows_double, set_rows_single
-    end interface set_rows
+    !> Copy a field of real numbers to x(rows, n), or set it from there.
+    interface carry_rows
+        module procedure carry_doubles, carry_singles
+    end interface carry_rows
 
 contains
 
@@ -33,9 +28,10 @@ contains
         if (field%kind == is_single) call c_f_pointer(field%values, single, [field%rows, n])
     end subroutine see_reals
 
-    subroutine get_rows_double(field, x)
+    subroutine carry_doubles(field, x, gets)
         type(field_t), intent(in) :: field
         real(real64), intent(inout) :: x(:, :)
+        logical, intent(in) :: gets !! else x goes to the field
         real(real64), pointer :: double(:, :)
         real(real32), pointer :: single(:, :)
         integer :: i
@@ -43,14 +39,22 @@ contains
         call see_reals(field, size(x, 2), double, single)
         !$omp parallel do schedule(static)
         do i = 1, size(x, 2)
-            if (associated(double)) x(:, i) = double(:, i)
-            if (associated(single)) x(:, i) = single(:, i)
+            if (associated(double) .and. gets) then
+                x(:, i) = double(:, i)
+            else if (associated(double)) then
+                double(:, i) = x(:, i)
+            else if (gets) then
+                x(:, i) = single(:, i)
+            else
+                single(:, i) = real(x(:, i), real32)
+            end if
         end do
-    end subroutine get_rows_double
+    end subroutine carry_doubles
 
-    subroutine get_rows_single(field, x)
+    subroutine carry_singles(field, x, gets)
         type(field_t), intent(in) :: field
         real(real32), intent(inout) :: x(:, :)
+        logical, intent(in) :: gets !! else x goes to the field
         real(real64), pointer :: double(:, :)
         real(real32), pointer :: single(:, :)
         integer :: i
@@ -58,46 +62,24 @@ contains
         call see_reals(field, size(x, 2), double, single)
         !$omp parallel do schedule(static)
         do i = 1, size(x, 2)
-            if (associated(double)) x(:, i) = real(double(:, i), real32)
-            if (associated(single)) x(:, i) = single(:, i)
+            if (associated(double) .and. gets) then
+                x(:, i) = real(double(:, i), real32)
+            else if (associated(double)) then
+                double(:, i) = x(:, i)
+            else if (gets) then
+                x(:, i) = single(:, i)
+            else
+                single(:, i) = x(:, i)
+            end if
         end do
-    end subroutine get_rows_single
+    end subroutine carry_singles
 
-    subroutine set_rows_double(field, x)
-        type(field_t), intent(in) :: field
-        real(real64), intent(in) :: x(:, :)
-        real(real64), pointer :: double(:, :)
-        real(real32), pointer :: single(:, :)
-        integer :: i
-
-        call see_reals(field, size(x, 2), double, single)
-        !$omp parallel do schedule(static)
-        do i = 1, size(x, 2)
-            if (associated(double)) double(:, i) = x(:, i)
-            if (associated(single)) single(:, i) = real(x(:, i), real32)
-        end do
-    end subroutine set_rows_double
-
-    subroutine set_rows_single(field, x)
-        type(field_t), intent(in) :: field
-        real(real32), intent(in) :: x(:, :)
-        real(real64), pointer :: double(:, :)
-        real(real32), pointer :: single(:, :)
-        integer :: i
-
-        call see_reals(field, size(x, 2), double, single)
-        !$omp parallel do schedule(static)
-        do i = 1, size(x, 2)
-            if (associated(double)) double(:, i) = x(:, i)
-            if (associated(single)) single(:, i) = x(:, i)
-        end do
-    end subroutine set_rows_single
-
-    !> Copy some rows of a field of real numbers to columns.
-    subroutine get_columns(field, first, x)
+    !> Copy some rows of a field of real numbers to columns, or set them from there.
+    subroutine carry_columns(field, first, x, gets)
         type(field_t), intent(in) :: field
         integer, intent(in) :: first !! row
         real(rk), intent(inout) :: x(:, :) !! (n, rows from the first on)
+        logical, intent(in) :: gets !! else x goes to the field
         real(real64), pointer :: double(:, :)
         real(real32), pointer :: single(:, :)
         integer :: i, last
@@ -106,33 +88,23 @@ contains
         call see_reals(field, size(x, 1), double, single)
         !$omp parallel do schedule(static)
         do i = 1, size(x, 1)
-            if (associated(double)) x(i, :) = real(double(first:last, i), rk)
-            if (associated(single)) x(i, :) = real(single(first:last, i), rk)
+            if (associated(double) .and. gets) then
+                x(i, :) = real(double(first:last, i), rk)
+            else if (associated(double)) then
+                double(first:last, i) = x(i, :)
+            else if (gets) then
+                x(i, :) = real(single(first:last, i), rk)
+            else
+                single(first:last, i) = real(x(i, :), real32)
+            end if
         end do
-    end subroutine get_columns
+    end subroutine carry_columns
 
-    !> The way back.
-    subroutine set_columns(field, first, x)
+    !> Copy a field (n) to marks, or set it from there: a whole number, or the bits of a real32.
+    subroutine carry_marks(field, marks, gets)
         type(field_t), intent(in) :: field
-        integer, intent(in) :: first !! row
-        real(rk), intent(in) :: x(:, :) !! (n, rows from the first on)
-        real(real64), pointer :: double(:, :)
-        real(real32), pointer :: single(:, :)
-        integer :: i, last
-
-        last = first + size(x, 2) - 1
-        call see_reals(field, size(x, 1), double, single)
-        !$omp parallel do schedule(static)
-        do i = 1, size(x, 1)
-            if (associated(double)) double(first:last, i) = x(i, :)
-            if (associated(single)) single(first:last, i) = real(x(i, :), real32)
-        end do
-    end subroutine set_columns
-
-    !> Copy a field (n) to marks: a whole number, or the bits of a real32.
-    subroutine get_marks(field, marks)
-        type(field_t), intent(in) :: field
-        integer(int32), intent(out) :: marks(:) !! (n)
+        integer(int32), intent(inout) :: marks(:) !! (n)
+        logical, intent(in) :: gets !! else marks go to the field
         integer(int32), pointer :: number(:)
         integer(int16), pointer :: short(:)
         integer(int8), pointer :: byte(:)
@@ -140,34 +112,16 @@ contains
         select case (field%kind)
         case (is_integer, is_single) ! the same bits
             call c_f_pointer(field%values, number, shape(marks))
-            marks = number
-        case (is_short)
-            call c_f_pointer(field%values, short, shape(marks))
-            marks = short
-        case default
-            call c_f_pointer(field%values, byte, shape(marks))
-            marks = byte
-        end select
-    end subroutine get_marks
-
-    !> The way back.
-    subroutine set_marks(field, marks)
-        type(field_t), intent(in) :: field
-        integer(int32), intent(in) :: marks(:) !! (n)
-        integer(int32), pointer :: number(:)
-        integer(int16), pointer :: short(:)
-        integer(int8), pointer :: byte(:)
-
-        select case (field%kind)
-        case (is_integer, is_single) ! the same bits
-            call c_f_pointer(field%values, number, shape(marks))
+            if (gets) marks = number
             number = marks
         case (is_short)
             call c_f_pointer(field%values, short, shape(marks))
+            if (gets) marks = short
             short = int(marks, int16)
         case default
             call c_f_pointer(field%values, byte, shape(marks))
+            if (gets) marks = byte
             byte = int(marks, int8)
         end select
-    end subroutine set_marks
+    end subroutine carry_marks
 end module brz_field_values

@@ -2,10 +2,11 @@
 !> How lists of particles are written: an entry is a particle plus mask_unit times the mask of the
 !> axes in which it is mirrored, bits 0..2.
 module brz_link_layout
-    use brz_kinds, only: rk
+    use brz_kinds, only: int32, int64, rk
     implicit none
     private
     public :: mask_unit, link_unit, slice_width, n_press, link_layout_t, fix_layout
+    public :: links_of
 
     integer, parameter :: mask_unit = 2**28
     integer, parameter :: link_unit = 8 !! entries by which places in the list are counted on a CPU
@@ -47,4 +48,23 @@ contains
         lay%unit = slice_width
         lay%depth = given%depth
     end subroutine fix_layout
+
+    !> The links of particle i: entries at, at + side, ... of the list, n of them, and the row of
+    !> its sums.
+    !@cuf attributes(host,device) &
+    pure subroutine links_of(lay, i, row, slice, count, r, n, at)
+        type(link_layout_t), intent(in) :: lay
+        integer, intent(in) :: i
+        integer(int32), intent(in) :: row(*), slice(*), count(*)
+        integer, intent(out) :: r, n
+        integer(int64), intent(out) :: at
+
+        r = i
+        if (lay%compact == 1) r = row(i)
+        n = 0
+        at = 1
+        if (r == 0) return
+        n = count(r)
+        at = int(slice((r - 1)/lay%side + 1), int64)*lay%unit + mod(r - 1, lay%side) + 1
+    end subroutine links_of
 end module brz_link_layout

@@ -17,7 +17,7 @@ module brz_solid_state
     use brz_rigid, only: rigid_t
     implicit none
     private
-    public :: solid_t, body_t, ledger_t, search_t
+    public :: solid_t, body_t, body_numbers_t, ledger_t, search_t
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_names, form_total, lanes, worth_threads, links_t
     public :: bond_none, bond_whole, bond_broken, bond_breaks, loose_by, intact_share
@@ -103,44 +103,50 @@ module brz_solid_state
         integer :: axis = 0 !! of a cylinder, 0: a sphere
     end type round_t
 
+    !> What of a body pairs and gradients need, which a GPU is told as it is.
+    type :: body_numbers_t
+        integer :: first = 1, last = 0 !! particles; ahead of all others
+        integer :: formulation = form_bending
+        integer :: artificial = artificial_none !! artificial stress, see brz_artificial_stress
+        integer :: layer = 0 !! normal of a body of a single layer that is a membrane; 0: none
+        real(rk) :: h = 0 !! smoothing length of the unloaded body [m]
+        real(rk) :: h_range(2) = 1 !! bounds over h, where it follows the density
+        real(rk) :: crack = 0 !! width of a smeared crack, over which a fracture energy is spent [m]
+        real(rk) :: alpha = 1, beta = 2 !! of the viscosity
+        real(rk) :: cfl = 0.4_rk
+        real(rk) :: tension_hold = 0 !! stiffness of the hold over the tension, 0: no hold
+        real(rk) :: artificial_power = 0
+        real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)
+        real(rk) :: at_rest = 2 !! sum of the squares of the two smaller parts of `stretch`
+        real(rk) :: normal(3) = 0 !! of its plies, or of a plate of metal, in the unloaded body;
+                                  !! 0: no tilted gradients
+        real(rk) :: layer_stiffness(9) = 0 !! C11, C22, C33, C12, C23, C13, G12, G23, G13 [Pa]
+        real(rk) :: contraction = 0 !! along the normal over the growth of the area
+    end type body_numbers_t
+
     !> One body: particles first..last (of this process), one material, one formulation.
-    type :: body_t
+    type, extends(body_numbers_t) :: body_t
         character(32) :: id = ''
-        integer :: first = 1, last = 0
         integer :: rim = 0 !! last of its ghosts, which follow its particles; `last` without
         integer :: number(2) = 0 !! first and last number of the particles of all processes
         integer :: material = 0 !! place in solid%materials
-        integer :: formulation = form_bending
         real(dp) :: spacing = 0 !! of cubes of the volume of its particles [m]
         real(dp) :: stretch(3) = 1 !! x_ref over the unloaded place, see brz_wide_lattice
-        real(rk) :: at_rest = 2 !! sum of the squares of its two smaller parts
         real(dp) :: volume_scale = 1 !! volume of a particle over that of its lattice cell
         integer :: across = 0 !! bars: particles across the diameter
-        real(rk) :: h = 0 !! smoothing length of the unloaded body [m]
-        real(rk) :: crack = 0 !! width of a smeared crack, over which a fracture energy is spent [m]
         integer :: group = 1 !! its first group of particles
         logical :: variable = .false. !! smoothing length follows the density
-        real(rk) :: h_range(2) = 1 !! its bounds over h
-        real(rk) :: alpha = 1, beta = 2, zeta = 2, zeta_viscous = 0
-        real(rk) :: tension_hold = 0 !! stiffness of the hold over the tension, 0: no hold
+        real(rk) :: zeta = 2, zeta_viscous = 0
         logical :: drawn = .false. !! in this step something of it is held
         integer :: limiter = 0 !! of the viscosity in shear, see brz_gradient
-        integer :: artificial = artificial_none !! artificial stress, see brz_artificial_stress
         logical :: directional = .false. !! hourglass stiffness along the axes of the material
         real(rk), allocatable :: axes(:, :, :) !! (3, 4, 0:plies) unloaded axes of it, column by
                                                !! column, and the stiffness along them [Pa]
-        real(rk) :: normal(3) = 0 !! of its plies, or of a plate of metal, in the unloaded body;
-                                  !! 0: no tilted gradients
         logical :: curved = .false. !! a wall round the axis of `round`: the normal of a particle is
                                     !! radial, and `normal` 1 in the directions across the axis
-        integer :: layer = 0 !! normal of a body of a single layer that is a membrane; 0: none
-        real(rk) :: layer_stiffness(9) = 0 !! C11, C22, C33, C12, C23, C13, G12, G23, G13 [Pa]
-        logical :: layer_of_ply = .false. !! these along the axes of a ply
-        real(rk) :: contraction = 0 !! along the normal over the growth of the area
+        logical :: layer_of_ply = .false. !! `layer_stiffness` along the axes of a ply
         real(rk) :: outward = 0 !! from where its faces see the strain, further out [m]
-        real(rk) :: artificial_strength = 0, artificial_power = 0
-        real(rk) :: shape_at_spacing = 1 !! W(dx)/W(0)
-        real(rk) :: cfl = 0.4_rk
+        real(rk) :: artificial_strength = 0
         logical :: asleep = .false. !! unloaded and at rest: left out of the steps
         ! what all of the body has moved since its list was built, see brz_list_drift
         real(dp) :: drift(3) = 0, drift_velocity(3) = 0 !! [m], [m/s]

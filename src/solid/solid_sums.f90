@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Totals of bodies from sums over their particles.
 module brz_solid_sums
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, rk
     use brz_particle_sums, only: n_sum
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: totals_of_sums, solid_totals_t, n_sum
+    public :: totals_of_sums, solid_totals_t, n_sum, velocity_at_step
 
     !> Of what is modelled (a half or a quarter where symmetry planes cut), at the time of the step.
     type :: solid_totals_t
@@ -62,4 +62,13 @@ contains
             totals%internal = totals%internal - solid%bodies(b)%ledger%early
         end if
     end subroutine totals_of_sums
+
+    !> Velocity of a particle at the step itself [m/s].
+    pure function velocity_at_step(solid, i) result(v)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+        real(rk) :: v(3)
+
+        v = solid%v(:, i) + real(solid%dt_last/2, rk)*solid%a(:, i)
+    end function velocity_at_step
 end module brz_solid_sums

@@ -2,10 +2,10 @@
 !> Which particles can have contact until lists are built anew, where no bond or interface lets go.
 module brz_tie_items
     use brz_contact, only: law_shared, meeting_t
-    use brz_contact_items, only: links_of, owner_of
+    use brz_contact_items, only: owner_of
     use brz_contact_release, only: is_tied
     use brz_kinds, only: int32, int64
-    use brz_link_layout, only: link_layout_t, mask_unit
+    use brz_link_layout, only: link_layout_t, links_of, mask_unit
     implicit none
     private
     public :: count_loose

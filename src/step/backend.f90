@@ -45,7 +45,7 @@ contains
         if (failed(err) .or. wanted == 'cpu') return
         call open_device(backend%device, trial, ranks%place)
         if (wanted == 'auto' .and. failed(trial)) return
-        call load_kernels(backend%device, kernel_file(), device_code, trial)
+        call load_kernels(kernel_file(), device_code, trial)
         backend%on_gpu = has_air .and. .not. failed(trial)
         backend%bodies_on_gpu = has_solid .and. .not. failed(trial)
         if (.not. failed(trial)) then ! settle_backend has the last word where there are bodies

@@ -20,12 +20,12 @@ module brz_backend_step
     use brz_gpu_force_steps, only: book_gpu_impulse => book_impulse
     use brz_gpu_inflow_steps, only: gpu_let_in => let_in
     use brz_gpu_load_steps, only: gpu_load_faces => load_faces
-    use brz_gpu_solid_step, only: gpu_solid_step
+    use brz_gpu_solid_steps, only: gpu_solid_step => solid_step
     use brz_inflow_steps, only: let_in
     use brz_kinds, only: dp
     use brz_load_steps, only: load_faces
     use brz_solid_state, only: solid_t
-    use brz_solid_step, only: solid_step
+    use brz_solid_steps, only: solid_step
     use brz_text, only: to_text
     implicit none
     private
@@ -48,7 +48,7 @@ contains
         if (backend%bodies_on_gpu) &
             call open_gpu_solid(backend%device, solid, coupling%present, backend%solid, err)
         if (.not. backend%coupling_on_gpu) return
-        call open_gpu_coupling(backend%device, air, coupling, particles_of(backend), backend%air, &
+        call open_gpu_coupling(air, coupling, particles_of(backend), backend%air, &
                                backend%coupling, err)
     end subroutine start_backend
 

@@ -22,7 +22,7 @@ module brz_check
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
     use brz_solid_state, only: body_t, form_bending, form_names, form_total, solid_t
-    use brz_solid_step, only: solid_time_step
+    use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
     use brz_work, only: print_work, work_t

@@ -26,7 +26,7 @@ module brz_outputs
     use brz_timer, only: lap, wall_seconds
     use brz_saves, only: hear_writers, on_gpu, save_dump, save_state, saves_t
     use brz_simulation, only: simulation_t
-    use brz_solid_step, only: resume_solid
+    use brz_solid_start, only: resume_solid
     use brz_text, only: to_text
     use brz_watch, only: watch_held, watch_region
     implicit none

@@ -22,7 +22,7 @@ module brz_simulation
     use brz_solid_skin, only: find_skin
     use brz_solid_sleep, only: put_to_sleep
     use brz_solid_state, only: solid_t
-    use brz_solid_step, only: start_solid
+    use brz_solid_start, only: start_solid
     use brz_start_1d, only: start_from_1d
     use brz_start_2d, only: start_from_2d
     implicit none

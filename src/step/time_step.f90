@@ -11,7 +11,7 @@ module brz_time_step
     use brz_kinds, only: dp, int64
     use brz_simulation, only: simulation_t
     use brz_solid_sleep, only: particles_awake
-    use brz_solid_step, only: solid_time_step
+    use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
     use brz_timer, only: lap, wall_seconds
     implicit none

@@ -7,9 +7,9 @@ program bench_gpu
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_air_setup, only: make_grid
     use brz_air_state, only: air_t
-    use brz_device, only: device_t, wait_for_device
+    use brz_device, only: device_t, free_all, wait_for_device
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: close_gpu_air, gpu_air_t, open_gpu_air
+    use brz_gpu_air_state, only: gpu_air_t, open_gpu_air
     use brz_gpu_air_steps, only: gpu_air_step => air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_kinds, only: dp, rk
@@ -76,7 +76,7 @@ contains
             call gpu_air_step(gpu, air, dt, status, err)
         end do
         seconds = stop_timer(err)
-        call close_gpu_air(gpu)
+        call free_all()
         if (failed(err)) then
             write (output_unit, '(a)') err%text
             error stop 5

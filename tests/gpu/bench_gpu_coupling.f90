@@ -104,7 +104,7 @@ contains
         call fill_mass()
         call fill_numbers()
         allocate (coupling%v_before(3, particles%n), source=0.0_rk)
-        call open_gpu_coupling(device, air, coupling, particles, there, gpu, err)
+        call open_gpu_coupling(air, coupling, particles, there, gpu, err)
     end subroutine set_up
 
     subroutine fill_mass()

@@ -7,17 +7,19 @@
 !> number, see below.
 program bench_gpu_solid
     use, intrinsic :: iso_fortran_env, only: output_unit
-    use brz_device, only: copy_out, device_t, wait_for_device
+    use brz_device, only: copy_out, device_t, free_all, wait_for_device
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_copy, only: open_gpu_solid
-    use brz_gpu_solid_search, only: build_gpu_lists
-    use brz_gpu_solid_state, only: close_gpu_solid, gpu_solid_t
-    use brz_gpu_solid_step, only: drift, fill_rows, find_gradients, force_pass, gpu_solid_step, &
-        gradient_pass, sum_moments, update_material
+    use brz_gpu_solid_list_steps, only: build_neighbours
+    use brz_gpu_solid_state, only: gpu_solid_t
+    use brz_gpu_solid_motion, only: kick_bodies
+    use brz_gpu_solid_passes, only: fill_rows, find_gradients, force_pass, gradient_pass, &
+        sum_moments, update_material
+    use brz_gpu_solid_steps, only: gpu_solid_step => solid_step
     use brz_gpu_solid_sums, only: fetch_limit
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
-    use brz_solid_step, only: solid_time_step
+    use brz_solid_start, only: solid_time_step
     use gpu_scenes, only: make_solid
     use gpu_tools, only: get_device, start_timer, stop_timer
     implicit none
@@ -75,7 +77,7 @@ contains
             ' particles, ', words_of(gpu, solid)
         call time_parts(gpu, solid)
         call time_steps(gpu, solid)
-        call close_gpu_solid(gpu, solid)
+        call free_all()
     end subroutine measure
 
     subroutine check()
@@ -113,12 +115,12 @@ contains
         type(solid_t), intent(inout) :: solid
         character(12), parameter :: names(8) = [character(12) :: 'drift', 'moments', 'gradients', &
             'material', 'rows', 'forces', 'limit', 'lists']
-        real(dp) :: best(size(names)), limit
+        real(dp) :: best(size(names))
         integer :: k, m
 
-        call build_gpu_lists(gpu, solid, .true., [.true.], err)
+        call build_neighbours(gpu, solid, .true., [.true.], err)
         call gradient_pass(gpu, solid, 0.0_dp, err)
-        call force_pass(gpu, 0.0_dp, err)
+        call force_pass(gpu, solid, 0.0_dp, err)
         best = huge(1.0_dp)
         do m = 1, 4
             do k = 1, size(names)
@@ -126,14 +128,14 @@ contains
                 call wait_for_device(err)
                 call start_timer(err)
                 select case (k)
-                case (1); call drift(gpu, solid, 0.0_dp, err)
+                case (1); call kick_bodies(gpu, solid, 0.0_dp, err)
                 case (2); call sum_moments(gpu, gpu%bodies(1), err)
                 case (3); call find_gradients(gpu, gpu%bodies(1), 0.0_rk, err)
                 case (4); call update_material(gpu, gpu%bodies(1), 1e-12_rk, err)
                 case (5); call fill_rows(gpu, gpu%bodies(1), err)
-                case (6); call force_pass(gpu, 1e-12_dp, err)
-                case (7); call fetch_limit(gpu, limit, err)
-                case (8); call build_gpu_lists(gpu, solid, .true., [.true.], err)
+                case (6); call force_pass(gpu, solid, 1e-12_dp, err)
+                case (7); call fetch_limit(gpu, solid, err)
+                case (8); call build_neighbours(gpu, solid, .true., [.true.], err)
                 end select
                 best(k) = min(best(k), stop_timer(err))
             end do
@@ -153,7 +155,7 @@ contains
         integer :: m
 
         solid%steps = 1
-        call fetch_limit(gpu, solid%dt_limit, err)
+        call fetch_limit(gpu, solid, err)
         call gpu_solid_step(gpu, solid, 0.5_dp*solid_time_step(solid), err)
         call wait_for_device(err)
         call start_timer(err)

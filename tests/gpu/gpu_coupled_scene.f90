@@ -5,20 +5,20 @@ module gpu_coupled_scene
     use brz_air_state, only: air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall, cell_gamma
     use brz_coupling_setup, only: couple
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: allocate_buffer, copy_in, device_t, free_buffer
+    use brz_device, only: allocate_buffer, copy_in, device_t
     use brz_errors, only: error_t, failed
     use brz_gas, only: to_conserved
-    use brz_gpu_air_state, only: bytes_of_real, close_gpu_air, gpu_air_t, open_gpu_air
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, open_gpu_air
     use brz_gpu_air_sums, only: gpu_air_totals
     use brz_gpu_coupling_copy, only: gpu_ledger_totals, open_gpu_coupling
-    use brz_gpu_coupling_state, only: close_gpu_coupling, gpu_coupling_t, particles_t
+    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
     use brz_gpu_solid_layout, only: at_mass, n_tag, tag_fixed, tag_id
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_solid_state, only: form_rigid, solid_t
     use gpu_tools, only: get_device
     implicit none
     private
-    public :: both_t, start, finish, noise, stir_gas, put_particles, change_motion, shake, stock, &
+    public :: both_t, start, noise, stir_gas, put_particles, change_motion, shake, stock, &
               gas_scale, load, n_state
 
     integer, parameter :: load = at_mass, n_state = load + 3
@@ -61,20 +61,9 @@ contains
         call allocate_buffer(s%particles%state, n_state*bytes_of_real*count, s%err)
         call allocate_buffer(s%particles%tag, 4_int64*n_tag*count, s%err)
         call put_particles(s)
-        call open_gpu_coupling(s%device, s%other, s%far, s%particles, s%there, s%gpu, s%err)
+        call open_gpu_coupling(s%other, s%far, s%particles, s%there, s%gpu, s%err)
         if (failed(s%err)) print *, s%err%text
     end subroutine start
-
-    subroutine finish(s)
-        type(both_t), intent(inout) :: s
-
-        call close_gpu_coupling(s%gpu)
-        call close_gpu_air(s%there)
-        call free_buffer(s%particles%place)
-        call free_buffer(s%particles%motion)
-        call free_buffer(s%particles%state)
-        call free_buffer(s%particles%tag)
-    end subroutine finish
 
     !> Numbers between 0 and 1 that depend on the seed alone.
     pure real(dp) function noise(i, j)

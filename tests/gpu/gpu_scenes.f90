@@ -12,7 +12,7 @@ module gpu_scenes
     use brz_kinds, only: rk
     use brz_scanner, only: read_deck
     use brz_solid_state, only: solid_t
-    use brz_solid_step, only: start_solid
+    use brz_solid_start, only: start_solid
     use brz_text, only: string_t, to_text
     implicit none
     private

@@ -24,7 +24,7 @@ contains
         if (.not. the_device%open) then
             call get_environment_variable('BRISANCE_PTX', file)
             call open_device(the_device, err)
-            if (.not. failed(err)) call load_kernels(the_device, trim(file), device_code, err)
+            if (.not. failed(err)) call load_kernels(trim(file), device_code, err)
             if (failed(err)) then
                 print *, err%text
             else

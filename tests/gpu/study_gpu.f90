@@ -8,9 +8,9 @@ program study_gpu
     use air_problems, only: judge_sedov, scheme_name, seen_t, set_up_sedov
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok, air_t
-    use brz_device, only: device_t
+    use brz_device, only: device_t, free_all
     use brz_errors, only: error_t, failed
-    use brz_gpu_air_state, only: close_gpu_air, fetch_air, gpu_air_t, open_gpu_air
+    use brz_gpu_air_state, only: fetch_air, gpu_air_t, open_gpu_air
     use brz_gpu_air_steps, only: gpu_air_step => air_step
     use brz_gpu_air_sums, only: gpu_air_time_step
     use brz_kinds, only: dp, int64
@@ -58,7 +58,7 @@ contains
         end do
         seen%seconds = wall_seconds() - start
         call fetch_air(gpu, air, err)
-        call close_gpu_air(gpu)
+        call free_all()
         if (failed(err) .or. seen%status /= air_ok) then
             write (output_unit, '(a)') 'the run has failed: '//err%text
             error stop 5

@@ -6,7 +6,8 @@ module layered_bodies
     use brz_kinds, only: dp, rk
     use brz_solid_gradients, only: gradient_pass
     use brz_solid_state, only: form_corrected_hourglass, pair_affine, solid_t
-    use brz_solid_step, only: solid_step, solid_time_step, start_solid
+    use brz_solid_start, only: solid_time_step, start_solid
+    use brz_solid_steps, only: solid_step
     use solid_scenes, only: metal, noise, scene_t
     implicit none
     private

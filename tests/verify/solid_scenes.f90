@@ -9,7 +9,8 @@ module solid_scenes
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
-    use brz_solid_step, only: solid_step, solid_time_step, start_solid
+    use brz_solid_start, only: solid_time_step, start_solid
+    use brz_solid_steps, only: solid_step
     use brz_solid_totals, only: solid_totals, solid_totals_t
     implicit none
     private

@@ -1,0 +1,114 @@
+! SPDX-License-Identifier: MIT
+!> Contact and bonds between bodies on the GPU: launches over the bodies that are awake.
+module brz_gpu_solid_contact
+    use brz_bond_launches, only: bond_kernels
+    use brz_buffers, only: integers_t
+    use brz_cohesive_launches, only: cohesive_kernels
+    use brz_contact_launches, only: contact_kernels
+    use brz_errors, only: error_t
+    use brz_gpu_solid_ghosts, only: refresh_press
+    use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub
+    use brz_gpu_solid_state, only: book_of, gpu_solid_t
+    use brz_kinds, only: dp, rk
+    use brz_solid_launches, only: solid_kernels
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: add_bond_moments, break_bonds, contact_pass
+
+contains
+
+    !> Add the bonded partners to the sums of pass 1.
+    subroutine add_bond_moments(gpu, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(error_t), intent(inout) :: err
+        integer :: k, range(2, size(gpu%bodies))
+
+        if (.not. gpu%bonded) return
+        call find_awake(gpu, range)
+        associate (l => gpu%links)
+            do k = 1, count(range(1, :) > 0)
+                call solid_kernels%solid_bond_moments([range(2, k) - range(1, k) + 1, 1, 1], &
+                    gpu%n, range(1, k), range(2, k), l%lay, l%ends, l%table, gpu%x, gpu%x_ref, &
+                    gpu%v, gpu%volume, gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, &
+                    gpu%grad, gpu%hold, gpu%held, err)
+            end do
+        end associate
+    end subroutine add_bond_moments
+
+    !> Break the bonds of particles whose traction on the bond exceeds its strength.
+    subroutine break_bonds(gpu, solid, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+        integer :: k, range(2, size(solid%bodies))
+
+        if (.not. (gpu%bonded .and. gpu%links%breaks)) return
+        call find_awake(gpu, range)
+        associate (l => gpu%links)
+            do k = 1, count(range(1, :) > 0)
+                call bond_kernels%break_bond(range(2, k) - range(1, k) + 1, range(1, k), l%lay, &
+                    l%ends, l%table, gpu%x, gpu%v, gpu%pair, gpu%stress, l%row, l%slice, l%count, &
+                    l%list, l%bond, err)
+            end do
+        end associate
+    end subroutine break_bonds
+
+    !> All forces between bodies, also those of bonds and interfaces, into `extra`.
+    subroutine contact_pass(gpu, solid, dt, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: dt !! step just made [s]
+        type(error_t), intent(inout) :: err
+        integer :: k, m, n(size(gpu%bodies)), range(2, size(gpu%bodies))
+        type(integers_t) :: touching
+
+        if (.not. gpu%linked) return
+        call find_awake(gpu, range)
+        n = range(2, :) - range(1, :) + 1
+        m = count(range(1, :) > 0)
+        associate (l => gpu%links, glue => gpu%cohesive, first => range(1, :))
+            touching = l%count ! links along which contact may act
+            if (.not. l%frees) touching = l%loose
+            do k = 1, m
+                call contact_kernels%press_links(n(k), first(k), l%lay, real(dt, rk), l%ends, &
+                    l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, l%touch, l%bond, l%joined, &
+                    l%row, l%slice, touching, l%list, gpu%energy, &
+                    book_of(gpu, book_contact_heat), l%press, err)
+            end do
+            call refresh_press(gpu, err)
+            do k = 1, m
+                call contact_kernels%push_links(n(k), first(k), gpu%n, l%lay, dt, l%ends, &
+                    l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, gpu%pair, &
+                    l%press, l%bond, l%joined, l%row, l%slice, touching, l%list, gpu%energy, &
+                    book_of(gpu, book_contact), book_of(gpu, book_contact_early), &
+                    book_of(gpu, book_contact_heat), book_of(gpu, book_rub), gpu%rate, gpu%extra, &
+                    err)
+                if (gpu%bonded) call bond_kernels%pull_links(n(k), first(k), gpu%n, l%lay, &
+                    l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%hold, &
+                    gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
+            end do
+            if (solid%cohesive%present) call cohesive_kernels%add_pull(glue%nodes, gpu%n, &
+                glue%place, glue%push, gpu%extra, err)
+        end associate
+    end subroutine contact_pass
+
+    !> First and last particles of the bodies that are awake; bodies side by side go together.
+    pure subroutine find_awake(gpu, range)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(out) :: range(:, :) !! (2, bodies), 0 behind the last
+        integer :: b, n
+
+        range = 0
+        n = 0
+        do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%asleep) cycle
+            if (n > 0) then
+                if (range(2, n) == gpu%bodies(b)%first - 1) n = n - 1
+            end if
+            n = n + 1
+            if (range(1, n) == 0) range(1, n) = gpu%bodies(b)%first
+            range(2, n) = gpu%bodies(b)%last
+        end do
+    end subroutine find_awake
+end module brz_gpu_solid_contact

@@ -1,0 +1,171 @@
+! SPDX-License-Identifier: MIT
+!> The two passes over the neighbours on the GPU, as launches.
+module brz_gpu_solid_passes
+    use brz_buffers, only: doubles_t, reals_t
+    use brz_device, only: reserve_buffer, side_by_side
+    use brz_errors, only: error_t
+    use brz_gpu_solid_contact, only: add_bond_moments
+    use brz_gpu_solid_rigid, only: fill_rigid
+    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, threads_of, words_of_real
+    use brz_kinds, only: dp, int64, rk
+    use brz_row_launches, only: row_kernels
+    use brz_solid_launches, only: launch_advance_point, launch_solid_forces, &
+        launch_solid_moments, solid_kernels
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: gradient_pass, renew_sleepers, force_pass
+    public :: sum_moments, find_gradients, update_material, fill_rows ! apart, to be timed
+
+contains
+
+    !> Pass 1, and the material over the step just made; with dt = 0 no material. Of bodies that are
+    !> awake, or of the others.
+    subroutine gradient_pass(gpu, solid, dt, err, of_sleepers)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        logical, intent(in), optional :: of_sleepers
+        integer :: b
+
+        call pack_places(gpu, err)
+        do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%rigid) cycle
+            if (gpu%bodies(b)%asleep .neqv. present(of_sleepers)) cycle
+            call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
+            call sum_moments(gpu, gpu%bodies(b), err)
+        end do
+        call side_by_side(0)
+        call add_bond_moments(gpu, err)
+        do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%asleep .neqv. present(of_sleepers)) cycle
+            if (gpu%bodies(b)%rigid) then
+                call side_by_side(0)
+                call fill_rigid(gpu, solid, b, err)
+                cycle
+            end if
+            call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
+            call find_gradients(gpu, gpu%bodies(b), real(dt, rk), err)
+            if (dt > 0) then
+                call free_faces(gpu, gpu%bodies(b), real(dt/2, rk), err)
+                call update_material(gpu, gpu%bodies(b), real(dt, rk), err)
+                call free_faces(gpu, gpu%bodies(b), real(dt/2, rk), err)
+            end if
+            call fill_rows(gpu, gpu%bodies(b), err)
+        end do
+        call side_by_side(0)
+    end subroutine gradient_pass
+
+    !> Pass 1 of bodies that sleep, whose particles may be others now.
+    subroutine renew_sleepers(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (gpu%recut) call gradient_pass(gpu, solid, 0.0_dp, err, of_sleepers=.true.)
+        gpu%recut = .false.
+    end subroutine renew_sleepers
+
+    !> Places and reference positions as pairs read them: in real64 they are these themselves.
+    subroutine pack_places(gpu, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+
+        if (words_of_real == 1) then
+            call reserve_buffer(gpu%near, 16_int64*gpu%n, err)
+            call reserve_buffer(gpu%far, 16_int64*gpu%n, err)
+            call solid_kernels%solid_pack([gpu%n, 1, 1], gpu%n, gpu%place, gpu%reference, gpu%near, &
+                gpu%far, err)
+        else
+            gpu%near%address = gpu%place%address
+            gpu%far%address = gpu%reference%address
+        end if
+    end subroutine pack_places
+
+    subroutine sum_moments(gpu, body, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        type(error_t), intent(inout) :: err
+        type(doubles_t) :: place, other
+        type(reals_t) :: near, far
+
+        place = gpu%place
+        other = gpu%reference
+        near = gpu%near
+        far = gpu%far
+        if (body%total) then ! pairs are weighed by X_ij, and the sums lead to dx/dX
+            place = gpu%reference
+            other = gpu%place
+            near = gpu%far
+            far = gpu%near
+        end if
+        call launch_solid_moments(body%moments, threads_of(body), gpu%n, body%params, place, &
+            other, near, far, gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, &
+            gpu%state, gpu%tag, gpu%hold, gpu%held, err)
+    end subroutine sum_moments
+
+    subroutine find_gradients(gpu, body, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        real(rk), intent(in) :: dt !! step just made, 0: none [s]
+        type(error_t), intent(inout) :: err
+
+        call solid_kernels%solid_gradients(threads_of(body), gpu%n, body%params, gpu%row, gpu%grad, &
+            gpu%tag, gpu%hold, gpu%held, gpu%state, dt, err)
+    end subroutine find_gradients
+
+    !> A single layer: take out of the energy what the stress does on its faces.
+    subroutine free_faces(gpu, body, time, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        real(rk), intent(in) :: time !! [s]
+        type(error_t), intent(inout) :: err
+
+        if (body%layer) call row_kernels%free_face(body%last - body%first + 1, body%first, &
+            gpu%n, 4, time, gpu%row, gpu%grad, gpu%stress, gpu%volume, gpu%mass, gpu%energy, err)
+    end subroutine free_faces
+
+    subroutine update_material(gpu, body, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        real(rk), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+
+        call launch_advance_point(body%update, threads_of(body), gpu%n, dt, body%params, &
+            body%material, gpu%grad, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
+    end subroutine update_material
+
+    subroutine fill_rows(gpu, body, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        type(error_t), intent(inout) :: err
+
+        call solid_kernels%solid_rows(threads_of(body), gpu%n, body%params, body%material, &
+            gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, gpu%rate, gpu%axes, &
+            gpu%hold, gpu%held, gpu%flags, err)
+    end subroutine fill_rows
+
+    !> Pass 2: accelerations; heat and ledgers over dt, the step just made.
+    subroutine force_pass(gpu, solid, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        integer :: b, load
+
+        load = gpu%column%load
+        if (solid%steps == 0) load = 0 ! all of it acts after the half step up to here
+        do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%asleep) cycle
+            call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
+            associate (body => gpu%bodies(b))
+                call launch_solid_forces(body%forces, threads_of(body), gpu%n, real(dt, rk), &
+                    merge(1, 0, gpu%linked), load, body%params, gpu%place, gpu%near, gpu%far, &
+                    gpu%motion, gpu%row, gpu%hold, gpu%held, body%slice, gpu%count, &
+                    body%list, gpu%extra, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
+            end associate
+        end do
+        call side_by_side(0)
+    end subroutine force_pass
+end module brz_gpu_solid_passes

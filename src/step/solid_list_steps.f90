@@ -1,0 +1,57 @@
+! SPDX-License-Identifier: MIT
+!> Neighbour lists and links built anew: the list of operations. scripts/steps.py writes the same for
+!> the GPU.
+module brz_solid_list_steps
+    use brz_cohesive_steps, only: place_nodes
+    !@gpu use brz_gpu_solid_home, only: go_home, lay_ghosts
+    !@gpu use brz_gpu_solid_links, only: build_links, settle_links
+    !@gpu use brz_gpu_solid_passes, only: renew_sleepers
+    !@gpu use brz_gpu_solid_search, only: build_list, note_box, note_places, sort_body
+    use brz_ranks, only: several
+    use brz_solid_home, only: place_ghosts, send_home !@cpu
+    use brz_solid_links, only: build_links, settle_links !@cpu
+    use brz_solid_neighbours, only: build_list !@cpu
+    use brz_solid_sort, only: note_places, sort_body !@cpu
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: build_neighbours
+
+contains
+
+    !> Build the lists and the links. With `sort`, the particles of all bodies, or of the `stale`
+    !> ones, are first brought into the order of the cells at their present positions, and go to the
+    !> processes in whose regions these are; other lists stay. Without, the lists of the positions
+    !> `x_built` are restored.
+    subroutine build_neighbours(solid, sort, stale)
+        type(solid_t), intent(inout) :: solid
+        logical, intent(in) :: sort
+        logical, intent(in), optional :: stale(:) !! (bodies)
+        logical :: anew(size(solid%bodies)), sorted
+        integer :: b
+
+        anew = .true.
+        if (present(stale)) anew = stale
+        do b = 1, size(anew)
+            if (sort .and. anew(b)) call note_places(solid, b)
+        end do
+        if (several(solid%ranks)) call send_home(solid) !@cpu
+        sorted = sort .or. several(solid%ranks) !@cpu
+        anew = anew .or. several(solid%ranks) !@cpu particles have moved, most lists are as they were
+        !@gpu sorted = sort
+        !@gpu if (sort .and. several(solid%ranks)) call go_home(gpu, solid, anew)
+        do b = 1, size(anew)
+            if (sorted .and. anew(b)) call sort_body(solid, b)
+            !@gpu if (anew(b)) call note_box(gpu, solid, b)
+        end do
+        call settle_links(solid, .not. sort)
+        if (several(solid%ranks)) call place_ghosts(solid) !@cpu
+        !@gpu if (sort .and. several(solid%ranks)) call lay_ghosts(gpu, solid, anew)
+        do b = 1, size(anew)
+            if (anew(b)) call build_list(solid, b)
+        end do
+        call build_links(solid)
+        call place_nodes(solid)
+        !@gpu call renew_sleepers(gpu, solid)
+    end subroutine build_neighbours
+end module brz_solid_list_steps
