@@ -77,7 +77,8 @@ contains
         level = 0
         do k = 1, size(solid%block, 2)
             associate (b => solid%block(1, k))
-                level(b) = max(level(b), int(level_of(solid%search%limit(k), level_unit(solid)), int64))
+                level(b) = max(level(b), int(level_of(solid%search%limit(k), level_unit(solid)), &
+                                             int64))
             end associate
         end do
     end subroutine find_levels

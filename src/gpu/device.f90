@@ -318,8 +318,8 @@ contains
         call book_call(to_read, bytes, began)
     end subroutine copy_out
 
-    !> Let the GPU copy to and from memory of the host without a detour, until `free_all`. Memory that
-    !> is given back before must not lie in what is copied later: the driver refuses that.
+    !> Let the GPU copy to and from memory of the host without a detour, until `free_all`. Memory
+    !> given back before must not lie in what is copied later: the driver refuses that.
     subroutine pin(bytes)
         integer(int8), intent(in), target, contiguous :: bytes(:)
         integer(c_int) :: code

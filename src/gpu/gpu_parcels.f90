@@ -293,8 +293,8 @@ contains
         call make_record(arrays, record, a)
         words = width_of(arrays)
         if (present(wide)) words = wide
-        call place_kernels%pick_record(n*words, n, words, record, place, a(1), a(2), a(3), a(4), a(5), &
-                                 a(6), a(7), a(8), records, err)
+        call place_kernels%pick_record(n*words, n, words, record, place, a(1), a(2), a(3), a(4), &
+                                       a(5), a(6), a(7), a(8), records, err)
     end subroutine pick_rows
 
     !> The way back.
@@ -308,7 +308,7 @@ contains
 
         if (n == 0) return
         call make_record(arrays, record, a)
-        call place_kernels%put_record(n*width_of(arrays), n, width_of(arrays), record, place, records, &
-                                a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), err)
+        call place_kernels%put_record(n*width_of(arrays), n, width_of(arrays), record, place, &
+                                      records, a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), err)
     end subroutine put_rows
 end module brz_gpu_parcels

@@ -210,7 +210,8 @@ contains
         call gpu%ghosts%send(gpu%ghosts%out, gpu%ghosts%in, gpu%record, gpu%record, err)
         call tell_kernels(gpu, err)
         any_grown = merge(1, 0, gpu%grown)
-        if (count(anew) < size(anew)) call most_of_all(solid%ranks, any_grown) ! all build the same lists
+        ! all build the same lists
+        if (count(anew) < size(anew)) call most_of_all(solid%ranks, any_grown)
         anew = anew .or. gpu%recut .or. any_grown(1) > 0 .or. gpu%linked
         gpu%settled = .false.
         gpu%fetched = .false.

@@ -20,7 +20,8 @@ module brz_gpu_solid_layout
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, at_wave, n_tag, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_joined, &
         tag_ply, tag_support, tag_touch, tag_weight
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, body_numbers_t, n_terms
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, body_numbers_t, &
+        n_terms
     implicit none
     private
     public :: body_gpu_t, grid_gpu_t

@@ -88,8 +88,9 @@ contains
         type(error_t), intent(inout) :: err
         integer :: b
 
-        if (gpu%linked .and. .not. failed(err)) call begin_links(solid, reshape([(gpu%bodies(b)%box, &
-            b=1, size(gpu%bodies))], [3, 2, size(gpu%bodies)]), resume)
+        if (gpu%linked .and. .not. failed(err)) &
+            call begin_links(solid, reshape([(gpu%bodies(b)%box, b=1, size(gpu%bodies))], &
+                                            [3, 2, size(gpu%bodies)]), resume)
     end subroutine settle_links
 
     !> Count or list, for every particle, its links with one body after the other; note which bodies

@@ -75,8 +75,8 @@ contains
         if (words_of_real == 1) then
             call reserve_buffer(gpu%near, 16_int64*gpu%n, err)
             call reserve_buffer(gpu%far, 16_int64*gpu%n, err)
-            call solid_kernels%solid_pack([gpu%n, 1, 1], gpu%n, gpu%place, gpu%reference, gpu%near, &
-                gpu%far, err)
+            call solid_kernels%solid_pack([gpu%n, 1, 1], gpu%n, gpu%place, gpu%reference, &
+                gpu%near, gpu%far, err)
         else
             gpu%near%address = gpu%place%address
             gpu%far%address = gpu%reference%address
@@ -111,8 +111,8 @@ contains
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
-        call solid_kernels%solid_gradients(threads_of(body), gpu%n, body%params, gpu%row, gpu%grad, &
-            gpu%tag, gpu%hold, gpu%held, gpu%state, dt, err)
+        call solid_kernels%solid_gradients(threads_of(body), gpu%n, body%params, gpu%row, &
+            gpu%grad, gpu%tag, gpu%hold, gpu%held, gpu%state, dt, err)
     end subroutine find_gradients
 
     !> A single layer: take out of the energy what the stress does on its faces.

@@ -130,8 +130,8 @@ contains
         call clear_buffer(gpu%start, err, 4_int64*(cells + 1))
         associate (body => gpu%bodies(b))
             threads = [body%rim - body%first + 1, 1, 1]
-            call solid_kernels%count_cells(threads, gpu%grid, gpu%code, place, gpu%cell, gpu%start, &
-                               err)
+            call solid_kernels%count_cells(threads, gpu%grid, gpu%code, place, gpu%cell, &
+                                           gpu%start, err)
             call gpu%common%running_sum(gpu%start, cells, err)
             ! here a cell stands one place further behind its end than a bin does
             call common_kernels%bin_fill(threads, threads(1), body%first - 1, &

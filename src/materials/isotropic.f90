@@ -15,7 +15,8 @@ module brz_isotropic
     use brz_mie_gruneisen, only: pressure_step
     implicit none
     private
-    public :: step_t, set_linear, begin_step, end_step, fail_step, refine_root, no_cutoff, on_surface
+    public :: step_t, set_linear, begin_step, end_step, fail_step, refine_root, no_cutoff, &
+        on_surface
 
     real(rk), parameter :: no_cutoff = -1e15_rk !! least pressure where tension has no limit [Pa]
     !> A returned stress that is off the yield stress by this part of it is good enough.

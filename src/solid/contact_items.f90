@@ -16,7 +16,8 @@ module brz_contact_items
         pair_linear, pair_quadratic, pair_spin, pair_volume
     implicit none
     private
-    public :: owner_of, look_along, sum_links, press_particle, push_particle, press_links, push_links
+    public :: owner_of, look_along, sum_links, press_particle, push_particle, press_links, &
+        push_links
     public :: add_pair, trace_at
     public :: n_kept, kept_energy, kept_heat, kept_rub, kept_early
 

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Neighbour lists and links built anew: the list of operations. scripts/steps.py writes the same for
-!> the GPU.
+!> Neighbour lists and links built anew: the list of operations. scripts/steps.py writes the same
+!> for the GPU.
 module brz_solid_list_steps
     use brz_cohesive_steps, only: place_nodes
     !@gpu use brz_gpu_solid_home, only: go_home, lay_ghosts
@@ -37,7 +37,7 @@ contains
         end do
         if (several(solid%ranks)) call send_home(solid) !@cpu
         sorted = sort .or. several(solid%ranks) !@cpu
-        anew = anew .or. several(solid%ranks) !@cpu particles have moved, most lists are as they were
+        anew = anew .or. several(solid%ranks) !@cpu particles have moved
         !@gpu sorted = sort
         !@gpu if (sort .and. several(solid%ranks)) call go_home(gpu, solid, anew)
         do b = 1, size(anew)
