@@ -22,7 +22,8 @@ module brz_gpu_coupling_copy
     use brz_snapshots, only: snapshot_t
     implicit none
     private
-    public :: open_gpu_coupling, fetch_coupling, note_coupling, fetch_books, gpu_ledger_totals, gpu_fastest_wall
+    public :: open_gpu_coupling, fetch_coupling, note_coupling, fetch_books, gpu_ledger_totals, &
+              gpu_fastest_wall
 
 contains
 

@@ -97,8 +97,8 @@ contains
         self%room = room
     end subroutine take
 
-    !> A room for so many bytes that nobody reads, 0 if there is none: one that is large enough, else
-    !> the first is made anew, where the machine has memory for it.
+    !> A room for so many bytes that nobody reads, 0 if there is none: one that is large enough,
+    !> else the first is made anew, where the machine has memory for it.
     integer function free_room(bytes) result(room)
         integer(int64), intent(in) :: bytes
         integer :: k
