@@ -108,15 +108,13 @@ contains
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
-        integer(int64) :: changes
 
-        changes = coupling%books%covered + coupling%books%uncovered
-        if (changes /= gpu%fetched_changes) then
+        if (.not. gpu%walls_fetched) then
             call copy_out(there%walls%solid, coupling%wall%solid, &
                           size(coupling%wall%solid, kind=int64), err)
             if (failed(err)) return
             call build_walls(air, coupling%wall)
-            gpu%fetched_changes = changes
+            gpu%walls_fetched = .true.
         end if
         call copy_out(there%walls%v, coupling%wall%v, 3*bytes_of_real*gpu%wall%n_cells, err)
         if (allocated(coupling%v_before)) call copy_out(gpu%v_before, coupling%v_before, &

@@ -207,7 +207,7 @@ contains
         integer, intent(in) :: particles !! of this process
         type(solid_t), intent(inout) :: guests
         type(error_t), intent(inout) :: err
-        integer :: b, n, next(1), taken(size(number, 1))
+        integer :: b, n, taken(size(number, 1))
 
         call reserve_guests(gpu, sum(number), err)
         n = 0

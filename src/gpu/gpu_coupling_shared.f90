@@ -138,6 +138,7 @@ contains
             more = int(sum(in))
             call size_debts(gpu, n + more, err)
             call at_least(gpu%next_cell, n + more, err)
+            call at_least(gpu%next_debt, gpu%n_var, n + more, err) ! the two have the same room
             if (n > 0) call guest_kernels%renumber(n, gpu%box, grid, gpu%debt_cell, gpu%next_cell, &
                                                   err)
             next = n

@@ -57,7 +57,7 @@ module brz_gpu_coupling_state
         type(coupling_books_t) :: books !! what the host has counted
         real(rk) :: level = 0
         real(dp) :: dt_before = 0
-        integer(int64) :: fetched_changes = -1 !! cells that had changed hands at the last fetch
+        logical :: walls_fetched = .false. !! no cell has changed hands since the last fetch
         type(buffer_t) :: shells !! shells_t
         type(bytes_t) :: mark !! (cells) what the particles make of a cell
         type(integers_t) :: slot !! (cells) place among the debts, or 0

@@ -124,6 +124,8 @@ contains
             call move_on(there, solid, seen(particles), gpu, err)
         end if
         there%fetched = .false.
+        ! of any process: the books count cells of this one alone
+        if (gpu%n_covered + gpu%n_uncovered > 0) gpu%walls_fetched = .false.
         coupling%outside = gpu%outside
         coupling%n_covered = gpu%n_covered
         coupling%n_uncovered = gpu%n_uncovered

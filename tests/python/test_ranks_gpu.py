@@ -262,3 +262,30 @@ def test_what_goes_wrong_among_bodies_in_air_ends_all(fault, gpu, tmp_path):
                           capture_output=True, text=True, timeout=60)  # fmt: skip
     assert done.returncode == 5, done.stderr
     assert "process 2 of 2: " in done.stderr
+
+
+# Its walls are all in one box and then all in the other, and lists of debts grow there.
+ACROSS = """\
+&run title = 'across', t_end = 5e-5, energy_band = 0.5 /
+&air box = 0, 0.2, 0, 0.1, 0, 0.1, cells = 20, 10, 10, activity = .false.,
+     bc = 'wall', 'outflow', 'wall', 'outflow', 'outflow', 'outflow',
+     reconstruction = 'muscl', flux = 'hllc', integrator = 'ssprk2' /
+&gas id = 'hot', box = 0, 0.09, 0.02, 0.08, 0, 0.1, density = 4, pressure = 3e6,
+     velocity = 300, -50, 20 /
+&material id = 's', model = 'linear_elastic', density = 200, youngs_modulus = 2e7,
+     poisson_ratio = 0.3 /
+&body id = 'b', shape = 'box', box = 0.175, 0.195, 0.03, 0.07, 0.03, 0.07, spacing = 5e-3,
+     material = 's', formulation = 'rigid', velocity = -2500, 0, 0 /
+&gauge id = 'g', body = 'b', at = 0.185, 0.05, 0.05, quantity = 'velocity_x' /
+&gauge id = 'a', at = 0.09, 0.05, 0.05, quantity = 'pressure' /
+&output dump_every = 5e-6, history_every = 0 /
+"""
+
+
+@needs_mpirun
+def test_a_body_flies_from_one_gpu_to_the_next(gpu, tmp_path):
+    """The driver guards its memory, and dumps hold walls that others' cells have changed."""
+    for n in (0, 2):
+        done = go(n, tmp_path, gpu, deck=ACROSS, out=f"out{n}")
+        assert done.returncode == 0, done.stderr
+    equal_runs(tmp_path / "out0", tmp_path / "out2")
