@@ -93,22 +93,49 @@ int cuModuleGetFunction(void **f, void *m, const char *name) {
 
 // A block of device memory begins with its size and, where another process may see it, the file
 // that it lies in: whole blocks of 2 MiB, as the true driver shares no less.
-struct block { size_t n; int file; };
-enum { before = 4096, shared_block = 2 << 20 };
+// Before and behind the others a guard lies: who writes beyond its block is named when it has.
+struct block { size_t n; int file; struct block *last, *next; };
+enum { before = 4096, shared_block = 2 << 20, guard = 64 };
+
+static struct block first; // of the ring of blocks that are guarded
 
 static struct block *block_of(size_t p) { return (struct block *)(p - before); }
+
+static void look_at_guards(const char *name) {
+    for (struct block *b = first.next; b && b != &first; b = b->next) {
+        const unsigned char *start = (unsigned char *)b + before;
+        for (int i = 0; i < guard; i++)
+            if (start[i - guard] != 0xa5 || start[b->n + i] != 0xa5) {
+                fprintf(stderr, "emulated GPU: %s wrote beyond a block of %zu bytes\n", name, b->n);
+                abort();
+            }
+    }
+}
+
+static void link_block(struct block *b) {
+    if (!first.next) first.next = first.last = &first;
+    b->next = &first;
+    b->last = first.last;
+    b->last->next = first.last = b;
+}
+
+static void unlink_block(struct block *b) {
+    b->last->next = b->next;
+    b->next->last = b->last;
+}
 
 int cuMemAlloc_v2(size_t *p, size_t n) {
     if (fails("cuMemAlloc_v2") || in_use + n > memory()) return out_of_memory;
     int file = n % shared_block ? -1 : memfd_create("device", 0);
     if (file >= 0 && ftruncate(file, n + before)) return out_of_memory;
-    char *start = file < 0 ? malloc(n + before)
+    char *start = file < 0 ? malloc(n + before + guard)
                            : mmap(0, n + before, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
     if (!start || start == MAP_FAILED) return out_of_memory;
-    memset(start, 0xa5, n + before); // what is not cleared is no zero
+    memset(start, 0xa5, n + before + (file < 0 ? guard : 0)); // what is not cleared is no zero
     *p = (size_t)start + before;
     block_of(*p)->n = n;
     block_of(*p)->file = file;
+    if (file < 0) link_block(block_of(*p));
     in_use += n;
     return success;
 }
@@ -117,6 +144,7 @@ int cuMemFree_v2(size_t p) {
     struct block *block = block_of(p);
     in_use -= block->n;
     if (block->file < 0) {
+        unlink_block(block);
         free(block);
     } else {
         close(block->file);
@@ -197,6 +225,7 @@ int cuMemHostUnregister(void *h) {
 int cuMemcpyHtoD_v2(size_t d, const void *h, size_t n) {
     if (half_pinned(h, n)) return invalid;
     memcpy((void *)d, h, n);
+    look_at_guards("cuMemcpyHtoD_v2");
     to_device += n;
     return fails("cuMemcpyHtoD_v2") ? failed : success;
 }
@@ -211,11 +240,13 @@ int cuMemcpyDtoH_v2(void *h, size_t d, size_t n) {
 
 int cuMemcpyDtoD_v2(size_t to, size_t from, size_t n) {
     memcpy((void *)to, (void *)from, n);
+    look_at_guards("cuMemcpyDtoD_v2");
     return success;
 }
 
 int cuMemsetD8_v2(size_t d, unsigned char value, size_t n) {
     memset((void *)d, value, n);
+    look_at_guards("cuMemsetD8_v2");
     return success;
 }
 
@@ -252,6 +283,7 @@ int cuLaunchKernel(void *f, unsigned gx, unsigned gy, unsigned gz, unsigned bx, 
         set_grid(gx, gy, gz, bx, by, bz);
         run_block(k, i % gx + 1, i / gx % gy + 1, i / (gx * gy) + 1, block, p);
     }
+    look_at_guards(k->name);
     return success;
 }
 
