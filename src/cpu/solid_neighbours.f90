@@ -63,18 +63,22 @@ contains
         end associate
     end subroutine leave_out
 
-    !> Search for the neighbours of all groups of a body. Every thread keeps what it finds for its
+    !> Search for the neighbours of all groups of a body, or of the chosen ones. Every thread keeps what it finds for its
     !> groups, until the lengths of all lists are known.
     subroutine list_body(solid, body, reach, place)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: reach !! [m]
         real(dp), intent(in) :: place(:, :) !! (3, n) [m]
-        integer(int64), allocatable :: found(:)
+        integer(int64), allocatable :: found(:), was(:), image_was(:)
         type(order_room_t) :: room
         integer(int64) :: n
         integer :: g, i, m
 
+        if (body%cells%in_part) then
+            was = solid%first
+            if (any(solid%mirror)) image_was = solid%image_first
+        end if
         !$omp parallel if(solid%n >= worth_threads) private(found, room, n, g, m)
         allocate (found(1024))
         n = 0
@@ -84,6 +88,12 @@ contains
             solid%first(g + 1) = 0
             if (any(solid%mirror)) solid%image_first(g + 1) = 0
             if (solid%fixed(i) == is_gone) cycle ! and so are all that follow
+            if (body%cells%in_part) then
+                if (.not. solid%search%chosen(g)) then
+                    call keep_group(solid, g, was, image_was, found, n)
+                    cycle
+                end if
+            end if
             solid%first(g + 1) = n
             call search_group(solid, place, members(body, place, i), 0, reach, room, &
                               found, n)
@@ -106,6 +116,34 @@ contains
         end do
         !$omp end parallel
     end subroutine list_body
+
+    !> Append the lists that a group has.
+    subroutine keep_group(solid, g, was, image_was, found, n)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: g
+        integer(int64), intent(in) :: was(:), image_was(:) !! where lists lay
+        integer(int64), allocatable, intent(inout) :: found(:) !! 8*particle + mask
+        integer(int64), intent(inout) :: n !! entries
+        integer(int64) :: k
+
+        solid%first(g + 1) = was(g + 1) - was(g)
+        do while (n + solid%first(g + 1) > size(found, kind=int64))
+            call lengthen(found)
+        end do
+        do k = was(g), was(g + 1) - 1
+            n = n + 1
+            found(n) = 8*int(solid%list(k), int64)
+        end do
+        if (.not. any(solid%mirror)) return
+        solid%image_first(g + 1) = image_was(g + 1) - image_was(g)
+        do while (n + solid%image_first(g + 1) > size(found, kind=int64))
+            call lengthen(found)
+        end do
+        do k = image_was(g), image_was(g + 1) - 1
+            n = n + 1
+            found(n) = 8*int(solid%image(k), int64) + solid%mask(k)
+        end do
+    end subroutine keep_group
 
     !> Lists begin where those of the group before end; there must be room for all.
     subroutine lay_out(solid, from, to)

@@ -3,11 +3,10 @@
 module brz_gpu_solid_links
     use brz_buffers, only: from
     use brz_contact, only: law_bonded
-    use brz_device, only: allocate_buffer, clear_buffer, copy_out, put_buffer, &
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, put_buffer, &
         reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: slice_width
-    use brz_gpu_solid_search, only: order_body
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, threads_of
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: fix_layout, link_layout_t
@@ -64,8 +63,8 @@ contains
             call clear_buffer(gpu%links%count, err)
             call visit_bodies(gpu, solid, keep, err)
             if (keep == 1) exit
-            call solid_kernels%slice_widths([slices, 1, 1], slices, 1, gpu%n, gpu%links%count, &
-                                          gpu%links%slice, err)
+            call solid_kernels%slice_widths([slices, 1, 1], slices, 1, gpu%n, 0, &
+                gpu%links%count, gpu%links%slice, err)
             call gpu%common%running_sum(gpu%links%slice, slices, err, longest)
             call reserve_buffer(gpu%links%list, 4_int64*slice_width*(longest + 1_int64), err)
         end do
@@ -105,14 +104,14 @@ contains
 
         do b = 1, size(gpu%bodies)
             if (.not. any([(may_link(solid, a, b), a=1, size(gpu%bodies))])) cycle
-            call order_body(gpu, solid, b, gpu%built, &
-                            2*real(maxval(solid%links%table(:, b)%h), dp) + solid%skin, err)
+            call copy_in(gpu%bodies(b)%box, gpu%box, 48_int64, err)
             do a = 1, size(gpu%bodies)
                 if (.not. may_link(solid, a, b)) cycle
                 shift = solid%bodies(a)%drift_linked - solid%bodies(b)%drift_linked
                 call solid_kernels%solid_link_search(threads_of(gpu%bodies(a)), keep, &
                     gpu%bodies(a)%first, gpu%bodies(a)%last, links_reach(solid, a, b), &
-                    shift(1), shift(2), shift(3), gpu%grid, gpu%box, gpu%code, gpu%start, &
+                    shift(1), shift(2), shift(3), gpu%bodies(b)%grid, gpu%box, &
+                    gpu%bodies(b)%code, gpu%bodies(b)%start, &
                     gpu%order, gpu%built, gpu%links%slice, gpu%links%count, gpu%links%list, &
                     from(gpu%links%met, a + size(gpu%bodies)*(b - 1_int64)), err)
             end do

@@ -1,8 +1,8 @@
 ! SPDX-License-Identifier: MIT
 !> Neighbour lists on the GPU: the same cells, order and lists as on the CPU.
 module brz_gpu_solid_search
-    use brz_cell_grid, only: cell_of_groups, choose_cells, reach_of_lists
-    use brz_buffers, only: doubles_t, from
+    use brz_cell_grid, only: cell_of_groups, choose_cells, reach_of_lists, take_cells
+    use brz_buffers, only: doubles_t, from, integers_t
     use brz_common_launches, only: common_kernels
     use brz_device, only: buffer_t, clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
     use brz_drift_launches, only: drift_kernels
@@ -12,34 +12,56 @@ module brz_gpu_solid_search
     use brz_gpu_solid_state, only: column_of, gpu_solid_body_t, gpu_solid_t, sum_threads, &
         threads_of
     use brz_kinds, only: dp, int64, rk
-    use brz_list_drift, only: begin_list
+    use brz_list_drift, only: level_unit
     use brz_ranks, only: least_of_all, sum_of_all
     use brz_solid_launches, only: solid_kernels
-    use brz_solid_state, only: n_pair, solid_t
+    use brz_solid_state, only: form_total, kept_cells_t, n_pair, solid_t
     use brz_tallies, only: tally_threads
     implicit none
     private
-    public :: build_list, order_body, note_box, note_places, sort_body
+    public :: build_list, choose_lists, mean_velocity, note_box, note_positions, renew_places, sort_body
+
+    integer, parameter :: spare_entries = 8 !! of each list, where lists are built anew in part
 
 contains
 
-    !> The list of body b, of its particles and ghosts as they lie.
+    !> The list of body b, of its particles and ghosts as they lie; in part where only few places are
+    !> new, unless these lists no longer have room.
     subroutine build_list(gpu, solid, b, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
         type(doubles_t) :: place
+        logical :: fits
 
-        if (gpu%bodies(b)%rigid) return
+        if (gpu%bodies(b)%rigid) then
+            call order_for_links(gpu, solid, b, err)
+            return
+        end if
         place = gpu%built
         if (gpu%bodies(b)%total) place = gpu%reference
-        call order_body(gpu, solid, b, place, reach_of_lists(solid, b), err)
-        call list_body(gpu, b, place, err)
+        call order_body(gpu, solid, b, place, reach_of_lists(solid, b), err, solid%bodies(b)%cells)
+        fits = .false.
+        if (solid%bodies(b)%cells%in_part) call list_part(gpu, gpu%bodies(b), place, fits, err)
+        if (.not. fits) call list_body(gpu, gpu%bodies(b), place, err)
+        if (gpu%bodies(b)%total) call order_for_links(gpu, solid, b, err)
     end subroutine build_list
 
+    !> Links are looked for in the cells of lists; bodies whose lists are not those of `built` have
+    !> cells for links alone.
+    subroutine order_for_links(gpu, solid, b, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+
+        if (gpu%linked) call order_body(gpu, solid, b, gpu%built, &
+                                        2*real(solid%bodies(b)%h, dp) + solid%skin, err)
+    end subroutine order_for_links
+
     !> Bring the particles of body b, which has no ghosts, into the order of the cells at their
-    !> positions `built`, which are those of now.
+    !> positions `built`.
     subroutine sort_body(gpu, solid, b, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -48,23 +70,63 @@ contains
         integer :: cells
 
         call fill_cells(gpu, solid, b, gpu%built, cell_of_groups(solid, b), cells, err)
-        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 0, gpu%start, &
+        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 0, gpu%bodies(b)%start, &
                                        gpu%id, gpu%order, err)
         if (failed(err)) return
         call reorder(gpu, gpu%bodies(b), err)
-        call note_positions(gpu, gpu%bodies(b), err)
     end subroutine sort_body
 
-    !> The list of body b is about to be built for the places of now.
-    subroutine note_places(gpu, solid, b, err)
+    !> Give new places to the particles of body b that have moved far, mark the cells of the old and
+    !> the new ones, and count them.
+    subroutine renew_places(gpu, solid, b, moved, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
+        integer(int64), intent(out) :: moved(1) !! particles of this process
+        type(error_t), intent(inout) :: err
+        type(integers_t) :: count
+        integer :: found(1)
+
+        moved = 0
+        call lay_cells(gpu, solid, b, gpu%built, reach_of_lists(solid, b), err, &
+                       solid%bodies(b)%cells)
+        if (failed(err)) return
+        call reserve_buffer(gpu%marked, 4_int64*size(solid%search%start) + 4, err)
+        call clear_buffer(gpu%marked, err)
+        count = from(gpu%marked, size(solid%search%start) + 1_int64)
+        associate (body => gpu%bodies(b), drift => solid%bodies(b)%drift, s => solid%search)
+            call drift_kernels%renew_place(body%last - body%first + 1, body%first, 4, &
+                level_unit(solid), drift(1), drift(2), drift(3), size(s%code, 1), s%cells(1), &
+                s%cells(2), s%cells(3), s%lo(1), s%lo(2), s%lo(3), s%size, gpu%bodies(b)%code, gpu%fixed, &
+                gpu%x, gpu%built, gpu%marked, count, err)
+        end associate
+        found = 0
+        call copy_out(count, found, 4_int64, err)
+        moved = found
+    end subroutine renew_places
+
+    !> Choose the particles of body b that are within reach of a marked cell.
+    subroutine choose_lists(gpu, solid, b, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+
+        gpu%bodies(b)%spare = merge(spare_entries, 0, solid%bodies(b)%cells%in_part)
+        call solid_kernels%choose_near(threads_of(gpu%bodies(b)), gpu%bodies(b)%last, gpu%bodies(b)%grid, &
+                                       gpu%bodies(b)%code, gpu%marked, gpu%built, gpu%chosen, err)
+    end subroutine choose_lists
+
+    !> Mean velocity of the mass of body b at the step [m/s].
+    subroutine mean_velocity(gpu, solid, b, v, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(out) :: v(3)
         type(error_t), intent(inout) :: err
         real(dp) :: folded(tally_threads/256, 4), lattice, total(4)
         integer(int64) :: numbers(4)
 
-        call note_positions(gpu, gpu%bodies(b), err)
         call clear_buffer(gpu%sums_of_forces, err)
         lattice = solid%materials(solid%bodies(b)%material)%density &
             *solid%bodies(b)%spacing**solid%dimension*solid%depth
@@ -77,43 +139,47 @@ contains
         total = sum(folded, 1)
         numbers = nint(total, int64) ! they are whole
         call sum_of_all(solid%ranks, numbers)
-        call begin_list(solid, b, drift_of(real(numbers, dp)))
-    end subroutine note_places
+        v = drift_of(real(numbers, dp))
+    end subroutine mean_velocity
 
     !> Positions that decide on the neighbours: total-Lagrangian bodies that meet no other keep the
     !> unloaded ones.
-    subroutine note_positions(gpu, body, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
+    subroutine note_positions(gpu, solid, b, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
         type(error_t), intent(inout) :: err
         type(doubles_t) :: places
 
         places = gpu%place
-        if (body%total .and. .not. gpu%linked) places = gpu%reference
-        call copy_within(from(places, 4*body%first - 3_int64), &
-                         from(gpu%built, 4*body%first - 3_int64), &
-                         32_int64*(body%last - body%first + 1), err)
+        if (solid%bodies(b)%formulation == form_total .and. .not. gpu%linked) &
+            places = gpu%reference
+        associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
+            call copy_within(from(places, 4*first - 3_int64), from(gpu%built, 4*first - 3_int64), &
+                             32_int64*(last - first + 1), err)
+        end associate
     end subroutine note_positions
 
-    !> Lay cells over body b for given places and put its particles and ghosts into them, in
-    !> `order`; those of a cell in the order of their numbers.
-    subroutine order_body(gpu, solid, b, place, reach, err)
+    !> Lay cells over body b for given places, or those that it has kept, and put its particles and
+    !> ghosts into them, in `order`; those of a cell in the order of their numbers.
+    subroutine order_body(gpu, solid, b, place, reach, err, kept)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         real(dp), intent(in) :: reach !! side of a cell [m]
         type(error_t), intent(inout) :: err
+        type(kept_cells_t), intent(inout), optional :: kept
         integer :: cells
 
-        call fill_cells(gpu, solid, b, place, reach, cells, err)
+        call fill_cells(gpu, solid, b, place, reach, cells, err, kept)
         if (failed(err)) return
-        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 1, gpu%start, &
+        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 1, gpu%bodies(b)%start, &
                                        gpu%id, gpu%order, err)
     end subroutine order_body
 
     !> The same but for the order within a cell.
-    subroutine fill_cells(gpu, solid, b, place, reach, cells, err)
+    subroutine fill_cells(gpu, solid, b, place, reach, cells, err, kept)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
@@ -121,53 +187,68 @@ contains
         real(dp), intent(in) :: reach !! side of a cell [m]
         integer, intent(out) :: cells !! along the curve
         type(error_t), intent(inout) :: err
+        type(kept_cells_t), intent(inout), optional :: kept
         integer :: threads(3)
 
         cells = 1
-        call lay_cells(gpu, solid, b, place, reach, err)
+        call lay_cells(gpu, solid, b, place, reach, err, kept)
         if (failed(err)) return
         cells = ubound(solid%search%start, 1)
-        call clear_buffer(gpu%start, err, 4_int64*(cells + 1))
+        call reserve_buffer(gpu%bodies(b)%start, 4_int64*(cells + 2), err)
+        call clear_buffer(gpu%bodies(b)%start, err, 4_int64*(cells + 1))
         associate (body => gpu%bodies(b))
             threads = [body%rim - body%first + 1, 1, 1]
-            call solid_kernels%count_cells(threads, gpu%grid, gpu%code, place, gpu%cell, &
-                                           gpu%start, err)
-            call gpu%common%running_sum(gpu%start, cells, err)
+            call solid_kernels%count_cells(threads, gpu%bodies(b)%grid, gpu%bodies(b)%code, place, gpu%cell, &
+                                           gpu%bodies(b)%start, err)
+            call gpu%common%running_sum(gpu%bodies(b)%start, cells, err)
             ! here a cell stands one place further behind its end than a bin does
             call common_kernels%bin_fill(threads, threads(1), body%first - 1, &
-                from(gpu%cell, int(body%first, int64)), from(gpu%start, 0_int64), &
+                from(gpu%cell, int(body%first, int64)), from(gpu%bodies(b)%start, 0_int64), &
                 from(gpu%order, int(body%first, int64)), err)
         end associate
     end subroutine fill_cells
 
-    !> Choose the cells for body b, those of all processes, and hand them to the GPU.
-    subroutine lay_cells(gpu, solid, b, place, reach, err)
+    !> Choose the cells for body b, those of all processes, or take those that it has kept, and hand
+    !> them to the GPU.
+    subroutine lay_cells(gpu, solid, b, place, reach, err, kept)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         real(dp), intent(in) :: reach !! [m]
         type(error_t), intent(inout) :: err
+        type(kept_cells_t), intent(inout), optional :: kept !! chosen if there are none yet
         type(grid_gpu_t) :: grid
         real(dp) :: box(3, 2)
+        logical :: has_cells
 
-        call find_box(gpu, solid, b, place, box, err)
-        if (failed(err)) return
+        has_cells = .false.
+        if (present(kept)) has_cells = all(kept%along > 0)
+        if (has_cells) then
+            call take_cells(solid%search, kept, reach)
+        else
+            call find_box(gpu, solid, b, place, box, err)
+            if (failed(err)) return
+            associate (number => solid%bodies(b)%number)
+                call choose_cells(solid%search, box(:, 1), box(:, 2), number(2) - number(1) + 1, &
+                                  reach)
+            end associate
+            if (present(kept)) then
+                kept%along = solid%search%cells
+                kept%lo = solid%search%lo
+            end if
+        end if
         grid%first = gpu%bodies(b)%first
         grid%last = gpu%bodies(b)%rim
         grid%reach = reach
-        call copy_in(box, gpu%box, 48_int64, err)
-        associate (number => solid%bodies(b)%number)
-            call choose_cells(solid%search, box(:, 1), box(:, 2), number(2) - number(1) + 1, reach)
-        end associate
         grid%cells = solid%search%cells
         grid%stride = size(solid%search%code, 1)
         grid%mirror = merge(1, 0, solid%mirror)
         grid%lo = solid%search%lo
         grid%size = solid%search%size
-        call copy_in(grid, gpu%grid, int(storage_size(grid)/8, int64), err)
-        call reserve_buffer(gpu%code, 12_int64*grid%stride, err)
-        call copy_in(solid%search%code, gpu%code, 4_int64*3*grid%stride, err)
+        call copy_in(grid, gpu%bodies(b)%grid, int(storage_size(grid)/8, int64), err)
+        call reserve_buffer(gpu%bodies(b)%code, 12_int64*grid%stride, err)
+        call copy_in(solid%search%code, gpu%bodies(b)%code, 4_int64*3*grid%stride, err)
     end subroutine lay_cells
 
     !> Corners of body b at its positions `built`.
@@ -209,6 +290,7 @@ contains
 
         call gather(gpu, body, gpu%place, 8, 1, err)
         call gather(gpu, body, gpu%reference, 8, 1, err)
+        call gather(gpu, body, gpu%built, 8, 1, err)
         call gather(gpu, body, gpu%motion, 4*words, 1, err)
         do c = 1, gpu%n_state, n_pair
             call gather(gpu, body, column_of(gpu, c), words, min(n_pair, gpu%n_state - c + 1), err)
@@ -234,35 +316,57 @@ contains
                                       gpu%order, gpu%row, values, err)
     end subroutine gather
 
-    !> The lists of body b, whose particles are in the cells.
-    subroutine list_body(gpu, b, place, err)
+    !> The lists of a body whose particles are in the cells.
+    subroutine list_body(gpu, body, place, err)
         type(gpu_solid_t), intent(inout) :: gpu
-        integer, intent(in) :: b
+        type(gpu_solid_body_t), intent(inout) :: body
         type(doubles_t), intent(in) :: place
         type(error_t), intent(inout) :: err
         integer :: longest
 
-        associate (body => gpu%bodies(b))
-            call search(gpu, b, place, 0, err)
-            call solid_kernels%slice_widths([body%slices, 1, 1], body%slices, body%first, &
-                                          body%last, gpu%count, body%slice, err)
-            call gpu%common%running_sum(body%slice, body%slices, err, longest)
-            call reserve_buffer(body%list, 4_int64*slice_width*(longest + 1_int64), err)
-            call search(gpu, b, place, 1, err)
-        end associate
+        call search(gpu, body, place, 0, 0, err)
+        call solid_kernels%slice_widths([body%slices, 1, 1], body%slices, body%first, body%last, &
+                                        body%spare, gpu%count, body%slice, err)
+        if (body%spare > 0) then
+            call reserve_buffer(body%width, 4_int64*body%slices, err)
+            call copy_within(body%slice, body%width, 4_int64*body%slices, err)
+        end if
+        call gpu%common%running_sum(body%slice, body%slices, err, longest)
+        if (body%spare > 0) longest = longest + longest/8 ! for slices that move
+        call reserve_buffer(body%list, 4_int64*slice_width*(longest + 1_int64), err)
+        call search(gpu, body, place, 1, 0, err)
     end subroutine list_body
 
-    !> Look for the neighbours of body b: keep 0 counts them, 1 lists them.
-    subroutine search(gpu, b, place, keep, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: b, keep
+    !> The chosen lists. Lists that no longer have room go behind all others.
+    subroutine list_part(gpu, body, place, fits, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(gpu_solid_body_t), intent(inout) :: body
         type(doubles_t), intent(in) :: place
+        logical, intent(out) :: fits !! else there is no room behind them, and no list is right
+        type(error_t), intent(inout) :: err
+        integer :: end(1)
+
+        fits = body%width%bytes > 0
+        if (.not. fits) return
+        call search(gpu, body, place, 0, 1, err)
+        call solid_kernels%move_slices([body%slices, 1, 1], body%slices, body%first, body%last, &
+                                       body%spare, gpu%count, gpu%chosen, body%slice, body%width, err)
+        end = 0
+        call copy_out(from(body%slice, body%slices + 1_int64), end, 4_int64, err)
+        fits = 4_int64*slice_width*(end(1) + 1_int64) <= body%list%bytes
+        if (fits) call search(gpu, body, place, 1, 1, err)
+    end subroutine list_part
+
+    !> Look for the neighbours of a body: keep 0 counts them, 1 lists them; some 1: of the particles
+    !> that are chosen.
+    subroutine search(gpu, body, place, keep, some, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_body_t), intent(in) :: body
+        type(doubles_t), intent(in) :: place
+        integer, intent(in) :: keep, some
         type(error_t), intent(inout) :: err
 
-        associate (body => gpu%bodies(b))
-            call solid_kernels%solid_search(threads_of(body), keep, body%last, gpu%grid, gpu%code, &
-                                          gpu%start, gpu%order, place, body%slice, gpu%count, &
-                                          body%list, err)
-        end associate
+        call solid_kernels%solid_search(threads_of(body), keep, some, body%last, body%grid, &
+            body%code, body%start, gpu%order, place, gpu%chosen, body%slice, gpu%count, body%list, err)
     end subroutine search
 end module brz_gpu_solid_search

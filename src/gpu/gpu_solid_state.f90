@@ -47,6 +47,10 @@ module brz_gpu_solid_state
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
         type(buffer_t) :: params, material
         type(integers_t) :: slice, list
+        type(buffer_t) :: grid !! cells of its list, and of the search for links with it
+        type(integers_t) :: code, start !! of these, see grid_gpu_t; end of each cell in `order`
+        type(integers_t) :: width !! room of a list in each slice
+        integer :: spare = 0 !! entries more than the lists need; 0 until some are built anew alone
         type(kernel_t) :: moments, update, forces !! those that suit the body
     end type gpu_solid_body_t
 
@@ -112,9 +116,11 @@ module brz_gpu_solid_state
         type(doubles_t) :: place, reference, built, book, rate, region, box, part, sums_of_forces
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
-        type(integers_t) :: tag, flags, count, cell, order, start, code
+        type(integers_t) :: tag, flags, count, cell, order
+        type(integers_t) :: marked !! cells of particles with new places: 1
+        type(integers_t) :: chosen !! 1: particles whose lists are built anew
         type(gpu_marks_t) :: marks !! who goes where: brz_gpu_solid_home, brz_gpu_solid_marks
-        type(buffer_t) :: hold, grid
+        type(buffer_t) :: hold
         ! parts of these arrays as items have them, under the names of solid_t
         integer :: wide = 4, step_d = 0, step_p = 1
         type(doubles_t) :: x, x_ref
@@ -141,6 +147,7 @@ contains
         logical, intent(in) :: loaded !! the air, or what the deck says, loads the bodies
         type(gpu_solid_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
+        type(grid_gpu_t) :: grid
         integer :: b
 
         gpu%linked = solid%links%present
@@ -159,6 +166,7 @@ contains
             if (b < size(solid%bodies)) gpu%bodies(b)%room = solid%bodies(b + 1)%first &
                 - solid%bodies(b)%first
             gpu%bodies(b)%rim = gpu%bodies(b)%first - 1 ! nothing is there yet
+            call allocate_buffer(gpu%bodies(b)%grid, int(storage_size(grid)/8, int64), err)
         end do
         call lay_arrays(gpu, solid, gpu%bodies%first, 0, err)
         call gpu%ghosts%open(solid%ranks, solid%part, &
@@ -168,10 +176,6 @@ contains
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%box, 48_int64, err)
         call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)
-        call allocate_buffer(gpu%start, 4*(max(512_int64, 2_int64*maxval( &
-            solid%bodies%number(2) - solid%bodies%number(1) + 1)) + 2), err)
-        call allocate_buffer(gpu%grid, int(storage_size(grid_gpu_t(1, 1, 1, 1, 1, 1.0_dp, 1.0_dp, &
-                                                                   1.0_dp))/8, int64), err)
         call allocate_buffer(gpu%part, 8_int64*total_threads*(n_total + n_book), err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
     end subroutine open_gpu_solid_memory
@@ -217,6 +221,7 @@ contains
         call visit(gpu%count, 1, 1, passes)
         call visit(gpu%cell, 1, 1, passes)
         call visit(gpu%order, 1, 1, passes)
+        call visit(gpu%chosen, 1, 1, passes)
         if (.not. gpu%linked) return
         call visit(gpu%links%press, n_press*w, 1, stays)
         call visit(gpu%extra, w, n_terms, passes)

@@ -19,7 +19,7 @@ module brz_checkpoint_state
     use brz_running_total, only: total_numbers
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
         is_short, is_single
-    use brz_solid_state, only: ledger_t, solid_t
+    use brz_solid_state, only: kept_cells_t, ledger_t, solid_t
     use brz_text, only: to_text
     implicit none
     private
@@ -197,18 +197,27 @@ contains
         type(h5_t), intent(in) :: file
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        real(dp) :: state(9, size(solid%bodies))
+        real(dp) :: state(9, size(solid%bodies)), cells(7, size(solid%bodies))
         integer :: b
+        logical :: there
 
         do b = 1, size(solid%bodies)
-            state(:, b) = [solid%bodies(b)%drift, solid%bodies(b)%drift_velocity, &
-                           solid%bodies(b)%drift_linked]
+            associate (body => solid%bodies(b))
+                state(:, b) = [body%drift, body%drift_velocity, body%drift_linked]
+                cells(:, b) = [body%cells%lo, real([body%cells%along, body%cells%renewals], dp)]
+            end associate
         end do
         call carry(file, 'solid/body_drift', state, err)
+        there = file%writing
+        if (.not. there) there = h5_has(file, 'solid/body_cells')
+        if (there) call carry(file, 'solid/body_cells', cells, err)
         do b = 1, size(solid%bodies)
-            solid%bodies(b)%drift = state(1:3, b)
-            solid%bodies(b)%drift_velocity = state(4:6, b)
-            solid%bodies(b)%drift_linked = state(7:9, b)
+            associate (body => solid%bodies(b))
+                body%drift = state(1:3, b)
+                body%drift_velocity = state(4:6, b)
+                body%drift_linked = state(7:9, b)
+                body%cells = kept_cells_t(nint(cells(7, b)), nint(cells(4:6, b)), cells(1:3, b))
+            end associate
         end do
     end subroutine carry_drifts
 

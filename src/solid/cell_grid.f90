@@ -6,10 +6,10 @@
 !> Neighbours are in neighbouring cells either way.
 module brz_cell_grid
     use brz_kinds, only: dp, int32, int64
-    use brz_solid_state, only: body_t, form_total, is_gone, lanes, search_t, solid_t
+    use brz_solid_state, only: body_t, form_total, is_gone, kept_cells_t, lanes, search_t, solid_t
     implicit none
     private
-    public :: lay_grid, extent, choose_cells, fill_cells, cell_span, box_span, cell_along, &
+    public :: lay_grid, extent, choose_cells, take_cells, fill_cells, cell_span, box_span, cell_along, &
         cells_beyond, reach_of_lists, cell_of_groups
 
     integer, parameter :: cells_per_particle = 2 !! most cells, empty ones included
@@ -88,6 +88,18 @@ contains
         end do
         call number_cells(s)
     end subroutine choose_cells
+
+    !> The cells that a body has kept.
+    subroutine take_cells(s, kept, size)
+        type(search_t), intent(inout) :: s
+        type(kept_cells_t), intent(in) :: kept
+        real(dp), intent(in) :: size !! side of a cell [m]
+
+        s%lo = kept%lo
+        s%size = size
+        s%cells = kept%along
+        call number_cells(s)
+    end subroutine take_cells
 
     !> Smallest powers of two that hold n.
     elemental integer function padded(n)

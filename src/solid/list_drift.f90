@@ -9,16 +9,25 @@
 !> at that time. They last while e_a + e_b + |(D_a - S_a) - (D_b - S_b)| <= skin, and longer by what
 !> the boxes around the two were further apart than links reach. Along the normal of a plane of
 !> symmetry nothing drifts: images move the other way. e is known in levels, see brz_move_level.
+!>
+!> Where few particles of a body have moved far (an impact on a large plate, fragments), only the
+!> lists near these are built anew: they get new places x_built = x - D, all others keep theirs.
+!> Each list holds what is within reach of x_built at any time, whoever was renewed when. The order
+!> of entries on a GPU is that of cells, so there such a body keeps its cells.
 module brz_list_drift
     use brz_contact, only: law_none
-    use brz_kinds, only: dp
-    use brz_move_level, only: move_levels
+    use brz_kinds, only: dp, int64
+    use brz_move_level, only: move_levels, renewed_level
+    use brz_ranks, only: several
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: form_rigid, solid_t
+    use brz_solid_state, only: form_rigid, form_total, kept_cells_t, solid_t
     implicit none
     private
     public :: level_unit, drift_bodies, find_stale, begin_list, begin_links, &
-        links_reach, may_link
+        links_reach, may_link, may_renew, decide_part
+
+    integer, parameter :: most_renewed = 8 !! the share of a body that may is one over this
+    integer, parameter :: most_renewals = 32 !! until memory is brought into the order of places
 
 contains
 
@@ -59,8 +68,8 @@ contains
                     if (solid%links%table(a, b)%law == law_none) cycle
                     if (lasts(solid, level, a, b)) cycle
                     relink = .true.
-                    if (level(a) >= move_levels/2) stale(a) = .true.
-                    if (level(b) >= move_levels/2) stale(b) = .true.
+                    if (level(a) >= renewed_level) stale(a) = .true.
+                    if (level(b) >= renewed_level) stale(b) = .true.
                 end do
             end do
             relink = relink .or. any(stale)
@@ -92,12 +101,43 @@ contains
         associate (body => solid%bodies(b))
             body%drift = 0
             body%drift_linked = 0
+            body%cells = kept_cells_t(renewals=0)
             body%drift_velocity = velocity
             if (body%formulation == form_rigid) body%drift_velocity = &
                 body%rigid%p/max(body%rigid%mass, tiny(velocity))
             where (solid%mirror .or. solid%remove) body%drift_velocity = 0
         end associate
     end subroutine begin_list
+
+    !> True where a part of the list of body b may be built anew, as far as is known before particles
+    !> are counted: total-Lagrangian bodies keep their lists, rigid ones have none, and what is taken
+    !> out is sorted behind the others.
+    pure logical function may_renew(solid, b)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+
+        associate (body => solid%bodies(b))
+            may_renew = body%cells%renewals >= 0 .and. body%cells%renewals < most_renewals .and. &
+                        .not. (body%formulation == form_total .or. body%formulation == form_rigid &
+                               .or. solid%remove)
+        end associate
+    end function may_renew
+
+    !> Whether so few particles of body b have new places that only the lists near these are built
+    !> anew; several processes build all, with the same entries.
+    pure subroutine decide_part(solid, b, moved, in_part)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        integer(int64), intent(in) :: moved !! particles with new places, of all processes
+        logical, intent(out) :: in_part
+
+        associate (body => solid%bodies(b))
+            in_part = moved*most_renewed < body%number(2) - body%number(1) + 1
+            if (.not. in_part) return
+            body%cells%renewals = body%cells%renewals + 1
+            body%cells%in_part = .not. several(solid%ranks)
+        end associate
+    end subroutine decide_part
 
     !> The links are about to be built, for the drifts of now or those that they had before a
     !> restart: note them, and how far the bodies are apart.

@@ -7,9 +7,10 @@ module brz_move_level
     use brz_kinds, only: dp
     implicit none
     private
-    public :: move_levels, level_of
+    public :: move_levels, renewed_level, level_of
 
     integer, parameter :: move_levels = 8
+    integer, parameter :: renewed_level = move_levels/2 !! from which a particle gets a new place
 
 contains
 

@@ -21,7 +21,7 @@ module brz_solid_state
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_names, form_total, lanes, worth_threads, links_t
     public :: bond_none, bond_whole, bond_broken, bond_breaks, loose_by, intact_share
-    public :: is_free, is_held, is_gone, between_t
+    public :: is_free, is_held, is_gone, between_t, kept_cells_t
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_hold, pair_spin, pair_tilt
     public :: at_g, at_x, at_s, at_y, at_f, n_moments, n_sums
@@ -124,6 +124,14 @@ module brz_solid_state
         real(rk) :: contraction = 0 !! along the normal over the growth of the area
     end type body_numbers_t
 
+    !> What lists keep that are built anew in part, see brz_list_drift.
+    type :: kept_cells_t
+        integer :: renewals = -1 !! how often a part was built anew; -1: the list is not yet built
+        integer :: along(3) = 0 !! on a GPU: cells along each axis; 0: they must be chosen
+        real(dp) :: lo(3) = 0 !! their low corner [m]
+        logical :: in_part = .false. !! only chosen lists are about to be built
+    end type kept_cells_t
+
     !> One body: particles first..last (of this process), one material, one formulation.
     type, extends(body_numbers_t) :: body_t
         character(32) :: id = ''
@@ -151,6 +159,7 @@ module brz_solid_state
         ! what all of the body has moved since its list was built, see brz_list_drift
         real(dp) :: drift(3) = 0, drift_velocity(3) = 0 !! [m], [m/s]
         real(dp) :: drift_linked(3) = 0 !! `drift` when the links were built [m]
+        type(kept_cells_t) :: cells !! of its list
         real(dp) :: dt_limit = 0 !! largest stable time step times the CFL number [s]
         real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
         real(dp) :: impulse(3) = 0 !! of the load so far, where a gauge asks for it [N s]
@@ -168,6 +177,8 @@ module brz_solid_state
         integer, allocatable :: code(:, :) !! (cells, 3) share of an axis in the number of a cell
         integer, allocatable :: start(:) !! first place of a cell in `order`
         integer, allocatable :: order(:) !! (n) particles cell by cell
+        integer, allocatable :: marked(:) !! (cells) 1: some particle there has a new place
+        logical, allocatable :: chosen(:) !! (groups) whose lists are built anew
         real(dp), allocatable :: sums(:, :) !! (sums, blocks) partial sums of a pass
         real(dp), allocatable :: limit(:) !! (blocks) largest stable time step [s]
         logical, allocatable :: drawn(:) !! (blocks) some particle is held

@@ -6,12 +6,16 @@ module brz_solid_list_steps
     !@gpu use brz_gpu_solid_home, only: go_home, lay_ghosts
     !@gpu use brz_gpu_solid_links, only: build_links, settle_links
     !@gpu use brz_gpu_solid_passes, only: renew_sleepers
-    !@gpu use brz_gpu_solid_search, only: build_list, note_box, note_places, sort_body
-    use brz_ranks, only: several
+    !@gpu use brz_gpu_solid_search, only: build_list, choose_lists, mean_velocity, note_box
+    !@gpu use brz_gpu_solid_search, only: note_positions, renew_places, sort_body
+    use brz_kinds, only: dp, int64
+    use brz_list_drift, only: begin_list, decide_part, may_renew
+    use brz_ranks, only: several, sum_of_all
     use brz_solid_home, only: place_ghosts, send_home !@cpu
     use brz_solid_links, only: build_links, settle_links !@cpu
     use brz_solid_neighbours, only: build_list !@cpu
-    use brz_solid_sort, only: note_places, sort_body !@cpu
+    use brz_solid_sort, only: choose_lists, mean_velocity, note_positions !@cpu
+    use brz_solid_sort, only: renew_places, sort_body !@cpu
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -41,7 +45,8 @@ contains
         !@gpu sorted = sort
         !@gpu if (sort .and. several(solid%ranks)) call go_home(gpu, solid, anew)
         do b = 1, size(anew)
-            if (sorted .and. anew(b)) call sort_body(solid, b)
+            if (sorted .and. anew(b) .and. .not. solid%bodies(b)%cells%in_part) &
+                call sort_body(solid, b)
             !@gpu if (anew(b)) call note_box(gpu, solid, b)
         end do
         call settle_links(solid, .not. sort)
@@ -49,9 +54,31 @@ contains
         !@gpu if (sort .and. several(solid%ranks)) call lay_ghosts(gpu, solid, anew)
         do b = 1, size(anew)
             if (anew(b)) call build_list(solid, b)
+            solid%bodies(b)%cells%in_part = .false.
         end do
         call build_links(solid)
         call place_nodes(solid)
         !@gpu call renew_sleepers(gpu, solid)
     end subroutine build_neighbours
+
+    !> The list of body b is about to be built for the places of now: of all its particles, or only
+    !> near those that have moved far, if these are few.
+    subroutine note_places(solid, b)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        integer(int64) :: moved(1)
+        real(dp) :: v(3)
+        logical :: in_part
+
+        if (may_renew(solid, b)) then
+            call renew_places(solid, b, moved)
+            call sum_of_all(solid%ranks, moved)
+            call decide_part(solid, b, moved(1), in_part) !@host
+            if (solid%bodies(b)%cells%in_part) call choose_lists(solid, b)
+            if (in_part) return
+        end if
+        call note_positions(solid, b)
+        call mean_velocity(solid, b, v)
+        call begin_list(solid, b, v) !@host
+    end subroutine note_places
 end module brz_solid_list_steps
