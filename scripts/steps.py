@@ -28,7 +28,7 @@ from items import BUFFER, ITEM, Item, fold
 CALL = re.compile(r"^(.*?)\bcall (\w+)\((.*)\)$")
 HEAD = re.compile(r"^subroutine (\w+)\((.*)\)$")
 ARRAY = re.compile(r"^([\w()]+), intent\(\w+\) :: (\w+)\(:.*\)$")
-TAGS = re.compile(r"!@gpu (?!call|if)(.*)")
+TAGS = re.compile(r"!@gpu ((?:book|count)_.*)")
 KNOWN = {"gpu_solid_t": "brz_gpu_solid_state", "list_gpu_faces": "brz_gpu_coupling_shared"}
 KNOWN |= {"gpu_air_t": "brz_gpu_air_state", "clear_buffer": "brz_device"}
 KNOWN |= {"take_found": "brz_gpu_air_operations"}
@@ -88,6 +88,7 @@ def launch(family, item, given, comment, c):
     tags = comment.partition("!@gpu")[2].split()
     if tags[1:2] == ["=>"]:
         given = [tags[2] if x == tags[0] else x for x in given]
+    given = [re.sub(r"^(c%\w+)\((\w+):\)$", r"from(\1, int(\2, int64))", x) for x in given]
     pairs = list(zip(given[2 if item.exact else 1 :], item.rest, strict=True))
     kept = [given[0], *(re.sub("^c%carrier$", r"\g<0>_there", x) for x, a in pairs if not a.tally)]
     if item.exact:

@@ -5,7 +5,7 @@ module brz_lists
     implicit none
     private
     public :: at_least, clear_list, clear_map, copy_first, room_of, running_sum, swap
-    public :: count_in_bins, put_in_bins
+    public :: count_in_bins, put_in_bins, read_first
 
     !> Make room for n entries, or n columns of some rows; what was there is lost where it grows.
     interface at_least
@@ -87,6 +87,15 @@ contains
         n = 0
         if (allocated(a)) n = size(a)
     end function room_of
+
+    !> Bring the first n entries to the host.
+    pure subroutine read_first(n, from, to)
+        integer, intent(in) :: n
+        integer(int32), intent(in) :: from(:)
+        integer, intent(out) :: to(:)
+
+        to(:n) = from(:n)
+    end subroutine read_first
 
     subroutine copy_integers(n, from, to)
         integer, intent(in) :: n

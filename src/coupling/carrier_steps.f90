@@ -44,7 +44,7 @@ contains
         if (.not. allocated(c%shift)) allocate (c%shift(3, size(solid%bodies)), source=0.0_dp)
         do b = 1, size(solid%bodies)
             if (solid%bodies(b)%formulation /= form_rigid) cycle
-            associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
+            associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
                 call each_sum_shift(last - first + 1, solid%ranks, first, c%box, p%wide, p%x, &
                                     p%mass, c%shift(:, b))
             end associate
@@ -86,7 +86,7 @@ contains
         load = 0
         do b = 1, c%bodies
             if (c%carrier(b)%carries == carries_none) cycle
-            associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
+            associate (first => p%bodies(b)%first, last => p%bodies(b)%last)
                 call each_sum_air_load(last - first + 1, solid%ranks, first, c%box, c%carrier(b), &
                                        p%wide, p%step_d, p%step_p, p%fixed, p%x, p%load, load(:, b))
             end associate

@@ -30,6 +30,7 @@ contains
         integer :: r
 
         associate (part => coupling%part)
+            part%boxes = air%part%boxes
             allocate (part%windows(0:air%part%ranks%n - 1))
             do r = 0, ubound(part%windows, 1)
                 part%windows(r) = window_of(air%part, r, air%whole, air%around)
@@ -48,8 +49,8 @@ contains
     end subroutine see_window
 
     !> Renew the guests of all processes: their particles have moved.
-    subroutine invite_guests(air, solid, coupling)
-        type(air_t), intent(in) :: air
+    subroutine invite_guests(bodies, solid, coupling)
+        class(solid_t), intent(in) :: bodies !! with its bodies
         type(solid_t), intent(inout), target :: solid
         type(coupling_t), intent(inout), target :: coupling
         integer(int64) :: out(size(solid%bodies), solid%ranks%n), in(size(solid%bodies), &
@@ -57,17 +58,18 @@ contains
         type(fields_t) :: from, to
 
         call find_places(solid, coupling)
-        call list_guests(air, solid, coupling, out)
+        call list_guests(solid, coupling, out)
         call tell_counts(solid%ranks, out, in)
-        call seat_guests(solid, in, coupling)
+        call seat_guests(bodies, in, coupling)
+        call seat_own(solid%n, coupling%part%seat)
         call fields_of(solid, from)
         call fields_of(coupling%guests, to)
         associate (part => coupling%part)
             call send_particles(solid%ranks, for_the_air, from, part%out, to, part%in, &
                                 part%guest_mail)
         end associate
-        call introduce(solid, coupling%guests)
-        call sum_shifts(solid, solid, coupling)
+        call introduce(bodies, coupling%guests)
+        call sum_shifts(bodies, solid, coupling)
     end subroutine invite_guests
 
     !> Cell of the grid in which each particle of this process is.
@@ -96,8 +98,7 @@ contains
     end subroutine find_places
 
     !> List the particles in each window, body by body.
-    subroutine list_guests(air, solid, coupling, number)
-        type(air_t), intent(in) :: air
+    subroutine list_guests(solid, coupling, number)
         type(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
@@ -109,7 +110,7 @@ contains
                 number = 0
                 do r = 0, solid%ranks%n - 1
                     part%out%first(r) = n + 1
-                    associate (window => part%windows(r), box => air%part%boxes(r))
+                    associate (window => part%windows(r), box => part%boxes(r))
                         do b = 1, size(solid%bodies)
                             do i = solid%bodies(b)%first, solid%bodies(b)%last
                                 if (any(part%cell(:, i) < window%lo)) cycle
@@ -134,7 +135,7 @@ contains
 
     !> Places for the guests, body by body.
     subroutine seat_guests(solid, number, coupling)
-        type(solid_t), intent(in) :: solid
+        class(solid_t), intent(in) :: solid
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes) that come
         type(coupling_t), intent(inout) :: coupling
         integer :: next(size(number, 1)), b, k, n, r
@@ -174,7 +175,7 @@ contains
 
     !> No guests are there yet, but the bodies are known.
     subroutine open_house(solid, coupling)
-        type(solid_t), intent(in) :: solid
+        class(solid_t), intent(in) :: solid
         type(coupling_t), intent(inout) :: coupling
 
         allocate (coupling%guests)
@@ -189,7 +190,6 @@ contains
     subroutine make_seats(n, coupling)
         integer, intent(in) :: n
         type(coupling_t), intent(inout) :: coupling
-        integer :: p
 
         associate (guests => coupling%guests)
             deallocate (guests%x)
@@ -203,12 +203,23 @@ contains
         if (allocated(coupling%cell_of)) &
             deallocate (coupling%cell_of, coupling%place_of, coupling%binned)
         allocate (coupling%cell_of(n), coupling%place_of(n), coupling%binned(n))
-        coupling%part%seat = [(p, p=1, n)]
+        call seat_own(n, coupling%part%seat)
     end subroutine make_seats
 
+    !> Numbers up to n at least, of places that are seats.
+    subroutine seat_own(n, seat)
+        integer, intent(in) :: n
+        integer(int32), allocatable, intent(inout) :: seat(:)
+        integer :: p
+
+        if (allocated(seat)) then
+            if (size(seat) >= n) return
+        end if
+        seat = [(p, p=1, n + n/4)]
+    end subroutine seat_own
+
     !> Give every particle the load that the process found in whose cell it is; none outside.
-    subroutine send_loads_home(guests, solid, coupling)
-        type(solid_t), intent(in) :: guests
+    subroutine send_loads_home(solid, coupling)
         type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(inout), target :: coupling
         integer(int64) :: out(0:solid%ranks%n - 1), in(0:solid%ranks%n - 1)
@@ -232,7 +243,7 @@ contains
                     associate (place => part%in%place(i))
                         if (.not. is_own(coupling%box, coupling%cell_of(place))) cycle
                         n = n + 1
-                        loads(:, n) = guests%load(:, place)
+                        loads(:, n) = coupling%guests%load(:, place)
                     end associate
                 end do
             end do

@@ -16,7 +16,8 @@ module brz_coupling_part
     public :: part_t, introduce
 
     type :: part_t
-        type(box_t), allocatable :: windows(:) !! (0:processes-1) cells of the grid that each sees
+        type(box_t), allocatable :: boxes(:) !! (0:processes-1) cells of the grid that each has
+        type(box_t), allocatable :: windows(:) !! likewise that each sees
         ! particles of this process in windows, those of this process as well
         type(parcels_t) :: out !! places of them
         logical, allocatable :: theirs(:) !! (out) in a cell of the process that gets it
@@ -32,7 +33,7 @@ contains
 
     !> What the coupling must know of the bodies as a whole.
     subroutine introduce(solid, guests)
-        type(solid_t), intent(in) :: solid
+        class(solid_t), intent(in) :: solid
         type(solid_t), intent(inout) :: guests
         integer :: b
 

@@ -51,7 +51,6 @@ contains
         real(rk), intent(in) :: spread !! depth over which a load is spread, in air cells
         real(rk), intent(in) :: reference_pressure !! taken off every load [Pa]
         type(coupling_t), intent(out) :: coupling
-        type(solid_t), allocatable :: guests
         integer :: n(3)
 
         coupling%present = .true.
@@ -72,9 +71,7 @@ contains
         if (several(solid%ranks)) then
             call open_windows(air, coupling)
             call restart_coupling(air, solid, coupling)
-            call move_alloc(coupling%guests, guests)
-            call empty_walls(air, guests, coupling)
-            call move_alloc(guests, coupling%guests)
+            call empty_walls(air, coupling%guests, coupling)
             call see_window(air)
         else
             allocate (coupling%cell_of(solid%n), coupling%place_of(solid%n), &
@@ -157,14 +154,11 @@ contains
         type(air_t), intent(inout) :: air
         type(solid_t), intent(inout) :: solid !! read
         type(coupling_t), intent(inout) :: coupling
-        type(solid_t), allocatable :: guests
 
         if (several(solid%ranks)) then
-            call invite_guests(air, solid, coupling)
+            call invite_guests(solid, solid, coupling)
             call see_window(air)
-            call move_alloc(coupling%guests, guests)
-            call begin_walls(air, guests, coupling)
-            call move_alloc(guests, coupling%guests)
+            call begin_walls(air, coupling%guests, coupling)
         else
             call begin_walls(air, solid, coupling)
         end if

@@ -10,7 +10,6 @@ module brz_coupling_shared
     use brz_kinds, only: dp, int64, rk
     use brz_lists, only: at_least
     use brz_mail, only: incoming, make_room, outgoing, post, tell_counts
-    use brz_ranks, only: ranks_t
     use brz_solid_part, only: parcels_t
     implicit none
     private
@@ -68,14 +67,14 @@ contains
 
     !> Give every process the impulses of the faces whose columns may reach into its box. Both sides
     !> list them in the order of the grid.
-    subroutine share_impulses(coupling, ranks)
+    subroutine share_impulses(coupling)
         type(coupling_t), intent(inout), target :: coupling
-        type(ranks_t), intent(in) :: ranks
-        integer(int64) :: out(0:ranks%n - 1), in(0:ranks%n - 1)
+        integer(int64), dimension(0:ubound(coupling%part%boxes, 1)) :: out, in
         real(dp), pointer, contiguous :: numbers(:, :)
         integer :: k, r
 
-        associate (out_faces => coupling%part%faces_out, in_faces => coupling%part%faces_in, &
+        associate (ranks => coupling%guests%ranks, out_faces => coupling%part%faces_out, &
+                   in_faces => coupling%part%faces_in, &
                    mail => coupling%part%face_mail, impulse => coupling%wall%impulse)
             out = 8*(out_faces%first(1:ranks%n) - out_faces%first(0:ranks%n - 1))
             in = 8*(in_faces%first(1:ranks%n) - in_faces%first(0:ranks%n - 1))
@@ -97,13 +96,12 @@ contains
     end subroutine share_impulses
 
     !> Renew the debts of other processes that this one sees.
-    subroutine share_debts(air, coupling)
-        type(air_t), intent(in) :: air
+    subroutine share_debts(coupling)
         type(coupling_t), intent(inout), target :: coupling
-        integer(int64) :: out(1, 0:air%part%ranks%n - 1), in(1, 0:air%part%ranks%n - 1)
+        integer(int64), dimension(1, 0:ubound(coupling%part%boxes, 1)) :: out, in
         integer :: e, r
 
-        associate (ranks => air%part%ranks, part => coupling%part, m => coupling%n_var + 1)
+        associate (ranks => coupling%guests%ranks, part => coupling%part, m => coupling%n_var + 1)
             call keep_own(coupling)
             out = 0
             do r = 0, ranks%n - 1

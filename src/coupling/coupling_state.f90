@@ -15,7 +15,7 @@ module brz_coupling_state
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: coupling_t, coupling_books_t, side_of, sums_in, put_sums
+    public :: coupling_t, coupling_known_t, coupling_books_t, side_of, sums_in, put_sums
 
     !> What the air has given to the bodies, and other sums over all steps.
     type :: coupling_books_t
@@ -29,14 +29,26 @@ module brz_coupling_state
         real(rk) :: ledger_high = 0 !! largest, likewise
     end type coupling_books_t
 
-    type :: coupling_t
+    !> What the host knows of the coupling, wherever it is computed.
+    type :: coupling_known_t
+        integer :: n_var = 5 !! conserved variables of the air
+        type(box_t) :: box !! of the air
+        integer :: outside = 0 !! particles outside the box
+        integer(int64) :: rebuilds = -1 !! of the bodies' lists when the particles were sorted
+        integer :: n_covered = 0, n_uncovered = 0 !! cells that changed hands in this step
+        real(rk) :: level = 0 !! part of a difference that neighbouring ledgers exchange
+        integer :: n_debts = 0 !! of gas cells
+        integer :: bodies = 0 !! that may carry particles
+        real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]
+        type(coupling_books_t) :: books
+    end type coupling_known_t
+
+    type, extends(coupling_known_t) :: coupling_t
         logical :: present = .false.
         logical :: paper = .false. !! as the paper prints it, see brz_coupling_paper
-        integer :: n_var = 5 !! conserved variables of the air
         real(rk) :: spread = 1.5_rk !! depth over which a load is spread, in air cells
         real(rk) :: reference_pressure = 0 !! taken off every load [Pa]
         logical :: wraps(3) = .false. !! periodic directions of the air
-        type(box_t) :: box !! of the air
         type(wall_t) :: wall
         integer(int32), allocatable :: cell(:) !! (n_cells) number of each solid cell
         integer(int32), allocatable :: gas(:), rows(:) !! (n_faces) gas cell, row of face_of
@@ -51,23 +63,16 @@ module brz_coupling_state
         integer(int32), allocatable :: place_of(:) !! (particles) place of it in the wall list
         integer(int32), allocatable :: ends(:) !! (n_cells+1) last of the cell before in `binned`
         integer(int32), allocatable :: binned(:) !! (particles) particles, cell by cell
-        integer :: outside = 0 !! particles outside the box
-        integer(int64) :: rebuilds = -1 !! of the bodies' lists when the particles were sorted
         integer(int32), allocatable :: above(:, :)
         !! (6, n_cells) face that begins the column of a cell and is near enough to load it, or 0
-        ! cells that changed hands in this step, by number of the cell
-        integer :: n_covered = 0, n_uncovered = 0
-        integer(int32), allocatable :: uncovered(:)
+        integer(int32), allocatable :: uncovered(:) !! in this step, by number of the cell
         integer(int32), allocatable :: listed(:) !! cells of a kind, to take another's place
         ! donors: cells whose gas goes to ledgers nearby; the uncovered first, then the buried
         integer(int32), allocatable :: donor(:) !! (n_donors) number of the cell
         integer(int32), allocatable :: donor_shell(:) !! (n_donors) shell of the receivers, or 0
         real(rk), allocatable :: donation(:, :) !! (max_var, n_donors) share of each receiver
-        real(rk) :: level = 0 !! part of a difference that neighbouring ledgers exchange
         real(rk), allocatable :: ledger(:, :) !! (max_var, n_cells) copy; or what a face hands over
         real(rk), allocatable :: excess(:) !! (n_cells) part of a ledger to be moved to debts
-        ! debts of gas cells
-        integer :: n_debts = 0
         integer(int32), allocatable :: slot(:, :, :) !! (cells of the box) place among the debts, 0
         integer(int32), allocatable :: debt_cell(:) !! (n_debts) number of the cell
         real(rk), allocatable :: debt(:, :) !! (n_var, n_debts) per cell volume, as air%u
@@ -75,17 +80,15 @@ module brz_coupling_state
         real(rk), allocatable :: next_debt(:, :)
         integer(int32), allocatable :: start(:) !! counts that become places in lists
         ! loads
-        integer :: bodies = 0 !! that may carry particles
         type(carrier_t), allocatable :: carrier(:) !! (bodies) how those move that carry particles
         real(dp), allocatable :: shift(:, :) !! (3, bodies) mass times the way to middles of cells,
                                              !! summed over the particles of a rigid body [kg m]
-        real(dp) :: dt_before = 0 !! last step of the air, 0: none yet [s]
+        integer(int32), allocatable :: felt(:) !! (bodies) 1: has a load beyond rounding
         real(rk), allocatable :: v_before(:, :) !! (3, particles by id) velocity a step before [m/s]
         real(dp), allocatable :: surface(:) !! (n_faces) outermost particle behind the face [m]
         real(rk), allocatable :: weight(:) !! (n_faces) sum of the weights in the column [kg]
         real(rk), allocatable :: force(:) !! (n_faces) on the solid, along the axis, gauge [N]
         real(rk), allocatable :: impedance(:) !! (n_faces) loss of force per velocity [N s/m]
-        type(coupling_books_t) :: books
     end type coupling_t
 
 contains

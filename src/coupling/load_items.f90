@@ -12,8 +12,8 @@ module brz_load_items
 
 contains
 
-    !> Count the particles of a body that lie in the column of a wall face that feels more than
-    !> rounding above or below the reference pressure. Others count those in cells of theirs.
+    !> felt = 1 where a particle of a body lies in the column of a wall face that feels more than
+    !> rounding above or below the reference pressure. Others look at those in cells of theirs.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine feel_load(t, first, box, dt, cell, home, above, impulse, felt)
@@ -24,7 +24,7 @@ contains
         integer(int32), intent(in) :: cell(*), home(*)
         integer, intent(in) :: above(6, *)
         real(rk), intent(in) :: impulse(*)
-        integer, intent(inout) :: felt !@count particles
+        integer(int32), intent(inout) :: felt(*)
         integer :: c, f, row
 
         c = home(first - 1 + t)
@@ -35,7 +35,7 @@ contains
             f = above(row, c)
             if (f == 0) cycle
             if (.not. is_felt(impulse(f), box%reference, box%area(direction_of(row)), dt)) cycle
-            felt = felt + 1
+            felt(1) = 1
             return
         end do
     end subroutine feel_load

@@ -10,8 +10,8 @@ module brz_gpu_coupling_copy
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_coupling_layout, only: book_high, book_low, book_threads, n_book
-    use brz_gpu_coupling_guests, only: invite_gpu_guests, open_gpu_windows
-    use brz_gpu_coupling_state, only: gpu_coupling_t, open_memory, particles_t, seen, seen_t
+    use brz_gpu_coupling_guests, only: invite_guests, open_gpu_windows
+    use brz_gpu_coupling_state, only: gpu_coupling_t, open_memory, seen_t
     use brz_gpu_debt_steps, only: enter_debts, size_debts
     use brz_gpu_event_steps, only: put_up_walls
     use brz_gpu_wall_steps, only: find_mean_velocity
@@ -32,7 +32,7 @@ contains
     subroutine open_gpu_coupling(air, coupling, particles, there, gpu, err)
         type(air_t), intent(in) :: air
         type(coupling_t), intent(inout) :: coupling !! its guests are those on the GPU
-        type(particles_t), intent(in) :: particles
+        type(seen_t), intent(in) :: particles
         type(gpu_air_t), intent(inout) :: there !! opened with walls
         type(gpu_coupling_t), intent(out) :: gpu
         type(error_t), intent(inout) :: err
@@ -41,10 +41,10 @@ contains
         call open_memory(air%part%ranks, coupling, particles%n, gpu, err)
         call agree(air%part%ranks, err)
         if (failed(err)) return
-        p = seen(particles)
+        p = particles
         if (several(air%part%ranks)) then
             call open_gpu_windows(air, coupling, gpu, err)
-            call invite_gpu_guests(gpu, particles, coupling%guests, err)
+            call invite_guests(coupling%guests, particles, gpu, err)
             p = gpu%guests
         end if
         gpu%wall = there%walls
@@ -87,7 +87,7 @@ contains
 
     !> Bring work, impulse and the range of the ledgers to the host.
     subroutine fetch_books(gpu, coupling, err)
-        type(gpu_coupling_t), intent(in) :: gpu
+        type(gpu_coupling_t), intent(inout) :: gpu
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
         real(dp) :: book(book_threads, n_book)
@@ -95,9 +95,10 @@ contains
         book = 0
         call copy_out(gpu%book, book, 8_int64*size(book), err)
         if (failed(err)) return
-        call put_sums(sum(book(:, :8), 1), coupling%books)
-        coupling%books%ledger_low = real(minval(book(:, book_low)), rk)
-        coupling%books%ledger_high = real(maxval(book(:, book_high)), rk)
+        call put_sums(sum(book(:, :8), 1), gpu%books)
+        gpu%books%ledger_low = real(minval(book(:, book_low)), rk)
+        gpu%books%ledger_high = real(maxval(book(:, book_high)), rk)
+        coupling%books = gpu%books
     end subroutine fetch_books
 
     !> Bring walls, debts and books to the host, for a dump or a checkpoint. What else the host has
@@ -109,6 +110,7 @@ contains
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 
+        coupling%coupling_known_t = gpu%coupling_known_t
         if (.not. gpu%walls_fetched) then
             call copy_out(there%walls%solid, coupling%wall%solid, &
                           size(coupling%wall%solid, kind=int64), err)
@@ -142,7 +144,6 @@ contains
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 
-        coupling%n_debts = gpu%n_debts
         if (allocated(coupling%debt_cell)) deallocate (coupling%debt_cell, coupling%debt)
         allocate (coupling%debt_cell(gpu%n_debts), coupling%debt(gpu%box%n_var, gpu%n_debts))
         call copy_out(gpu%debt_cell, coupling%debt_cell, 4_int64*gpu%n_debts, err)
@@ -179,10 +180,11 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: part(book_threads)
 
-        call clear_buffer(gpu%part, err)
-        call load_kernels%wall_speed(gpu%wall%n_cells, there%grid, there%walls%v, gpu%part, err)
+        call clear_buffer(gpu%common%part, err, 8_int64*size(part))
+        call load_kernels%wall_speed(gpu%wall%n_cells, there%grid, there%walls%v, &
+                                     gpu%common%part, err)
         part = 0
-        call copy_out(gpu%part, part, 8_int64*size(part), err)
+        call copy_out(gpu%common%part, part, 8_int64*size(part), err)
         fastest = maxval(part)
     end function gpu_fastest_wall
 end module brz_gpu_coupling_copy

@@ -8,7 +8,6 @@ module brz_gpu_coupling_part
     use brz_gpu_marks, only: gpu_marks_t
     use brz_gpu_parcels, only: gpu_parcels_t, gpu_places_t
     use brz_kinds, only: int64
-    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: gpu_part_t
@@ -27,8 +26,6 @@ module brz_gpu_coupling_part
         type(gpu_places_t) :: debts_out, debts_in
         type(gpu_marks_t) :: marks
         type(integers_t) :: seat !! 1, 2, 3, ...
-        type(reals_t) :: v_before !! (3, guests)
         type(reals_t) :: loads !! (3, particles) that have come from a process
-        type(solid_t) :: own !! the bodies, as the particles of this process lie on the GPU
     end type gpu_part_t
 end module brz_gpu_coupling_part

@@ -19,7 +19,7 @@ module brz_gpu_coupling_shared
     use brz_mail, only: tell_all
     implicit none
     private
-    public :: list_gpu_faces, share_gpu_impulses, share_gpu_debts
+    public :: list_gpu_faces, share_impulses, share_debts
 
     integer, parameter :: w = int(bytes_of_real/4) !! words of a real number
 
@@ -30,15 +30,15 @@ contains
     subroutine list_gpu_faces(gpu, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        type(cells_t) :: near(0:ubound(gpu%shared%boxes, 1)) !! boxes and what loads them
+        type(cells_t) :: near(0:ubound(gpu%part%boxes, 1)) !! boxes and what loads them
         integer :: r
         integer(int64) :: number(1, size(near))
 
         call mark_blocks(gpu, err)
         do r = 0, ubound(near, 1)
-            near(r) = widened(gpu%shared%boxes(r), spread(gpu%box%layers + 2, 1, 3))
+            near(r) = widened(gpu%part%boxes(r), spread(gpu%box%layers + 2, 1, 3))
         end do
-        associate (part => gpu%shared, me => gpu%shared%own%ranks%rank, n => gpu%wall%n_faces)
+        associate (part => gpu%part, me => gpu%crowd%ranks%rank, n => gpu%wall%n_faces)
             call list_cells(gpu, n, gpu%gas, common(part%boxes(me), near), number, &
                             part%faces_out, err)
             call list_cells(gpu, n, gpu%gas, common(part%boxes, near(me)), number, part%faces_in, &
@@ -51,7 +51,7 @@ contains
         type(gpu_coupling_t), intent(in) :: gpu
         type(error_t), intent(inout) :: err
 
-        associate (part => gpu%shared, near => gpu%shared%window%near)
+        associate (part => gpu%part, near => gpu%part%window%near)
             if (near%address == 0) return
             call clear_buffer(near, err)
             call copy_in([1_int8], near, 1_int64, err) ! always_near
@@ -71,9 +71,9 @@ contains
         type(error_t), intent(inout) :: err
         type(cells_t) :: asked(0:ubound(boxes, 1))
 
-        associate (part => gpu%shared, marks => gpu%shared%marks)
+        associate (part => gpu%part, marks => gpu%part%marks)
             asked = boxes
-            asked(part%own%ranks%rank) = cells_t()
+            asked(gpu%crowd%ranks%rank) = cells_t()
             call put_places(asks_of(asked), part%marks%asks, err)
             call reserve_marks(n, size(boxes), marks, err)
             call guest_kernels%mark_cells(n, n, size(boxes), part%marks%asks, gpu%box, cell, &
@@ -84,28 +84,28 @@ contains
     end subroutine list_cells
 
     !> Give every process the impulses of the faces whose columns may reach into its box.
-    subroutine share_gpu_impulses(gpu, err)
+    subroutine share_impulses(gpu, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        integer(int64), dimension(1, size(gpu%shared%boxes)) :: out
+        integer(int64), dimension(1, size(gpu%part%boxes)) :: out
         integer(int64) :: all(1, size(out), size(out))
 
-        associate (part => gpu%shared, impulse => rows_of(gpu%wall%impulse, w))
+        associate (part => gpu%part, impulse => rows_of(gpu%wall%impulse, w))
             out(1, :) = part%faces_out%first(1:) - part%faces_out%first(:size(out) - 1)
-            call tell_all(part%own%ranks, out, all)
+            call tell_all(gpu%crowd%ranks, out, all)
             call part%parcels%aim(all(1, :, :), part%faces_out, err)
             call part%parcels%send(part%faces_out, part%faces_in, [impulse], [impulse], err)
         end associate
-    end subroutine share_gpu_impulses
+    end subroutine share_impulses
 
     !> Renew the debts of other processes that this one sees.
-    subroutine share_gpu_debts(gpu, err)
+    subroutine share_debts(gpu, err)
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        integer(int64) :: out(1, size(gpu%shared%boxes)), all(1, size(out), size(out))
+        integer(int64) :: out(1, size(gpu%part%boxes)), all(1, size(out), size(out))
         integer :: n
 
-        associate (part => gpu%shared, ranks => gpu%shared%own%ranks)
+        associate (part => gpu%part, ranks => gpu%crowd%ranks)
             call keep_own(gpu, err)
             n = gpu%n_debts
             out = 0
@@ -116,7 +116,7 @@ contains
             if (sum(all) > 0) call swap_debts(gpu, n, all(1, :, :), err)
             if (gpu%n_debts > 0) call enter_debts(gpu, err)
         end associate
-    end subroutine share_gpu_debts
+    end subroutine share_debts
 
     !> Send the listed ones of n debts, and put those of others behind them.
     subroutine swap_debts(gpu, n, all, err)
@@ -132,9 +132,9 @@ contains
         grid = gpu%box
         grid%before = 0
         grid%n = grid%whole
-        associate (part => gpu%shared)
+        associate (part => gpu%part)
             call part%parcels%aim(all, part%debts_out, err)
-            in(1, :) = all(part%own%ranks%rank + 1, :)
+            in(1, :) = all(gpu%crowd%ranks%rank + 1, :)
             more = int(sum(in))
             call size_debts(gpu, n + more, err)
             call at_least(gpu%next_cell, n + more, err)
@@ -158,8 +158,8 @@ contains
 
         if (gpu%n_debts == 0) return
         call at_least(gpu%start, gpu%n_debts + 1, err)
-        associate (part => gpu%shared, n => gpu%n_debts)
-            call put_places(asks_of([part%boxes(part%own%ranks%rank)]), part%marks%asks, err)
+        associate (part => gpu%part, n => gpu%n_debts)
+            call put_places(asks_of([part%boxes(gpu%crowd%ranks%rank)]), part%marks%asks, err)
             call guest_kernels%mark_cells(n, n, 1, part%marks%asks, gpu%box, gpu%debt_cell, &
                                          gpu%start, err)
         end associate

@@ -6,71 +6,56 @@
 !> by their places in lists, in the order of the CPU.
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: carrier_t
-    use brz_coupling_state, only: coupling_books_t, coupling_t
+    use brz_coupling_state, only: coupling_known_t, coupling_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
-    use brz_coupling_box, only: box_t
-    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, &
-        put_buffer
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, put_buffer
     use brz_errors, only: error_t
     use brz_gpu_coupling_part, only: gpu_part_t
     use brz_gpu_exact, only: gpu_exact_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, gpu_walls_t, mark_near_walls
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_coupling_layout, only: book_threads, n_book, n_count
-    use brz_gpu_solid_layout, only: at_mass, tag_fixed, tag_id
     use brz_ranks, only: ranks_t
-    use brz_kinds, only: dp, int64, rk
-    use brz_scheme, only: max_var
+    use brz_kinds, only: dp, int64
+    use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: gpu_coupling_t, particles_t, open_memory
-    public :: column_of, tags_of, seen_t, seen
+    public :: gpu_coupling_t, seen_t, range_t, open_memory
     public :: book_at, count_at, clear_counts, read_counts, put_carriers, show_walls
 
-    !> The particles as brz_gpu_solid_layout has them, for the time of a call.
-    type :: particles_t
-        integer :: n = 0
-        type(doubles_t) :: place
-        type(reals_t) :: motion, state
-        type(integers_t) :: tag
-        integer :: load = 0 !! columns of `state` before those of the load of the air
-        ! on several processes
-        integer :: before = 0 !! columns before those of the velocity a step of the air before
-        integer(int64) :: laid = 0 !! how often their places have become others
-        integer, allocatable :: first(:), last(:) !! (bodies) those of this process
-    end type particles_t
+    type :: range_t
+        integer :: first = 1, last = 0 !! particles of a body
+    end type range_t
 
-    !> The same as the steps have them, array by array, see solid_t.
+    !> Particles as the steps see them, see solid_t.
     type :: seen_t
         integer :: n = 0, wide = 4, step_d = 0, step_p = 1
         type(doubles_t) :: x
         type(reals_t) :: v, mass, load
         type(integers_t) :: fixed, id
+        type(range_t), allocatable :: bodies(:)
+        ! on several processes
+        type(reals_t) :: v_before
+        integer(int64) :: laid = 0 !! how often their places have become others
     end type seen_t
 
     !> Names are those of coupling_t where there is such an array.
-    type :: gpu_coupling_t
-        type(box_t) :: box
+    type, extends(coupling_known_t) :: gpu_coupling_t
         type(gpu_walls_t) :: wall !! those of the air, as they were put up last
-        integer :: n_var = 5, n_debts = 0, n_covered = 0, n_uncovered = 0, outside = 0
-        integer(int64) :: rebuilds = -1
-        type(coupling_books_t) :: books !! what the host has counted
-        real(rk) :: level = 0
-        real(dp) :: dt_before = 0
         logical :: walls_fetched = .false. !! no cell has changed hands since the last fetch
         type(buffer_t) :: shells !! shells_t
         type(bytes_t) :: mark !! (cells) what the particles make of a cell
         type(integers_t) :: slot !! (cells) place among the debts, or 0
         type(integers_t) :: counts !! see brz_gpu_coupling_layout
-        type(doubles_t) :: book, part !! likewise
-        integer :: bodies = 0 !! that may carry particles
-        type(integers_t) :: felt !! (bodies) particles that feel the air
+        type(doubles_t) :: book !! likewise
+        type(integers_t) :: felt
         type(carrier_t), allocatable :: carrier(:) !! on the host
         type(buffer_t) :: carrier_there !! the same
         real(dp), allocatable :: shift(:, :) !! on the host
         type(gpu_exact_t) :: exact !! sums over one of them
-        type(gpu_part_t) :: shared !! on several processes
+        type(gpu_part_t) :: part !! on several processes
         type(seen_t) :: guests !! as in coupling_t
+        type(solid_t) :: crowd !! what the host knows of the bodies of the guests
         type(integers_t) :: cell_of, place_of, binned !! (particles) cell, its place, bins
         type(reals_t) :: v_before !! (3, particles by id) velocity a step of the air before [m/s]
         type(integers_t) :: ends !! (n_cells + 1) of the bins
@@ -100,10 +85,9 @@ contains
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
 
-        gpu%box = coupling%box
-        gpu%n_var = coupling%n_var
-        gpu%level = coupling%level
-        gpu%books = coupling%books
+        gpu%coupling_known_t = coupling%coupling_known_t
+        gpu%rebuilds = -1
+        gpu%n_debts = 0 ! see put_debts
         gpu%bodies = size(coupling%carrier)
         call gpu%common%open(1, err)
         call put_buffer(coupling%shells, gpu%shells, storage_size(coupling%shells)/8_int64, err)
@@ -111,7 +95,6 @@ contains
         call allocate_buffer(gpu%slot, 4_int64*gpu%box%cells, err)
         call allocate_buffer(gpu%counts, 4_int64*n_count, err)
         call allocate_buffer(gpu%book, 8_int64*book_threads*n_book, err)
-        call allocate_buffer(gpu%part, 8_int64*book_threads*max_var, err)
         call allocate_buffer(gpu%cell_of, 4_int64*particles, err)
         call allocate_buffer(gpu%place_of, 4_int64*particles, err)
         call allocate_buffer(gpu%binned, 4_int64*particles, err)
@@ -121,36 +104,6 @@ contains
         call put_buffer(gpu%carrier, gpu%carrier_there, gpu%bodies*bytes, err)
         call gpu%exact%open(ranks, err)
     end subroutine open_memory
-
-    !> A column of what the particles have.
-    pure type(reals_t) function column_of(particles, number)
-        type(particles_t), intent(in) :: particles
-        integer, intent(in) :: number !! of the column
-
-        column_of = from(particles%state, (number - 1_int64)*particles%n + 1)
-    end function column_of
-
-    pure type(integers_t) function tags_of(particles, number)
-        type(particles_t), intent(in) :: particles
-        integer, intent(in) :: number !! of the column
-
-        tags_of = from(particles%tag, (number - 1_int64)*particles%n + 1)
-    end function tags_of
-
-    !> The particles, array by array.
-    pure function seen(particles) result(p)
-        type(particles_t), intent(in) :: particles
-        type(seen_t) :: p
-
-        p%n = particles%n
-        p%step_d = particles%n
-        p%x = particles%place
-        p%v = particles%motion
-        p%mass = column_of(particles, at_mass)
-        p%load = column_of(particles, particles%load + 1)
-        p%fixed = tags_of(particles, tag_fixed)
-        p%id = tags_of(particles, tag_id)
-    end function seen
 
     !> A column of the books, as an item adds to it and to those behind.
     pure type(doubles_t) function book_at(gpu, column)

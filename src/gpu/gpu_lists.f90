@@ -3,11 +3,12 @@
 module brz_gpu_lists
     use brz_buffers, only: buffer_t, bytes_each, integers_t
     use brz_common_launches, only: common_kernels
-    use brz_device, only: clear_buffer, copy_within, reserve_buffer
+    use brz_device, only: clear_buffer, copy_out, copy_within, reserve_buffer
     use brz_errors, only: error_t, failed
     implicit none
     private
-    public :: at_least, clear_list, clear_map, copy_first, room_of, swap, count_in_bins, put_in_bins
+    public :: at_least, clear_list, clear_map, copy_first, read_first, room_of, swap, &
+        count_in_bins, put_in_bins
 
     !> Make room for n entries, or n columns of some rows; what was there is lost where it grows.
     interface at_least
@@ -77,6 +78,17 @@ contains
         n = 0
         if (a%address /= 0) n = int(a%bytes/4)
     end function room_of
+
+    !> Bring the first n entries to the host; 0 where the GPU fails.
+    subroutine read_first(n, from, to, err)
+        integer, intent(in) :: n
+        type(integers_t), intent(in) :: from
+        integer, intent(out) :: to(:)
+        type(error_t), intent(inout) :: err
+
+        to = 0
+        call copy_out(from, to, bytes_each(from)*n, err)
+    end subroutine read_first
 
     subroutine copy_list(n, from, to, err)
         integer, intent(in) :: n

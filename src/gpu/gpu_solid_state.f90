@@ -124,7 +124,7 @@ module brz_gpu_solid_state
         ! parts of these arrays as items have them, under the names of solid_t
         integer :: wide = 4, step_d = 0, step_p = 1
         type(doubles_t) :: x, x_ref
-        type(reals_t) :: v, volume, a, load, grip, mass, mu, energy, stress, pair
+        type(reals_t) :: v, v_before, volume, a, load, grip, mass, mu, energy, stress, pair
         type(integers_t) :: id, fixed
         type(gpu_exact_t) :: exact
         type(gpu_common_t) :: common
@@ -278,6 +278,7 @@ contains
         gpu%energy = column_of(gpu, at_energy)
         gpu%stress = column_of(gpu, at_stress + 1)
         if (gpu%column%load > 0) gpu%load = column_of(gpu, gpu%column%load + 1)
+        if (gpu%column%before > 0) gpu%v_before = column_of(gpu, gpu%column%before + 1)
         if (gpu%column%grip > 0) gpu%grip = column_of(gpu, gpu%column%grip + 1)
         gpu%pair = gpu%row
         gpu%id = tags_of(gpu, tag_id)

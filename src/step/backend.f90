@@ -7,7 +7,7 @@ module brz_backend
     use brz_files, only: program_path
     use brz_gpu_air_state, only: gpu_air_t
     use brz_buffers, only: buffer_t, doubles_t, integers_t, reals_t
-    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
+    use brz_gpu_coupling_state, only: gpu_coupling_t, range_t, seen_t
     use brz_gpu_solid_bodies, only: cannot_run_solid, cannot_share_solid
     use brz_gpu_solid_state, only: gpu_solid_t
     use brz_ranks, only: ranks_t, several
@@ -130,16 +130,14 @@ contains
     end function kernel_file
 
     !> The particles on the GPU as the coupling there sees them.
-    pure function particles_of(backend) result(particles)
-        type(backend_t), intent(in) :: backend
-        type(particles_t) :: particles
+    pure function particles_of(solid) result(p)
+        type(gpu_solid_t), intent(in) :: solid
+        type(seen_t) :: p
+        integer :: b
 
-        associate (solid => backend%solid)
-            particles = particles_t(solid%n, solid%place, solid%motion, solid%state, &
-                                    solid%tag, solid%column%load, solid%column%before, &
-                                    solid%laid)
-            particles%first = solid%bodies%first
-            particles%last = solid%bodies%last
-        end associate
+        p = seen_t(n=solid%n, step_d=solid%n, x=solid%x, v=solid%v, mass=solid%mass, &
+                   load=solid%load, fixed=solid%fixed, id=solid%id, v_before=solid%v_before, &
+                   laid=solid%laid)
+        p%bodies = [(range_t(solid%bodies(b)%first, solid%bodies(b)%last), b=1, size(solid%bodies))]
     end function particles_of
 end module brz_backend

@@ -4,18 +4,17 @@
 module brz_backend_coupling
     use brz_air_state, only: air_t
     use brz_backend, only: backend_t, particles_of
-    use brz_coupling_events, only: reclassify
-    use brz_coupling_load, only: spread_load, wake_loaded
     use brz_coupling_state, only: coupling_t
-    use brz_coupling_velocity, only: set_wall_velocity
     use brz_device, only: wait_for_device
     use brz_errors, only: error_t, failed
-    use brz_gpu_coupling_step, only: gpu_is_loaded, gpu_reclassify, gpu_set_wall_velocity, &
-        gpu_spread_load
+    use brz_exchange_steps, only: reclassify, set_wall_velocity, spread_load, wake_loaded
+    use brz_gpu_exchange_steps, only: gpu_reclassify => reclassify, &
+        gpu_set_wall_velocity => set_wall_velocity, gpu_spread_load => spread_load, &
+        gpu_wake_loaded => wake_loaded
+    use brz_gpu_coupling_state, only: seen_t
     use brz_kinds, only: dp
-    use brz_ranks, only: agree, several
-    use brz_solid_sleep, only: wake_met
-    use brz_solid_state, only: body_t, solid_t
+    use brz_ranks, only: agree
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: set_walls, load_bodies, exchange_gas
@@ -32,11 +31,12 @@ contains
         type(error_t), intent(inout) :: err
 
         if (backend%coupling_on_gpu) then
-            call gpu_set_wall_velocity(backend%coupling, backend%air, particles_of(backend), &
-                                       solid, coupling, dt, err)
+            call gpu_set_wall_velocity(backend%air, solid, particles_of(backend%solid), &
+                                       backend%coupling, dt, err)
+            coupling%coupling_known_t = backend%coupling%coupling_known_t
             call wait_for_device(err)
         else
-            call set_wall_velocity(air, solid, coupling, dt)
+            call set_wall_velocity(air, solid, solid, coupling, dt)
         end if
     end subroutine set_walls
 
@@ -47,37 +47,21 @@ contains
         type(coupling_t), intent(inout) :: coupling
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
+        type(seen_t) :: p
 
         if (backend%coupling_on_gpu) then
-            call gpu_spread_load(backend%coupling, particles_of(backend), solid, dt, err)
+            p = particles_of(backend%solid)
+            call gpu_spread_load(solid, p, backend%coupling, dt, err)
             call wait_for_device(err)
             backend%solid%fetched = .false.
-            if (any(solid%bodies%asleep)) call wake_on_gpu(backend, solid, coupling, dt, err)
+            if (any(solid%bodies%asleep)) &
+                call gpu_wake_loaded(solid, p, backend%coupling, dt, err)
             call agree(solid%ranks, err)
         else
-            call spread_load(solid, coupling, dt)
-            if (any(solid%bodies%asleep)) call wake_loaded(solid, coupling, dt)
+            call spread_load(solid, solid, coupling, dt)
+            if (any(solid%bodies%asleep)) call wake_loaded(solid, solid, coupling, dt)
         end if
     end subroutine load_bodies
-
-    !> Wake the bodies that feel a load on the GPU, and what they meet.
-    subroutine wake_on_gpu(backend, solid, coupling, dt, err)
-        type(backend_t), intent(inout) :: backend
-        type(solid_t), intent(inout), target :: solid
-        type(coupling_t), intent(in), target :: coupling
-        real(dp), intent(in) :: dt !! step of the air [s]
-        type(error_t), intent(inout) :: err
-        logical :: loaded(size(solid%bodies))
-        type(body_t), pointer :: bodies(:)
-
-        bodies => solid%bodies
-        if (several(solid%ranks)) bodies => coupling%guests%bodies
-        call gpu_is_loaded(backend%coupling, backend%air, dt, bodies%first, bodies%last, loaded, &
-                           err)
-        if (failed(err)) return
-        solid%bodies%asleep = solid%bodies%asleep .and. .not. loaded
-        call wake_met(solid)
-    end subroutine wake_on_gpu
 
     !> After the steps of the bodies: cells change hands, and gas with them.
     subroutine exchange_gas(backend, air, solid, coupling, err)
@@ -86,14 +70,16 @@ contains
         type(solid_t), intent(inout) :: solid !! read
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
+        type(seen_t) :: p
 
         if (failed(err)) return
         if (backend%coupling_on_gpu) then
-            call gpu_reclassify(backend%coupling, backend%air, particles_of(backend), solid, &
-                                coupling, err)
+            p = particles_of(backend%solid)
+            call gpu_reclassify(backend%air, solid, p, backend%coupling, err)
+            coupling%coupling_known_t = backend%coupling%coupling_known_t
             call wait_for_device(err)
         else
-            call reclassify(air, solid, coupling)
+            call reclassify(air, solid, solid, coupling)
         end if
     end subroutine exchange_gas
 end module brz_backend_coupling

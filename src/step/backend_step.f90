@@ -48,7 +48,7 @@ contains
         if (backend%bodies_on_gpu) &
             call open_gpu_solid(backend%device, solid, coupling%present, backend%solid, err)
         if (.not. backend%coupling_on_gpu) return
-        call open_gpu_coupling(air, coupling, particles_of(backend), backend%air, &
+        call open_gpu_coupling(air, coupling, particles_of(backend%solid), backend%air, &
                                backend%coupling, err)
     end subroutine start_backend
 

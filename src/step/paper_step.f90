@@ -6,11 +6,11 @@ module brz_paper_step
     use brz_air_stage, only: stage_of
     use brz_air_state, only: air_ok, air_t, wall_t
     use brz_air_steps, only: begin_step, take_rates
-    use brz_coupling_load, only: load_carriers
     use brz_coupling_paper, only: add_forces, fill_solid_cells
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: move_walls
     use brz_event_steps, only: look_at_particles, put_up_walls
+    use brz_exchange_steps, only: load_carriers
     use brz_kinds, only: dp
     use brz_runge_kutta, only: share_of
     use brz_solid_state, only: solid_t
@@ -44,7 +44,7 @@ contains
             call add_forces(air, solid, coupling, share_of(m, air%n_stages), dt)
             call update(air, stage%dt, stage%weight, m == 1)
         end do
-        call load_carriers(solid, coupling)
+        call load_carriers(solid, solid, coupling)
     end subroutine paper_step
 
     !> The map of solid cells after the particles have moved. A cell that the solid leaves keeps the

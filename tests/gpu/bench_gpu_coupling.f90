@@ -14,14 +14,15 @@ program bench_gpu_coupling
     use brz_cell_shells, only: make_shells
     use brz_coupling_setup, only: make_box
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: allocate_buffer, clear_buffer, copy_in, device_t
+    use brz_device, only: clear_buffer, copy_in, device_t
+    use brz_gpu_exchange_steps, only: gpu_reclassify => reclassify, &
+        gpu_set_wall_velocity => set_wall_velocity, gpu_spread_load => spread_load
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, open_gpu_air
     use brz_gpu_coupling_copy, only: gpu_fastest_wall, open_gpu_coupling
-    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t, seen
-    use brz_gpu_coupling_step, only: gpu_reclassify, gpu_set_wall_velocity, gpu_spread_load
+    use brz_gpu_coupling_state, only: gpu_coupling_t, seen_t
     use brz_gpu_event_steps, only: fill_bins, look_at_particles
-    use brz_gpu_solid_layout, only: at_mass, n_tag
+    use brz_gpu_lists, only: at_least
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     use gpu_tools, only: get_device, start_timer, stop_timer
@@ -35,7 +36,7 @@ program bench_gpu_coupling
     type(solid_t) :: solid
     type(gpu_air_t) :: there
     type(gpu_coupling_t) :: gpu
-    type(particles_t) :: particles
+    type(seen_t) :: particles
     real(dp), allocatable :: place(:, :)
     integer :: along, side
 
@@ -66,6 +67,7 @@ contains
 
     !> The plate lies across z in the middle of a box that is wider by a third.
     subroutine set_up()
+        real(rk), allocatable :: ones(:)
         integer :: i, j, k, n(3), p
 
         n = [4*along/3, 4*along/3, along]
@@ -95,34 +97,20 @@ contains
             end do
         end do
         call open_gpu_air(device, air, .true., there, err)
-        particles%load = at_mass
-        call allocate_buffer(particles%place, 32_int64*particles%n, err)
-        call allocate_buffer(particles%motion, 4*bytes_of_real*particles%n, err)
-        call allocate_buffer(particles%state, (at_mass + 3)*bytes_of_real*particles%n, err)
-        call allocate_buffer(particles%tag, 4_int64*n_tag*particles%n, err)
-        call copy_in(place, particles%place, 32_int64*particles%n, err)
-        call fill_mass()
-        call fill_numbers()
+        particles%step_d = particles%n
+        call at_least(particles%x, 4, particles%n, err)
+        call at_least(particles%v, 4, particles%n, err)
+        call at_least(particles%mass, particles%n, err)
+        call at_least(particles%load, 3, particles%n, err)
+        call at_least(particles%id, particles%n, err)
+        call at_least(particles%fixed, particles%n, err)
+        call copy_in(place, particles%x, 32_int64*particles%n, err)
+        ones = spread(1.0_rk, 1, particles%n)
+        call copy_in(ones, particles%mass, bytes_of_real*particles%n, err)
+        call copy_in([(p, p=1, particles%n)], particles%id, 4_int64*particles%n, err)
         allocate (coupling%v_before(3, particles%n), source=0.0_rk)
         call open_gpu_coupling(air, coupling, particles, there, gpu, err)
     end subroutine set_up
-
-    subroutine fill_mass()
-        use brz_gpu_coupling_state, only: column_of
-        real(rk), allocatable :: ones(:)
-
-        allocate (ones(particles%n), source=1.0_rk)
-        call copy_in(ones, column_of(particles, at_mass), bytes_of_real*particles%n, err)
-    end subroutine fill_mass
-
-    !> Numbers of the particles.
-    subroutine fill_numbers()
-        use brz_gpu_coupling_state, only: tags_of
-        use brz_gpu_solid_layout, only: tag_id
-        integer :: p
-
-        call copy_in([(p, p=1, particles%n)], tags_of(particles, tag_id), 4_int64*particles%n, err)
-    end subroutine fill_numbers
 
     !> Ten steps, in which the middle of the plate goes down so much.
     subroutine time_step(what, by)
@@ -140,29 +128,28 @@ contains
                 place(3, p) = place(3, p) &
                     - by*max(0.0_dp, 1 - 4*sum((place(1:2, p)/along - 2/3.0_dp)**2))
             end do
-            call copy_in(place, particles%place, 32_int64*particles%n, err)
+            call copy_in(place, particles%x, 32_int64*particles%n, err)
             call clear_buffer(there%walls%impulse, err)
             call start_timer(err)
-            call gpu_set_wall_velocity(gpu, there, particles, solid, coupling, &
-                1e-6_dp, err)
+            call gpu_set_wall_velocity(there, solid, particles, gpu, 1e-6_dp, err)
             ms(1) = ms(1) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
-            call gpu_spread_load(gpu, particles, solid, 1e-6_dp, err)
+            call gpu_spread_load(solid, particles, gpu, 1e-6_dp, err)
             ms(2) = ms(2) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
-            call gpu_reclassify(gpu, there, particles, solid, coupling, err)
+            call gpu_reclassify(there, solid, particles, gpu, err)
             ms(3) = ms(3) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
             speed = gpu_fastest_wall(gpu, there, err)
             ms(4) = ms(4) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
-            call look_at_particles(seen(particles), gpu, moved, err)
+            call look_at_particles(particles, gpu, moved, err)
             ms(5) = ms(5) + 1e3_dp*stop_timer(err)/steps
             call start_timer(err)
-            call fill_bins(seen(particles), gpu, err)
+            call fill_bins(particles, gpu, err)
             ms(6) = ms(6) + 1e3_dp*stop_timer(err)/steps
         end do
-        changed = coupling%books%covered + coupling%books%uncovered
+        changed = gpu%books%covered + gpu%books%uncovered
         write (output_unit, '(a, a, i0, a, i0, a)') what, ': ', changed, ' changes so far, ', &
             gpu%n_debts, ' debts; ms each step'
         write (output_unit, '(6(a, f8.3))') '  wall velocity', ms(1), ', load', ms(2), &

@@ -5,23 +5,21 @@ module gpu_coupled_scene
     use brz_air_state, only: air_t, bc_outflow, bc_periodic, bc_symmetry, bc_wall, cell_gamma
     use brz_coupling_setup, only: couple
     use brz_coupling_state, only: coupling_t
-    use brz_device, only: allocate_buffer, copy_in, device_t
+    use brz_device, only: copy_in, device_t
     use brz_errors, only: error_t, failed
     use brz_gas, only: to_conserved
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, open_gpu_air
     use brz_gpu_air_sums, only: gpu_air_totals
     use brz_gpu_coupling_copy, only: gpu_ledger_totals, open_gpu_coupling
-    use brz_gpu_coupling_state, only: gpu_coupling_t, particles_t
-    use brz_gpu_solid_layout, only: at_mass, n_tag, tag_fixed, tag_id
-    use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_gpu_coupling_state, only: gpu_coupling_t, range_t, seen_t
+    use brz_gpu_lists, only: at_least
+    use brz_kinds, only: dp, int64, int8, rk
     use brz_solid_state, only: form_rigid, solid_t
     use gpu_tools, only: get_device
     implicit none
     private
-    public :: both_t, start, noise, stir_gas, put_particles, change_motion, shake, stock, &
-              gas_scale, load, n_state
-
-    integer, parameter :: load = at_mass, n_state = load + 3
+    public :: both_t, ranges_of, start, noise, stir_gas, put_particles, change_motion, shake, stock, &
+              gas_scale
 
     !> A scene on both machines.
     type :: both_t
@@ -31,7 +29,7 @@ module gpu_coupled_scene
         type(device_t) :: device
         type(gpu_air_t) :: there
         type(gpu_coupling_t) :: gpu
-        type(particles_t) :: particles
+        type(seen_t) :: particles
         type(error_t) :: err
     end type both_t
 
@@ -55,15 +53,27 @@ contains
         s%other%u = s%air%u
         call open_gpu_air(s%device, s%other, .true., s%there, s%err)
         s%particles%n = count
-        s%particles%load = load
-        call allocate_buffer(s%particles%place, 32_int64*count, s%err)
-        call allocate_buffer(s%particles%motion, 4*bytes_of_real*count, s%err)
-        call allocate_buffer(s%particles%state, n_state*bytes_of_real*count, s%err)
-        call allocate_buffer(s%particles%tag, 4_int64*n_tag*count, s%err)
+        s%particles%step_d = count
+        if (present(bodies)) s%particles%bodies = ranges_of(s%solid)
+        call at_least(s%particles%x, 4, count, s%err)
+        call at_least(s%particles%v, 4, count, s%err)
+        call at_least(s%particles%mass, count, s%err)
+        call at_least(s%particles%load, 3, count, s%err)
+        call at_least(s%particles%id, count, s%err)
+        call at_least(s%particles%fixed, count, s%err)
         call put_particles(s)
         call open_gpu_coupling(s%other, s%far, s%particles, s%there, s%gpu, s%err)
         if (failed(s%err)) print *, s%err%text
     end subroutine start
+
+    !> Particles of each body.
+    pure function ranges_of(solid) result(ranges)
+        type(solid_t), intent(in) :: solid
+        type(range_t) :: ranges(size(solid%bodies))
+
+        ranges%first = solid%bodies%first
+        ranges%last = solid%bodies%last
+    end function ranges_of
 
     !> Numbers between 0 and 1 that depend on the seed alone.
     pure real(dp) function noise(i, j)
@@ -183,29 +193,21 @@ contains
     !> Copy the particles to the GPU.
     subroutine put_particles(s)
         type(both_t), intent(inout) :: s
-        real(dp), allocatable :: place(:, :)
-        real(rk), allocatable :: motion(:, :), state(:, :)
-        integer(int32), allocatable :: tag(:, :)
-        integer :: n, p, d
+        real(dp) :: place(4, s%solid%n)
+        real(rk) :: motion(4, s%solid%n)
+        integer :: n
 
         n = s%solid%n
-        allocate (place(4, n), source=0.0_dp)
-        allocate (motion(4, n), state(n, n_state), source=0.0_rk)
-        allocate (tag(n, n_tag), source=0)
+        place = 0
+        motion = 0
         place(1:3, :) = s%solid%x
         motion(1:3, :) = s%solid%v
-        state(:, at_mass) = s%solid%mass
-        do p = 1, n
-            do d = 1, 3
-                state(p, load + d) = s%solid%load(d, p)
-            end do
-        end do
-        tag(:, tag_id) = s%solid%id
-        tag(:, tag_fixed) = s%solid%fixed
-        call copy_in(place, s%particles%place, size(place)*8_int64, s%err)
-        call copy_in(motion, s%particles%motion, size(motion)*bytes_of_real, s%err)
-        call copy_in(state, s%particles%state, size(state)*bytes_of_real, s%err)
-        call copy_in(tag, s%particles%tag, size(tag)*4_int64, s%err)
+        call copy_in(place, s%particles%x, 32_int64*n, s%err)
+        call copy_in(motion, s%particles%v, 4*bytes_of_real*n, s%err)
+        call copy_in(s%solid%mass, s%particles%mass, bytes_of_real*n, s%err)
+        call copy_in(transpose(s%solid%load), s%particles%load, 3*bytes_of_real*n, s%err)
+        call copy_in(s%solid%id, s%particles%id, 4_int64*n, s%err)
+        call copy_in(s%solid%fixed, s%particles%fixed, 4_int64*n, s%err)
     end subroutine put_particles
 
     !> Other velocities of the particles on both machines; loads and old velocities stay.
@@ -220,7 +222,7 @@ contains
         end do
         allocate (motion(4, s%solid%n), source=0.0_rk)
         motion(1:3, :) = s%solid%v
-        call copy_in(motion, s%particles%motion, size(motion)*bytes_of_real, s%err)
+        call copy_in(motion, s%particles%v, size(motion)*bytes_of_real, s%err)
     end subroutine change_motion
 
     subroutine shake(s, step, by)
