@@ -30,13 +30,13 @@ HEAD = re.compile(r"^subroutine (\w+)\((.*)\)$")
 ARRAY = re.compile(r"^([\w()]+), intent\(\w+\) :: (\w+)\(:.*\)$")
 TAGS = re.compile(r"!@gpu ((?:book|count)_.*)")
 KNOWN = {"gpu_solid_t": "brz_gpu_solid_state", "list_gpu_faces": "brz_gpu_coupling_shared"}
-KNOWN |= {"gpu_air_t": "brz_gpu_air_state", "clear_buffer": "brz_device"}
+KNOWN |= {"clear_buffer": "brz_device"}
+KNOWN |= dict.fromkeys(["gpu_air_t", "mark_near_walls"], "brz_gpu_air_state")
 KNOWN |= {"take_found": "brz_gpu_air_operations"}
 KNOWN |= {"from": "brz_buffers", "error_t": "brz_errors", "several": "brz_ranks"}
 KNOWN |= dict.fromkeys(BUFFER.values(), "brz_buffers")
 KNOWN |= dict.fromkeys(
-    ["book_at", "clear_counts", "count_at", "put_carriers", "read_counts", "seen_t", "show_walls"],
-    "brz_gpu_coupling_state",
+    ["book_at", "count_at", "put_carriers", "read_counts", "seen_t"], "brz_gpu_coupling_state"
 )
 CHANGES = [(r"\bmodule brz_(\w+)", r"module brz_gpu_\1"), (r", running_sum\b", "")]
 CHANGES += [
@@ -131,7 +131,7 @@ def called(code, comment, items, owner):
 def uses(code, tags, families):
     """Modules that the GPU needs besides."""
     known = {x: KNOWN[x] for x in set(re.findall(r"\w+", code)) & set(KNOWN)}
-    known |= dict.fromkeys(tags, "brz_gpu_coupling_layout")
+    known |= dict.fromkeys(tags, "brz_gpu_coupling_state")
     known |= {f"{x}_kernels": f"brz_{x}_launches" for x in families}
     known |= {"int64": "brz_kinds"} if "_int64" in code else {}
     for owner in sorted(set(known.values())):

@@ -15,7 +15,7 @@ module brz_coupling_guests
     use brz_mail, only: incoming, make_room, outgoing, post, tell_counts
     use brz_solid_fields, only: fields_of, fields_t
     use brz_solid_ghosts, only: for_the_air, send_particles
-    use brz_solid_part, only: parcels_t
+    use brz_solid_part, only: fill_pieces
     use brz_solid_state, only: is_gone, solid_t
     implicit none
     private
@@ -138,7 +138,7 @@ contains
         class(solid_t), intent(in) :: solid
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes) that come
         type(coupling_t), intent(inout) :: coupling
-        integer :: next(size(number, 1)), b, k, n, r
+        integer :: next(size(number, 1)), b, n
 
         if (.not. allocated(coupling%guests)) call open_house(solid, coupling)
         n = 0
@@ -158,18 +158,7 @@ contains
                 deallocate (in%place)
                 allocate (in%place(n + n/4))
             end if
-            n = 0
-            do r = 1, size(number, 2)
-                in%first(r - 1) = n + 1
-                do b = 1, size(number, 1)
-                    do k = 1, int(number(b, r))
-                        n = n + 1
-                        next(b) = next(b) + 1
-                        in%place(n) = next(b)
-                    end do
-                end do
-            end do
-            in%first(size(number, 2)) = n + 1
+            call fill_pieces(number, next, in)
         end associate
     end subroutine seat_guests
 

@@ -4,11 +4,9 @@ module brz_coupling_shared
     use brz_air_state, only: air_t
     use brz_boxes, only: box_t, widened
     use brz_cell_shells, only: cell_at, number_of
-    use brz_coupling_box, only: is_own
     use brz_coupling_state, only: coupling_t
-    use brz_debt_steps, only: drop_paid, size_debts
+    use brz_debt_steps, only: keep_own, size_debts
     use brz_kinds, only: dp, int64, rk
-    use brz_lists, only: at_least
     use brz_mail, only: incoming, make_room, outgoing, post, tell_counts
     use brz_solid_part, only: parcels_t
     implicit none
@@ -122,19 +120,6 @@ contains
             end do
         end associate
     end subroutine share_debts
-
-    !> Drop the debts of cells of others.
-    subroutine keep_own(coupling)
-        type(coupling_t), intent(inout) :: coupling
-        integer :: e
-
-        if (coupling%n_debts == 0) return
-        call at_least(coupling%start, coupling%n_debts + 1)
-        do e = 1, coupling%n_debts
-            coupling%start(e) = merge(1, 0, is_own(coupling%box, coupling%debt_cell(e)))
-        end do
-        call drop_paid(coupling)
-    end subroutine keep_own
 
     !> Cell of the grid that has a debt.
     pure function cell_of_debt(coupling, e) result(ijk)

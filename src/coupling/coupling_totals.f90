@@ -7,11 +7,10 @@ module brz_coupling_totals
     use brz_debt_loops, only: each_total_debt
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, rk
-    use brz_ledger_loops, only: each_total_ledger
     use brz_ranks, only: least_of_all, ranks_t, several, sum_of_all
     implicit none
     private
-    public :: coupling_totals, ledger_totals, books_of_all
+    public :: coupling_totals, books_of_all
 
 contains
 
@@ -34,23 +33,6 @@ contains
         debt = owed(1:5)
         if (present(products)) products = products + owed(6)
     end subroutine coupling_totals
-
-    !> Totals of ledgers and debts alone.
-    subroutine ledger_totals(air, coupling, kept, products)
-        type(air_t), intent(in) :: air !! read in solid cells
-        type(coupling_t), intent(in) :: coupling
-        real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
-        real(dp), intent(out) :: products !! mass of products of explosives [kg]
-        real(dp) :: total(6), owed(6)
-
-        call each_total_ledger(coupling%wall%n_cells, air%part%ranks, coupling%box, coupling%cell, &
-                               air%u, total)
-        call each_total_debt(coupling%n_debts, air%part%ranks, coupling%box, coupling%n_var, &
-                             coupling%debt_cell, coupling%debt, owed)
-        total = total + owed
-        kept = total(1:5)*product(air%dx)
-        products = total(6)*product(air%dx)
-    end subroutine ledger_totals
 
     !> What all processes have booked. All must call.
     subroutine books_of_all(ranks, coupling, books)

@@ -8,7 +8,7 @@ module brz_debt_items
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: pay_debt, settle_debt, move_debt, enter_debt, total_debt
+    public :: pay_debt, settle_debt, move_debt, enter_debt, total_debt, flag_own
 
 contains
 
@@ -24,6 +24,19 @@ contains
             if (.not. abs(debt(k, e)) <= 0) owed = 1
         end do
     end function is_owed
+
+    !> stays(e) = 1 for a debt of a cell of this process, else 0.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine flag_own(e, box, cell, stays)
+        integer, intent(in) :: e !! debts
+        type(box_t), intent(in) :: box
+        integer(int32), intent(in) :: cell(*)
+        integer(int32), intent(inout) :: stays(*)
+
+        stays(e) = 0
+        if (is_own(box, cell(e))) stays(e) = 1
+    end subroutine flag_own
 
     !> Pay a part of each debt; owed(e) = 1 where some is left.
     !@item

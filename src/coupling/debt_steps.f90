@@ -4,17 +4,19 @@
 module brz_debt_steps
     use brz_air_state, only: air_t
     use brz_coupling_state, only: coupling_t
-    use brz_debt_loops, only: each_enter_debt, each_move_debt, each_pay_debt, each_settle_debt
+    use brz_debt_loops, only: each_enter_debt, each_flag_own, each_move_debt, each_pay_debt, &
+        each_settle_debt, each_total_debt
     use brz_donor_loops, only: each_choose_shell, each_collect_shares, each_fill_left, &
         each_flag_buried, each_list_buried, each_owe_donation
+    use brz_kinds, only: dp
     use brz_ledger_loops, only: each_copy_ledger, each_first_excess, each_give_excess, &
-        each_judge_ledger, each_level_ledger, each_open_excess, each_take_excess
+        each_judge_ledger, each_level_ledger, each_open_excess, each_take_excess, each_total_ledger
     use brz_lists, only: at_least, copy_first, room_of, running_sum, swap
     use brz_scheme, only: max_var
     implicit none
     private
     public :: level_ledgers, limit_ledgers, release_debts, settle_covered, enter_debts
-    public :: fill_uncovered, donate, size_debts, drop_paid
+    public :: fill_uncovered, donate, size_debts, keep_own, ledger_totals
 
 contains
 
@@ -77,6 +79,16 @@ contains
                               c%start)
         call drop_paid(c)
     end subroutine settle_covered
+
+    !> Drop the debts of cells of other processes.
+    subroutine keep_own(c)
+        type(coupling_t), intent(inout) :: c
+
+        if (c%n_debts == 0) return
+        call at_least(c%start, c%n_debts + 1)
+        call each_flag_own(c%n_debts, c%box, c%debt_cell, c%start)
+        call drop_paid(c)
+    end subroutine keep_own
 
     !> Close the gaps in the list that paid debts leave; `start` holds 1 for each that stays.
     subroutine drop_paid(c)
@@ -158,4 +170,19 @@ contains
         call each_collect_shares(n, donors, left, c%box, c%shells, c%cell, c%wall%face_of, c%mark, &
                                  c%donor, c%donor_shell, c%donation, air%u)
     end subroutine donate
+
+    !> Totals of ledgers and debts, of all processes.
+    subroutine ledger_totals(air, c, kept, products)
+        type(air_t), intent(in) :: air !! read in solid cells
+        type(coupling_t), intent(inout) :: c
+        real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
+        real(dp), intent(out) :: products !! mass of products of explosives [kg]
+        real(dp) :: total(6), owed(6)
+
+        call each_total_ledger(c%wall%n_cells, air%part%ranks, c%box, c%cell, air%u, total)
+        call each_total_debt(c%n_debts, air%part%ranks, c%box, c%n_var, c%debt_cell, c%debt, owed)
+        total = (total + owed)*product(c%box%dx)
+        kept = total(1:5)
+        products = total(6)
+    end subroutine ledger_totals
 end module brz_debt_steps

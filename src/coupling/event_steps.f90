@@ -75,7 +75,7 @@ contains
         type(coupling_t), intent(inout) :: c
         integer, intent(out) :: moved
 
-        !@gpu call clear_counts(c)
+        !@gpu call clear_buffer(c%counts)
         moved = 0
         c%outside = 0
         call each_find_cell(p%n, c%box, p%wide, p%x, p%fixed, c%cell_of, moved, &
@@ -151,7 +151,8 @@ contains
         call each_find_above(n, c%box, c%cell, c%wall%solid, c%wall%index, c%wall%face_of, c%above)
         call list_cuts(air, c%cell, c%gas, c%rows, c%wall) !@cpu
         if (several(air%part%ranks)) call list_shared_faces(air, c) !@cpu
-        !@gpu call show_walls(c, air)
+        !@gpu air%walls = c%wall
+        !@gpu call mark_near_walls(air)
         !@gpu if (several(c%exact%ranks)) call list_gpu_faces(c)
     end subroutine build_walls
 

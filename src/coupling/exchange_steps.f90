@@ -1,12 +1,12 @@
 ! SPDX-License-Identifier: MIT
-!> What the coupling does in a step, on one process and on several: velocities of the walls, loads of
-!> the particles, cells that change hands. scripts/steps.py writes the same for the GPU.
+!> What the coupling does in a step, on one process and on several: velocities of the walls, loads
+!> of the particles, cells that change hands. scripts/steps.py writes the same for the GPU.
 module brz_exchange_steps
     use brz_air_state, only: air_t
     use brz_carrier_steps, only: sum_loads
     use brz_coupling_guests, only: invite_guests, see_window, send_loads_home !@cpu
     use brz_coupling_shared, only: share_debts, share_impulses !@cpu
-    !@gpu use brz_gpu_coupling_guests, only: invite_guests, see_window, send_loads_home
+    !@gpu use brz_gpu_coupling_guests, only: invite_guests, send_loads_home
     !@gpu use brz_gpu_coupling_shared, only: share_debts, share_impulses
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: find_velocities
@@ -137,13 +137,13 @@ contains
         if (several(solid%ranks)) then
             call invite_guests(solid, p, c)
             call see_window(air) !@cpu
-            !@gpu call see_window(c, air)
+            !@gpu call c%part%window%reals_of_others(air%grid%apart, air%u)
             call share_debts(c)
             c%rebuilds = -1 !@cpu a guest's place is another one's in the next step
             call move_on(air, c%guests, c%guests, c) !@cpu
             !@gpu call move_on(air, c%crowd, c%guests, c)
             call see_window(air) !@cpu
-            !@gpu call see_window(c, air)
+            !@gpu call c%part%window%reals_of_others(air%grid%apart, air%u)
         else
             call move_on(air, solid, p, c)
         end if

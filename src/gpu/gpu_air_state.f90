@@ -232,8 +232,7 @@ contains
         type(gpu_air_t), intent(in) :: gpu
         type(snapshot_t), intent(inout) :: snapshot
 
-        call snapshot%note(gpu%u)
-        call snapshot%note(gpu%bricks%reached)
+        call snapshot%note([gpu%u%buffer_t, gpu%bricks%reached%buffer_t])
     end subroutine note_air
 
     !> Refresh the host's conserved variables in a list of cells, of which those of others are left.

@@ -5,25 +5,22 @@ module brz_gpu_coupling_copy
     use brz_air_walls, only: build_walls
     use brz_coupling_state, only: coupling_t, put_sums, sums_in
     use brz_debt_steps, only: enter_host_debts => enter_debts
-    use brz_debt_launches, only: debt_kernels
     use brz_device, only: clear_buffer, copy_in, copy_out
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
-    use brz_gpu_coupling_layout, only: book_high, book_low, book_threads, n_book
     use brz_gpu_coupling_guests, only: invite_guests, open_gpu_windows
-    use brz_gpu_coupling_state, only: gpu_coupling_t, open_memory, seen_t
+    use brz_gpu_coupling_state, only: book_high, book_low, book_threads, gpu_coupling_t, n_book, &
+        open_memory, seen_t
     use brz_gpu_debt_steps, only: enter_debts, size_debts
     use brz_gpu_event_steps, only: put_up_walls
     use brz_gpu_wall_steps, only: find_mean_velocity
     use brz_kinds, only: dp, int64, rk
-    use brz_ledger_launches, only: ledger_kernels
     use brz_load_launches, only: load_kernels
     use brz_ranks, only: agree, several
     use brz_snapshots, only: snapshot_t
     implicit none
     private
-    public :: open_gpu_coupling, fetch_coupling, note_coupling, fetch_books, gpu_ledger_totals, &
-              gpu_fastest_wall
+    public :: open_gpu_coupling, fetch_coupling, note_coupling, fetch_books, gpu_fastest_wall
 
 contains
 
@@ -131,12 +128,8 @@ contains
         type(gpu_air_t), intent(in) :: there
         type(snapshot_t), intent(inout) :: snapshot
 
-        call snapshot%note(there%walls%solid)
-        call snapshot%note(there%walls%v)
-        call snapshot%note(gpu%v_before)
-        call snapshot%note(gpu%debt_cell)
-        call snapshot%note(gpu%debt)
-        call snapshot%note(gpu%book)
+        call snapshot%note([there%walls%solid%buffer_t, there%walls%v%buffer_t, &
+            gpu%v_before%buffer_t, gpu%debt_cell%buffer_t, gpu%debt%buffer_t, gpu%book%buffer_t])
     end subroutine note_coupling
 
     subroutine fetch_debts(gpu, coupling, err)
@@ -152,26 +145,6 @@ contains
         coupling%slot = 0
         call enter_host_debts(coupling)
     end subroutine fetch_debts
-
-    !> Totals of ledgers and debts, as ledger_totals has them.
-    subroutine gpu_ledger_totals(gpu, there, air, kept, products, err)
-        type(gpu_coupling_t), intent(inout) :: gpu
-        type(gpu_air_t), intent(in) :: there
-        type(air_t), intent(in) :: air
-        real(dp), intent(out) :: kept(5) !! mass [kg], momentum [kg m/s], energy [J]
-        real(dp), intent(out) :: products !! mass of products of explosives [kg]
-        type(error_t), intent(inout) :: err
-        real(dp) :: total(6)
-
-        call ledger_kernels%total_ledger(gpu%wall%n_cells, gpu%box, gpu%cell, there%u, &
-                                             gpu%exact, err)
-        total = gpu%exact%total(:6)
-        call debt_kernels%total_debt(gpu%n_debts, gpu%box, gpu%box%n_var, gpu%debt_cell, &
-                                         gpu%debt, gpu%exact, err)
-        total = (total + gpu%exact%total(:6))*product(air%dx)
-        kept = total(1:5)
-        products = total(6)
-    end subroutine gpu_ledger_totals
 
     !> Largest sum_d |v_d|/dx_d of the walls [1/s].
     real(dp) function gpu_fastest_wall(gpu, there, err) result(fastest)

@@ -9,7 +9,7 @@ module brz_gpu_coupling_guests
     use brz_buffers, only: from, integers_t, reals_t
     use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t
-    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_air_state, only: bytes_of_real
     use brz_gpu_carrier_steps, only: sum_shifts
     use brz_guest_items, only: always_near, block_at, blocks_of
     use brz_gpu_coupling_state, only: gpu_coupling_t, range_t, seen_t
@@ -26,7 +26,7 @@ module brz_gpu_coupling_guests
     use brz_velocity_launches, only: velocity_kernels
     implicit none
     private
-    public :: open_gpu_windows, invite_guests, send_loads_home, see_window
+    public :: open_gpu_windows, invite_guests, send_loads_home
 
     integer, parameter :: w = int(bytes_of_real/4) !! words of a real number
     integer, parameter :: n_known = 7 !! arrays of a guest
@@ -111,16 +111,6 @@ contains
             end associate
         end function blocks
     end subroutine map_blocks
-
-    !> Bring the gas and the ledgers in the window of this process up to date, where the coupling
-    !> and gauges look.
-    subroutine see_window(gpu, there, err)
-        type(gpu_coupling_t), intent(inout) :: gpu
-        type(gpu_air_t), intent(in) :: there
-        type(error_t), intent(inout) :: err
-
-        call gpu%part%window%reals_of_others(there%grid%apart, there%u, err)
-    end subroutine see_window
 
     !> Renew the guests of all processes: their particles have moved. They are listed anew where one
     !> of them is missing, or particles lie elsewhere.

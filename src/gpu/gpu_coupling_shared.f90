@@ -9,14 +9,14 @@ module brz_gpu_coupling_shared
     use brz_errors, only: error_t
     use brz_gpu_air_state, only: bytes_of_real
     use brz_gpu_coupling_state, only: gpu_coupling_t
-    use brz_gpu_debt_steps, only: drop_paid, enter_debts, size_debts
+    use brz_gpu_debt_steps, only: enter_debts, keep_own, size_debts
     use brz_gpu_lists, only: at_least
-    use brz_gpu_marks, only: asks_of, count_marks, find_firsts, list_marks, place_pieces, &
-        reserve_marks
+    use brz_gpu_marks, only: asks_of, count_marks, list_marks, place_pieces, reserve_marks
     use brz_gpu_parcels, only: gpu_places_t, put_places, rows_of, rows_t
     use brz_guest_launches, only: guest_kernels
     use brz_kinds, only: int64, int8
     use brz_mail, only: tell_all
+    use brz_solid_part, only: find_firsts
     implicit none
     private
     public :: list_gpu_faces, share_impulses, share_debts
@@ -150,19 +150,4 @@ contains
             gpu%n_debts = n + more
         end associate
     end subroutine swap_debts
-
-    !> Drop the debts of cells of others.
-    subroutine keep_own(gpu, err)
-        type(gpu_coupling_t), intent(inout) :: gpu
-        type(error_t), intent(inout) :: err
-
-        if (gpu%n_debts == 0) return
-        call at_least(gpu%start, gpu%n_debts + 1, err)
-        associate (part => gpu%part, n => gpu%n_debts)
-            call put_places(asks_of([part%boxes(gpu%crowd%ranks%rank)]), part%marks%asks, err)
-            call guest_kernels%mark_cells(n, n, 1, part%marks%asks, gpu%box, gpu%debt_cell, &
-                                         gpu%start, err)
-        end associate
-        call drop_paid(gpu, err)
-    end subroutine keep_own
 end module brz_gpu_coupling_shared

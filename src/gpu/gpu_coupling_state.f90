@@ -7,21 +7,41 @@
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: carrier_t
     use brz_coupling_state, only: coupling_known_t, coupling_t
+    use brz_boxes, only: box_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
-    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, put_buffer
+    use brz_device, only: allocate_buffer, copy_in, copy_out, put_buffer
     use brz_errors, only: error_t
-    use brz_gpu_coupling_part, only: gpu_part_t
     use brz_gpu_exact, only: gpu_exact_t
-    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, gpu_walls_t, mark_near_walls
+    use brz_gpu_air_state, only: bytes_of_real, gpu_walls_t
     use brz_gpu_common, only: gpu_common_t
-    use brz_gpu_coupling_layout, only: book_threads, n_book, n_count
+    use brz_gpu_fetch, only: gpu_fetch_t
+    use brz_gpu_marks, only: gpu_marks_t
+    use brz_gpu_parcels, only: gpu_parcels_t, gpu_places_t
     use brz_ranks, only: ranks_t
     use brz_kinds, only: dp, int64
     use brz_solid_state, only: solid_t
+    use brz_tallies, only: tally_threads
     implicit none
     private
     public :: gpu_coupling_t, seen_t, range_t, open_memory
-    public :: book_at, count_at, clear_counts, read_counts, put_carriers, show_walls
+    public :: count_moved, count_outside, count_covered, count_uncovered, count_own, count_over, &
+        count_kept, book_threads, book_work, book_low, book_high, n_book
+    public :: book_at, count_at, read_counts, put_carriers
+
+    ! what the kernels count
+    integer, parameter :: count_moved = 1 !! particles that have changed their cell
+    integer, parameter :: count_outside = 2 !! particles outside the box
+    integer, parameter :: count_covered = 3, count_uncovered = 4 !! cells
+    integer, parameter :: count_own = 4 !! + 1..2: both, of this process
+    integer, parameter :: count_over = 7 !! ledgers beyond their band
+    integer, parameter :: count_kept = 8 !! buried ledgers that found no taker
+    integer, parameter :: n_count = 8
+
+    ! the books, as partial results of `book_threads` threads: part(book_threads, n_book)
+    integer, parameter :: book_threads = tally_threads
+    integer, parameter :: book_work = 1 !! to 8: work and impulses, as sums_in has them
+    integer, parameter :: book_low = 9, book_high = 10 !! least and largest ledger
+    integer, parameter :: n_book = 10
 
     type :: range_t
         integer :: first = 1, last = 0 !! particles of a body
@@ -39,6 +59,24 @@ module brz_gpu_coupling_state
         integer(int64) :: laid = 0 !! how often their places have become others
     end type seen_t
 
+    !> What it has to do with those of other processes: windows, parcels, lists of what is in them.
+    type :: gpu_part_t
+        type(box_t), allocatable :: boxes(:), windows(:) !! (0:processes - 1)
+        type(gpu_fetch_t) :: window !! gas and ledgers of others in the window
+        type(gpu_parcels_t) :: parcels
+        integer(int64) :: laid = -1 !! of the particles, when guests were listed
+        type(gpu_places_t) :: out, in !! particles of this process near windows, guests
+        type(gpu_marks_t) :: listed !! which particles those are
+        type(integers_t) :: bodies_at !! (2, bodies) first and last particle
+        type(integers_t) :: asks_at !! (6, 3*processes) windows, boxes, windows and a layer
+        type(integers_t) :: missed !! 1: a particle is in a window and not listed for it
+        type(gpu_places_t) :: faces_out, faces_in
+        type(gpu_places_t) :: debts_out, debts_in
+        type(gpu_marks_t) :: marks
+        type(integers_t) :: seat !! 1, 2, 3, ...
+        type(reals_t) :: loads !! (3, particles) that have come from a process
+    end type gpu_part_t
+
     !> Names are those of coupling_t where there is such an array.
     type, extends(coupling_known_t) :: gpu_coupling_t
         type(gpu_walls_t) :: wall !! those of the air, as they were put up last
@@ -46,7 +84,7 @@ module brz_gpu_coupling_state
         type(buffer_t) :: shells !! shells_t
         type(bytes_t) :: mark !! (cells) what the particles make of a cell
         type(integers_t) :: slot !! (cells) place among the debts, or 0
-        type(integers_t) :: counts !! see brz_gpu_coupling_layout
+        type(integers_t) :: counts !! see count_moved, ...
         type(doubles_t) :: book !! likewise
         type(integers_t) :: felt
         type(carrier_t), allocatable :: carrier(:) !! on the host
@@ -120,13 +158,6 @@ contains
         count_at = from(gpu%counts, int(number, int64))
     end function count_at
 
-    subroutine clear_counts(gpu, err)
-        type(gpu_coupling_t), intent(in) :: gpu
-        type(error_t), intent(inout) :: err
-
-        call clear_buffer(gpu%counts, err)
-    end subroutine clear_counts
-
     !> What the kernels have counted; 0 where the GPU fails.
     subroutine read_counts(gpu, first, err, n1, n2, n3, n4)
         type(gpu_coupling_t), intent(in) :: gpu
@@ -143,16 +174,6 @@ contains
         if (present(n3)) n3 = words(3)
         if (present(n4)) n4 = words(4)
     end subroutine read_counts
-
-    !> The air gets the walls that have been put up.
-    subroutine show_walls(gpu, air, err)
-        type(gpu_coupling_t), intent(in) :: gpu
-        type(gpu_air_t), intent(inout) :: air
-        type(error_t), intent(inout) :: err
-
-        air%walls = gpu%wall
-        call mark_near_walls(air, err)
-    end subroutine show_walls
 
     !> The carriers of the host.
     subroutine put_carriers(gpu, err)

@@ -10,10 +10,11 @@ module brz_gpu_marks
     use brz_gpu_parcels, only: gpu_places_t, pick_rows, put_places, rows_of
     use brz_kinds, only: int64
     use brz_place_launches, only: place_kernels
+    use brz_solid_part, only: find_firsts, find_pieces
     implicit none
     private
-    public :: gpu_marks_t, asks_of, reserve_marks, begin_marks, count_marks, &
-        list_marks, place_pieces, find_firsts
+    public :: gpu_marks_t, asks_of, reserve_marks, begin_marks, count_marks, list_marks, &
+        place_pieces
 
     type :: gpu_marks_t
         type(integers_t) :: mark !! (places, processes)
@@ -101,35 +102,13 @@ contains
         type(integers_t), intent(inout) :: pieces
         type(gpu_places_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
-        integer :: b, k, n, piece(2, size(number)), r
+        integer :: n, piece(2, size(number))
 
-        n = 0
-        k = 0
-        do r = 1, size(number, 2)
-            do b = 1, size(number, 1)
-                k = k + 1
-                piece(2, k) = before(b) - n
-                n = n + int(number(b, r))
-                before(b) = before(b) + int(number(b, r))
-                piece(1, k) = n
-            end do
-        end do
+        n = int(sum(number))
+        call find_pieces(number, before, piece)
         call find_firsts(number, list%first)
         call reserve_buffer(list%place, 4*max(n, 1)*1_int64, err)
-        call put_places(reshape(piece, [2*k]), pieces, err)
-        call place_kernels%give_place(n, k, pieces, list%place, err)
+        call put_places(reshape(piece, [size(piece)]), pieces, err)
+        call place_kernels%give_place(n, size(number), pieces, list%place, err)
     end subroutine place_pieces
-
-    !> First entry of the parcel of each process.
-    pure subroutine find_firsts(number, first)
-        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
-        integer, allocatable, intent(out) :: first(:) !! (0:processes)
-        integer :: r
-
-        allocate (first(0:size(number, 2)))
-        first(0) = 1
-        do r = 1, size(number, 2)
-            first(r) = first(r - 1) + int(sum(number(:, r)))
-        end do
-    end subroutine find_firsts
 end module brz_gpu_marks

@@ -79,21 +79,14 @@ contains
         call copy_in(place, buffer, 4*size(place, kind=int64), err)
     end subroutine put_places
 
-    !> An array of particles as words of 4 B.
-    pure type(integers_t) function words_of(array) result(words)
-        class(buffer_t), intent(in) :: array
-
-        words%address = array%address
-        words%bytes = array%bytes
-    end function words_of
-
     !> An array of rows, or of columns of rows.
     pure type(rows_t) function rows_of(array, words, columns, n) result(rows)
         class(buffer_t), intent(in) :: array
         integer, intent(in) :: words !! of a row
         integer, intent(in), optional :: columns, n !! n rows each
 
-        rows%of = words_of(array)
+        rows%of%address = array%address
+        rows%of%bytes = array%bytes
         rows%words = words
         if (.not. present(columns)) return
         rows%columns = columns
@@ -106,7 +99,7 @@ contains
         type(rows_t), intent(in) :: arrays(:)
         type(error_t), intent(inout) :: err
 
-        call bring(self, self%out, self%in, arrays, arrays, err)
+        if (several(self%ranks)) call self%send(self%out, self%in, arrays, arrays, err)
     end subroutine refresh
 
     !> Get ready to send a list of which all processes know how many go from each to each.
@@ -126,21 +119,11 @@ contains
         call self%peers%reserve(self%ranks, most*4*self%most, err)
     end subroutine aim
 
-    !> Send other particles, to other arrays with as many words of each.
+    !> Send the rows of listed particles to others, and put those that come where a list says, in
+    !> arrays with as many words of each.
     subroutine send(self, out, in, from, to, err)
         class(gpu_parcels_t), intent(inout) :: self
         type(gpu_places_t), intent(in) :: out, in !! all processes have aimed `out`
-        type(rows_t), intent(in) :: from(:), to(:)
-        type(error_t), intent(inout) :: err
-
-        call bring(self, out, in, from, to, err)
-        call carry(self, out, in, from, to, err)
-    end subroutine send
-
-    !> Send the rows of listed particles to others, and put those that come where a list says.
-    subroutine bring(self, out, in, from, to, err)
-        class(gpu_parcels_t), intent(inout) :: self
-        type(gpu_places_t), intent(in) :: out, in
         type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
         integer :: r
@@ -151,7 +134,8 @@ contains
             call put_rows(self%parcel_from(in, to, r), from_place(in, r), &
                           in%first(r + 1) - in%first(r), to, err)
         end do
-    end subroutine bring
+        call carry(self, out, in, from, to, err)
+    end subroutine send
 
     !> The records that have come from another process.
     pure type(integers_t) function parcel_from(self, in, rows, r) result(parcel)

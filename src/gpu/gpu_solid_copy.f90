@@ -105,16 +105,12 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         type(snapshot_t), intent(inout) :: snapshot
 
-        call snapshot%note(gpu%place)
-        call snapshot%note(gpu%reference)
-        call snapshot%note(gpu%built)
-        call snapshot%note(gpu%motion)
-        call snapshot%note(gpu%state)
-        call snapshot%note(gpu%tag)
-        call snapshot%note(gpu%cohesive%place)
-        call snapshot%note(gpu%cohesive%damage)
-        call snapshot%note(gpu%cohesive%spent)
-        call snapshot%note(gpu%cohesive%held)
+        call snapshot%note([gpu%place%buffer_t, gpu%reference%buffer_t, gpu%built%buffer_t, &
+                            gpu%motion%buffer_t, gpu%state%buffer_t, gpu%tag%buffer_t])
+        associate (glue => gpu%cohesive)
+            call snapshot%note([glue%place%buffer_t, glue%damage%buffer_t, glue%spent%buffer_t, &
+                                glue%held%buffer_t])
+        end associate
     end subroutine note_solid
 
     !> The bodies lie in the host arrays as on the GPU from now on. Only numbers of particles are

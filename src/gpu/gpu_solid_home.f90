@@ -10,7 +10,7 @@ module brz_gpu_solid_home
     use brz_buffers, only: from
     use brz_device, only: clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t
-    use brz_gpu_marks, only: find_firsts, list_marks, place_pieces
+    use brz_gpu_marks, only: list_marks, place_pieces
     use brz_gpu_parcels, only: put_places
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_marks, only: mark_ghosts, mark_leaving
@@ -20,6 +20,7 @@ module brz_gpu_solid_home
     use brz_mail, only: tell_all
     use brz_ranks, only: most_of_all
     use brz_solid_home, only: all_particles, uneven
+    use brz_solid_part, only: find_firsts
     use brz_solid_regions, only: cut_regions
     use brz_solid_state, only: solid_t
     implicit none

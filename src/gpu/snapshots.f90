@@ -58,21 +58,24 @@ module brz_snapshots
 
 contains
 
-    !> One more part of the snapshot, a whole buffer; none where it holds nothing.
-    subroutine note(self, buffer)
+    !> More parts of the snapshot, whole buffers; none where one holds nothing.
+    subroutine note(self, buffers)
         class(snapshot_t), intent(inout) :: self
-        class(buffer_t), intent(in) :: buffer
+        type(buffer_t), intent(in) :: buffers(:)
+        integer :: k
 
-        if (buffer%bytes == 0) return
-        if (self%n == most_parts) error stop 'brz_snapshots: most_parts is too small'
-        self%n = self%n + 1
-        self%address(self%n) = buffer%address
-        self%bytes(self%n) = buffer%bytes
-        self%offset(self%n) = ahead
-        if (self%n == 1) return
-        associate (before => self%offset(self%n - 1) + self%bytes(self%n - 1))
-            self%offset(self%n) = (before + line - 1)/line*line
-        end associate
+        do k = 1, size(buffers)
+            if (buffers(k)%bytes == 0) cycle
+            if (self%n == most_parts) error stop 'brz_snapshots: most_parts is too small'
+            self%n = self%n + 1
+            self%address(self%n) = buffers(k)%address
+            self%bytes(self%n) = buffers(k)%bytes
+            self%offset(self%n) = ahead
+            if (self%n == 1) cycle
+            associate (before => self%offset(self%n - 1) + self%bytes(self%n - 1))
+                self%offset(self%n) = (before + line - 1)/line*line
+            end associate
+        end do
     end subroutine note
 
     !> Copy all parts from the GPU; waits for all work before. Not taken where there is no room, or

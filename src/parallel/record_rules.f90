@@ -35,8 +35,9 @@ contains
         record%wide = record%wide + words*columns
     end subroutine add_array
 
-    !> Which array a word of a record is from, and where it lies there for a particle. All arrays
-    !> are looked at, one by one, so that a GPU needs registers alone.
+    !> Which array a word of a record is from, and where it lies there for a particle. The steps for
+    !> all arrays are spelled out, so that a kernel indexes nothing at run time: a record that is
+    !> indexed lies in local memory, a spelled one in registers.
     !@cuf attributes(host,device) &
     pure subroutine find_word(record, word, place, array, at)
         type(record_t), intent(in) :: record

@@ -14,7 +14,7 @@ module brz_solid_home
     use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: fields_of, fields_t, resize_fields
     use brz_solid_ghosts, only: all_of_it, for_a_ghost, send_particles
-    use brz_solid_part, only: parcels_t
+    use brz_solid_part, only: fill_pieces, find_firsts, parcels_t
     use brz_solid_regions, only: cut_regions, region_of
     use brz_resize, only: resize
     use brz_solid_state, only: solid_t
@@ -183,11 +183,7 @@ contains
 
         call list_by_home(solid, home, leaving, out)
         call tell_counts(solid%ranks, out, in)
-        allocate (coming%first(0:solid%ranks%n))
-        coming%first(0) = 1
-        do r = 1, solid%ranks%n
-            coming%first(r) = coming%first(r - 1) + int(sum(in(:, r)))
-        end do
+        call find_firsts(in, coming%first)
         n = solid%n
         coming%place = [(n + k, k=1, coming%first(solid%ranks%n) - 1)]
         call make_room(solid, n + size(coming%place) + 1)
@@ -256,7 +252,7 @@ contains
         type(solid_t), intent(inout), target :: solid
         integer(int64) :: out(size(solid%bodies), solid%ranks%n), in(size(solid%bodies), &
                                                                      solid%ranks%n)
-        integer :: own(size(solid%bodies)), next(size(solid%bodies)), b, k, n, r
+        integer :: own(size(solid%bodies)), next(size(solid%bodies))
         type(fields_t) :: fields
 
         associate (part => solid%part, ranks => solid%ranks)
@@ -264,21 +260,10 @@ contains
             call tell_counts(ranks, out, in)
             own = solid%bodies%last - solid%bodies%first + 1
             call open_gaps(solid, own, int(sum(in, dim=2)))
-            n = int(sum(in))
             if (allocated(part%in%place)) deallocate (part%in%place)
-            if (.not. allocated(part%in%first)) allocate (part%in%first(0:ranks%n))
-            allocate (part%in%place(n))
+            allocate (part%in%place(sum(in)))
             next = solid%bodies%last
-            part%in%first(0) = 1
-            n = 0
-            do r = 1, ranks%n
-                do b = 1, size(solid%bodies)
-                    part%in%place(n + 1:n + int(in(b, r))) = [(next(b) + k, k=1, int(in(b, r)))]
-                    next(b) = next(b) + int(in(b, r))
-                    n = n + int(in(b, r))
-                end do
-                part%in%first(r) = n + 1
-            end do
+            call fill_pieces(in, next, part%in)
             call fields_of(solid, fields)
             call send_particles(ranks, for_a_ghost, fields, part%out, fields, part%in, part%mail)
         end associate

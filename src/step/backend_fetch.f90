@@ -12,8 +12,8 @@ module brz_backend_fetch
     use brz_gpu_force_steps, only: gpu_forces_on_body => forces_on_body
     use brz_gpu_air_state, only: fetch_air, fetch_cells, fetch_walls, note_air
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
-    use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, gpu_ledger_totals, &
-        note_coupling
+    use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, note_coupling
+    use brz_gpu_debt_steps, only: gpu_ledger_totals => ledger_totals
     use brz_gpu_solid_cohesive, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid
     use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
@@ -48,7 +48,7 @@ contains
             kept = 0
             more = 0
             if (backend%coupling_on_gpu) then
-                call gpu_ledger_totals(backend%coupling, backend%air, air, kept, more, err)
+                call gpu_ledger_totals(backend%air, backend%coupling, kept, more, err)
                 call fetch_books(backend%coupling, coupling, err)
             end if
             kinetic = totals(0)

@@ -10,8 +10,9 @@ module gpu_coupled_scene
     use brz_gas, only: to_conserved
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t, open_gpu_air
     use brz_gpu_air_sums, only: gpu_air_totals
-    use brz_gpu_coupling_copy, only: gpu_ledger_totals, open_gpu_coupling
+    use brz_gpu_coupling_copy, only: open_gpu_coupling
     use brz_gpu_coupling_state, only: gpu_coupling_t, range_t, seen_t
+    use brz_gpu_debt_steps, only: gpu_ledger_totals => ledger_totals
     use brz_gpu_lists, only: at_least
     use brz_kinds, only: dp, int64, int8, rk
     use brz_solid_state, only: form_rigid, solid_t
@@ -246,7 +247,7 @@ contains
         real(dp) :: totals(0:6)
 
         call gpu_air_totals(s%there, s%other, totals, s%err)
-        call gpu_ledger_totals(s%gpu, s%there, s%other, kept, products, s%err)
+        call gpu_ledger_totals(s%there, s%gpu, kept, products, s%err)
         all = totals(1:5) + kept
     end subroutine stock
 
