@@ -19,7 +19,8 @@ module brz_gpu_solid_search
     use brz_tallies, only: tally_threads
     implicit none
     private
-    public :: build_list, choose_lists, mean_velocity, note_box, note_positions, renew_places, sort_body
+    public :: build_list, choose_lists, mean_velocity, note_box, note_positions, renew_places, &
+        sort_body
 
     integer, parameter :: spare_entries = 8 !! of each list, where lists are built anew in part
 
@@ -70,8 +71,8 @@ contains
         integer :: cells
 
         call fill_cells(gpu, solid, b, gpu%built, cell_of_groups(solid, b), cells, err)
-        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 0, gpu%bodies(b)%start, &
-                                       gpu%id, gpu%order, err)
+        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 0, &
+                                       gpu%bodies(b)%start, gpu%id, gpu%order, err)
         if (failed(err)) return
         call reorder(gpu, gpu%bodies(b), err)
     end subroutine sort_body
@@ -97,7 +98,7 @@ contains
         associate (body => gpu%bodies(b), drift => solid%bodies(b)%drift, s => solid%search)
             call drift_kernels%renew_place(body%last - body%first + 1, body%first, 4, &
                 level_unit(solid), drift(1), drift(2), drift(3), size(s%code, 1), s%cells(1), &
-                s%cells(2), s%cells(3), s%lo(1), s%lo(2), s%lo(3), s%size, gpu%bodies(b)%code, gpu%fixed, &
+                s%cells(2), s%cells(3), s%lo(1), s%lo(2), s%lo(3), s%size, body%code, gpu%fixed, &
                 gpu%x, gpu%built, gpu%marked, count, err)
         end associate
         found = 0
@@ -112,9 +113,11 @@ contains
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
 
-        gpu%bodies(b)%spare = merge(spare_entries, 0, solid%bodies(b)%cells%in_part)
-        call solid_kernels%choose_near(threads_of(gpu%bodies(b)), gpu%bodies(b)%last, gpu%bodies(b)%grid, &
-                                       gpu%bodies(b)%code, gpu%marked, gpu%built, gpu%chosen, err)
+        associate (body => gpu%bodies(b))
+            body%spare = merge(spare_entries, 0, solid%bodies(b)%cells%in_part)
+            call solid_kernels%choose_near(threads_of(body), body%last, body%grid, body%code, &
+                                           gpu%marked, gpu%built, gpu%chosen, err)
+        end associate
     end subroutine choose_lists
 
     !> Mean velocity of the mass of body b at the step [m/s].
@@ -174,8 +177,8 @@ contains
 
         call fill_cells(gpu, solid, b, place, reach, cells, err, kept)
         if (failed(err)) return
-        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 1, gpu%bodies(b)%start, &
-                                       gpu%id, gpu%order, err)
+        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 1, &
+                                       gpu%bodies(b)%start, gpu%id, gpu%order, err)
     end subroutine order_body
 
     !> The same but for the order within a cell.
@@ -194,13 +197,13 @@ contains
         call lay_cells(gpu, solid, b, place, reach, err, kept)
         if (failed(err)) return
         cells = ubound(solid%search%start, 1)
-        call reserve_buffer(gpu%bodies(b)%start, 4_int64*(cells + 2), err)
-        call clear_buffer(gpu%bodies(b)%start, err, 4_int64*(cells + 1))
         associate (body => gpu%bodies(b))
+            call reserve_buffer(body%start, 4_int64*(cells + 2), err)
+            call clear_buffer(body%start, err, 4_int64*(cells + 1))
             threads = [body%rim - body%first + 1, 1, 1]
-            call solid_kernels%count_cells(threads, gpu%bodies(b)%grid, gpu%bodies(b)%code, place, gpu%cell, &
-                                           gpu%bodies(b)%start, err)
-            call gpu%common%running_sum(gpu%bodies(b)%start, cells, err)
+            call solid_kernels%count_cells(threads, body%grid, body%code, place, gpu%cell, &
+                                           body%start, err)
+            call gpu%common%running_sum(body%start, cells, err)
             ! here a cell stands one place further behind its end than a bin does
             call common_kernels%bin_fill(threads, threads(1), body%first - 1, &
                 from(gpu%cell, int(body%first, int64)), from(gpu%bodies(b)%start, 0_int64), &
@@ -350,7 +353,8 @@ contains
         if (.not. fits) return
         call search(gpu, body, place, 0, 1, err)
         call solid_kernels%move_slices([body%slices, 1, 1], body%slices, body%first, body%last, &
-                                       body%spare, gpu%count, gpu%chosen, body%slice, body%width, err)
+                                       body%spare, gpu%count, gpu%chosen, body%slice, &
+                                       body%width, err)
         end = 0
         call copy_out(from(body%slice, body%slices + 1_int64), end, 4_int64, err)
         fits = 4_int64*slice_width*(end(1) + 1_int64) <= body%list%bytes
@@ -367,6 +371,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call solid_kernels%solid_search(threads_of(body), keep, some, body%last, body%grid, &
-            body%code, body%start, gpu%order, place, gpu%chosen, body%slice, gpu%count, body%list, err)
+            body%code, body%start, gpu%order, place, gpu%chosen, body%slice, gpu%count, &
+            body%list, err)
     end subroutine search
 end module brz_gpu_solid_search

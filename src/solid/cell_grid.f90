@@ -9,8 +9,8 @@ module brz_cell_grid
     use brz_solid_state, only: body_t, form_total, is_gone, kept_cells_t, lanes, search_t, solid_t
     implicit none
     private
-    public :: lay_grid, extent, choose_cells, take_cells, fill_cells, cell_span, box_span, cell_along, &
-        cells_beyond, reach_of_lists, cell_of_groups
+    public :: lay_grid, extent, choose_cells, take_cells, fill_cells, cell_span, box_span, &
+        cell_along, cells_beyond, reach_of_lists, cell_of_groups
 
     integer, parameter :: cells_per_particle = 2 !! most cells, empty ones included
     real(dp), parameter :: farthest = 1e15_dp !! [sides of a cell]: whole numbers of real64 end here

@@ -109,9 +109,9 @@ contains
         end associate
     end subroutine begin_list
 
-    !> True where a part of the list of body b may be built anew, as far as is known before particles
-    !> are counted: total-Lagrangian bodies keep their lists, rigid ones have none, and what is taken
-    !> out is sorted behind the others.
+    !> True where a part of the list of body b may be built anew, as far as is known before
+    !> particles are counted: total-Lagrangian bodies keep their lists, rigid ones have none, and
+    !> what is taken out is sorted behind the others.
     pure logical function may_renew(solid, b)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
