@@ -26,8 +26,8 @@ module brz_gpu_solid_search
 
 contains
 
-    !> The list of body b, of its particles and ghosts as they lie; in part where only few places are
-    !> new, unless these lists no longer have room.
+    !> The list of body b, of its particles and ghosts as they lie; in part where only few places
+    !> are new, unless these lists no longer have room.
     subroutine build_list(gpu, solid, b, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
