@@ -63,8 +63,8 @@ contains
         end associate
     end subroutine leave_out
 
-    !> Search for the neighbours of all groups of a body, or of the chosen ones. Every thread keeps what it finds for its
-    !> groups, until the lengths of all lists are known.
+    !> Search for the neighbours of all groups of a body, or of the chosen ones. Every thread keeps
+    !> what it finds for its groups, until the lengths of all lists are known.
     subroutine list_body(solid, body, reach, place)
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
@@ -127,20 +127,16 @@ contains
         integer(int64) :: k
 
         solid%first(g + 1) = was(g + 1) - was(g)
-        do while (n + solid%first(g + 1) > size(found, kind=int64))
-            call lengthen(found)
-        end do
         do k = was(g), was(g + 1) - 1
             n = n + 1
+            if (n > size(found, kind=int64)) call lengthen(found)
             found(n) = 8*int(solid%list(k), int64)
         end do
         if (.not. any(solid%mirror)) return
         solid%image_first(g + 1) = image_was(g + 1) - image_was(g)
-        do while (n + solid%image_first(g + 1) > size(found, kind=int64))
-            call lengthen(found)
-        end do
         do k = image_was(g), image_was(g + 1) - 1
             n = n + 1
+            if (n > size(found, kind=int64)) call lengthen(found)
             found(n) = 8*int(solid%image(k), int64) + solid%mask(k)
         end do
     end subroutine keep_group

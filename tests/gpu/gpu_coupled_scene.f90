@@ -19,8 +19,8 @@ module gpu_coupled_scene
     use gpu_tools, only: get_device
     implicit none
     private
-    public :: both_t, ranges_of, start, noise, stir_gas, put_particles, change_motion, shake, stock, &
-              gas_scale
+    public :: both_t, ranges_of, start, noise, stir_gas, put_particles, change_motion, shake, &
+              stock, gas_scale
 
     !> A scene on both machines.
     type :: both_t
