@@ -178,7 +178,7 @@ contains
                 part%listed%mark, err)
             call count_marks(n, p%bodies%first, gpu%common, part%listed, number, err)
             call tell_all(ranks, number, all)
-            call list_marks(n, [1, ranks%n], number, part%listed, part%out, err)
+            call list_marks(n, number, part%listed, part%out, err)
             call seat_guests(gpu, all(:, ranks%rank + 1, :), n, err)
             call part%parcels%aim(sum(all, 1), part%out, err)
             call part%parcels%aim(transpose(sum(all, 1)), part%in, err) ! on which loads go home

@@ -79,7 +79,7 @@ contains
             call guest_kernels%mark_cells(n, n, size(boxes), part%marks%asks, gpu%box, cell, &
                                          marks%mark, err)
             call count_marks(n, [1], gpu%common, marks, number, err)
-            call list_marks(n, [1, size(boxes)], number, marks, list, err)
+            call list_marks(n, number, marks, list, err)
         end associate
     end subroutine list_cells
 

@@ -3,7 +3,7 @@
 !> The host hears how many there are.
 module brz_gpu_marks
     use brz_boxes, only: box_t
-    use brz_buffers, only: doubles_t, from, integers_t
+    use brz_buffers, only: doubles_t, integers_t
     use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_common, only: gpu_common_t
@@ -76,23 +76,18 @@ contains
         number = reshape(at(2:) - at(:size(at) - 1), shape(number))
     end subroutine count_marks
 
-    !> The marked places of some rows, process by process.
-    subroutine list_marks(n, rows, number, marks, list, err)
+    !> The marked places, process by process.
+    subroutine list_marks(n, number, marks, list, err)
         integer, intent(in) :: n !! places
-        integer, intent(in) :: rows(2) !! the first and the last row
-        integer(int64), intent(in) :: number(:, :) !! (bodies, rows)
+        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
         type(gpu_marks_t), intent(in) :: marks !! running sums
         type(gpu_places_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
 
-        integer(int64) :: listed
-
-        listed = sum(number(:, rows(1):rows(2)))
-        call find_firsts(number(:, rows(1):rows(2)), list%first)
-        call reserve_buffer(list%place, 4*max(listed, 1_int64), err)
-        if (listed > 0) call place_kernels%list_marked(n*(rows(2) - rows(1) + 1), n, &
-            int(sum(number(:, :rows(1) - 1))), from(marks%mark, int(n, int64)*(rows(1) - 1) + 1), &
-            list%place, err)
+        call find_firsts(number, list%first)
+        call reserve_buffer(list%place, 4*max(sum(number), 1_int64), err)
+        if (sum(number) > 0) call place_kernels%list_marked(n*size(number, 2), n, marks%mark, &
+                                                            list%place, err)
     end subroutine list_marks
 
     !> Places of what comes, that of a process and body in one piece, process by process.

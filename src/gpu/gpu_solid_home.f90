@@ -107,7 +107,7 @@ contains
         if (sum(all) == 0) return
         changed = sum(out, dim=2) + sum(in, dim=2) > 0
         if (any(changed)) call close_books(gpu, solid, changed, err)
-        call list_marks(gpu%n, [1, size(out, 2)], out, gpu%marks, gpu%ghosts%gone, err)
+        call list_marks(gpu%n, out, gpu%marks, gpu%ghosts%gone, err)
         call gpu%ghosts%aim(all, gpu%ghosts%gone, err)
         allocate (gone(sum(out)), source=0)
         call copy_out(gpu%ghosts%gone%place, gone, 4_int64*size(gone), err)
@@ -203,7 +203,7 @@ contains
                        now, err)
         gpu%grown = gpu%grown .or. now
         if (now) call mark_ghosts(gpu, solid, out, err)
-        call list_marks(gpu%n, [1, size(out, 2)], out, gpu%marks, gpu%ghosts%out, err)
+        call list_marks(gpu%n, out, gpu%marks, gpu%ghosts%out, err)
         call gpu%ghosts%aim(sum(all, 1), gpu%ghosts%out, err)
         next = gpu%bodies%last
         call place_pieces(in, next, gpu%marks%pieces, gpu%ghosts%in, err)

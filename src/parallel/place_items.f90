@@ -280,13 +280,12 @@ contains
     !> many were marked before.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine list_marked(k, row, before, mark, place)
+    pure subroutine list_marked(k, row, mark, place)
         integer, intent(in) :: k !! marks
         integer, intent(in) :: row !! places of a process
-        integer, intent(in) :: before !! marks that are not listed
         integer(int32), intent(in) :: mark(*)
         integer(int32), intent(inout) :: place(*)
 
-        if (mark(k + 1) > mark(k)) place(mark(k) - before + 1) = mod(k - 1, row) + 1
+        if (mark(k + 1) > mark(k)) place(mark(k) + 1) = mod(k - 1, row) + 1
     end subroutine list_marked
 end module brz_place_items
