@@ -11,6 +11,7 @@ A procedure below lines such as
 is written once for each of them, under that name, with the constant in place of its first
 argument: the compiler leaves out what the constant excludes, and keeps vector code. Procedures
 below a bare `!@variant`, which have the same first argument, are copied with each that calls them.
+Where other code calls the procedure, by its own name, the variant of the first argument is chosen.
 """
 
 import re
@@ -48,7 +49,14 @@ def copies(text):
             made = [write(match, f"{match[4]}_{kind}", kind, kind) for kind in sorted(every)]
         return "\n".join(made)
 
-    return VARIED.sub(varied, text)
+    def choose(match):
+        indent, names = match[1], kinds[match[2]]
+        every = [f"case ({k})\n{indent}    call {one}({match[4]})" for one, k in names.items()]
+        return f"\n{indent}".join([f"{indent}select case ({match[3]})", *every, "end select"])
+
+    text = VARIED.sub(varied, text)
+    chosen = "|".join(name for name in found if kinds[name])
+    return re.sub(rf"^( *)call ({chosen})\((\w+), ((?:.*&\n)*.*)\)$", choose, text, flags=re.M)
 
 
 def main():

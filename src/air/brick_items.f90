@@ -1,13 +1,93 @@
 ! SPDX-License-Identifier: MIT
-!> Bricks of the air: which are awake, see brz_air_activity; sums over their cells.
+!> Bricks of the air: which something has reached, which are awake; sums over their cells.
+!>
+!> A brick at rest holds gas with the density and energy of the undisturbed air to the bit, and a
+!> velocity below the rounding error of the sound speed. It is put to rest wholly, or else every
+!> step would carry ever smaller numbers a few cells further. Any other brick, or one that holds
+!> solid, is reached, and stays so. Bricks so near that a step can carry something from a reached
+!> one into them are awake too. The rates of all other cells are zero to the bit, so leaving them
+!> out changes nothing.
 module brz_brick_items
-    use brz_air_grid, only: brick, grid_t, place_of
+    use brz_air_grid, only: brick, grid_t, place_of, rest_t
     use brz_kinds, only: dp, int64, int8, rk
     implicit none
     private
-    public :: wake_near, total_brick
+    public :: look_at_row, settle_row, wake_near, total_brick, rows_of_brick
+
+    integer, parameter :: rows_of_brick = brick*brick !! of cells along x
 
 contains
+
+    !> Mark an awake brick as reached if a row of its cells is not at rest. Whoever marks a brick
+    !> writes the same number.
+    !@item if(n > 40000) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine look_at_row(t, grid, rest, u, awake, reached)
+        integer, intent(in) :: t !! rows of bricks
+        type(grid_t), intent(in) :: grid
+        type(rest_t), intent(in) :: rest
+        real(rk), intent(in) :: u(*)
+        integer(int8), intent(in) :: awake(*)
+        integer(int8), intent(inout) :: reached(*)
+        integer(int64) :: at, first
+        integer :: c, cells
+        logical :: moved
+
+        call find_row(t, grid, awake, reached, first, cells)
+        moved = .false.
+        do c = 1, grid%n_var
+            do at = first + (c - 1)*grid%apart, first + (c - 1)*grid%apart + cells - 1
+                if (c > 1 .and. c < 5) then
+                    if (.not. abs(u(at)) <= rest%momentum) moved = .true.
+                else
+                    if (.not. abs(u(at) - rest%u(c)) <= 0) moved = .true.
+                end if
+            end do
+        end do
+        if (moved) reached((t - 1)/rows_of_brick + 1) = 1_int8
+    end subroutine look_at_row
+
+    !> Put a row of an awake brick that nothing has reached to rest.
+    !@item if(n > 40000) schedule(static)
+    !@cuf attributes(host,device) &
+    pure subroutine settle_row(t, grid, awake, reached, u)
+        integer, intent(in) :: t !! rows of bricks
+        type(grid_t), intent(in) :: grid
+        integer(int8), intent(in) :: awake(*), reached(*)
+        real(rk), intent(inout) :: u(*)
+        integer(int64) :: at, first
+        integer :: c, cells
+
+        call find_row(t, grid, awake, reached, first, cells)
+        do c = 1, 3
+            do at = first + c*grid%apart, first + c*grid%apart + cells - 1
+                if (abs(u(at)) > 0) u(at) = 0
+            end do
+        end do
+    end subroutine settle_row
+
+    !> Place of the first cell of a row, and how many cells it has; none where nothing is to be
+    !> asked: what sleeps is at rest, what was reached stays so.
+    !@cuf attributes(host,device) &
+    pure subroutine find_row(t, grid, awake, reached, first, cells)
+        integer, intent(in) :: t !! row
+        type(grid_t), intent(in) :: grid
+        integer(int8), intent(in) :: awake(*), reached(*)
+        integer(int64), intent(out) :: first
+        integer, intent(out) :: cells
+        integer :: b, i, j, k
+
+        first = 0
+        cells = 0
+        b = (t - 1)/rows_of_brick + 1
+        if (awake(b) == 0 .or. reached(b) /= 0) return
+        i = mod(b - 1, grid%bricks(1))*brick + 1
+        j = mod((b - 1)/grid%brick_step(2), grid%bricks(2))*brick + 1 + mod(t - 1, brick)
+        k = (b - 1)/grid%brick_step(3)*brick + 1 + mod((t - 1)/brick, brick)
+        if (j > grid%n(2) .or. k > grid%n(3)) return
+        first = place_of(grid, i, j, k)
+        cells = min(brick, grid%n(1) - i + 1)
+    end subroutine find_row
 
     !> Awake are the reached bricks and those as near as a step reaches, across periodic boundaries
     !> too.

@@ -1,10 +1,11 @@
 ! SPDX-License-Identifier: MIT
-!> Which bricks of the air must be computed, once it is known which something has reached (see
-!> brz_air_activity). scripts/steps.py writes the same for the GPU.
+!> Which bricks of the air something has reached, and which must be computed (see brz_brick_items).
+!> scripts/steps.py writes the same for the GPU.
 module brz_brick_steps
-    use brz_air_grid, only: brick, grid_of, grid_t, layers_around
+    use brz_air_grid, only: brick, grid_of, grid_t, layers_around, rest_t
     use brz_air_state, only: air_t, bc_periodic
-    use brz_brick_loops, only: each_wake_near
+    use brz_brick_items, only: rows_of_brick
+    use brz_brick_loops, only: each_look_at_row, each_settle_row, each_wake_near
     use brz_fetch, only: fetch !@cpu
     use brz_kinds, only: rk
     use brz_place_loops, only: each_pick_bytes, each_put_bytes
@@ -12,9 +13,23 @@ module brz_brick_steps
     use brz_scheme, only: reach_of
     implicit none
     private
-    public :: wake_bricks
+    public :: settle_bricks, wake_bricks
 
 contains
+
+    !> Mark what something has reached, and put the other bricks to rest, which are but for
+    !> rounding. On a GPU those that hold solid are marked where walls are put there.
+    subroutine settle_bricks(air)
+        type(air_t), intent(inout) :: air
+        type(rest_t) :: rest
+        integer :: n
+
+        rest%u = air%rest
+        rest%momentum = epsilon(1.0_rk)*sqrt(air%scheme%gamma*air%p_rest*air%rho_rest)
+        n = rows_of_brick*product(air%grid%bricks)
+        call each_look_at_row(n, air%grid, rest, air%u, air%awake, air%reached)
+        call each_settle_row(n, air%grid, air%awake, air%reached, air%u)
+    end subroutine settle_bricks
 
     !> Awake are the reached bricks and those as near as a step reaches, those of other processes
     !> around the box as well.

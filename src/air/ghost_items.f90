@@ -2,7 +2,7 @@
 !> Ghost cells at the ends of the lines of the air: open boundaries let waves out, walls and
 !> symmetry planes mirror, a periodic box goes on from the other end.
 !>
-!> Ghosts of gas at rest must be at rest to the bit: see brz_air_activity. Only ghosts straight
+!> Ghosts of gas at rest must be at rest to the bit: see brz_brick_items. Only ghosts straight
 !> across a face are filled; no stencil reaches into edges or corners.
 module brz_ghost_items
     use brz_air_boundary, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall, image_at

@@ -3,7 +3,7 @@
 !> fallback computes again are few: one thread does it.
 module brz_air_operations
     use brz_kinds, only: dp, int64, rk
-    use brz_air_activity, only: next_run, settle_bricks
+    use brz_air_activity, only: next_run
     use brz_air_grid, only: place_of, stage_t
     use brz_air_lost, only: find_lost
     use brz_air_outside, only: set_grid
@@ -26,10 +26,11 @@ module brz_air_operations
 
 contains
 
-    !> Buffers, impulses and the map of what is reached, for a step.
+    !> Buffers and impulses for a step, and that bricks with solid are reached.
     subroutine get_ready(air, wall)
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
+        integer :: c, cell(3)
 
         call make_buffers(air)
         if (.not. allocated(wall%solid)) allocate (wall%solid(1, 1, 1), wall%index(1, 1, 1), &
@@ -39,7 +40,11 @@ contains
         call set_scale(air)
         call set_grid(air)
         air%grid%walls = merge(1, 0, wall%present)
-        call settle_bricks(air, wall)
+        do c = 1, wall%n_cells
+            if (any(wall%cell(:, c) < 1 .or. wall%cell(:, c) > air%n)) cycle ! of another process
+            cell = (wall%cell(:, c) - 1)/brick + 1
+            air%reached(cell(1), cell(2), cell(3)) = 1
+        end do
     end subroutine get_ready
 
     !> Give every thread its buffers; only a first step, or one with more threads, allocates.

@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> Artificial stress of pass 2, pair by pair.
 module brz_solid_artificial
-    use brz_kernel, only: kernel_shape, kernel_slope, pair_kernel
+    use brz_kernel, only: kernel_slope, pair_kernel
     use brz_kinds, only: int64, rk
-    use brz_pair_force, only: stress_force
+    use brz_pair_rows, only: artificial_force, mirror_tensor
     use brz_solid_arrays, only: group_of
     use brz_solid_lanes, only: centre_t
     use brz_solid_mirror, only: signs
@@ -43,25 +43,19 @@ contains
         integer, intent(in) :: j, mask !! mirrored axes, bits 0..2
         real(rk), intent(inout) :: f(n_terms)
         type(centre_t) :: q
-        real(rk) :: s(3), r(3), own(9), other(9), g(3), w, shape, distance
-        integer :: t
+        real(rk) :: s(3), r(3), other(9), g(3), distance
 
-        own = solid%pair(pair_affine + 1:pair_affine + 9, i)
-        other = solid%pair(pair_affine + 1:pair_affine + 9, j)
-        if (own(1) + own(5) + own(9) + other(1) + other(5) + other(9) <= 0) return
-        q = p
         s = signs(mask)
         r = real(solid%x(:, i) - s*solid%x(:, j), rk)
-        do t = 1, 3
-            other(3*t - 2:3*t) = s(t)*s*other(3*t - 2:3*t)
-        end do
+        other = solid%pair(pair_affine + 1:pair_affine + 9, j)
+        call mirror_tensor(s, other)
+        q = p
         if (body%variable) call pair_kernel(solid%dimension, solid%h(i), solid%h(j), q%h, &
                                             q%scale, q%half_over_h)
         distance = norm2(r)
-        w = solid%mass(i)*solid%mass(j)*kernel_slope(q%scale, q%half_over_h, distance)
-        if (w == 0) return
-        shape = kernel_shape(q%half_over_h, distance)/body%shape_at_spacing
-        call stress_force(-w*shape**body%artificial_power, own, other, r, g)
+        call artificial_force(body%body_numbers_t, q%half_over_h, distance, solid%mass(i) &
+                              *solid%mass(j)*kernel_slope(q%scale, q%half_over_h, distance), &
+                              solid%pair(pair_affine + 1, i), other, r, g)
         f(at_hold + 1:at_hold + 3) = f(at_hold + 1:at_hold + 3) + g
     end subroutine add_pair
 end module brz_solid_artificial

@@ -10,13 +10,13 @@ module brz_solid_forces
     use brz_solid_arrays, only: group_of
     use brz_solid_lanes, only: centre_t, group_t, images_t, in_turn, most_images, place_body, &
         place_group, place_images
-    use brz_solid_mirror, only: mirrored, mirrored_hold, mirrored_row, signs
+    use brz_pair_rows, only: mirror_row, mirror_tensor
+    use brz_solid_mirror, only: mirrored, signs
     use brz_solid_pair_sums, only: add_pairs
     use brz_solid_artificial, only: add_artificial
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, n_terms, &
-                               body_t, form_rigid, &
-                               form_total, held_energy, held_stiffness, is_free, is_gone, &
-                               lanes, n_held, n_pair, pair_hold, pair_tilt, solid_t, worth_threads
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, body_t, &
+        form_rigid, form_total, held_affine, held_energy, held_stiffness, is_free, is_gone, &
+        lanes, n_held, n_pair, n_terms, pair_hold, pair_tilt, solid_t, worth_threads
     use brz_support, only: held_share
     use brz_tension_hold, only: kept_work
     use brz_tilted_arm, only: mirrored_tilt
@@ -184,8 +184,10 @@ contains
             n = int(e - k) + 1
             j = solid%image(e)
             s = signs(int(solid%mask(e)))
-            rows%pair(:, n) = mirrored_row(s, solid%pair(:, j))
-            if (p%held) rows%held(:, n) = mirrored_hold(s, solid%held(:, j))
+            rows%pair(:, n) = solid%pair(:, j)
+            call mirror_row(s, rows%pair(:, n))
+            if (p%held) rows%held(:, n) = solid%held(:, j)
+            if (p%held) call mirror_tensor(s, rows%held(held_affine + 1, n))
             if (.not. p%curved) &
                 rows%pair(pair_tilt, n) = mirrored_tilt(s, p%normal, solid%pair(pair_tilt, j))
             if (p%directional .and. p%formulation == form_total) &

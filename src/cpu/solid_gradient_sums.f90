@@ -34,26 +34,19 @@ contains
         integer(int32), intent(in) :: list(*)
         real(rk), intent(inout) :: sums(lanes, n_sums)
         type(group_t) :: q
+        integer :: kind
 
         if (p%formulation == form_total) then
+            kind = merge(referred, bending, any(abs(p%tilt) + abs(p%lift) > 0))
             q = p
             q%x = p%x_ref
             q%x_ref = p%x
-            if (any(abs(p%tilt) + abs(p%lift) > 0)) then
-                call sum_referred(q, x_ref, v, x, volume, h, list, sums)
-            else
-                call sum_bending(q, x_ref, v, x, volume, h, list, sums)
-            end if
-        else if (any(abs(p%tilt) > 0) .and. p%curved) then
-            call sum_curved(p, x, v, x_ref, volume, h, list, sums)
-        else if (any(abs(p%tilt) > 0)) then
-            call sum_tilted(p, x, v, x_ref, volume, h, list, sums)
-        else if (p%formulation == form_bending) then
-            call sum_bending(p, x, v, x_ref, volume, h, list, sums)
-        else if (any(p%drawn)) then
-            call sum_drawn(p, x, v, x_ref, volume, h, list, sums)
+            call sum_neighbours(kind, q, x_ref, v, x, volume, h, list, sums)
         else
-            call sum_plain(p, x, v, x_ref, volume, h, list, sums)
+            kind = merge(drawn, plain, any(p%drawn))
+            if (p%formulation == form_bending) kind = bending
+            if (any(abs(p%tilt) > 0)) kind = merge(curved, tilted, p%curved)
+            call sum_neighbours(kind, p, x, v, x_ref, volume, h, list, sums)
         end if
     end subroutine add_neighbours
 

@@ -24,10 +24,11 @@ module brz_solid_pair_sums
     public :: sum_viscous_jump, sum_held_jump, sum_plate_jump, sum_wall, sum_wall_jump
 
     ! Forces besides those of stress and viscosity: none; the viscous hourglass force; also the
-    ! hold; also tilts (plates); those of curved walls, each of the four also with a viscosity that
-    ! sees jumps alone; the stiff hourglass force; the same in total-Lagrangian bodies, where X_ij
-    ! weighs the pairs and the stress (Piola's) acts along it; the stiff one along the axes of the
-    ! material, and tilts; the same in total-Lagrangian bodies, in the metric of their lattice.
+    ! hold; also tilts (plates); those of curved walls, each of the four also with a viscosity
+    ! that sees jumps alone, the kind behind; the stiff hourglass force; the same in total-
+    ! Lagrangian bodies, where X_ij weighs the pairs and the stress (Piola's) acts along it; the
+    ! stiff one along the axes of the material, and tilts; the same in total-Lagrangian bodies, in
+    ! the metric of their lattice.
     integer, parameter :: plain = 1, viscous = 2, viscous_jump = 3, held = 4, held_jump = 5, &
                           plate = 6, plate_jump = 7, wall = 8, wall_jump = 9, stiff = 10, &
                           total = 11, axial = 12, wide = 13
@@ -43,35 +44,17 @@ contains
         integer(int32), intent(in) :: list(*)
         real(real32), intent(in), optional :: hold(6, *) !! only with a stiffness along axes
         real(rk), intent(in), optional :: drawn(n_held, *) !! only with the hold
+        integer :: kind
 
+        kind = plain
+        if (p%formulation == form_corrected_hourglass) kind = viscous
+        if (p%formulation == form_bending) kind = merge(axial, stiff, p%directional)
+        if (p%formulation == form_total) kind = merge(wide, total, p%directional)
+        if (p%held) kind = merge(plate, held, any(p%normal > 0))
+        if (p%held .and. p%curved) kind = wall
+        if (p%jumps) kind = merge(kind, viscous, p%held) + 1
         if (p%held .and. p%curved) call find_normals(p, x_ref, list)
-        if (p%jumps .and. p%held .and. p%curved) then
-            call sum_wall_jump(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%held .and. p%curved) then
-            call sum_wall(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%jumps .and. p%held .and. any(p%normal > 0)) then
-            call sum_plate_jump(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%jumps .and. p%held) then
-            call sum_held_jump(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%jumps) then
-            call sum_viscous_jump(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%held .and. any(p%normal > 0)) then
-            call sum_plate(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%held) then
-            call sum_held(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%formulation == form_bending .and. p%directional) then
-            call sum_axial(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%formulation == form_bending) then
-            call sum_stiff(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%formulation == form_total .and. p%directional) then
-            call sum_wide(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%formulation == form_total) then
-            call sum_total(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else if (p%formulation == form_corrected_hourglass) then
-            call sum_viscous(p, x, v, x_ref, pair, h, list, hold, drawn)
-        else
-            call sum_plain(p, x, v, x_ref, pair, h, list, hold, drawn)
-        end if
+        call sum_pairs(kind, p, x, v, x_ref, pair, h, list, hold, drawn)
     end subroutine add_pairs
 
     !> The same with the forces of one kind.

@@ -3,7 +3,7 @@
 !>
 !> Each stage reads one state and writes another, so that a cell can be computed again.
 module brz_gpu_air_operations
-    use brz_air_grid, only: faces_of_a_thread, lines_along, rest_t, stage_t
+    use brz_air_grid, only: faces_of_a_thread, lines_along, stage_t
     use brz_air_launches, only: air_kernels, launch_faces, launch_march, launch_redo
     use brz_air_lost, only: find_lost
     use brz_air_state, only: air_t
@@ -20,26 +20,14 @@ module brz_gpu_air_operations
 
 contains
 
-    !> Impulses and the map of what is reached, for a step: a brick that nothing has reached is put
-    !> to rest, see brz_air_activity.
-    subroutine get_ready(gpu, air, err)
+    !> Impulses for a step.
+    subroutine get_ready(gpu, err)
         type(gpu_air_t), intent(inout) :: gpu
-        type(air_t), intent(in) :: air
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
-        type(rest_t) :: rest
-        integer :: columns(3)
 
         gpu%fetched = .false.
         gpu%start = gpu%u
         if (gpu%walls%n_faces > 0) call clear_buffer(gpu%walls%impulse, err)
-        rest%u = air%rest
-        rest%momentum = epsilon(1.0_rk)*sqrt(air%scheme%gamma*air%p_rest*air%rho_rest)
-        columns = [air%n(1:2), gpu%grid%bricks(3)]
-        associate (bricks => gpu%bricks)
-            call air_kernels%air_look(columns, gpu%grid, rest, gpu%u, bricks%awake, &
-                                      bricks%reached, err)
-            call air_kernels%air_settle(columns, gpu%grid, bricks%awake, bricks%reached, gpu%u, err)
-        end associate
     end subroutine get_ready
 
     !> Rates of all directions; the last one completes the next state and marks its bad cells. Cells

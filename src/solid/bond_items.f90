@@ -9,13 +9,13 @@ module brz_bond_items
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of
-    use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, &
-        jump_speed, most_bent, most_drawn, viscous_force
+    use brz_pair_force, only: hourglass_axial, hourglass_stiff, jump_speed, most_bent, viscous_force
+    use brz_pair_rows, only: add_drag, add_hold, axes_of_pair, mirror_row
     use brz_shared_sums, only: carried_along
-    use brz_solid_state, only: at_drag, at_friction, at_g, at_heat, at_hold, at_s, at_work, at_x, &
-        at_y, bond_breaks, bond_broken, bond_whole, form_bending, form_corrected_hourglass, &
-        held_affine, held_stiffness, held_whole, n_held, n_moments, n_pair, n_terms, pair_affine, &
-        pair_hold, pair_keep, pair_linear, pair_quadratic, pair_stress, pair_tilt, pair_volume
+    use brz_solid_state, only: at_drag, at_g, at_heat, at_hold, at_s, at_x, at_y, &
+        bond_breaks, bond_broken, bond_whole, form_bending, form_corrected_hourglass, n_held, &
+        n_moments, n_pair, n_terms, pair_affine, pair_hold, pair_keep, pair_linear, &
+        pair_quadratic, pair_stress, pair_tilt, pair_volume
     use brz_tilted_arm, only: tilted_arm, tilted_force, wall_arm
     implicit none
     private
@@ -147,7 +147,10 @@ contains
             do t = 1, 3
                 dx(t) = real(unloaded(t) - s(t)*x_ref(t, j), rk)
             end do
-            call mirror_pair(s, pair(1, j), other)
+            do t = 1, n_pair
+                other(t) = pair(t, j)
+            end do
+            call mirror_row(s, other)
             w = own(pair_volume)*other(pair_volume)*slope
             jump = vr
             if (table(a, b)%spares > 0) jump = jump_speed(own(pair_affine + 1), &
@@ -172,29 +175,11 @@ contains
             if (table(a, b)%formulation == form_bending) then
                 call bend_bond(table(a, b), w, s, r, dx, own, other, hold(1, i), hold(1, j), f)
             else if (table(a, b)%formulation == form_corrected_hourglass) then
-                call drag_bond(w, r, dv, own, other, f)
-                if (lay%holds == 1) call draw_bond(w, s, r, dv, dx, held(1, i), held(1, j), f)
+                call add_drag(w, r, dv, own, other, f)
+                if (lay%holds == 1) call add_hold(w, s, r, dv, dx, held(1, i), held(1, j), f)
             end if
         end do
     end subroutine pull_bonds
-
-    !> A row of `pair` as the image of its particle has it: its tensors change.
-    !@cuf attributes(host,device) &
-    pure subroutine mirror_pair(s, pair, other)
-        real(rk), intent(in) :: s(3), pair(n_pair)
-        real(rk), intent(out) :: other(n_pair)
-        integer :: c, t
-
-        do t = 1, n_pair
-            other(t) = pair(t)
-        end do
-        do t = 1, 3
-            do c = 1, 3
-                other(pair_stress + 3*(t - 1) + c) = s(t)*s(c)*pair(pair_stress + 3*(t - 1) + c)
-                other(pair_affine + 3*(t - 1) + c) = s(t)*s(c)*pair(pair_affine + 3*(t - 1) + c)
-            end do
-        end do
-    end subroutine mirror_pair
 
     !> Force of the stress of a bonded pair.
     !@cuf attributes(host,device) &
@@ -248,15 +233,7 @@ contains
         integer :: t
 
         if (m%directional) then
-            do t = 1, 6
-                stiff(t) = real(hold_j(t), rk)
-            end do
-            stiff(4) = stiff(4)*(s(1)*s(2))
-            stiff(5) = stiff(5)*(s(2)*s(3))
-            stiff(6) = stiff(6)*(s(1)*s(3))
-            do t = 1, 6
-                stiff(t) = real(hold_i(t), rk) + stiff(t)
-            end do
+            call axes_of_pair(s, hold_i, hold_j, stiff)
             call hourglass_axial(y, stiff, own(pair_affine + 1), other(pair_affine + 1), dx, &
                                  dx, r, g)
         else
@@ -267,47 +244,6 @@ contains
             f(at_hold + t) = f(at_hold + t) + g(t)
         end do
     end subroutine bend_bond
-
-    !> Viscous hourglass force of a bonded pair.
-    !@cuf attributes(host,device) &
-    pure subroutine drag_bond(y, r, dv, own, other, f)
-        real(rk), intent(in) :: y, r(3), dv(3), own(n_pair), other(n_pair)
-        real(rk), intent(inout) :: f(n_terms)
-        real(rk) :: g(3), heat
-        integer :: t
-
-        call hourglass_viscous(y*own(pair_hold), y*other(pair_hold), own(pair_affine + 1), &
-                               other(pair_affine + 1), dv, r, g, heat)
-        do t = 1, 3
-            f(at_drag + t) = f(at_drag + t) + g(t)
-        end do
-        f(at_friction) = f(at_friction) + heat
-    end subroutine drag_bond
-
-    !> The hold of a bonded pair.
-    !@cuf attributes(host,device) &
-    pure subroutine draw_bond(y, s, r, dv, dx, own, other, f)
-        real(rk), intent(in) :: y, s(3), r(3), dv(3), dx(3)
-        real(rk), intent(in) :: own(n_held), other(n_held)
-        real(rk), intent(inout) :: f(n_terms)
-        real(rk) :: p(9), q(9), g(3), work
-        integer :: c, t
-
-        if (.not. own(held_stiffness) + other(held_stiffness) > 0) return
-        do t = 1, 3
-            do c = 1, 3
-                p(3*(t - 1) + c) = own(held_affine + 3*(t - 1) + c)
-                q(3*(t - 1) + c) = s(t)*s(c)*other(held_affine + 3*(t - 1) + c)
-            end do
-        end do
-        call hourglass_stiff(most_drawn, y*own(held_whole)*other(held_whole), &
-                             own(held_stiffness) + other(held_stiffness), p, q, dx, r, g)
-        work = dot_product(g, dv)
-        do t = 1, 3
-            f(at_hold + t) = f(at_hold + t) + g(t)
-        end do
-        f(at_work) = f(at_work) - work/2
-    end subroutine draw_bond
 
     !> Add the forces of the bonded partners to `extra`, which pass 2 starts from.
     !@item

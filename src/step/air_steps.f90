@@ -15,7 +15,7 @@ module brz_air_steps
     use brz_air_outside, only: keep_outside !@cpu
     use brz_air_stage, only: stage_of
     use brz_air_state, only: air_ok, air_t, air_unphysical, wall_t
-    use brz_brick_steps, only: wake_bricks
+    use brz_brick_steps, only: settle_bricks, wake_bricks
     use brz_face_loops, only: each_add_push
     use brz_fallback_items, only: to_hold, to_lose, to_redo
     use brz_fallback_loops, only: each_count_marked
@@ -60,7 +60,9 @@ contains
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
 
-        call get_ready(air, wall)
+        call get_ready(air, wall) !@cpu
+        !@gpu call get_ready(gpu)
+        call settle_bricks(air)
         if (air%activity) call wake_bricks(air) !@cpu
         !@gpu if (air%activity .and. gpu%bricks%swept) call wake_bricks(gpu, air)
         !@gpu gpu%bricks%swept = .true.

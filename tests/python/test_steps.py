@@ -77,6 +77,9 @@ LOOP = """\
     subroutine help(kind, x)
         integer, intent(in) :: kind
     end subroutine help
+    subroutine sum_some(which, x)
+        call sum_all(which, x)
+    end subroutine sum_some
 """
 
 
@@ -124,3 +127,6 @@ def test_variants_are_copies_with_a_constant(tmp_path):
         assert f"call help_{name}(x)" in text
         assert f"subroutine help_{name}(x)" in text
     assert "intent(in) :: kind" not in text
+    lines = [x.strip() for x in text.splitlines()]
+    chosen = lines[lines.index("select case (which)") : lines.index("end select")]
+    assert chosen[1:4] == ["case (one)", "call sum_one(x)", "case (two)"]
