@@ -171,6 +171,7 @@ contains
         case (forces)
             call force_pass(solid, dt*1e-6_dp)
         case (list)
+            solid%bodies%cells%renewals = -1 ! as a whole
             call build_neighbours(solid, sort=.true.)
         case (whole)
             call solid_step(solid, dt, err)

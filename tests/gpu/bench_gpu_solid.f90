@@ -126,6 +126,7 @@ contains
             do k = 1, size(names)
                 if (k == 8 .and. m > 2) cycle
                 call wait_for_device(err)
+                solid%bodies%cells%renewals = -1 ! lists are built as a whole
                 call start_timer(err)
                 select case (k)
                 case (1); call kick_bodies(gpu, solid, 0.0_dp, err)
