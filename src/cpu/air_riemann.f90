@@ -54,7 +54,7 @@ contains
         real(rk), intent(inout) :: gamma(nb) !! ratio of specific heats [-]
         real(rk), intent(inout) :: w(nb, 5) !! density, velocity, pressure
         real(rk) :: state(5), primitive(5)
-        integer :: c, l
+        integer :: l
 
         if (scheme%mixture) then
             do l = 1, nb
@@ -64,13 +64,17 @@ contains
             gamma = scheme%gamma
         end if
         do l = 1, nb
-            do c = 1, 5
-                state(c) = q(l, c)
-            end do
+            state(1) = q(l, 1)
+            state(2) = q(l, 2)
+            state(3) = q(l, 3)
+            state(4) = q(l, 4)
+            state(5) = q(l, 5)
             call to_primitive(gamma(l), state, primitive)
-            do c = 1, 5
-                w(l, c) = primitive(c)
-            end do
+            w(l, 1) = primitive(1)
+            w(l, 2) = primitive(2)
+            w(l, 3) = primitive(3)
+            w(l, 4) = primitive(4)
+            w(l, 5) = primitive(5)
         end do
     end subroutine take_cells
 
@@ -161,15 +165,22 @@ contains
         real(rk), intent(in) :: below(nb, 5), above(nb, 5) !! density, velocity, pressure
         real(rk), intent(inout) :: f(nb, 5) !! flux
         real(rk) :: a(5), b(5), flux(5)
-        integer :: c
 
-        do c = 1, 5
-            a(c) = below(l, c)
-            b(c) = above(l, c)
-        end do
+        a(1) = below(l, 1)
+        a(2) = below(l, 2)
+        a(3) = below(l, 3)
+        a(4) = below(l, 4)
+        a(5) = below(l, 5)
+        b(1) = above(l, 1)
+        b(2) = above(l, 2)
+        b(3) = above(l, 3)
+        b(4) = above(l, 4)
+        b(5) = above(l, 5)
         call hllc_flux(gamma_below, a, gamma_above, b, flux)
-        do c = 1, 5
-            f(l, c) = flux(c)
-        end do
+        f(l, 1) = flux(1)
+        f(l, 2) = flux(2)
+        f(l, 3) = flux(3)
+        f(l, 4) = flux(4)
+        f(l, 5) = flux(5)
     end subroutine solve_lane
 end module brz_air_riemann

@@ -66,16 +66,23 @@ contains
         real(rk), intent(in) :: q(nb, 5) !! conserved variables
         real(rk), intent(inout) :: up(nb, 5), down(nb, 5) !! split fluxes
         real(rk) :: state(5), plus(5), minus(5)
-        integer :: c
 
-        do c = 1, 5
-            state(c) = q(l, c)
-        end do
+        state(1) = q(l, 1)
+        state(2) = q(l, 2)
+        state(3) = q(l, 3)
+        state(4) = q(l, 4)
+        state(5) = q(l, 5)
         call split_flux(gamma, state, plus, minus)
-        do c = 1, 5
-            up(l, c) = plus(c)
-            down(l, c) = minus(c)
-        end do
+        up(l, 1) = plus(1)
+        up(l, 2) = plus(2)
+        up(l, 3) = plus(3)
+        up(l, 4) = plus(4)
+        up(l, 5) = plus(5)
+        down(l, 1) = minus(1)
+        down(l, 2) = minus(2)
+        down(l, 3) = minus(3)
+        down(l, 4) = minus(4)
+        down(l, 5) = minus(5)
     end subroutine split_lane
 
     !> Fluxes through the faces above cell b of the lines.
