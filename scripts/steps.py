@@ -45,7 +45,7 @@ CHANGES += [
 CHANGES += [(r"type\((air|coupling)_t\)", r"type(gpu_\1_t)")]
 CHANGES += [("type.solid_t.", "type(seen_t)"), (r"use brz_(lists|\w+_steps)\b", r"use brz_gpu_\1")]
 # what gpu_solid_t has as solid_t has it, for files of the solids
-ON_GPU = "n|wide|step_[dp]|x|x_ref|v|a|load|grip|mass|energy|stress|pair|fixed|id"
+ON_GPU = "n|wide|step_[dp]|x|x_ref|x_built|v|a|load|grip|mass|energy|stress|pair|fixed|id"
 OF_SOLIDS = [(r"\ballocated\(solid%(load|grip)\)", r"gpu%\1%address /= 0")]
 OF_SOLIDS += [(r"\bjoined_of\(solid%links\)", "gpu%links%joined")]
 OF_SOLIDS += [(r"\b(load|grip)_of\(solid\)", r"gpu%\1"), (rf"\bsolid%({ON_GPU})\b", r"gpu%\1")]
@@ -86,8 +86,8 @@ def arguments(text):
 def launch(family, item, given, comment, c):
     """A launch in place of the loop over an item, and the count that it leaves."""
     tags = comment.partition("!@gpu")[2].split()
-    if tags[1:2] == ["=>"]:
-        given = [tags[2] if x == tags[0] else x for x in given]
+    other = dict(re.findall(r"(\S+) => ([\w%]+)", comment))
+    given = [other.get(x, x) for x in given]
     given = [re.sub(r"^(c%\w+)\((\w+):\)$", r"from(\1, int(\2, int64))", x) for x in given]
     pairs = list(zip(given[2 if item.exact else 1 :], item.rest, strict=True))
     kept = [given[0], *(re.sub("^c%carrier$", r"\g<0>_there", x) for x, a in pairs if not a.tally)]

@@ -153,13 +153,7 @@ contains
         end do
         coupling%guests%n = n
         if (size(coupling%guests%x, 2) < n) call make_seats(n + n/4, coupling)
-        associate (in => coupling%part%in)
-            if (size(in%place) < n) then
-                deallocate (in%place)
-                allocate (in%place(n + n/4))
-            end if
-            call fill_pieces(number, next, in)
-        end associate
+        call fill_pieces(number, next, coupling%part%in)
     end subroutine seat_guests
 
     !> No guests are there yet, but the bodies are known.

@@ -20,7 +20,7 @@ module brz_gpu_marks
         type(integers_t) :: mark !! (places, processes)
         type(integers_t) :: ends, sums !! of bodies, in a row; of the marks before
         type(integers_t) :: pieces, asks !! small tables
-        type(doubles_t) :: regions, wants !! others
+        type(doubles_t) :: region, wants !! others
     end type gpu_marks_t
 
 contains

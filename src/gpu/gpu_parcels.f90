@@ -3,7 +3,7 @@
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t, part_from => from
-    use brz_device, only: copy_in, free_buffer, reserve_buffer
+    use brz_device, only: copy_in, reserve_buffer
     use brz_errors, only: error_t, exit_device, raise
     use brz_gpu_peers, only: begins, peers_t
     use brz_kinds, only: int64
@@ -42,7 +42,7 @@ module brz_gpu_parcels
         type(integers_t) :: came !! of parcels from others
         type(peers_t) :: peers
     contains
-        procedure :: open, refresh, aim, send, post, parcel_from, move
+        procedure :: open, refresh, aim, send, post, parcel_from
     end type gpu_parcels_t
 
 contains
@@ -223,23 +223,6 @@ contains
             end do
         end associate
     end subroutine carry
-
-    !> Move the rows of listed particles to other places of this process, which none of them has.
-    subroutine move(self, from, to, arrays, err)
-        class(gpu_parcels_t), intent(inout) :: self
-        integer, intent(in) :: from(:), to(:) !! places
-        type(rows_t), intent(in) :: arrays(:)
-        type(error_t), intent(inout) :: err
-        type(integers_t) :: list
-
-        if (size(from) == 0) return
-        call reserve_buffer(self%words, 4_int64*width_of(arrays)*size(from), err)
-        call put_places(from, list, err)
-        call pick_rows(arrays, list, size(from), self%words, err)
-        call put_places(to, list, err)
-        call put_rows(self%words, list, size(from), arrays, err)
-        call free_buffer(list)
-    end subroutine move
 
     !> Words of a record: an even number.
     pure integer function width_of(arrays) result(wide)

@@ -16,12 +16,11 @@ module brz_gpu_solid_copy
         open_gpu_solid_memory, tags_of, threads_of
     use brz_kinds, only: dp, int32, int64, rk
     use brz_materials, only: unloaded_speed
-    use brz_ranks, only: several
     use brz_snapshots, only: snapshot_t
     use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_motion, in_place, in_state, &
         in_tag
-    use brz_solid_home, only: make_room, spread_bodies
+    use brz_solid_home, only: make_room
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     implicit none
@@ -29,7 +28,6 @@ module brz_gpu_solid_copy
     public :: open_gpu_solid, fetch_solid, note_solid, fetch_particles, fetch_faults
 
     integer, parameter :: at_once = int(32/bytes_of_real) !! columns that take no more than rows do
-    real(dp), parameter :: spare = 0.25_dp !! of the places of a body, kept free on several GPUs
 
 contains
 
@@ -42,7 +40,6 @@ contains
         type(error_t), intent(inout) :: err
         integer :: b
 
-        if (several(solid%ranks)) call spread_bodies(solid, spare)
         call open_gpu_solid_memory(device, solid, in_air .or. allocated(solid%loads%of), gpu, err)
         if (failed(err)) return
         call open_gpu_bodies(solid, gpu, err)
@@ -124,6 +121,7 @@ contains
         solid%bodies%first = gpu%bodies%first
         solid%bodies%last = gpu%bodies%last
         solid%bodies%rim = gpu%bodies%rim
+        solid%bodies%room = gpu%bodies%room
         solid%n = gpu%n
         call make_room(solid, solid%n)
         call number_groups(solid)

@@ -63,8 +63,7 @@ contains
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
-        if (gpu%recut) call gradient_pass(gpu, solid, 0.0_dp, err, of_sleepers=.true.)
-        gpu%recut = .false.
+        if (solid%part%recut) call gradient_pass(gpu, solid, 0.0_dp, err, of_sleepers=.true.)
     end subroutine renew_sleepers
 
     !> Places and reference positions as pairs read them: in real64 they are these themselves.

@@ -275,9 +275,9 @@ contains
         real(dp) :: part(sum_threads, 6), least(6)
 
         call solid_kernels%solid_extent([sum_threads, 1, 1], gpu%bodies(b)%first, &
-                                      gpu%bodies(b)%last, sum_threads, place, gpu%part, err)
+                                      gpu%bodies(b)%last, sum_threads, place, gpu%partial, err)
         part = 0
-        call copy_out(gpu%part, part, 8_int64*size(part), err)
+        call copy_out(gpu%partial, part, 8_int64*size(part), err)
         least = [minval(part(:, 1:3), 1), -maxval(part(:, 4:6), 1)]
         call least_of_all(solid%ranks, least)
         box = reshape([least(:3), -least(4:)], [3, 2])

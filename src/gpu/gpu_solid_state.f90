@@ -101,7 +101,6 @@ module brz_gpu_solid_state
         logical :: stepped = .false. !! the GPU has made a step
         logical :: summed = .false. !! `sums` and the ledgers are those of the present state
         logical :: settled = .true. !! bodies lie in the host arrays as they do here
-        logical :: recut = .false., grown = .false. !! in the last search: regions, arrays laid anew
         integer(int64) :: laid = 0 !! how often particles of several processes got other places
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
         type(gpu_links_t) :: links
@@ -113,17 +112,17 @@ module brz_gpu_solid_state
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
-        type(doubles_t) :: place, reference, built, book, rate, region, box, part, sums_of_forces
+        type(doubles_t) :: place, reference, built, book, rate, region, box, partial, sums_of_forces
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order
         type(integers_t) :: marked !! cells of particles with new places: 1
         type(integers_t) :: chosen !! 1: particles whose lists are built anew
-        type(gpu_marks_t) :: marks !! who goes where: brz_gpu_solid_home, brz_gpu_solid_marks
+        type(gpu_marks_t) :: part !! who goes where: brz_gpu_home_steps
         type(buffer_t) :: hold
         ! parts of these arrays as items have them, under the names of solid_t
         integer :: wide = 4, step_d = 0, step_p = 1
-        type(doubles_t) :: x, x_ref
+        type(doubles_t) :: x, x_ref, x_built
         type(reals_t) :: v, v_before, volume, a, load, grip, mass, mu, energy, stress, pair
         type(integers_t) :: id, fixed
         type(gpu_exact_t) :: exact
@@ -168,7 +167,7 @@ contains
             gpu%bodies(b)%rim = gpu%bodies(b)%first - 1 ! nothing is there yet
             call allocate_buffer(gpu%bodies(b)%grid, int(storage_size(grid)/8, int64), err)
         end do
-        call lay_arrays(gpu, solid, gpu%bodies%first, 0, err)
+        call lay_arrays(gpu, solid, gpu%bodies%first, err)
         call gpu%ghosts%open(solid%ranks, solid%part, &
             max(sum(gpu%record%words*gpu%record%columns), &
                 sum(gpu%left%words) + 6*words_of_real), err)
@@ -176,29 +175,28 @@ contains
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%box, 48_int64, err)
         call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)
-        call allocate_buffer(gpu%part, 8_int64*total_threads*(n_total + n_book), err)
+        call allocate_buffer(gpu%partial, 8_int64*total_threads*(n_total + n_book), err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
     end subroutine open_gpu_solid_memory
 
     !> Arrays for gpu%n places, and what the old ones hold of the bodies.
-    subroutine lay_arrays(gpu, solid, old, n_old, err)
+    subroutine lay_arrays(gpu, solid, old, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: old(:) !! (bodies) where they began
-        integer, intent(in) :: n_old !! places that there were
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
 
-        call walk(gpu, solid, .true., old, n_old, bytes, err)
+        call walk(gpu, solid, .true., old, bytes, err)
         if (.not. failed(err)) call see_arrays(gpu)
     end subroutine lay_arrays
 
     !> Count the bytes of the arrays of the particles, and lay them all.
-    subroutine walk(gpu, solid, lays, old, n_old, bytes, err)
+    subroutine walk(gpu, solid, lays, old, bytes, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         logical, intent(in) :: lays !! else they are only counted
-        integer, intent(in) :: old(:), n_old !! see lay_arrays
+        integer, intent(in) :: old(:) !! see lay_arrays
         integer(int64), intent(out) :: bytes
         type(error_t), intent(inout) :: err
         integer, parameter :: w = words_of_real
@@ -251,7 +249,8 @@ contains
                 do b = 1, size(gpu%bodies)
                     associate (body => gpu%bodies(b))
                         if (body%rim < body%first) cycle
-                        from%address = before%address + 4*words*((c - 1_int64)*n_old + old(b) - 1)
+                        from%address = before%address &
+                            + 4*words*((c - 1_int64)*gpu%step_d + old(b) - 1)
                         to%address = array%address &
                             + 4*words*((c - 1_int64)*gpu%n + body%first - 1)
                         call copy_within(from, to, 4_int64*words*(body%rim - body%first + 1), err)
@@ -270,6 +269,7 @@ contains
         gpu%step_d = gpu%n
         gpu%x = gpu%place
         gpu%x_ref = gpu%reference
+        gpu%x_built = gpu%built
         gpu%v = gpu%motion
         gpu%volume = from(gpu%motion, 4_int64)
         gpu%a = column_of(gpu, at_accel + 1)
@@ -318,7 +318,7 @@ contains
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
 
-        call walk(gpu, solid, .false., [integer ::], 0, bytes, err)
+        call walk(gpu, solid, .false., [integer ::], bytes, err)
         bytes = bytes + solid%n*(4_int64*neighbours_guess + merge(32, 0, words_of_real == 1))
         if (solid%cohesive%present) bytes = bytes + 36_int64*size(solid%cohesive%node) &
             + 168_int64*solid%cohesive%n + 8_int64*solid%cohesive%nodes + 4_int64*solid%n

@@ -45,8 +45,9 @@ contains
 
         call solid_kernels%solid_totals_of([total_threads, 1, 1], gpu%n, total_threads, &
                                          gpu%bodies(b)%params, real(dt_last/2, rk), gpu%region, &
-                                         gpu%place, gpu%motion, gpu%state, gpu%book, gpu%part, err)
-        call gpu%common%fold(gpu%part, total_threads, folded, err)
+                                         gpu%place, gpu%motion, gpu%state, gpu%book, &
+                                         gpu%partial, err)
+        call gpu%common%fold(gpu%partial, total_threads, folded, err)
         sums = sum(folded, 1)
     end subroutine sums_of_body
 

@@ -2,6 +2,7 @@
 !> Which process a particle belongs to, and which others need it as a ghost.
 module brz_home_items
     use brz_kinds, only: dp, int32, int64
+    use brz_solid_state, only: is_gone
     implicit none
     private
     public :: home_of, near_region, mark_home, mark_near
@@ -54,13 +55,14 @@ contains
     !> Mark a particle for the process that it belongs to, unless that is this one.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine mark_home(p, first, row, processes, own, region, built, mark)
+    pure subroutine mark_home(p, first, wide, row, processes, own, region, built, mark)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of the places
         integer, intent(in) :: row !! marks of a process
         integer, intent(in) :: processes, own !! how many, this one from 0
         real(dp), intent(in) :: region(3, 2, *) !! corners [m]
-        real(dp), intent(in) :: built(4, *) !! places [m]
+        real(dp), intent(in) :: built(wide, *) !! places [m]
         integer(int32), intent(inout) :: mark(*)
         integer :: i, r
 
@@ -72,23 +74,27 @@ contains
     !> Mark a particle that a process needs as a ghost.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine mark_near(p, first, gone, planes, wants, want, region, built, fixed, mark)
+    pure subroutine mark_near(p, first, wide, row, process, planes, wants, want, region, built, &
+                              fixed, mark)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
-        integer, intent(in) :: gone !! what `fixed` says of a particle that is out
+        integer, intent(in) :: wide !! rows of the places
+        integer, intent(in) :: row !! marks of a process
+        integer, intent(in) :: process !! from 0
         integer, intent(in) :: planes !! of symmetry, bits 0..2
         integer, intent(in) :: wants !! ways to be needed
         real(dp), intent(in) :: want(4, *) !! of each: what is added to the place, reach [m]
-        real(dp), intent(in) :: region(3, 2) !! of the process: corners [m]
-        real(dp), intent(in) :: built(4, *) !! places [m]
+        real(dp), intent(in) :: region(3, 2, *) !! of all processes: corners [m]
+        real(dp), intent(in) :: built(wide, *) !! places [m]
         integer(int32), intent(in) :: fixed(*)
         integer(int32), intent(inout) :: mark(*)
         integer :: i, k
 
         i = first - 1 + p
-        if (fixed(i) == gone) return
+        if (fixed(i) == is_gone) return
         do k = 1, wants
-            if (near_region(planes, region, want(4, k), built(1:3, i) + want(1:3, k))) mark(i) = 1
+            if (near_region(planes, region(1, 1, process + 1), want(4, k), &
+                            built(1:3, i) + want(1:3, k))) mark(i + process*int(row, int64)) = 1
         end do
     end subroutine mark_near
 end module brz_home_items

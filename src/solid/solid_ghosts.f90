@@ -14,9 +14,9 @@ module brz_solid_ghosts
     use brz_solid_state, only: held_stiffness, solid_t
     implicit none
     private
-    public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds
+    public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds, send_ghosts
     public :: send_particles
-    public :: all_of_it, for_a_ghost, of_a_checkpoint, for_the_air
+    public :: all_of_it, of_a_checkpoint, for_the_air
 
     integer, parameter :: all_of_it = 1 !! the particle goes for good
     integer, parameter :: for_a_ghost = 2 !! what a ghost ever needs
@@ -28,6 +28,13 @@ module brz_solid_ghosts
     integer, parameter :: for_the_air = 8 !! what the coupling needs
 
 contains
+
+    !> Fill the ghosts that are laid anew.
+    subroutine send_ghosts(solid)
+        type(solid_t), intent(inout) :: solid
+
+        call refresh(solid, for_a_ghost)
+    end subroutine send_ghosts
 
     !> Bring places, velocities, volumes and smoothing lengths of ghosts up to date.
     subroutine refresh_motion(solid)
@@ -72,8 +79,11 @@ contains
         fields%particles = size(solid%links%press, 2)
         fields%of(1) = field_t('press', merge(is_double, is_single, storage_size(1.0_rk) == 64), &
                                n_press, values=c_loc(solid%links%press))
-        out = parcels_t(solid%links%row(solid%part%out%place) + 1, solid%part%out%first)
-        in = parcels_t(solid%links%row(solid%part%in%place) + 1, solid%part%in%first)
+        associate (n => solid%ranks%n, part => solid%part)
+            out = parcels_t(solid%links%row(part%out%place(:part%out%first(n) - 1)) + 1, &
+                            part%out%first)
+            in = parcels_t(solid%links%row(part%in%place(:part%in%first(n) - 1)) + 1, part%in%first)
+        end associate
         call send_particles(solid%ranks, of_linked_rows, fields, out, fields, in, solid%part%mail)
     end subroutine refresh_press
 

@@ -2,7 +2,8 @@
 !> What one process has to do with the others where several share the particles: the regions of all,
 !> and whose ghosts are where.
 module brz_solid_part
-    use brz_kinds, only: dp, int64
+    use brz_kinds, only: dp, int32, int64
+    use brz_lists, only: at_least
     use brz_mail, only: mail_t
     implicit none
     private
@@ -20,6 +21,8 @@ module brz_solid_part
         real(dp) :: lowest(3) = -huge(1.0_dp)
         !! no particle of any body is lower, where a plane of symmetry is [m]
         integer :: most = 0 !! most particles of a process when the regions were cut
+        logical :: recut = .false., grown = .false. !! in the last search: regions, arrays laid anew
+        integer(int32), allocatable :: mark(:) !! (places, processes) who goes where
         type(parcels_t) :: out !! particles of this process that others have ghosts of
         type(parcels_t) :: in !! ghosts of this process
         type(mail_t) :: mail
@@ -60,13 +63,14 @@ contains
         end do
     end subroutine find_pieces
 
-    !> Places of what comes; there is room for them.
-    pure subroutine fill_pieces(number, before, list)
+    !> Places of what comes.
+    subroutine fill_pieces(number, before, list)
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
         integer, intent(inout) :: before(:) !! see find_pieces
         type(parcels_t), intent(inout) :: list
         integer :: i, k, n, piece(2, size(number))
 
+        call at_least(list%place, int(sum(number)))
         call find_firsts(number, list%first)
         call find_pieces(number, before, piece)
         n = 0

@@ -136,6 +136,7 @@ module brz_solid_state
     type, extends(body_numbers_t) :: body_t
         character(32) :: id = ''
         integer :: rim = 0 !! last of its ghosts, which follow its particles; `last` without
+        integer :: room = 0 !! on several processes: places for both
         integer :: number(2) = 0 !! first and last number of the particles of all processes
         integer :: material = 0 !! place in solid%materials
         real(dp) :: spacing = 0 !! of cubes of the volume of its particles [m]

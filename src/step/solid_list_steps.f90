@@ -3,15 +3,14 @@
 !> for the GPU.
 module brz_solid_list_steps
     use brz_cohesive_steps, only: place_nodes
-    !@gpu use brz_gpu_solid_home, only: go_home, lay_ghosts
     !@gpu use brz_gpu_solid_links, only: build_links, settle_links
     !@gpu use brz_gpu_solid_passes, only: renew_sleepers
     !@gpu use brz_gpu_solid_search, only: build_list, choose_lists, mean_velocity, note_box
     !@gpu use brz_gpu_solid_search, only: note_positions, renew_places, sort_body
+    use brz_home_steps, only: go_home, lay_ghosts
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: begin_list, decide_part, may_renew
     use brz_ranks, only: several, sum_of_all
-    use brz_solid_home, only: place_ghosts, send_home !@cpu
     use brz_solid_links, only: build_links, settle_links !@cpu
     use brz_solid_neighbours, only: build_list !@cpu
     use brz_solid_sort, only: choose_lists, mean_velocity, note_positions !@cpu
@@ -39,19 +38,18 @@ contains
         do b = 1, size(anew)
             if (sort .and. anew(b)) call note_places(solid, b)
         end do
-        if (several(solid%ranks)) call send_home(solid) !@cpu
+        solid%part%recut = .false.
+        sorted = sort
         sorted = sort .or. several(solid%ranks) !@cpu
         anew = anew .or. several(solid%ranks) !@cpu particles have moved
-        !@gpu sorted = sort
-        !@gpu if (sort .and. several(solid%ranks)) call go_home(gpu, solid, anew)
+        if (sorted .and. several(solid%ranks)) call go_home(solid, anew)
         do b = 1, size(anew)
             if (sorted .and. anew(b) .and. .not. solid%bodies(b)%cells%in_part) &
                 call sort_body(solid, b)
             !@gpu if (anew(b)) call note_box(gpu, solid, b)
         end do
         call settle_links(solid, .not. sort)
-        if (several(solid%ranks)) call place_ghosts(solid) !@cpu
-        !@gpu if (sort .and. several(solid%ranks)) call lay_ghosts(gpu, solid, anew)
+        if (sorted .and. several(solid%ranks)) call lay_ghosts(solid, anew)
         do b = 1, size(anew)
             if (anew(b)) call build_list(solid, b)
             solid%bodies(b)%cells%in_part = .false.

@@ -1,0 +1,126 @@
+! SPDX-License-Identifier: MIT
+!> Places of particles that change processes: marks of who leaves, on the CPU, and who takes which
+!> place, on the host for both.
+module brz_solid_places
+    use brz_kinds, only: int32, int64
+    use brz_lists, only: at_least, clear_list, running_sum
+    use brz_place_loops, only: each_list_marked
+    use brz_solid_part, only: find_firsts, parcels_t
+    implicit none
+    private
+    public :: begin_marks, choose_places, count_marks, lay_rooms, list_marks
+
+contains
+
+    !> No place is marked.
+    subroutine begin_marks(n, rows, mark)
+        integer, intent(in) :: n !! places
+        integer, intent(in) :: rows !! processes
+        integer(int32), allocatable, intent(inout) :: mark(:)
+
+        call at_least(mark, n*rows + 1)
+        call clear_list(n*rows, mark)
+    end subroutine begin_marks
+
+    !> How many places of each body are marked for each process. Marks become running sums.
+    subroutine count_marks(n, first, mark, number)
+        integer, intent(in) :: n !! places
+        integer, intent(in) :: first(:) !! (bodies) their first places
+        integer(int32), intent(inout) :: mark(:)
+        integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
+        integer :: at(size(number) + 1), b, r
+
+        call running_sum(mark, n*size(number, 2))
+        at = [((first(b) + r*n, b=1, size(first)), r=0, size(number, 2) - 1), &
+              n*size(number, 2) + 1]
+        number = reshape(mark(at(2:)) - mark(at(:size(at) - 1)), shape(number))
+    end subroutine count_marks
+
+    !> The marked places, process by process.
+    subroutine list_marks(n, number, mark, list)
+        integer, intent(in) :: n !! places
+        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
+        integer(int32), intent(in) :: mark(:) !! running sums
+        type(parcels_t), intent(inout) :: list
+
+        call find_firsts(number, list%first)
+        call at_least(list%place, int(sum(number)))
+        call each_list_marked(n*size(number, 2), n, mark, list%place)
+    end subroutine list_marks
+
+    !> Where those that come are put, and which of the last particles take what is left of the
+    !> places of those that leave: these moves are the parcel of a process to itself.
+    pure subroutine choose_places(me, out, in, last, leaving, coming)
+        integer, intent(in) :: me !! this process, from 0
+        integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes)
+        integer, intent(inout) :: last(:) !! (bodies) last particles, before and afterwards
+        type(parcels_t), intent(inout) :: leaving !! parcel by parcel, body by body
+        type(parcels_t), intent(out) :: coming !! in the same order
+        integer, allocatable :: free(:), place(:), old(:), new(:)
+        logical, allocatable :: is_free(:)
+        integer :: at, b, come, i, k, m, n, r
+
+        allocate (place(sum(in)), old(0), new(0))
+        do b = 1, size(out, 1)
+            come = int(sum(in(b, :)))
+            n = last(b) + come - int(sum(out(b, :)))
+            allocate (free(0))
+            allocate (is_free(n + 1:last(b)), source=.false.)
+            do r = 1, size(out, 2)
+                at = leaving%first(r - 1) + int(sum(out(:b - 1, r)))
+                associate (gone => leaving%place(at:at + int(out(b, r)) - 1))
+                    is_free(pack(gone, gone > n)) = .true.
+                    free = [free, pack(gone, gone <= n)]
+                end associate
+            end do
+            free = [free, (i, i=last(b) + 1, n)]
+            m = 0
+            k = 1
+            do r = 1, size(in, 2)
+                at = k + int(sum(in(:b - 1, r)))
+                place(at:at + int(in(b, r)) - 1) = free(m + 1:m + int(in(b, r)))
+                m = m + int(in(b, r))
+                k = k + int(sum(in(:, r)))
+            end do
+            new = [new, free(come + 1:)]
+            old = [old, pack([(i, i=n + 1, last(b))], .not. is_free)]
+            last(b) = n
+            deallocate (free, is_free)
+        end do
+        call find_firsts(in, coming%first)
+        coming%place = place
+        call move(old, leaving)
+        call move(new, coming)
+
+    contains
+
+        !> Put a parcel of this process to itself into a list that has none.
+        pure subroutine move(places, list)
+            integer, intent(in) :: places(:)
+            type(parcels_t), intent(inout) :: list
+
+            associate (at => list%first(me))
+                list%place = [list%place(:at - 1), places, list%place(at:)]
+            end associate
+            list%first(me + 1:) = list%first(me + 1:) + size(places)
+        end subroutine move
+    end subroutine choose_places
+
+    !> Lay the places of all bodies one after the other, with room for so many in each.
+    pure subroutine lay_rooms(need, first, last, rim, room, n)
+        integer, intent(in) :: need(:) !! (bodies) places
+        integer, intent(inout) :: first(:), last(:), rim(:), room(:) !! (bodies) see body_t
+        integer, intent(out) :: n !! places of all
+        integer :: b, shift
+
+        n = 0
+        do b = 1, size(need)
+            if (need(b) > room(b)) room(b) = need(b) + need(b)/4 + 64
+            shift = n + 1 - first(b)
+            first(b) = first(b) + shift
+            last(b) = last(b) + shift
+            rim(b) = rim(b) + shift
+            n = n + room(b)
+        end do
+    end subroutine lay_rooms
+end module brz_solid_places
