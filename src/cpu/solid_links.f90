@@ -96,7 +96,7 @@ contains
             do a = 1, size(solid%bodies)
                 if (.not. may_link(solid, a, b)) cycle
                 reach = links_reach(solid, a, b)
-                shift = solid%bodies(a)%drift_linked - solid%bodies(b)%drift_linked
+                shift = solid%links%drift(:, a, b)
                 met = .false.
                 !$omp parallel do if(solid%n >= worth_threads) schedule(static) &
                 !$omp private(m, more) reduction(.or.: met)

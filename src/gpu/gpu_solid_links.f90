@@ -3,8 +3,8 @@
 module brz_gpu_solid_links
     use brz_buffers, only: from
     use brz_contact, only: law_bonded
-    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, put_buffer, &
-        reserve_buffer
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, copy_within, &
+        put_buffer, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: slice_width
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, threads_of
@@ -29,6 +29,7 @@ contains
         integer(int64) :: bytes
 
         if (.not. gpu%linked) return
+        gpu%links%in_part = .not. several(solid%ranks)
         associate (links => gpu%links)
             call put_buffer(solid%links%ends, links%ends, 4_int64*size(solid%bodies), err)
             bytes = size(solid%links%table)*(storage_size(solid%links%table)/8_int64)
@@ -39,6 +40,7 @@ contains
                 merge(1, 0, gpu%column%owed > 0), 0, gpu%n, 0, 0, 0, 0, 0, &
                 real(solid%depth, rk)), links%lay)
             call allocate_buffer(links%met, 4_int64*size(solid%bodies)**2, err)
+            call allocate_buffer(links%box, 48_int64*size(solid%bodies), err)
             associate (t => solid%links%table)
                 links%breaks = any(t%law == law_bonded .and. &
                                    min(t%tensile, t%shear) < huge(t%shear))
@@ -47,27 +49,23 @@ contains
         end associate
     end subroutine open_gpu_links
 
-    !> Build the links for the positions `built`, to which the drifts of the bodies are added: count
-    !> them, then list them, body by body.
+    !> Build the links for the positions `built`, to which the drifts of the bodies are added; in
+    !> part where only few may be others, unless these no longer have room.
     subroutine build_links(gpu, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid !! its search tables are overwritten
+        type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        integer :: keep, slices, longest, met(size(solid%bodies), size(solid%bodies))
+        integer :: met(size(solid%bodies), size(solid%bodies))
         integer(int64) :: all(size(met))
+        logical :: fits
 
         if (.not. gpu%linked) return
-        slices = (gpu%n - 1)/slice_width + 1
-        call clear_buffer(gpu%links%met, err)
-        do keep = 0, 1
-            call clear_buffer(gpu%links%count, err)
-            call visit_bodies(gpu, solid, keep, err)
-            if (keep == 1) exit
-            call solid_kernels%slice_widths([slices, 1, 1], slices, 1, gpu%n, 0, &
-                gpu%links%count, gpu%links%slice, err)
-            call gpu%common%running_sum(gpu%links%slice, slices, err, longest)
-            call reserve_buffer(gpu%links%list, 4_int64*slice_width*(longest + 1_int64), err)
-        end do
+        call put_boxes(gpu, err)
+        fits = .false.
+        if (gpu%links%laid) call link_part(gpu, solid, fits, err)
+        if (.not. fits) call link_all(gpu, solid, err)
+        gpu%links%laid = gpu%links%in_part
+        gpu%bodies%anew = .false.
         associate (l => gpu%links)
             if (.not. l%frees) call tie_kernels%count_loose(gpu%n, l%lay, l%ends, l%table, &
                 l%bond, l%joined, l%row, l%slice, l%count, l%list, l%loose, err)
@@ -79,41 +77,135 @@ contains
         solid%links%met = reshape(all == 1, shape(met))
     end subroutine build_links
 
+    !> All links anew, with room behind them where they may be built in part.
+    subroutine link_all(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        integer :: slices, longest
+
+        slices = (gpu%n - 1)/slice_width + 1
+        call clear_buffer(gpu%links%met, err)
+        call clear_buffer(gpu%links%count, err)
+        call visit_bodies(gpu, solid, 0, 0, err)
+        associate (links => gpu%links)
+            call solid_kernels%slice_widths([slices, 1, 1], slices, 1, gpu%n, 0, links%count, &
+                                            links%slice, err)
+            if (links%in_part) then
+                call reserve_buffer(links%width, 4_int64*slices, err)
+                call copy_within(links%slice, links%width, 4_int64*slices, err)
+            end if
+            call gpu%common%running_sum(links%slice, slices, err, longest)
+            if (links%in_part) longest = longest + longest/4 + slices
+            call reserve_buffer(links%list, 4_int64*slice_width*(longest + 1_int64), err)
+        end associate
+        call clear_buffer(gpu%links%count, err)
+        call visit_bodies(gpu, solid, 1, 0, err)
+    end subroutine link_all
+
+    !> Links near new places, and of stale pairs of bodies. Lists that no longer have room go behind
+    !> all others.
+    subroutine link_part(gpu, solid, fits, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        logical, intent(out) :: fits !! else there is no room behind them, and no list is right
+        type(error_t), intent(inout) :: err
+        integer, parameter :: spare = 8 !! entries of a slice that has moved
+        integer :: b, end(1), slices
+
+        slices = (gpu%n - 1)/slice_width + 1
+        call clear_buffer(gpu%chosen, err)
+        do b = 1, size(gpu%bodies)
+            call choose_by(gpu, solid, b, err)
+        end do
+        associate (links => gpu%links)
+            call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
+            call visit_bodies(gpu, solid, 0, 1, err)
+            call solid_kernels%move_slices([slices, 1, 1], slices, 1, gpu%n, spare, links%count, &
+                                           gpu%chosen, links%slice, links%width, err)
+            end = 0
+            call copy_out(from(links%slice, slices + 1_int64), end, 4_int64, err)
+            fits = 4_int64*slice_width*(end(1) + 1_int64) <= links%list%bytes
+            if (.not. fits) return
+            call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
+            call visit_bodies(gpu, solid, 1, 1, err)
+        end associate
+    end subroutine link_part
+
+    !> Choose the particles whose links with body b, or of which those in it, may be others.
+    subroutine choose_by(gpu, solid, b, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+        integer :: a, everyone
+        real(dp) :: reach
+
+        do a = 1, size(gpu%bodies)
+            associate (body => gpu%bodies(b), other => gpu%bodies(a), &
+                       shift => solid%links%drift(:, a, b))
+                everyone = 1
+                if (body%in_part .and. .not. solid%links%stale(a, b)) everyone = 0
+                reach = -1 ! itself
+                if (a /= b) reach = links_reach(solid, a, b)
+                if (a /= b .and. .not. may_link(solid, a, b)) cycle
+                if (.not. (body%anew .or. a /= b .and. solid%links%stale(a, b))) cycle
+                call solid_kernels%choose_links(threads_of(body), everyone, body%last, reach, &
+                    shift(1), shift(2), shift(3), body%grid, body%code, body%marked, other%grid, &
+                    from(gpu%links%box, 6*a - 5_int64), other%code, other%start, gpu%order, &
+                    gpu%built, gpu%chosen, err)
+            end associate
+        end do
+    end subroutine choose_by
+
+    !> Corners of the bodies.
+    subroutine put_boxes(gpu, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+        real(dp) :: box(3, 2, size(gpu%bodies))
+        integer :: b
+
+        do b = 1, size(gpu%bodies)
+            box(:, :, b) = gpu%bodies(b)%box
+        end do
+        call copy_in(box, gpu%links%box, 8_int64*size(box), err)
+    end subroutine put_boxes
+
     !> Links are about to be built, for the drifts of now or, to resume, those that they had.
     subroutine settle_links(gpu, solid, resume, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: resume
         type(error_t), intent(inout) :: err
         integer :: b
 
+        if (resume) gpu%links%laid = .false.
         if (gpu%linked .and. .not. failed(err)) &
             call begin_links(solid, reshape([(gpu%bodies(b)%box, b=1, size(gpu%bodies))], &
                                             [3, 2, size(gpu%bodies)]), resume)
     end subroutine settle_links
 
-    !> Count or list, for every particle, its links with one body after the other; note which bodies
-    !> have some.
-    subroutine visit_bodies(gpu, solid, keep, err)
+    !> Count or list, for every particle or the chosen ones, the links with one body after the other;
+    !> note which bodies have some.
+    subroutine visit_bodies(gpu, solid, keep, some, err)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: keep
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: keep, some !! see solid_link_search
         type(error_t), intent(inout) :: err
-        real(dp) :: shift(3)
         integer :: a, b
 
         do b = 1, size(gpu%bodies)
-            if (.not. any([(may_link(solid, a, b), a=1, size(gpu%bodies))])) cycle
-            call copy_in(gpu%bodies(b)%box, gpu%box, 48_int64, err)
             do a = 1, size(gpu%bodies)
                 if (.not. may_link(solid, a, b)) cycle
-                shift = solid%bodies(a)%drift_linked - solid%bodies(b)%drift_linked
-                call solid_kernels%solid_link_search(threads_of(gpu%bodies(a)), keep, &
-                    gpu%bodies(a)%first, gpu%bodies(a)%last, links_reach(solid, a, b), &
-                    shift(1), shift(2), shift(3), gpu%bodies(b)%grid, gpu%box, &
-                    gpu%bodies(b)%code, gpu%bodies(b)%start, &
-                    gpu%order, gpu%built, gpu%links%slice, gpu%links%count, gpu%links%list, &
-                    from(gpu%links%met, a + size(gpu%bodies)*(b - 1_int64)), err)
+                associate (body => gpu%bodies(a), other => gpu%bodies(b), &
+                           shift => solid%links%drift(:, a, b))
+                    call solid_kernels%solid_link_search(threads_of(body), keep, some, body%first, &
+                        body%last, links_reach(solid, a, b), shift(1), shift(2), shift(3), &
+                        other%grid, from(gpu%links%box, 6*b - 5_int64), other%code, other%start, &
+                        gpu%order, gpu%built, gpu%chosen, gpu%links%slice, gpu%links%count, &
+                        gpu%links%list, from(gpu%links%met, a + size(gpu%bodies)*(b - 1_int64)), &
+                        err)
+                end associate
             end do
         end do
     end subroutine visit_bodies

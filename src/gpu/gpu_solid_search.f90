@@ -36,6 +36,8 @@ contains
         type(doubles_t) :: place
         logical :: fits
 
+        gpu%bodies(b)%anew = .true.
+        gpu%bodies(b)%in_part = solid%bodies(b)%cells%in_part
         if (gpu%bodies(b)%rigid) then
             call order_for_links(gpu, solid, b, err)
             return
@@ -92,14 +94,14 @@ contains
         call lay_cells(gpu, solid, b, gpu%built, reach_of_lists(solid, b), err, &
                        solid%bodies(b)%cells)
         if (failed(err)) return
-        call reserve_buffer(gpu%marked, 4_int64*size(solid%search%start) + 4, err)
-        call clear_buffer(gpu%marked, err)
-        count = from(gpu%marked, size(solid%search%start) + 1_int64)
+        call reserve_buffer(gpu%bodies(b)%marked, 4_int64*size(solid%search%start) + 4, err)
+        call clear_buffer(gpu%bodies(b)%marked, err)
+        count = from(gpu%bodies(b)%marked, size(solid%search%start) + 1_int64)
         associate (body => gpu%bodies(b), drift => solid%bodies(b)%drift, s => solid%search)
             call drift_kernels%renew_place(body%last - body%first + 1, body%first, 4, &
                 level_unit(solid), drift(1), drift(2), drift(3), size(s%code, 1), s%cells(1), &
                 s%cells(2), s%cells(3), s%lo(1), s%lo(2), s%lo(3), s%size, body%code, gpu%fixed, &
-                gpu%x, gpu%built, gpu%marked, count, err)
+                gpu%x, gpu%built, body%marked, count, err)
         end associate
         found = 0
         call copy_out(count, found, 4_int64, err)
@@ -116,7 +118,7 @@ contains
         associate (body => gpu%bodies(b))
             body%spare = merge(spare_entries, 0, solid%bodies(b)%cells%in_part)
             call solid_kernels%choose_near(threads_of(body), body%last, body%grid, body%code, &
-                                           gpu%marked, gpu%built, gpu%chosen, err)
+                                           body%marked, gpu%built, gpu%chosen, err)
         end associate
     end subroutine choose_lists
 

@@ -51,6 +51,9 @@ module brz_gpu_solid_state
         type(integers_t) :: code, start !! of these, see grid_gpu_t; end of each cell in `order`
         type(integers_t) :: width !! room of a list in each slice
         integer :: spare = 0 !! entries more than the lists need; 0 until some are built anew alone
+        type(integers_t) :: marked !! cells of particles with new places: 1
+        logical :: anew = .false. !! its list was just built,
+        logical :: in_part = .false. !! for particles in or near marked cells alone
         type(kernel_t) :: moments, update, forces !! those that suit the body
     end type gpu_solid_body_t
 
@@ -60,6 +63,10 @@ module brz_gpu_solid_state
         logical :: breaks = .true., frees = .true. !! bonds may break; or what ties may let go
         type(buffer_t) :: table, touch, weight
         type(integers_t) :: ends, slice, count, list, met, bond, joined
+        type(integers_t) :: width !! room of a list in each slice
+        logical :: in_part = .false. !! they may be built in part,
+        logical :: laid = .false. !! now
+        type(doubles_t) :: box !! (3, 2, bodies) corners of `built` [m]
         type(integers_t) :: row !! `count`: not read here
         type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good
         type(reals_t) :: cell, press
@@ -116,7 +123,6 @@ module brz_gpu_solid_state
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order
-        type(integers_t) :: marked !! cells of particles with new places: 1
         type(integers_t) :: chosen !! 1: particles whose lists are built anew
         type(gpu_marks_t) :: part !! who goes where: brz_gpu_home_steps
         type(buffer_t) :: hold

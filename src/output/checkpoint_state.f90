@@ -197,13 +197,14 @@ contains
         type(h5_t), intent(in) :: file
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        real(dp) :: state(9, size(solid%bodies)), cells(7, size(solid%bodies))
+        real(dp) :: state(6, size(solid%bodies)), cells(7, size(solid%bodies))
+        real(dp) :: apart(3*size(solid%bodies), size(solid%bodies))
         integer :: b
         logical :: there
 
         do b = 1, size(solid%bodies)
             associate (body => solid%bodies(b))
-                state(:, b) = [body%drift, body%drift_velocity, body%drift_linked]
+                state(:, b) = [body%drift, body%drift_velocity]
                 cells(:, b) = [body%cells%lo, real([body%cells%along, body%cells%renewals], dp)]
             end associate
         end do
@@ -215,10 +216,13 @@ contains
             associate (body => solid%bodies(b))
                 body%drift = state(1:3, b)
                 body%drift_velocity = state(4:6, b)
-                body%drift_linked = state(7:9, b)
                 body%cells = kept_cells_t(nint(cells(7, b)), nint(cells(4:6, b)), cells(1:3, b))
             end associate
         end do
+        if (.not. solid%links%present) return
+        apart = reshape(solid%links%drift, shape(apart))
+        call carry(file, 'solid/links_drift', apart, err)
+        solid%links%drift = reshape(apart, shape(solid%links%drift))
     end subroutine carry_drifts
 
     !> The motion of rigid and driven bodies.

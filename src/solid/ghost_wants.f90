@@ -89,8 +89,7 @@ contains
             do a = 1, merge(size(solid%bodies), 0, solid%links%present)
                 if (.not. may_link(solid, a, b)) cycle
                 n = n + 1
-                all(:, n) = [body%drift_linked - solid%bodies(a)%drift_linked, &
-                             links_reach(solid, a, b)]
+                all(:, n) = [solid%links%drift(:, b, a), links_reach(solid, a, b)]
             end do
         end associate
         want = all(:, :n)

@@ -5,15 +5,17 @@
 !> The list of body b was built for the places `x_built`. Since then the body as a whole has drifted
 !> by D, at the mean velocity that it had then; what counts for a particle is
 !> e = |x - x_built - D|. A list reaches a skin further than pairs act, so it lasts while
-!> e <= skin/2. Links between bodies a and b were built for the places x_built + S, where S was D
-!> at that time. They last while e_a + e_b + |(D_a - S_a) - (D_b - S_b)| <= skin, and longer by what
-!> the boxes around the two were further apart than links reach. Along the normal of a plane of
-!> symmetry nothing drifts: images move the other way. e is known in levels, see brz_move_level.
+!> e <= skin/2. Links between bodies a and b were built for a at x_built + S, where S was D_a - D_b
+!> at that time. They last while e_a + e_b + |D_a - D_b - S| <= skin, and longer by what the boxes
+!> around the two were further apart than links reach. Along the normal of a plane of symmetry
+!> nothing drifts: images move the other way. e is known in levels, see brz_move_level.
 !>
 !> Where few particles of a body have moved far (an impact on a large plate, fragments), only the
 !> lists near these are built anew: they get new places x_built = x - D, all others keep theirs.
 !> Each list holds what is within reach of x_built at any time, whoever was renewed when. The order
-!> of entries on a GPU is that of cells, so there such a body keeps its cells.
+!> of entries on a GPU is that of cells, so there such a body keeps its cells. A GPU builds links in
+!> part, too: those near new places, and those of stale pairs of bodies, of which one is sorted anew
+!> or which have drifted too far since S. All others may hold entries out of reach.
 module brz_list_drift
     use brz_contact, only: law_none
     use brz_kinds, only: dp, int64
@@ -54,7 +56,7 @@ contains
     !> Which lists must be built anew, and whether the links must. A body that spends half of what
     !> its links may move is built anew with them; where particles leave the scene, all are.
     pure subroutine find_stale(solid, level, stale, relink)
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid !! links%stale is set
         integer, intent(in) :: level(:) !! (bodies) highest level of a particle
         logical, intent(out) :: stale(:) !! (bodies)
         logical, intent(out) :: relink
@@ -73,6 +75,11 @@ contains
                 end do
             end do
             relink = relink .or. any(stale)
+            do b = 1, size(solid%bodies)
+                do a = 1, size(solid%bodies)
+                    solid%links%stale(a, b) = beyond(solid, a, b) > solid%skin/4
+                end do
+            end do
         end if
         if (solid%remove .and. (any(stale) .or. relink)) stale = .true.
     end subroutine find_stale
@@ -81,15 +88,23 @@ contains
     pure logical function lasts(solid, level, a, b)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: level(:), a, b
-        real(dp) :: d(3), moved
+        real(dp) :: moved
 
-        d = solid%bodies(a)%drift - solid%bodies(a)%drift_linked &
-            - (solid%bodies(b)%drift - solid%bodies(b)%drift_linked)
         moved = 0
         if (.not. solid%bodies(a)%asleep) moved = (level(a) + 1)*level_unit(solid)
         if (.not. solid%bodies(b)%asleep) moved = moved + (level(b) + 1)*level_unit(solid)
-        lasts = moved + norm2(d) <= solid%skin*(1 + epsilon(moved)) + solid%links%spare(a, b)
+        lasts = moved + beyond(solid, a, b) <= solid%skin*(1 + epsilon(moved))
     end function lasts
+
+    !> How far two bodies have drifted against each other since they were linked, beyond what they
+    !> were further apart than links reach [m].
+    pure real(dp) function beyond(solid, a, b)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: a, b
+
+        beyond = norm2(solid%bodies(a)%drift - solid%bodies(b)%drift - solid%links%drift(:, a, b)) &
+                 - solid%links%spare(a, b)
+    end function beyond
 
     !> Body b is about to get a list for the places of today. Where particles leave the scene it
     !> does not drift: they are looked for whenever a list is built.
@@ -100,13 +115,15 @@ contains
 
         associate (body => solid%bodies(b))
             body%drift = 0
-            body%drift_linked = 0
             body%cells = kept_cells_t(renewals=0)
             body%drift_velocity = velocity
             if (body%formulation == form_rigid) body%drift_velocity = &
                 body%rigid%p/max(body%rigid%mass, tiny(velocity))
             where (solid%mirror .or. solid%remove) body%drift_velocity = 0
         end associate
+        if (.not. solid%links%present) return
+        solid%links%stale(:, b) = .true.
+        solid%links%stale(b, :) = .true.
     end subroutine begin_list
 
     !> True where a part of the list of body b may be built anew, as far as is known before
@@ -140,24 +157,26 @@ contains
     end subroutine decide_part
 
     !> The links are about to be built, for the drifts of now or those that they had before a
-    !> restart: note them, and how far the bodies are apart.
+    !> restart: note them, and how far the bodies are apart. Two that were too far apart for links
+    !> and are no longer are stale as well.
     pure subroutine begin_links(solid, box, resume)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: box(:, :, :) !! (3, 2, bodies) corners of x_built of all [m]
         logical, intent(in) :: resume !! after a restart
         integer :: a, b
+        real(dp) :: spare
 
-        if (.not. resume) then
+        associate (links => solid%links)
             do b = 1, size(solid%bodies)
-                solid%bodies(b)%drift_linked = solid%bodies(b)%drift
+                do a = 1, size(solid%bodies)
+                    if (links%stale(a, b) .and. .not. resume) &
+                        links%drift(:, a, b) = solid%bodies(a)%drift - solid%bodies(b)%drift
+                    spare = max(gap(solid, a, b, box) - links_reach(solid, a, b), 0.0_dp)
+                    if (links%spare(a, b) > 0 .and. .not. spare > 0) links%stale(a, b) = .true.
+                    links%spare(a, b) = spare
+                end do
             end do
-        end if
-        do b = 1, size(solid%bodies)
-            do a = 1, size(solid%bodies)
-                solid%links%spare(a, b) = gap(solid, a, b, box) - links_reach(solid, a, b)
-            end do
-        end do
-        solid%links%spare = max(solid%links%spare, 0.0_dp)
+        end associate
     end subroutine begin_links
 
     !> Least distance between the box of body b and that of body a or one of its images [m].
@@ -169,7 +188,7 @@ contains
         integer :: m
 
         gap = huge(gap)
-        shift = solid%bodies(a)%drift_linked - solid%bodies(b)%drift_linked
+        shift = solid%links%drift(:, a, b)
         do m = 0, 7
             s = signs(m)
             if (any(s < 0 .and. .not. solid%mirror)) cycle

@@ -71,6 +71,8 @@ contains
             allocate (links%row(n), links%slice(0:1), links%count(0:1), links%press(n_press, 0:1), &
                       links%push(9, 0:1))
             allocate (links%met(size(solid%bodies), size(solid%bodies)), source=.false.)
+            allocate (links%stale(size(solid%bodies), size(solid%bodies)), source=.true.)
+            allocate (links%drift(3, size(solid%bodies), size(solid%bodies)), source=0.0_dp)
             allocate (links%spare(size(solid%bodies), size(solid%bodies)), source=0.0_dp)
             allocate (links%box(3, 2, size(solid%bodies)), source=0.0_dp)
             links%ends = solid%bodies%last

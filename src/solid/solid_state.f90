@@ -159,7 +159,6 @@ module brz_solid_state
         logical :: asleep = .false. !! unloaded and at rest: left out of the steps
         ! what all of the body has moved since its list was built, see brz_list_drift
         real(dp) :: drift(3) = 0, drift_velocity(3) = 0 !! [m], [m/s]
-        real(dp) :: drift_linked(3) = 0 !! `drift` when the links were built [m]
         type(kept_cells_t) :: cells !! of its list
         real(dp) :: dt_limit = 0 !! largest stable time step times the CFL number [s]
         real(dp) :: reaction(3) = 0 !! impulse that the held particles took up so far [N s]
@@ -192,8 +191,11 @@ module brz_solid_state
         logical :: bonds = .false. !! some bodies are bonded
         type(meeting_t), allocatable :: table(:, :) !! (bodies, bodies) law of i's and j's body
         logical, allocatable :: met(:, :) !! (bodies, bodies) some particles of both have links
+        real(dp), allocatable :: drift(:, :, :) !! (3, bodies, bodies) what the first had drifted
+                                                !! beyond the second when links were built [m]
         real(dp), allocatable :: spare(:, :) !! (bodies, bodies) what they were further apart than
                                              !! links reach [m]
+        logical, allocatable :: stale(:, :) !! (bodies, bodies) both are about to be linked anew
         type(link_layout_t) :: lay !! how lists and arrays lie
         real(dp), allocatable :: box(:, :, :) !! (3, 2, bodies) corners of x_built [m]
         integer(int32), allocatable :: ends(:) !! (bodies) last particle or ghost of each

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Which particles can have contact until lists are built anew, where no bond or interface lets go.
+!> Links of particles that are listed anew, and which of them can have contact until then, where no
+!> bond or interface lets go.
 module brz_tie_items
     use brz_contact, only: law_shared, meeting_t
     use brz_contact_items, only: owner_of
@@ -8,9 +9,20 @@ module brz_tie_items
     use brz_link_layout, only: link_layout_t, links_of, mask_unit
     implicit none
     private
-    public :: count_loose
+    public :: count_loose, drop_links
 
 contains
+
+    !> Forget how many links a particle has whose links are listed anew.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine drop_links(i, chosen, count)
+        integer, intent(in) :: i !! particles
+        integer(int32), intent(in) :: chosen(*) !! 1: listed anew
+        integer(int32), intent(inout) :: count(*)
+
+        if (chosen(i) == 1) count(i) = 0
+    end subroutine drop_links
 
     !> Number of links of a particle, or 0 where all of them are tied: it then has no contact.
     !@item
