@@ -96,6 +96,7 @@ contains
                 call copy_within(links%slice, links%width, 4_int64*slices, err)
             end if
             call gpu%common%running_sum(links%slice, slices, err, longest)
+            links%filled = longest
             if (links%in_part) longest = longest + longest/4 + slices
             call reserve_buffer(links%list, 4_int64*slice_width*(longest + 1_int64), err)
         end associate
@@ -120,13 +121,15 @@ contains
         end do
         associate (links => gpu%links)
             call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
-            call visit_bodies(gpu, solid, 0, 1, err)
+            call visit_bodies(gpu, solid, 2, 1, err)
+            call clear_buffer(gpu%chosen, err)
             call solid_kernels%move_slices([slices, 1, 1], slices, 1, gpu%n, spare, links%count, &
                                            gpu%chosen, links%slice, links%width, err)
             end = 0
             call copy_out(from(links%slice, slices + 1_int64), end, 4_int64, err)
             fits = 4_int64*slice_width*(end(1) + 1_int64) <= links%list%bytes
-            if (.not. fits) return
+            if (.not. fits .or. end(1) == links%filled) return
+            links%filled = end(1)
             call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
             call visit_bodies(gpu, solid, 1, 1, err)
         end associate
@@ -185,8 +188,8 @@ contains
                                             [3, 2, size(gpu%bodies)]), resume)
     end subroutine settle_links
 
-    !> Count or list, for every particle or the chosen ones, the links with one body after the other;
-    !> note which bodies have some.
+    !> Count or list, for every particle or the chosen ones, the links with one body after the
+    !> other; note which bodies have some.
     subroutine visit_bodies(gpu, solid, keep, some, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
@@ -202,9 +205,9 @@ contains
                     call solid_kernels%solid_link_search(threads_of(body), keep, some, body%first, &
                         body%last, links_reach(solid, a, b), shift(1), shift(2), shift(3), &
                         other%grid, from(gpu%links%box, 6*b - 5_int64), other%code, other%start, &
-                        gpu%order, gpu%built, gpu%chosen, gpu%links%slice, gpu%links%count, &
-                        gpu%links%list, from(gpu%links%met, a + size(gpu%bodies)*(b - 1_int64)), &
-                        err)
+                        gpu%order, gpu%built, gpu%chosen, gpu%links%slice, gpu%links%width, &
+                        gpu%links%count, gpu%links%list, &
+                        from(gpu%links%met, a + size(gpu%bodies)*(b - 1_int64)), err)
                 end associate
             end do
         end do

@@ -353,7 +353,8 @@ contains
 
         fits = body%width%bytes > 0
         if (.not. fits) return
-        call search(gpu, body, place, 0, 1, err)
+        call search(gpu, body, place, 2, 1, err)
+        call clear_buffer(gpu%chosen, err)
         call solid_kernels%move_slices([body%slices, 1, 1], body%slices, body%first, body%last, &
                                        body%spare, gpu%count, gpu%chosen, body%slice, &
                                        body%width, err)
@@ -363,8 +364,8 @@ contains
         if (fits) call search(gpu, body, place, 1, 1, err)
     end subroutine list_part
 
-    !> Look for the neighbours of a body: keep 0 counts them, 1 lists them; some 1: of the particles
-    !> that are chosen.
+    !> Look for the neighbours of a body: keep 0 counts them, 1 lists them, 2 those for which there
+    !> is room; some 1: of the particles that are chosen.
     subroutine search(gpu, body, place, keep, some, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
@@ -373,7 +374,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call solid_kernels%solid_search(threads_of(body), keep, some, body%last, body%grid, &
-            body%code, body%start, gpu%order, place, gpu%chosen, body%slice, gpu%count, &
-            body%list, err)
+            body%code, body%start, gpu%order, place, gpu%chosen, body%slice, body%width, &
+            gpu%count, body%list, err)
     end subroutine search
 end module brz_gpu_solid_search

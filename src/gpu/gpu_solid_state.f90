@@ -66,6 +66,7 @@ module brz_gpu_solid_state
         type(integers_t) :: width !! room of a list in each slice
         logical :: in_part = .false. !! they may be built in part,
         logical :: laid = .false. !! now
+        integer :: filled = 0 !! end of the last slice
         type(doubles_t) :: box !! (3, 2, bodies) corners of `built` [m]
         type(integers_t) :: row !! `count`: not read here
         type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good

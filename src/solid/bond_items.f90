@@ -49,12 +49,9 @@ contains
             call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
             b = owner_of(ends, j)
             if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
-            do t = 1, 3
-                dx(t) = real(x_ref(t, i) - s(t)*x_ref(t, j), rk)
-                one(t) = 1
-            end do
             w = volume(1, j)*kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
                                           sqrt(r(1)**2 + r(2)**2 + r(3)**2))
+            if (.not. w > 0) cycle ! beyond the support
             call moment_terms(w, r, m)
             if (table(a, b)%law == law_shared) then
                 vr = dot_product(r, dv)
@@ -73,6 +70,10 @@ contains
                 end do
                 cycle
             end if
+            do t = 1, 3
+                dx(t) = real(x_ref(t, i) - s(t)*x_ref(t, j), rk)
+                one(t) = 1
+            end do
             call arm_of(table(a, b), 1, tilt, x_ref(1, i), one, dx, r, y)
             do t = 1, 6
                 sums(t) = sums(t) + m(t)
@@ -139,6 +140,7 @@ contains
             if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
             slope = kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
                                  sqrt(r(1)**2 + r(2)**2 + r(3)**2))
+            if (.not. slope > 0) cycle ! beyond the support
             vr = dot_product(r, dv)
             if (table(a, b)%law == law_shared) then
                 if (.not. takes_part(table(a, b), mass(i), own(pair_volume), mass(j), &
