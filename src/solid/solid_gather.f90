@@ -76,6 +76,7 @@ contains
 
         whole%present = .true.
         whole%links%present = solid%links%present
+        if (whole%links%present) whole%links%drift = solid%links%drift
         whole%n_hist = solid%n_hist
         whole%dimension = solid%dimension
         whole%mirror = solid%mirror
