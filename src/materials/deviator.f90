@@ -41,9 +41,10 @@ contains
 
     !> Keep a part of the trial, turn it to the end of the step, and account for the work.
     !>
-    !> Plastic work is never negative: elastic energy that a fall of the strength lets go, then the
-    !> work of the flow at the stress of the end. (With the mean stress of the step, as in `work`,
-    !> flow that starts or turns round within a step would count half of it or less than nothing.)
+    !> Plastic work is never negative: elastic energy that a fall of the strength lets go, and the
+    !> work of the flow at the stress of the end, which is less than nothing where strain is taken
+    !> back while the strength falls. (With the mean stress of the step, as in `work`, flow that
+    !> starts or turns round within a step would count half of it or less than nothing.)
     !@cuf attributes(host,device) &
     pure subroutine return_deviator(g, keep, de, trial, q, s, work, plastic)
         real(rk), intent(in) :: g !! shear modulus [Pa]
@@ -63,7 +64,7 @@ contains
             if (start > last) fall = 1 - sqrt(last/start)
             plastic = (keep*(1 - keep)*double_dot(trial, trial) &
                        - keep*fall*double_dot(trial, s))/(2*g)
-            plastic = max(plastic, 0.0_rk) + max(start - last, 0.0_rk)/(4*g)
+            plastic = max(plastic + max(start - last, 0.0_rk)/(4*g), 0.0_rk)
         end if
         do i = 1, 6
             s(i) = (s(i) + keep*trial(i))/2
