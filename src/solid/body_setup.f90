@@ -50,6 +50,8 @@ contains
         if (case%air%present) allocate (solid%load(3, solid%n), source=0.0_rk)
         do b = 1, size(solid%bodies)
             call fill_body(case%bodies(b), points(b), solid, solid%bodies(b))
+            if (allocated(points(b)%mesh%corner)) &
+                call move_alloc(points(b)%mesh%corner, solid%bodies(b)%surface)
             call move_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
             call start_from_file(case%bodies(b), case%materials(case%bodies(b)% &
                 material_index)%model == 'linear_elastic', solid, solid%bodies(b), err)

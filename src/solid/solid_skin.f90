@@ -1,21 +1,23 @@
 ! SPDX-License-Identifier: MIT
-!> Where the surfaces of round bodies are, for contact: that of the shape, not of its lattice.
+!> Where the surfaces of round bodies and of those from triangles are, for contact: that of the
+!> shape, not of its lattice.
 !>
 !> Contact begins where the kernel sum over the other body is that of a flat surface one spacing
 !> away. A round surface curves away and a lattice follows it in steps; so the cells of the outer
-!> particles of a round body get weights with which its sum is 1 half a spacing outside its true
+!> particles of such a body get weights with which its sum is 1 half a spacing outside its true
 !> surface, and these particles begin to press where it touches a flat body, not where they would
 !> with half a spacing around each.
 !>
 !> Source: docs/solid.md section 9
 module brz_solid_skin
-    use brz_cell_grid, only: cell_span, fill_cells, lay_grid
+    use brz_cell_grid, only: box_span, cell_span, fill_cells, lay_grid
     use brz_contact, only: law_none
     use brz_flat_surface, only: flat_sum
     use brz_kernel, only: kernel_slope, kernel_value
     use brz_kinds, only: dp, real32, rk
     use brz_solid_mirror, only: signs
     use brz_solid_state, only: body_t, solid_t
+    use brz_stl, only: nearest_on
     implicit none
     private
     public :: find_skin
@@ -26,19 +28,73 @@ module brz_solid_skin
 
 contains
 
-    !> Weights and sums at first touch of the particles of round bodies, from the unloaded ones.
+    !> Weights and sums at first touch of the particles of bodies whose surface is known, from the
+    !> unloaded ones.
     subroutine find_skin(solid)
         type(solid_t), intent(inout) :: solid
-        integer :: b
+        real(dp), allocatable :: depth(:), n(:, :)
+        integer :: b, i
 
-        if (.not. solid%links%present) return
         do b = 1, size(solid%bodies)
-            if (.not. solid%bodies(b)%round%radius(1) > 0 .or. solid%dimension == 1) cycle
-            if (all(solid%links%table(:, b)%law == law_none)) cycle
-            call weigh_cells(solid, b)
-            call find_thresholds(solid, b)
+            if (allocated(n)) deallocate (depth, n)
+            associate (body => solid%bodies(b))
+                if (.not. solid%links%present .or. solid%dimension == 1) cycle
+                if (all(solid%links%table(:, b)%law == law_none)) cycle
+                if (.not. (allocated(body%surface) .or. body%round%radius(1) > 0)) cycle
+                allocate (depth(body%first:body%last), n(3, body%first:body%last))
+                call lay_grid(solid%search, solid%x_ref, solid%fixed, body, 2*real(body%h, dp))
+                call fill_cells(solid%search, solid%x_ref, solid%fixed, body)
+                if (allocated(body%surface)) then
+                    call reach_surface(solid, body, depth, n)
+                else
+                    do i = body%first, body%last
+                        call find_depth(body, solid%dimension, solid%x_ref(:, i), depth(i), n(:, i))
+                    end do
+                end if
+                call weigh_cells(solid, b, depth, n)
+                call find_thresholds(solid, b, depth)
+            end associate
+        end do
+        do b = 1, size(solid%bodies)
+            if (allocated(solid%bodies(b)%surface)) deallocate (solid%bodies(b)%surface)
         end do
     end subroutine find_skin
+
+    !> Depths of the particles of a body below its triangles, and the outward normals there; those
+    !> far inside are as deep as can be.
+    subroutine reach_surface(solid, body, depth, n)
+        type(solid_t), intent(in) :: solid
+        type(body_t), intent(in) :: body
+        real(dp), intent(out) :: depth(body%first:), n(:, body%first:)
+        real(dp) :: away(3), low(3), high(3), reach
+        integer :: c, c1, c2, c3, i, k, t, lo(3), hi(3)
+
+        depth = huge(depth)
+        n = 0
+        reach = outer*body%spacing
+        associate (search => solid%search)
+            do t = 1, size(body%surface, 3)
+                high = maxval(body%surface(:, :, t), 2)
+                low = minval(body%surface(:, :, t), 2)
+                call box_span(search, (low + high)/2, (high - low)/2 + reach, lo, hi)
+                do c3 = lo(3), hi(3)
+                    do c2 = lo(2), hi(2)
+                        do c1 = lo(1), hi(1)
+                            c = search%code(c1, 1) + search%code(c2, 2) + search%code(c3, 3)
+                            do k = search%start(c), search%start(c + 1) - 1
+                                i = search%order(k)
+                                away = nearest_on(body%surface(:, :, t), solid%x_ref(:, i)) &
+                                       - solid%x_ref(:, i)
+                                if (.not. norm2(away) < depth(i)) cycle
+                                depth(i) = norm2(away)
+                                n(:, i) = away/max(depth(i), tiny(reach))
+                            end do
+                        end do
+                    end do
+                end do
+            end do
+        end associate
+    end subroutine reach_surface
 
     !> Depth of a place below the surface of a round body, and the unit normal there, outward.
     pure subroutine find_depth(body, dimension, x, depth, n)
@@ -63,24 +119,22 @@ contains
     end subroutine find_depth
 
     !> Weights with which the sum of body b is 1 half a spacing outside its surface.
-    subroutine weigh_cells(solid, b)
+    subroutine weigh_cells(solid, b, depth, n)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
-        real(dp) :: depth, n(3), half
+        real(dp), intent(in) :: depth(solid%bodies(b)%first:), n(:, solid%bodies(b)%first:)
+        real(dp) :: half
         real(dp), allocatable :: weight(:)
         integer :: i, k
 
         associate (body => solid%bodies(b))
             half = body%spacing/2
-            call lay_grid(solid%search, solid%x_ref, solid%fixed, body, 2*real(body%h, dp))
-            call fill_cells(solid%search, solid%x_ref, solid%fixed, body)
             allocate (weight(body%first:body%last), source=1.0_dp)
             do k = 1, rounds
                 do i = body%first, body%last
-                    call find_depth(body, solid%dimension, solid%x_ref(:, i), depth, n)
-                    if (depth > outer*body%spacing .or. depth < -half) cycle
+                    if (depth(i) > outer*body%spacing .or. depth(i) < -half) cycle
                     weight(i) = solid%links%weight(i) &
-                                /own_sum(solid, b, solid%x_ref(:, i) + (depth + half)*n)
+                                /own_sum(solid, b, solid%x_ref(:, i) + (depth(i) + half)*n(:, i))
                     weight(i) = max(1/most_weight, min(most_weight, weight(i)))
                 end do
                 solid%links%weight(body%first:body%last) = real(weight, real32)
@@ -134,25 +188,25 @@ contains
         end associate
     end subroutine add_image
 
-    !> Kernel sums of a flat body as its surface touches that of the round body b: the mean over the
-    !> bodies that it may meet.
-    subroutine find_thresholds(solid, b)
+    !> Kernel sums of a flat body as its surface touches that of body b: the mean over the bodies
+    !> that it may meet.
+    subroutine find_thresholds(solid, b, depth)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
-        real(dp) :: depth, n(3), total, touch, slope
+        real(dp), intent(in) :: depth(solid%bodies(b)%first:)
+        real(dp) :: total, touch, slope
         integer :: c, i, partners
 
         associate (body => solid%bodies(b))
             partners = count(solid%links%table(b, :)%law /= law_none)
             do i = body%first, body%last
-                call find_depth(body, solid%dimension, solid%x_ref(:, i), depth, n)
-                if (depth > body%spacing .or. depth < 0) cycle
+                if (depth(i) > body%spacing .or. depth(i) < 0) cycle
                 total = 0
                 do c = 1, size(solid%bodies)
                     associate (m => solid%links%table(b, c))
                         if (m%law == law_none) cycle
                         call flat_sum(solid%dimension, solid%bodies(c)%spacing, m, &
-                                      depth + solid%bodies(c)%spacing/2, touch, slope)
+                                      depth(i) + solid%bodies(c)%spacing/2, touch, slope)
                         total = total + touch/m%touch
                     end associate
                 end do

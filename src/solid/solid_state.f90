@@ -168,6 +168,8 @@ module brz_solid_state
         type(motion_t) :: motion !! that is prescribed
         type(motion_t), allocatable :: regions(:) !! those of regions of it; none if not allocated
         type(round_t) :: round !! its surface, where that is known to be round
+        real(dp), allocatable :: surface(:, :, :) !! (3, 3, triangles) corners of it [m]; from a
+                                                  !! file, until `find_skin`
     end type body_t
 
     !> Work arrays of the neighbour search and of the block sums, kept from one use to the next.

@@ -9,7 +9,7 @@ module brz_stl
     use brz_text, only: to_text
     implicit none
     private
-    public :: mesh_t, read_stl, is_inside
+    public :: mesh_t, read_stl, is_inside, nearest_on
 
     integer, parameter :: head_bytes = 84, triangle_bytes = 50 !! of a binary file
 
@@ -173,6 +173,33 @@ contains
             mesh%volume = -mesh%volume
         end if
     end subroutine measure
+
+    !> The place of a triangle that is nearest to a point: on its face, an edge, or a corner.
+    pure function nearest_on(c, x) result(place)
+        real(dp), intent(in) :: c(3, 3) !! corners
+        real(dp), intent(in) :: x(3)
+        real(dp) :: place(3), side(3), other(3), to(3), share(2), g(3), part
+        integer :: k
+
+        side = c(:, 2) - c(:, 1)
+        other = c(:, 3) - c(:, 1)
+        to = x - c(:, 1)
+        g = [dot_product(side, side), dot_product(side, other), dot_product(other, other)]
+        part = g(1)*g(3) - g(2)**2
+        share = [g(3)*dot_product(side, to) - g(2)*dot_product(other, to), &
+                 g(1)*dot_product(other, to) - g(2)*dot_product(side, to)]
+        if (part > 0 .and. all(share >= 0) .and. sum(share) <= part) then
+            place = c(:, 1) + (share(1)*side + share(2)*other)/part
+            return
+        end if
+        place = c(:, 1)
+        do k = 1, 3
+            side = c(:, modulo(k, 3) + 1) - c(:, k)
+            part = dot_product(side, x - c(:, k))/max(dot_product(side, side), tiny(part))
+            other = c(:, k) + max(0.0_dp, min(1.0_dp, part))*side
+            if (norm2(other - x) < norm2(place - x)) place = other
+        end do
+    end function nearest_on
 
     !> Which points of a lattice lie inside: along every column in z the surface is crossed in and
     !> out. A column that meets an edge exactly counts as moved by a trace in x, and by still less
