@@ -26,9 +26,9 @@ from cuda_fortran import Fault, compile_all, kernels_of, mangled, missing_tools,
 # and two faces more than their bound on registers, those of WENO3 only where there are products;
 # the rows, those of the cosine for angles so large that none of them comes near; bonds, see BLOCKS
 # of cuda_fortran.py; curved walls in real64, which turn by two normals, five numbers; concrete
-# such a cosine and four numbers
+# such a cosine and six numbers
 STACK = {
-    "update_by_hjc": 72,
+    "update_by_hjc": 88,
     "update_by_orthotropic_ply": 64,
     "faces_muscl_hllc": 8,
     "faces_weno3_split": 48,

@@ -6,26 +6,27 @@
 !>          return to Y = fc min(([A (1 - D) + B (p/fc)^N] (1 + C ln rate), SMAX), damage by plastic
 !>          and crushing strain; see docs/materials.md
 !> Source:  Holmquist, Johnson & Cook 1993; tension as in docs/materials.md
-!> History: plastic strain, largest compression, eroded (0 or 1); the damage is that of the point
+!> History: see hjc_softening.f90; the damage is that of the point
 module brz_hjc
     use brz_kinds, only: dp, rk
     use brz_algebra, only: double_dot
     use brz_deviator, only: mises_stress, return_deviator, third_invariant, trial_deviator
     use brz_hjc_crack_flow, only: flow_with_cracks
     use brz_hjc_cracks, only: cracks_t, follow_rate, open_cracks
+    use brz_hjc_curve, only: check_dense, check_slopes, lock_compression
+    use brz_hjc_growth, only: concrete_alone, flow_t, grow
     use brz_hjc_keys, only: hjc_keys
-    use brz_hjc_pressure, only: crushing_strain, crushing_work, dense_curve, densest, &
-                                full_modulus, hjc_pressure, opening, unloading_modulus, &
-                                loading_curve, p_density, p_shear, p_a, p_b, p_n, p_c, p_fc, &
-                                p_t, p_rate, p_efmin, p_smax, p_p_crush, p_mu_crush, p_p_lock, &
-                                p_mu_lock, p_d1, p_d2, p_k1, p_k2, p_k3, p_floor, p_erosion, &
-                                p_limit, p_k_el, p_k_tran, p_mu_plock, p_full, p_ft, p_gf, &
-                                p_crack_rate, p_surface, p_young
-    use brz_hjc_softening, only: by_malvar, h_damage, h_rate, h_tension, widest_crack
+    use brz_hjc_pressure, only: crushing_strain, crushing_work, densest, full_modulus, &
+                                hjc_pressure, opening, p_a, p_b, p_crack_rate, p_density, &
+                                p_dilatancy, p_erosion, p_fc, p_ft, p_full, p_gf, p_k_el, &
+                                p_k_tran, p_limit, p_mu_crush, p_mu_lock, p_mu_plock, p_n, &
+                                p_p_crush, p_p_lock, p_shear, p_smax, p_surface, p_t, p_young
+    use brz_hjc_softening, only: by_malvar, h_damage, h_eroded, h_grown, h_mu_max, h_plastic, &
+                                 h_rate, h_tension, widest_crack
     use brz_hjc_strength, only: add_damage, by_malvar_surface, most, rate_effect, strength
     use brz_kinematics, only: volume_step
     use brz_material, only: class_crumbling, fails_by_degrees, material_t, point_t, material_ok, &
-                            material_clamped, n_par
+                            material_clamped, n_hist, n_par
     use brz_model, only: derived_t, model_t
     use brz_text, only: to_text
     implicit none
@@ -35,7 +36,7 @@ module brz_hjc
     integer, parameter :: hjc = 9 !! code of the model
     character(*), parameter :: name = 'hjc'
     integer, parameter :: erosion_tension = 2, erosion_strain = 3
-    integer, parameter :: h_plastic = 1, h_mu_max = 2, h_eroded = 3
+    real(rk), parameter :: usual_dilatancy = 0.5_rk !! of surface='malvar'
 
 contains
 
@@ -46,7 +47,7 @@ contains
         model%class = class_crumbling
         model%name = name
         call hjc_keys(name, model%keys)
-        model%n_hist = h_rate
+        model%n_hist = h_grown
         model%history(h_plastic) = 'plastic_strain'
         model%history(h_mu_max) = 'mu_max'
         model%history(h_eroded) = 'eroded'
@@ -54,6 +55,7 @@ contains
         model%history(h_damage) = 'damage_hjc'
         model%history(h_rate) = 'crack_rate'
         model%history_unit(h_rate) = '1/s'
+        model%history(h_grown) = 'grown'
         model%derive => derive
         model%report => report
     end subroutine describe_hjc
@@ -82,6 +84,7 @@ contains
             par(p_full) = full_modulus(par)
             call check_slopes(par, fault)
             call derive_cracks(material, given, fault)
+            call derive_growth(material, given, fault)
             material%density = par(p_density)
             material%bulk = par(p_k_el)
             material%fails = fails_by_degrees
@@ -117,6 +120,23 @@ contains
             material%n_hist = merge(h_rate, h_damage, int(par(p_crack_rate)) == by_malvar)
         end associate
     end subroutine derive_cracks
+
+    !> The surface of Malvar et al. comes with its dilatancy, that of the model has none.
+    subroutine derive_growth(material, given, fault)
+        type(material_t), intent(inout) :: material
+        logical, intent(in) :: given(:)
+        character(:), allocatable, intent(inout) :: fault
+
+        associate (par => material%par)
+            if (int(par(p_surface)) /= by_malvar_surface) then
+                if (given(p_dilatancy)) fault = "dilatancy needs surface='malvar'"
+                par(p_dilatancy) = 0
+            else if (.not. given(p_dilatancy)) then
+                par(p_dilatancy) = usual_dilatancy
+            end if
+            if (par(p_dilatancy) > 0) material%n_hist = h_grown
+        end associate
+    end subroutine derive_growth
 
     !> Strength of a bar by the surface alone, without damage [Pa]; that of Malvar has it at ft.
     pure function bar_strength(par) result(strength)
@@ -156,72 +176,6 @@ contains
             derived_t('widest crack', 'm', widest_crack(material%par))]
     end subroutine report
 
-    !> The cubic must rise over its whole range.
-    subroutine check_dense(par, fault)
-        real(rk), intent(in) :: par(n_par)
-        character(:), allocatable, intent(inout) :: fault
-        real(rk) :: x(3), p, slope
-        integer :: i
-
-        x = [0.0_rk, densest, 0.0_rk]
-        if (par(p_k3) > 0) x(3) = min(max(-par(p_k2)/(3*par(p_k3)), 0.0_rk), densest)
-        do i = 1, 3
-            call dense_curve(par, par(p_mu_lock) + x(i)*(1 + par(p_mu_lock)), p, slope)
-            if (.not. slope > 0) fault = 'k1 + 2 k2 x + 3 k3 x^2 must be positive for x from 0 '// &
-                'to 1: the pressure must rise with the compression'
-        end do
-    end subroutine check_dense
-
-    !> Compression at p_lock: root of the cubic, by bisection of a rising function.
-    pure function lock_compression(par) result(mu)
-        real(rk), intent(in) :: par(n_par)
-        real(rk) :: mu, low, high, p, slope
-        integer :: i
-
-        low = par(p_mu_lock)
-        high = par(p_mu_lock) + 1
-        do i = 1, 200
-            call dense_curve(par, high, p, slope)
-            if (p > par(p_p_lock)) exit
-            high = 2*high
-        end do
-        do i = 1, 200
-            mu = (low + high)/2
-            call dense_curve(par, mu, p, slope)
-            if (p < par(p_p_lock)) then
-                low = mu
-            else
-                high = mu
-            end if
-        end do
-    end function lock_compression
-
-    !> The way back must be steeper than the way there: else a cycle makes energy.
-    subroutine check_slopes(par, fault)
-        real(rk), intent(in) :: par(n_par)
-        character(:), allocatable, intent(inout) :: fault
-        real(rk) :: mu, p, slope
-        integer :: i
-        integer, parameter :: samples = 1000
-
-        if (par(p_k_tran) >= par(p_k_el)) then
-            fault = 'the slope of crushing, '//to_text(par(p_k_tran))//' Pa, is not below '// &
-                    'the elastic slope p_crush/mu_crush'
-            return
-        else if (par(p_k_tran) >= par(p_k1)) then
-            fault = 'the slope of crushing, '//to_text(par(p_k_tran))//' Pa, is not below k1'
-            return
-        end if
-        do i = 1, samples
-            mu = par(p_mu_crush) + (par(p_mu_plock) - par(p_mu_crush))*i/samples
-            call loading_curve(par, mu, p, slope)
-            if (unloading_modulus(par, mu) > par(p_k_tran)) cycle
-            fault = 'crushed material would unload on a softer line than it was loaded on: '// &
-                    'raise k1, or p_crush/mu_crush'
-            return
-        end do
-    end subroutine check_slopes
-
     !> One step of one material point; see `update_material` for the contract.
     !@cuf attributes(host,device) &
     pure subroutine update_hjc(material, dt, crack, l, point, status)
@@ -231,9 +185,9 @@ contains
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
         real(rk) :: s(6), q(3, 3), de(6), trial(6), mu, mu_max, mu_old, dv, v_mid, p_old, p_eos, p
-        real(rk) :: stiffest, damage, mises, yield, keep, work, plastic, strain, crushed
-        real(rk) :: released, rate, lost
+        real(rk) :: damage, work, plastic, crushed, released, rate, grown, alone
         type(cracks_t) :: cracks
+        type(flow_t) :: flow
         integer :: i
 
         damage = min(max(point%damage, 0.0_rk), 1.0_rk)
@@ -241,11 +195,10 @@ contains
         mu_old = max(point%hist(h_mu_max), 0.0_rk)
         mu = point%mu
         call volume_step(material%density, l, dt, mu, dv, v_mid)
-        call hjc_pressure(material%par, mu, mu_old, p_eos, stiffest)
-        mu_max = max(mu_old, mu)
-        crushed = 0
-        if (mu_max > mu_old) crushed = max(0.0_rk, crushing_strain(material%par, mu_max) &
-                                           - crushing_strain(material%par, mu_old))
+        grown = 0
+        if (material%par(p_dilatancy) > 0) grown = point%hist(h_grown)
+        point%mu = concrete_alone(point%mu, grown) ! that of the concrete, until the end
+        call hjc_pressure(material%par, concrete_alone(mu, grown), mu_old, p_eos, flow%stiffest)
         p_old = -(point%stress(1) + point%stress(2) + point%stress(3))/3
         do i = 1, 6
             s(i) = point%stress(i)
@@ -260,49 +213,75 @@ contains
             released = cracks%released*v_mid
             if (point%hist(h_eroded) > 0) cracks%damage = 0 ! no strength, with cracks or without
         end if
-        p = max(p_eos, -material%par(p_t)*(1 - damage))
-        mises = mises_stress(trial)
         rate = rate_effect(material%par, sqrt(double_dot(de, de)*2/3), dt)
-        yield = strength(material%par, p, damage, rate, point%hist(h_rate), mises, &
-                         third_invariant(trial))
-        if (point%hist(h_eroded) > 0) yield = 0
-        keep = 1
-        strain = 0
-        lost = 0
-        if (cracks%damage > 0) then
-            if (mises > yield .or. p > p_eos) &
-                call flow_with_cracks(material%par, damage, rate, cracks, trial, p, strain, lost)
-        else if (mises > yield) then
-            keep = yield/mises
-            strain = (mises - yield)/(3*material%par(p_shear))
+        flow%p = p_eos
+        call meet_surface(material%par, damage, rate, point%hist, cracks, trial, flow)
+        grown = 0
+        if (material%par(p_dilatancy) > 0) then
+            if (flow%strain > 0 .and. .not. cracks%damage > 0) then
+                call grow(material%par, mu, damage, rate, trial, point%hist, flow)
+                flow%lost = -(p_old + flow%p)/2*flow%more/(material%density*v_mid)
+                if (flow%more > 0) p_eos = flow%p
+            end if
+            grown = point%hist(h_grown)
         end if
-        call return_deviator(material%par(p_shear), keep, de, trial, q, s, work, plastic)
-        call add_damage(material%par, (p_old + p)/2, strain + crushed, damage)
+        alone = concrete_alone(mu, grown)
+        mu_max = max(mu_old, alone)
+        crushed = 0
+        if (mu_max > mu_old) crushed = max(0.0_rk, crushing_strain(material%par, mu_max) &
+                                           - crushing_strain(material%par, mu_old))
+        point%work(1) = crushing_work(material%par, mu_old, mu_max) &
+                        /(material%density*(1 + point%mu)*(1 + alone))
+        call return_deviator(material%par(p_shear), flow%keep, de, trial, q, s, work, plastic)
+        call add_damage(material%par, (p_old + flow%p)/2, flow%strain + crushed, damage)
+        p = flow%p
         if (.not. cracks%damage > 0) p = max(p_eos, -material%par(p_t)*(1 - damage))
         if (point%hist(h_eroded) > 0) p = max(p, 0.0_rk)
         if (.not. (material%par(p_ft) > 0 .and. point%hist(h_tension) > 0)) &
-            call release_tension(material%par, point, mu, mu_max, p_eos, p, damage, released)
-        point%hist(h_plastic) = point%hist(h_plastic) + strain
+            call release_tension(material%par, point, alone, mu_max, p_eos, p, damage, released)
+        point%hist(h_plastic) = point%hist(h_plastic) + flow%strain
         point%hist(h_mu_max) = mu_max
         call erode(material%par, p_eos, damage, point%hist(h_plastic), point%hist(h_eroded))
         do i = 1, 3
             point%stress(i) = s(i) - p
             point%stress(i + 3) = s(i + 3)
         end do
-        point%work(1) = crushing_work(material%par, mu_old, mu_max) &
-                        /(material%density*(1 + point%mu)*(1 + mu))
         point%work(2) = released
-        ! flow under tension is cracking; under pressure it is friction
-        point%work(merge(1, 2, p > 0)) = point%work(merge(1, 2, p > 0)) + (plastic + lost)*v_mid
+        ! flow under tension is cracking; under pressure it is friction, less what makes pressure
+        i = merge(1, 2, p > 0)
+        point%work(i) = point%work(i) + (plastic + flow%lost)*v_mid
         point%mu = mu
         point%energy = point%energy + work*v_mid - (p_old + p)/2*dv
         point%damage = damage
-        if (material%par(p_ft) > 0) then
-            point%hist(h_damage) = damage
-            point%damage = damage + (1 - damage)*point%hist(h_tension)
-        end if
-        call finish(material, mu, stiffest, point, status)
+        call finish(material, alone, flow%stiffest, point, status)
     end subroutine update_hjc
+
+    !> Flow back to the surface at one volume, beside cracks where there are some.
+    !@cuf attributes(host,device) &
+    pure subroutine meet_surface(par, damage, rate, hist, cracks, trial, flow)
+        real(rk), intent(in) :: par(n_par), damage, rate !! for `strength`
+        real(rk), intent(in) :: hist(n_hist)
+        type(cracks_t), intent(in) :: cracks
+        real(rk), intent(inout) :: trial(6) !! deviator [Pa]
+        type(flow_t), intent(inout) :: flow !! pressure of the curve and of cracks in
+        real(rk) :: mises, yield, p_eos
+
+        p_eos = flow%p
+        flow%p = max(p_eos, -par(p_t)*(1 - damage))
+        mises = mises_stress(trial)
+        yield = strength(par, flow%p, damage, rate, hist(h_rate), mises, third_invariant(trial))
+        if (hist(h_eroded) > 0) yield = 0
+        flow%keep = 1
+        flow%strain = 0
+        flow%lost = 0
+        if (cracks%damage > 0) then
+            if (mises > yield .or. flow%p > p_eos) call flow_with_cracks( &
+                par, damage, rate, cracks, trial, flow%p, flow%strain, flow%lost)
+        else if (mises > yield) then
+            flow%keep = yield/mises
+            flow%strain = (mises - yield)/(3*par(p_shear))
+        end if
+    end subroutine meet_surface
 
     !> Cracks open and close: the pressure that the point would have without them is asked for only
     !> where there are some.
@@ -322,14 +301,19 @@ contains
         call open_cracks(par, crack, s, before, trial, p, point%hist, cracks)
     end subroutine crack_point
 
-    !> Wave speeds, and whether the point is beyond the curve of crushed material.
+    !> Damage with that of cracks, wave speeds, and whether the point is beyond the curve of crushed
+    !> material.
     !@cuf attributes(host,device) &
     pure subroutine finish(material, mu, stiffest, point, status)
         type(material_t), intent(in) :: material
         real(rk), intent(in) :: mu, stiffest !! compression; slope of the pressure [Pa]
-        type(point_t), intent(inout) :: point
+        type(point_t), intent(inout) :: point !! its damage: without that of cracks in
         integer, intent(out) :: status
 
+        if (material%par(p_ft) > 0) then
+            point%hist(h_damage) = point%damage
+            point%damage = point%damage + (1 - point%damage)*point%hist(h_tension)
+        end if
         point%c_bulk = sqrt(stiffest/material%density)
         point%c_wave = sqrt((stiffest + 4*material%par(p_shear)/(3*max(1 + mu, 0.5_rk))) &
                             /material%density)

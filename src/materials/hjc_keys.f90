@@ -2,10 +2,10 @@
 !> The keys of the Holmquist-Johnson-Cook concrete.
 module brz_hjc_keys
     use brz_hjc_pressure, only: n_keys, p_a, p_b, p_c, p_crack_rate, p_d1, p_d2, p_density, &
-                                p_efmin, p_erosion, p_fc, p_floor, p_ft, p_gf, p_k1, p_k2, &
-                                p_k3, p_limit, p_mu_crush, p_mu_lock, p_n, p_p_crush, p_p_lock, &
-                                p_rate, p_rate_law, p_shear, p_smax, p_surface, &
-                                p_t, p_unload
+                                p_dilatancy, p_efmin, p_erosion, p_fc, p_floor, p_ft, p_gf, &
+                                p_k1, p_k2, p_k3, p_limit, p_mu_crush, p_mu_lock, p_n, p_p_crush, &
+                                p_p_lock, p_rate, p_rate_law, p_shear, p_smax, p_surface, p_t, &
+                                p_unload
     use brz_key, only: key_t, none, required
     use brz_kinds, only: dp
     use brz_model, only: real_key, text_key, usual
@@ -101,6 +101,9 @@ contains
             'strength: a, b, n; or that of Malvar et al. by fc and ft, whose cylinder carries fc')
         keys(p_rate_law) = text_key(name, 'rate_law', 'log', 'log|fib', &
             'by rate: 1 + c ln(rate/reference_rate), or (rate/3e-5)^0.014 of Model Code 2010')
+        keys(p_dilatancy) = real_key(name, 'dilatancy', '-', none, &
+            "surface='malvar', share of associated flow by which shear makes volume; absent: 0.5", &
+            0.0_dp, 1.0_dp)
     end subroutine describe_options
 
     !> A number that must be given, and be positive.

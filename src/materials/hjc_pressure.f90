@@ -20,14 +20,14 @@ module brz_hjc_pressure
                                   p_d1 = 16, p_d2 = 17, p_k1 = 18, p_k2 = 19, p_k3 = 20, &
                                   p_floor = 21, p_unload = 22, p_erosion = 23, p_limit = 24, &
                                   p_ft = 25, p_gf = 26, p_crack_rate = 27, p_surface = 28, &
-                                  p_rate_law = 29
-    integer, parameter, public :: n_keys = 29
+                                  p_rate_law = 29, p_dilatancy = 30
+    integer, parameter, public :: n_keys = 30
     ! ... then what is derived from them.
-    integer, parameter, public :: p_k_el = 30, p_k_tran = 31 !! slopes of the loading curve [Pa]
-    integer, parameter, public :: p_mu_plock = 32 !! compression at p_lock on the loading curve
-    integer, parameter, public :: p_full = 33 !! unloading slope where crushing is complete [Pa]
+    integer, parameter, public :: p_k_el = 31, p_k_tran = 32 !! slopes of the loading curve [Pa]
+    integer, parameter, public :: p_mu_plock = 33 !! compression at p_lock on the loading curve
+    integer, parameter, public :: p_full = 34 !! unloading slope where crushing is complete [Pa]
 
-    integer, parameter, public :: p_young = 34 !! Young's modulus [Pa]
+    integer, parameter, public :: p_young = 35 !! Young's modulus [Pa]
 
     ! Values of the option `unload`, the places of its words in the deck.
     integer, parameter, public :: unload_paper = 1, unload_reversible = 2

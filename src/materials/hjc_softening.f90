@@ -11,8 +11,10 @@ module brz_hjc_softening
     private
     public :: crack_damage, tensile_strength, widest_crack
 
-    !> History: damage of the cracks, damage of the rest, rate at which they open [1/s].
-    integer, parameter, public :: h_tension = 4, h_damage = 5, h_rate = 6
+    !> History: plastic strain, largest compression, eroded (0 or 1), damage of the cracks, damage
+    !> of the rest, rate at which cracks open [1/s], volume that has grown over the unloaded one.
+    integer, parameter, public :: h_plastic = 1, h_mu_max = 2, h_eroded = 3
+    integer, parameter, public :: h_tension = 4, h_damage = 5, h_rate = 6, h_grown = 7
     integer, parameter, public :: by_malvar = 2 !! place of the word of `rate_tension`
     real(rk), parameter :: steepest = 0.55_rk !! least Gf/(l ft) over k0
     !> What is left of the stiffness of an open crack, and of its strength: small, and enough to
