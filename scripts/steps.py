@@ -25,11 +25,12 @@ from pathlib import Path
 
 from items import BUFFER, ITEM, Item, fold
 
-CALL = re.compile(r"^(.*?)\bcall (\w+)\((.*)\)$")
+CALL = re.compile(r"^(.*?)\bcall ([\w%]+)\((.*)\)$")
 HEAD = re.compile(r"^subroutine (\w+)\((.*)\)$")
 ARRAY = re.compile(r"^([\w()]+), intent\(\w+\) :: (\w+)\(:.*\)$")
 TAGS = re.compile(r"!@gpu ((?:book|count)_.*)")
-KNOWN = {"gpu_solid_t": "brz_gpu_solid_state", "list_gpu_faces": "brz_gpu_coupling_shared"}
+KNOWN = {"gpu_solid_t": "brz_gpu_solid_state"}
+KNOWN |= dict.fromkeys(["gpu_places_t", "gpu_marks_t"], "brz_gpu_places")
 KNOWN |= {"clear_buffer": "brz_device"}
 KNOWN |= dict.fromkeys(["gpu_air_t", "mark_near_walls"], "brz_gpu_air_state")
 KNOWN |= {"take_found": "brz_gpu_air_operations"}
@@ -43,7 +44,9 @@ CHANGES += [
     (r"use brz_(air|coupling)_state, only: (\w+_t)$", r"use brz_gpu_\1_state, only: gpu_\2")
 ]
 CHANGES += [(r"type\((air|coupling)_t\)", r"type(gpu_\1_t)")]
-CHANGES += [("type.solid_t.", "type(seen_t)"), (r"use brz_(lists|\w+_steps)\b", r"use brz_gpu_\1")]
+CHANGES += [(r"use brz_(lists|parcels|\w+_steps)\b", r"use brz_gpu_\1")]
+CHANGES += [("type.solid_t.", "type(seen_t)"), ("type.marks_t.", "type(gpu_marks_t)")]
+CHANGES += [("type.parcels_t.", "type(gpu_places_t)")]
 # what gpu_solid_t has as solid_t has it, for files of the solids
 ON_GPU = "n|wide|step_[dp]|x|x_ref|x_built|v|a|load|grip|mass|energy|stress|pair|fixed|id"
 OF_SOLIDS = [(r"\ballocated\(solid%(load|grip)\)", r"gpu%\1%address /= 0")]
@@ -120,11 +123,13 @@ def called(code, comment, items, owner):
         return [before + first, *more]
     if owner:
         handed_on, given = arguments(given)[0] == owner, given.removesuffix(", err")
+        handed_on = handed_on and "%" not in name
         return [f"{before}call {name}(gpu, {given}, err)" if handed_on else code]
     if name == "running_sum":
         x, n, *total = arguments(given)
         x = re.sub(r"^(.*)\((\d+):\)$", r"from(\1, \2_int64)", x)
-        return [f"{before}call c%common%running_sum({', '.join([x, n, 'err', *total])})"]
+        holder = re.search(r"(\w+)%", x)[1]
+        return [f"{before}call {holder}%common%running_sum({', '.join([x, n, 'err', *total])})"]
     return [f"{before}call {name}({given}, err)"]
 
 

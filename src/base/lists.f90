@@ -4,13 +4,13 @@ module brz_lists
     use brz_kinds, only: int32, int8, real32, real64, rk
     implicit none
     private
-    public :: at_least, clear_list, clear_map, copy_first, room_of, running_sum, swap
-    public :: count_in_bins, put_in_bins, read_first
+    public :: at_least, clear_list, clear_map, clear_reals, copy_first, room_of, running_sum, swap
+    public :: count_in_bins, put_in_bins, put_list, read_first
 
     !> Make room for n entries, or n columns of some rows; what was there is lost where it grows.
     interface at_least
-        module procedure integers_at_least, singles_at_least, doubles_at_least, columns_at_least, &
-            integer_columns_at_least
+        module procedure integers_at_least, singles_at_least, doubles_at_least, &
+            single_columns_at_least, double_columns_at_least, integer_columns_at_least
     end interface at_least
 
     !> Copy the first n entries, or columns.
@@ -58,8 +58,8 @@ contains
         allocate (a(n + n/4))
     end subroutine doubles_at_least
 
-    subroutine columns_at_least(a, rows, n)
-        real(rk), allocatable, intent(inout) :: a(:, :)
+    subroutine single_columns_at_least(a, rows, n)
+        real(real32), allocatable, intent(inout) :: a(:, :)
         integer, intent(in) :: rows, n
 
         if (allocated(a)) then
@@ -67,7 +67,18 @@ contains
             deallocate (a)
         end if
         allocate (a(rows, n + n/4))
-    end subroutine columns_at_least
+    end subroutine single_columns_at_least
+
+    subroutine double_columns_at_least(a, rows, n)
+        real(real64), allocatable, intent(inout) :: a(:, :)
+        integer, intent(in) :: rows, n
+
+        if (allocated(a)) then
+            if (size(a, 2) >= n) return
+            deallocate (a)
+        end if
+        allocate (a(rows, n + n/4))
+    end subroutine double_columns_at_least
 
     subroutine integer_columns_at_least(a, rows, n)
         integer(int32), allocatable, intent(inout) :: a(:, :)
@@ -87,6 +98,15 @@ contains
         n = 0
         if (allocated(a)) n = size(a)
     end function room_of
+
+    !> A list of the host, with room for it.
+    subroutine put_list(from, to)
+        integer, intent(in) :: from(:)
+        integer(int32), allocatable, intent(inout) :: to(:)
+
+        call at_least(to, size(from))
+        to(:size(from)) = from
+    end subroutine put_list
 
     !> Bring the first n entries to the host.
     pure subroutine read_first(n, from, to)
@@ -187,6 +207,14 @@ contains
             x(i) = 0
         end do
     end subroutine clear_map
+
+    !> Set the first n numbers to zero.
+    subroutine clear_reals(n, x)
+        integer, intent(in) :: n
+        real(rk), intent(out) :: x(*)
+
+        x(1:n) = 0
+    end subroutine clear_reals
 
     !> Set the first n entries of a list to zero.
     subroutine clear_list(n, x)

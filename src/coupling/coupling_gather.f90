@@ -27,7 +27,7 @@ contains
 
         all%n_var = coupling%n_var
         all%dt_before = coupling%dt_before
-        associate (ranks => coupling%guests%ranks)
+        associate (ranks => coupling%ranks)
             call books_of_all(ranks, coupling, all%books)
             call gather_debts(ranks, coupling, all)
         end associate

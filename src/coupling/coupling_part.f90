@@ -7,9 +7,9 @@
 !> and what is beside the box is computed twice, from the same numbers.
 module brz_coupling_part
     use brz_boxes, only: box_t
-    use brz_kinds, only: int32
-    use brz_mail, only: mail_t
-    use brz_solid_part, only: parcels_t
+    use brz_kinds, only: int32, int64, rk
+    use brz_parcels, only: courier_t
+    use brz_places, only: marks_t, parcels_t
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -18,15 +18,22 @@ module brz_coupling_part
     type :: part_t
         type(box_t), allocatable :: boxes(:) !! (0:processes-1) cells of the grid that each has
         type(box_t), allocatable :: windows(:) !! likewise that each sees
-        ! particles of this process in windows, those of this process as well
-        type(parcels_t) :: out !! places of them
-        logical, allocatable :: theirs(:) !! (out) in a cell of the process that gets it
-        type(parcels_t) :: in !! places of the guests that came
+        type(box_t), allocatable :: near(:) !! likewise windows and a layer around
+        integer(int32), allocatable :: windows_at(:), boxes_at(:), near_at(:) !! as items have them
+        integer(int64) :: rebuilds = -1 !! of the bodies' lists when guests were listed
+        type(courier_t) :: parcels
+        ! guests: particles of this process near windows, its own as well
+        type(parcels_t) :: out, in !! their places; those of the guests that came
+        type(parcels_t) :: home !! 1, 2, 3, ... for what comes back
+        type(marks_t) :: listed !! which particles those are
+        integer(int32), allocatable :: bodies_at(:) !! (2*bodies) first and last particle
+        integer(int32), allocatable :: first_at(:) !! (processes + 1) those of `out`
         integer(int32), allocatable :: seat(:) !! 1, 2, 3, ... for as many as there is room for
-        integer(int32), allocatable :: cell(:, :) !! (3, particles) cell of the grid, or 0: outside
+        real(rk), allocatable :: loads(:, :) !! (3, out) that have come back
         ! wall faces: impulses go from who has the gas to who has loads to hand out
         type(parcels_t) :: faces_out, faces_in
-        type(mail_t) :: guest_mail, load_mail, face_mail, debt_mail
+        type(parcels_t) :: debts_out, debts_in
+        type(marks_t) :: marks
     end type part_t
 
 contains

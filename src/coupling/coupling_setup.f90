@@ -8,15 +8,17 @@ module brz_coupling_setup
     use brz_boxes, only: cells_t => box_t
     use brz_case, only: case_t
     use brz_cell_shells, only: make_shells
-    use brz_coupling_guests, only: invite_guests, open_windows, see_window
+    use brz_coupling_guests, only: open_windows, see_window
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: move_walls
     use brz_debt_steps, only: enter_debts, size_debts
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_event_steps, only: put_up_walls
+    use brz_guest_steps, only: invite_guests
     use brz_kinds, only: dp, int32, rk
     use brz_positivity, only: floors_of
     use brz_ranks, only: several
+    use brz_shared_steps, only: put_windows
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -54,6 +56,7 @@ contains
         integer :: n(3)
 
         coupling%present = .true.
+        coupling%ranks = air%part%ranks
         coupling%n_var = air%n_var
         coupling%spread = spread
         coupling%reference_pressure = reference_pressure
@@ -69,7 +72,8 @@ contains
         coupling%wall%lo = 1 - (air%before - coupling%box%before)
         coupling%wall%hi = coupling%wall%lo + n - 1
         if (several(solid%ranks)) then
-            call open_windows(air, coupling)
+            call open_windows(air, solid, coupling)
+            call put_windows(coupling)
             call restart_coupling(air, solid, coupling)
             call empty_walls(air, coupling%guests, coupling)
             call see_window(air)
@@ -156,17 +160,19 @@ contains
         type(coupling_t), intent(inout) :: coupling
 
         if (several(solid%ranks)) then
+            coupling%part%rebuilds = -1 ! none are listed
             call invite_guests(solid, solid, coupling)
             call see_window(air)
-            call begin_walls(air, coupling%guests, coupling)
+            call begin_walls(air, coupling%crowd, coupling%guests, coupling)
         else
-            call begin_walls(air, solid, coupling)
+            call begin_walls(air, solid, solid, coupling)
         end if
     end subroutine restart_coupling
 
-    subroutine begin_walls(air, solid, coupling)
+    subroutine begin_walls(air, solid, p, coupling)
         type(air_t), intent(inout) :: air
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(in) :: solid !! bodies
+        type(solid_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: coupling
 
         coupling%cell_of = -1
@@ -174,9 +180,9 @@ contains
         coupling%wall%n_cells = 0
         coupling%wall%solid = 0
         coupling%wall%index = 0
-        call put_up_walls(air, solid, coupling)
+        call put_up_walls(air, p, coupling)
         coupling%rebuilds = solid%rebuilds
-        call move_walls(solid, solid, coupling)
+        call move_walls(solid, p, coupling)
         coupling%slot = 0
         call size_debts(coupling, 0)
         call enter_debts(coupling)

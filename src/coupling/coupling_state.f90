@@ -12,6 +12,7 @@ module brz_coupling_state
     use brz_coupling_box, only: box_t
     use brz_coupling_part, only: part_t
     use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_ranks, only: ranks_t
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -31,6 +32,7 @@ module brz_coupling_state
 
     !> What the host knows of the coupling, wherever it is computed.
     type :: coupling_known_t
+        type(ranks_t) :: ranks !! of the air
         integer :: n_var = 5 !! conserved variables of the air
         type(box_t) :: box !! of the air
         integer :: outside = 0 !! particles outside the box
@@ -56,7 +58,8 @@ module brz_coupling_state
         integer(int8), allocatable :: mark(:, :, :) !! (cells of the box) map being built; then the
                                                     !! donors
         ! several processes: what this one sees of the bodies, and what it has to do with others
-        type(solid_t), allocatable :: guests !! copies of the particles in the cells of the box
+        type(solid_t), allocatable :: guests !! copies of the particles near the cells of the box
+        type(solid_t) :: crowd !! their bodies
         type(part_t) :: part
         ! particles by air cell
         integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0: outside

@@ -16,7 +16,7 @@ module brz_debt_steps
     implicit none
     private
     public :: level_ledgers, limit_ledgers, release_debts, settle_covered, enter_debts
-    public :: fill_uncovered, donate, size_debts, keep_own, ledger_totals
+    public :: fill_uncovered, donate, size_debts, size_next, keep_own, ledger_totals
 
 contains
 
@@ -97,8 +97,7 @@ contains
 
         call running_sum(c%start, c%n_debts, left)
         if (left == c%n_debts) return
-        call at_least(c%next_cell, c%n_debts)
-        call at_least(c%next_debt, c%n_var, c%n_debts)
+        call size_next(c, c%n_debts)
         call each_move_debt(c%n_debts, c%n_var, c%start, c%debt_cell, c%debt, c%slot, c%next_cell, &
                             c%next_debt)
         c%n_debts = left
@@ -119,13 +118,21 @@ contains
         integer, intent(in) :: n
 
         if (room_of(c%debt_cell) >= max(n, 1)) return
-        call at_least(c%next_cell, 2*n + 64)
-        call at_least(c%next_debt, c%n_var, 2*n + 64)
+        call size_next(c, 2*n + 64)
         call copy_first(c%n_debts, c%debt_cell, c%next_cell)
         call copy_first(c%n_debts, c%n_var, c%debt, c%next_debt)
         call swap(c%debt_cell, c%next_cell)
         call swap(c%debt, c%next_debt)
     end subroutine size_debts
+
+    !> Room for a list of n debts that is to take the place of the one that is there.
+    subroutine size_next(c, n)
+        type(coupling_t), intent(inout) :: c
+        integer, intent(in) :: n
+
+        call at_least(c%next_cell, n)
+        call at_least(c%next_debt, c%n_var, n) ! the two always have the same room
+    end subroutine size_next
 
     !> Give the cells that the solid left the state of the gas around; what is over they give away.
     subroutine fill_uncovered(air, c)

@@ -13,14 +13,14 @@ module brz_event_steps
         each_mark_cell
     use brz_column_loops, only: each_find_above
     use brz_coupling_box, only: is_left, is_solid
-    use brz_coupling_shared, only: list_shared_faces !@cpu
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: settle_ledgers
     use brz_debt_steps, only: donate, fill_uncovered, settle_covered
     use brz_lists, only: at_least, clear_list, clear_map, count_in_bins, put_in_bins, &
         running_sum, swap
-    use brz_ranks, only: several !@cpu
+    use brz_ranks, only: several
     use brz_scheme, only: max_var
+    use brz_shared_steps, only: list_shared_faces
     use brz_solid_state, only: solid_t
     use brz_wall_items, only: images_along
     use brz_wall_loops, only: each_clear_wall, each_count_faces, each_enter_wall, &
@@ -150,10 +150,9 @@ contains
                              c%gas, c%rows, c%wall%face_cell)
         call each_find_above(n, c%box, c%cell, c%wall%solid, c%wall%index, c%wall%face_of, c%above)
         call list_cuts(air, c%cell, c%gas, c%rows, c%wall) !@cpu
-        if (several(air%part%ranks)) call list_shared_faces(air, c) !@cpu
         !@gpu air%walls = c%wall
         !@gpu call mark_near_walls(air)
-        !@gpu if (several(c%exact%ranks)) call list_gpu_faces(c)
+        if (several(c%ranks)) call list_shared_faces(c)
     end subroutine build_walls
 
     !> Room for what is kept per solid cell and per wall face.

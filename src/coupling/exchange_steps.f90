@@ -4,17 +4,16 @@
 module brz_exchange_steps
     use brz_air_state, only: air_t
     use brz_carrier_steps, only: sum_loads
-    use brz_coupling_guests, only: invite_guests, see_window, send_loads_home !@cpu
-    use brz_coupling_shared, only: share_debts, share_impulses !@cpu
-    !@gpu use brz_gpu_coupling_guests, only: invite_guests, send_loads_home
-    !@gpu use brz_gpu_coupling_shared, only: share_debts, share_impulses
+    use brz_coupling_guests, only: see_window !@cpu
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: find_velocities
     use brz_event_steps, only: move_on
+    use brz_guest_steps, only: invite_guests, send_loads_home
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least, clear_list, read_first
     use brz_load_loops, only: each_feel_load
     use brz_ranks, only: several, sum_of_all
+    use brz_shared_steps, only: share_debts, share_impulses
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: solid_t
     use brz_velocity_loops, only: each_keep_velocity
@@ -26,7 +25,7 @@ module brz_exchange_steps
 contains
 
     !> Velocities of the walls in the middle of the coming step, from the particles in the solid
-    !> cells. On a GPU `crowd` is what the host knows of the bodies of the guests.
+    !> cells. On several processes `crowd` has the bodies of the guests.
     subroutine set_wall_velocity(air, solid, p, c, dt)
         type(air_t), intent(in) :: air
         class(solid_t), intent(in) :: solid !! its bodies
@@ -36,8 +35,7 @@ contains
 
         if (several(solid%ranks)) then
             associate (before => c%guests%v_before, seat => c%part%seat)
-                call find_velocities(air, c%guests, c%guests, c, dt, before, seat) !@cpu
-                !@gpu call find_velocities(air, c%crowd, c%guests, c, dt, before, seat)
+                call find_velocities(air, c%crowd, c%guests, c, dt, before, seat)
             end associate
         else
             call find_velocities(air, solid, p, c, dt, c%v_before, p%id)
@@ -139,9 +137,7 @@ contains
             call see_window(air) !@cpu
             !@gpu call c%part%window%reals_of_others(air%grid%apart, air%u)
             call share_debts(c)
-            c%rebuilds = -1 !@cpu a guest's place is another one's in the next step
-            call move_on(air, c%guests, c%guests, c) !@cpu
-            !@gpu call move_on(air, c%crowd, c%guests, c)
+            call move_on(air, c%crowd, c%guests, c)
             call see_window(air) !@cpu
             !@gpu call c%part%window%reals_of_others(air%grid%apart, air%u)
         else

@@ -31,19 +31,17 @@ contains
         real(dp), intent(in) :: x(wide, *) !! [m]
         integer(int32), intent(in) :: fixed(*)
         integer(int32), intent(inout) :: mark(*) !! (places, boxes)
-        integer :: r
-        logical :: there
+        integer :: ijk(3), r
 
-        there = is_listed(bodies, body, i)
-        if (there) there = fixed(i) /= is_gone
+        ijk = cell_of_grid(box, x(1, i), fixed(i))
         do r = 1, boxes
             mark((r - 1)*row + i) = 0
-            if (.not. there) cycle
-            if (is_in(asks(1, r), box, x(1, i))) mark((r - 1)*row + i) = 1
+            if (.not. is_in(asks(1, r), ijk)) cycle
+            if (is_listed(bodies, body, i)) mark((r - 1)*row + i) = 1
         end do
     end subroutine mark_guest
 
-    !> missed = 1 if a particle of a body is in a box without being listed for it.
+    !> Count the particles of bodies that are in a box without being listed for it.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine miss_guest(i, row, bodies, body, boxes, asks, box, wide, x, fixed, listed, &
@@ -58,19 +56,19 @@ contains
         real(dp), intent(in) :: x(wide, *) !! [m]
         integer(int32), intent(in) :: fixed(*)
         integer(int32), intent(in) :: listed(*) !! running sums of the marks when they were listed
-        integer(int32), intent(inout) :: missed(*)
-        integer :: k, r
+        integer, intent(inout) :: missed !@count particles, once for each box
+        integer :: ijk(3), k, r
 
-        if (.not. is_listed(bodies, body, i)) return
-        if (fixed(i) == is_gone) return
+        ijk = cell_of_grid(box, x(1, i), fixed(i))
         do r = 1, boxes
             k = (r - 1)*row + i
             if (listed(k + 1) > listed(k)) cycle
-            if (is_in(asks(1, r), box, x(1, i))) missed(1) = 1
+            if (.not. is_in(asks(1, r), ijk)) cycle
+            if (is_listed(bodies, body, i)) missed = missed + 1
         end do
     end subroutine miss_guest
 
-    !> True for a particle of one of the bodies.
+    !> True for a particle of one of the bodies: no ghost.
     !@cuf attributes(host,device) &
     pure function is_listed(bodies, body, i) result(listed)
         integer, intent(in) :: bodies
@@ -85,22 +83,36 @@ contains
         end do
     end function is_listed
 
-    !> True for a point in a box of cells of the grid.
+    !> Cell of the grid that holds a particle; 0, 0, 0 outside, or where it is gone.
     !@cuf attributes(host,device) &
-    pure function is_in(ask, box, x) result(inside)
-        integer(int32), intent(in) :: ask(6) !! lowest and highest cell
+    pure function cell_of_grid(box, x, fixed) result(ijk)
         type(box_t), intent(in) :: box
         real(dp), intent(in) :: x(3) !! [m]
-        logical :: inside
-        integer :: before(3), cells(3), d
-        real(dp) :: y(3)
+        integer(int32), intent(in) :: fixed
+        integer :: d, ijk(3), none(3)
+        integer(int32) :: c
 
         do d = 1, 3
-            before(d) = ask(d) - 1
-            cells(d) = ask(3 + d) - before(d)
-            y(d) = x(d)
+            none(d) = 0
+            ijk(d) = 0
         end do
-        inside = cell_number(y, box%lo, box%dx, box%whole, box%wraps, before, cells) > 0
+        if (fixed == is_gone) return
+        c = cell_number(x, box%lo, box%dx, box%whole, box%wraps, none, box%whole)
+        if (c > 0) ijk = cell_at(box%whole, c)
+    end function cell_of_grid
+
+    !> True for a cell of the grid that is asked for.
+    !@cuf attributes(host,device) &
+    pure function is_in(ask, ijk) result(inside)
+        integer(int32), intent(in) :: ask(6) !! lowest and highest cell
+        integer, intent(in) :: ijk(3)
+        logical :: inside
+        integer :: d
+
+        inside = .true.
+        do d = 1, 3
+            inside = inside .and. ijk(d) >= ask(d) .and. ijk(d) <= ask(3 + d)
+        end do
     end function is_in
 
     !> mark = 1 for a cell of a list that is in a box, else 0.
@@ -115,43 +127,43 @@ contains
         integer(int32), intent(in) :: cell(*)
         integer(int32), intent(inout) :: mark(*) !! (list, boxes)
         integer :: d, ijk(3), r
-        logical :: there
 
         ijk = cell_at(box%n, cell(i))
+        do d = 1, 3
+            ijk(d) = ijk(d) + box%before(d)
+        end do
         do r = 1, boxes
-            there = .true.
-            do d = 1, 3
-                there = there .and. ijk(d) + box%before(d) >= asks(d, r) &
-                        .and. ijk(d) + box%before(d) <= asks(3 + d, r)
-            end do
             mark((r - 1)*row + i) = 0
-            if (there) mark((r - 1)*row + i) = 1
+            if (is_in(asks(1, r), ijk)) mark((r - 1)*row + i) = 1
         end do
     end subroutine mark_cells
 
     !> The load of a particle, from the process in whose box it is: none comes from others.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine take_load(k, r, asks, box, wide, x, fixed, places, place, seat, guests, load)
-        integer, intent(in) :: k !! particles that the process has copies of
-        integer, intent(in) :: r !! row of its box
+    pure subroutine take_load(k, boxes, first, asks, box, wide, x, fixed, step_d, step_p, place, &
+                              came, load)
+        integer, intent(in) :: k !! copies of particles that processes have, box by box
+        integer, intent(in) :: boxes
+        integer(int32), intent(in) :: first(*) !! (boxes + 1) first copy of each
         integer(int32), intent(in) :: asks(6, *) !! lowest and highest cell of the grid
         type(box_t), intent(in) :: box
         integer, intent(in) :: wide !! rows of x
         real(dp), intent(in) :: x(wide, *) !! [m]
         integer(int32), intent(in) :: fixed(*)
-        integer, intent(in) :: places !! of this process
+        integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
         integer(int32), intent(in) :: place(*) !! of the particle
-        integer(int32), intent(in) :: seat(*) !! of its copy
-        real(rk), intent(in) :: guests(*) !! (3, guests) loads of them [N]
-        real(rk), intent(inout) :: load(*) !! (places, 3)
-        integer :: d, p
+        real(rk), intent(in) :: came(3, *) !! loads of the copies [N]
+        real(rk), intent(inout) :: load(*)
+        integer :: d, p, r
 
         p = place(k)
-        if (fixed(p) == is_gone) return
-        if (.not. is_in(asks(1, r), box, x(1, p))) return
+        do r = 1, boxes
+            if (k < first(r + 1)) exit
+        end do
+        if (.not. is_in(asks(1, r), cell_of_grid(box, x(1, p), fixed(p)))) return
         do d = 1, 3
-            load((d - 1)*places + p) = guests((seat(k) - 1)*3 + d)
+            load(1 + (d - 1)*step_d + (p - 1)*step_p) = came(d, k)
         end do
     end subroutine take_load
 
@@ -182,17 +194,14 @@ contains
         type(box_t), intent(in) :: box
         integer(int32), intent(in) :: cell(*)
         integer(int8), intent(inout) :: near(*) !! (blocks, boxes), behind always_near
-        integer :: d, i, ijk(3), j, k, r, to(3)
-        logical :: there
+        integer :: d, grid(3), i, ijk(3), j, k, r, to(3)
 
         ijk = cell_at(box%n, cell(c))
+        do d = 1, 3
+            grid(d) = ijk(d) + box%before(d)
+        end do
         do r = 1, boxes
-            there = .true.
-            do d = 1, 3
-                there = there .and. ijk(d) + box%before(d) >= asks(d, r) &
-                        .and. ijk(d) + box%before(d) <= asks(3 + d, r)
-            end do
-            if (.not. there) cycle
+            if (.not. is_in(asks(1, r), grid)) cycle
             do k = -1, 1
                 do j = -1, 1
                     do i = -1, 1

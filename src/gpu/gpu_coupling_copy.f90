@@ -8,11 +8,13 @@ module brz_gpu_coupling_copy
     use brz_device, only: clear_buffer, copy_in, copy_out
     use brz_errors, only: error_t, failed
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
-    use brz_gpu_coupling_guests, only: invite_guests, open_gpu_windows
+    use brz_gpu_coupling_guests, only: open_gpu_windows
     use brz_gpu_coupling_state, only: book_high, book_low, book_threads, gpu_coupling_t, n_book, &
         open_memory, seen_t
     use brz_gpu_debt_steps, only: enter_debts, size_debts
     use brz_gpu_event_steps, only: put_up_walls
+    use brz_gpu_guest_steps, only: invite_guests
+    use brz_gpu_shared_steps, only: put_windows
     use brz_gpu_wall_steps, only: find_mean_velocity
     use brz_kinds, only: dp, int64, rk
     use brz_load_launches, only: load_kernels
@@ -41,7 +43,8 @@ contains
         p = particles
         if (several(air%part%ranks)) then
             call open_gpu_windows(air, coupling, gpu, err)
-            call invite_guests(coupling%guests, particles, gpu, err)
+            call put_windows(gpu, err)
+            call invite_guests(coupling%crowd, p, gpu, err)
             p = gpu%guests
         end if
         gpu%wall = there%walls

@@ -15,8 +15,8 @@ module brz_gpu_coupling_state
     use brz_gpu_air_state, only: bytes_of_real, gpu_walls_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_fetch, only: gpu_fetch_t
-    use brz_gpu_marks, only: gpu_marks_t
-    use brz_gpu_parcels, only: gpu_parcels_t, gpu_places_t
+    use brz_gpu_parcels, only: gpu_parcels_t
+    use brz_gpu_places, only: gpu_marks_t, gpu_places_t
     use brz_ranks, only: ranks_t
     use brz_kinds, only: dp, int64
     use brz_solid_state, only: solid_t
@@ -25,7 +25,7 @@ module brz_gpu_coupling_state
     private
     public :: gpu_coupling_t, seen_t, range_t, open_memory
     public :: count_moved, count_outside, count_covered, count_uncovered, count_own, count_over, &
-        count_kept, book_threads, book_work, book_low, book_high, n_book
+        count_kept, count_missed, book_threads, book_work, book_low, book_high, n_book
     public :: book_at, count_at, read_counts, put_carriers
 
     ! what the kernels count
@@ -35,7 +35,8 @@ module brz_gpu_coupling_state
     integer, parameter :: count_own = 4 !! + 1..2: both, of this process
     integer, parameter :: count_over = 7 !! ledgers beyond their band
     integer, parameter :: count_kept = 8 !! buried ledgers that found no taker
-    integer, parameter :: n_count = 8
+    integer, parameter :: count_missed = 9 !! particles that should be guests
+    integer, parameter :: n_count = 9
 
     ! the books, as partial results of `book_threads` threads: part(book_threads, n_book)
     integer, parameter :: book_threads = tally_threads
@@ -56,25 +57,21 @@ module brz_gpu_coupling_state
         type(range_t), allocatable :: bodies(:)
         ! on several processes
         type(reals_t) :: v_before
-        integer(int64) :: laid = 0 !! how often their places have become others
+        integer(int64) :: rebuilds = 0 !! how often their places have become others
     end type seen_t
 
-    !> What it has to do with those of other processes: windows, parcels, lists of what is in them.
+    !> What it has to do with those of other processes, as part_t has it, and its window.
     type :: gpu_part_t
-        type(box_t), allocatable :: boxes(:), windows(:) !! (0:processes - 1)
+        type(box_t), allocatable :: boxes(:), windows(:), near(:) !! (0:processes - 1)
+        type(integers_t) :: windows_at, boxes_at, near_at
         type(gpu_fetch_t) :: window !! gas and ledgers of others in the window
+        integer(int64) :: rebuilds = -1
         type(gpu_parcels_t) :: parcels
-        integer(int64) :: laid = -1 !! of the particles, when guests were listed
-        type(gpu_places_t) :: out, in !! particles of this process near windows, guests
-        type(gpu_marks_t) :: listed !! which particles those are
-        type(integers_t) :: bodies_at !! (2, bodies) first and last particle
-        type(integers_t) :: asks_at !! (6, 3*processes) windows, boxes, windows and a layer
-        type(integers_t) :: missed !! 1: a particle is in a window and not listed for it
-        type(gpu_places_t) :: faces_out, faces_in
-        type(gpu_places_t) :: debts_out, debts_in
-        type(gpu_marks_t) :: marks
-        type(integers_t) :: seat !! 1, 2, 3, ...
-        type(reals_t) :: loads !! (3, particles) that have come from a process
+        type(gpu_places_t) :: out, in, home
+        type(gpu_marks_t) :: listed, marks
+        type(integers_t) :: bodies_at, first_at, seat
+        type(reals_t) :: loads
+        type(gpu_places_t) :: faces_out, faces_in, debts_out, debts_in
     end type gpu_part_t
 
     !> Names are those of coupling_t where there is such an array.

@@ -3,12 +3,12 @@
 module brz_gpu_lists
     use brz_buffers, only: buffer_t, bytes_each, integers_t
     use brz_common_launches, only: common_kernels
-    use brz_device, only: clear_buffer, copy_out, copy_within, reserve_buffer
+    use brz_device, only: clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
     use brz_errors, only: error_t, failed
     implicit none
     private
-    public :: at_least, clear_list, clear_map, copy_first, read_first, room_of, swap, &
-        count_in_bins, put_in_bins
+    public :: at_least, clear_list, clear_map, clear_reals, copy_first, put_list, read_first, &
+        room_of, swap, count_in_bins, put_in_bins
 
     !> Make room for n entries, or n columns of some rows; what was there is lost where it grows.
     interface at_least
@@ -24,6 +24,11 @@ module brz_gpu_lists
     interface clear_map
         module procedure clear_list
     end interface clear_map
+
+    !> The same of numbers.
+    interface clear_reals
+        module procedure clear_list
+    end interface clear_reals
 
 contains
 
@@ -78,6 +83,16 @@ contains
         n = 0
         if (a%address /= 0) n = int(a%bytes/4)
     end function room_of
+
+    !> A list of the host, with room for it.
+    subroutine put_list(from, to, err)
+        integer, intent(in) :: from(:)
+        type(integers_t), intent(inout) :: to
+        type(error_t), intent(inout) :: err
+
+        call at_least(to, size(from), err)
+        call copy_in(from, to, bytes_each(to)*size(from), err)
+    end subroutine put_list
 
     !> Bring the first n entries to the host; 0 where the GPU fails.
     subroutine read_first(n, from, to, err)

@@ -3,9 +3,11 @@
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t, part_from => from
-    use brz_device, only: copy_in, reserve_buffer
+    use brz_device, only: reserve_buffer
     use brz_errors, only: error_t, exit_device, raise
+    use brz_gpu_lists, only: put_list
     use brz_gpu_peers, only: begins, peers_t
+    use brz_gpu_places, only: gpu_places_t
     use brz_kinds, only: int64
     use brz_mail, only: mail_t, make_room, tell_all
     use brz_place_launches, only: place_kernels
@@ -14,16 +16,7 @@ module brz_gpu_parcels
     use brz_solid_part, only: part_t
     implicit none
     private
-    public :: gpu_parcels_t, gpu_places_t, rows_t, rows_of, pick_rows, put_rows, put_places
-
-    !> Particles that are in a message: parcel r is entries first(r) to first(r + 1) - 1. What a
-    !> process has for itself never leaves its GPU.
-    type :: gpu_places_t
-        integer, allocatable :: first(:) !! (0:processes)
-        integer(int64), allocatable :: there(:)
-        !! (0:processes - 1) particles in the other arena before those of this process
-        type(integers_t) :: place
-    end type gpu_places_t
+    public :: gpu_parcels_t, rows_t, rows_of
 
     !> An array of particles as words of 4 B: a row of some for each particle, in each column.
     type :: rows_t
@@ -42,7 +35,7 @@ module brz_gpu_parcels
         type(integers_t) :: came !! of parcels from others
         type(peers_t) :: peers
     contains
-        procedure :: open, refresh, aim, send, post, parcel_from
+        procedure :: open, refresh, aim, announce, send
     end type gpu_parcels_t
 
 contains
@@ -54,30 +47,29 @@ contains
         type(part_t), intent(in) :: part
         integer, intent(in) :: most !! words of 4 B of a particle in a message
         type(error_t), intent(inout) :: err
-        integer(int64) :: all(1, ranks%n, ranks%n), number(1, ranks%n)
 
         self%ranks = ranks
         if (.not. several(ranks)) return
         self%out%first = part%out%first
         self%in%first = part%in%first
         self%most = (most + 1)/2*2
-        call put_places(part%out%place, self%out%place, err)
-        call put_places(part%in%place, self%in%place, err)
+        call put_list(part%out%place, self%out%place, err)
+        call put_list(part%in%place, self%in%place, err)
         call self%peers%open(ranks, 0_int64, err)
-        number(1, :) = part%out%first(1:) - part%out%first(:ranks%n - 1)
-        call tell_all(ranks, number, all)
-        call self%aim(all(1, :, :), self%out, err)
+        call self%announce(self%out, err)
     end subroutine open
 
-    !> A list of places, into a buffer with room for it.
-    subroutine put_places(place, buffer, err)
-        integer, intent(in) :: place(:)
-        type(integers_t), intent(inout) :: buffer
+    !> Get ready to send a list: all processes hear how many go from each to each.
+    subroutine announce(self, list, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        type(gpu_places_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
+        integer(int64) :: all(1, self%ranks%n, self%ranks%n), number(1, self%ranks%n)
 
-        call reserve_buffer(buffer, 4*max(size(place, kind=int64), 1_int64), err)
-        call copy_in(place, buffer, 4*size(place, kind=int64), err)
-    end subroutine put_places
+        number(1, :) = list%first(1:) - list%first(:self%ranks%n - 1)
+        call tell_all(self%ranks, number, all)
+        call self%aim(all(1, :, :), list, err)
+    end subroutine announce
 
     !> An array of rows, or of columns of rows.
     pure type(rows_t) function rows_of(array, words, columns, n) result(rows)
@@ -126,36 +118,8 @@ contains
         type(gpu_places_t), intent(in) :: out, in !! all processes have aimed `out`
         type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
-        integer :: r
-
-        call self%post(out, in, from, err)
-        do r = 0, self%ranks%n - 1
-            if (r == self%ranks%rank) cycle
-            call put_rows(self%parcel_from(in, to, r), from_place(in, r), &
-                          in%first(r + 1) - in%first(r), to, err)
-        end do
-        call carry(self, out, in, from, to, err)
-    end subroutine send
-
-    !> The records that have come from another process.
-    pure type(integers_t) function parcel_from(self, in, rows, r) result(parcel)
-        class(gpu_parcels_t), intent(in) :: self
-        type(gpu_places_t), intent(in) :: in !! as they were posted
-        type(rows_t), intent(in) :: rows(:)
-        integer, intent(in) :: r
-        integer :: comes(0:self%ranks%n)
-
-        comes = without(self%ranks%rank, in%first)
-        parcel = record_at(self%came, width_of(rows), comes(r))
-    end function parcel_from
-
-    !> Send the rows of listed particles to others; `came` gets to know where those are that come.
-    subroutine post(self, out, in, from, err)
-        class(gpu_parcels_t), intent(inout) :: self
-        type(gpu_places_t), intent(in) :: out, in !! `in`: how many come
-        type(rows_t), intent(in) :: from(:)
-        type(error_t), intent(inout) :: err
-        integer :: comes(0:self%ranks%n), goes(0:self%ranks%n), r, wide
+        integer, dimension(0:self%ranks%n) :: comes, goes
+        integer :: r, wide
         type(integers_t) :: parcel
 
         associate (n => self%ranks%n, me => self%ranks%rank)
@@ -173,12 +137,17 @@ contains
                 if (r == me) cycle
                 call self%peers%aim_at(r, 4*wide*out%there(r), &
                                        record_at(self%words, wide, goes(r)), parcel)
-                call pick_rows(from, from_place(out, r), goes(r + 1) - goes(r), &
-                               parcel, err)
+                call pick_rows(from, from_place(out, r), goes(r + 1) - goes(r), parcel, err)
             end do
             call self%peers%swap(self%ranks, self%mail, self%words, self%came, err)
+            do r = 0, n - 1
+                if (r == me) cycle
+                call put_rows(record_at(self%came, wide, comes(r)), from_place(in, r), &
+                              comes(r + 1) - comes(r), to, err)
+            end do
         end associate
-    end subroutine post
+        call carry(self, out, in, from, to, err)
+    end subroutine send
 
     !> First entries of parcels where that of a process to itself is left out.
     pure function without(me, first) result(others)
@@ -245,23 +214,19 @@ contains
     end subroutine make_record
 
     !> Rows of n listed particles, into their records.
-    subroutine pick_rows(arrays, place, n, records, err, wide)
+    subroutine pick_rows(arrays, place, n, records, err)
         type(rows_t), intent(in) :: arrays(:)
         type(integers_t), intent(in) :: place
         integer, intent(in) :: n
         type(integers_t), intent(in) :: records
         type(error_t), intent(inout) :: err
-        integer, intent(in), optional :: wide !! words of a record, else width_of
         type(integers_t) :: a(most_arrays)
         type(record_t) :: record
-        integer :: words
 
         if (n == 0) return
         call make_record(arrays, record, a)
-        words = width_of(arrays)
-        if (present(wide)) words = wide
-        call place_kernels%pick_record(n*words, n, words, record, place, a(1), a(2), a(3), a(4), &
-                                       a(5), a(6), a(7), a(8), records, err)
+        call place_kernels%pick_record(n*width_of(arrays), n, width_of(arrays), record, place, &
+                                       a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), records, err)
     end subroutine pick_rows
 
     !> The way back.

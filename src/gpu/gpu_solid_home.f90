@@ -5,13 +5,13 @@ module brz_gpu_solid_home
     use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t
-    use brz_gpu_marks, only: list_marks
-    use brz_gpu_parcels, only: put_places
+    use brz_gpu_lists, only: put_list
+    use brz_gpu_mark_steps, only: list_marks
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
     use brz_gpu_solid_sums, only: fetch_ledgers
     use brz_kinds, only: dp, int64
-    use brz_solid_part, only: parcels_t
+    use brz_places, only: parcels_t
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -53,8 +53,8 @@ contains
         associate (ghosts => gpu%ghosts)
             ghosts%gone%first = leaving%first
             ghosts%come%first = coming%first
-            call put_places(leaving%place, ghosts%gone%place, err)
-            call put_places(coming%place, ghosts%come%place, err)
+            call put_list(leaving%place, ghosts%gone%place, err)
+            call put_list(coming%place, ghosts%come%place, err)
             call ghosts%aim(number, ghosts%gone, err)
             call ghosts%send(ghosts%gone, ghosts%come, gpu%record, gpu%record, err)
         end associate

@@ -9,8 +9,8 @@ module brz_gpu_solid_state
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_exact, only: gpu_exact_t
-    use brz_gpu_marks, only: gpu_marks_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, rows_t
+    use brz_gpu_places, only: gpu_marks_t
     use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, grid_gpu_t, &
         n_book, n_flag, n_tag, n_terms, n_total, tag_bond, tag_fixed, tag_id, tag_joined, &
         tag_touch, tag_weight

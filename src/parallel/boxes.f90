@@ -7,7 +7,7 @@ module brz_boxes
     use brz_kinds, only: dp, int64
     implicit none
     private
-    public :: box_t, crowd_t, common, widened, is_empty, cells_of, cut_grid, most_boxes
+    public :: box_t, crowd_t, asks_of, common, widened, is_empty, cells_of, cut_grid, most_boxes
 
     !> Cells lo..hi of the whole grid, both included.
     type :: box_t
@@ -44,6 +44,15 @@ contains
         wide%lo = box%lo - layers
         wide%hi = box%hi + layers
     end function widened
+
+    !> Boxes of cells as kernels are told them: lowest and highest cell.
+    pure function asks_of(boxes) result(asks)
+        type(box_t), intent(in) :: boxes(:)
+        integer :: asks(6*size(boxes))
+        integer :: r
+
+        asks = [(boxes(r)%lo, boxes(r)%hi, r=1, size(boxes))]
+    end function asks_of
 
     elemental logical function is_empty(box)
         type(box_t), intent(in) :: box

@@ -10,7 +10,7 @@ module brz_place_items
     implicit none
     private
     public :: pick_reals, put_reals, pick_near, put_near, pick_bytes, put_bytes
-    public :: pick_record, put_record, carry_words, give_place, list_marked
+    public :: pick_integer, pick_record, put_record, carry_words, give_place, list_marked
 
     integer, parameter :: tile = 32 !! particles whose records lie word by word
 
@@ -113,6 +113,18 @@ contains
 
         array(place(t)) = row(t)
     end subroutine put_bytes
+
+    !> The number of a listed element, into its row.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine pick_integer(t, place, array, row)
+        integer, intent(in) :: t !! elements of the list
+        integer(int32), intent(in) :: place(*) !! of each element, from 1
+        integer(int32), intent(in) :: array(*)
+        integer(int32), intent(inout) :: row(*)
+
+        row(t) = array(place(t))
+    end subroutine pick_integer
 
     !> A word of 4 B of a listed particle, into its record of `wide` words, of which the last may be
     !> of no array. Records lie in tiles, a word of all particles of a tile behind the other:

@@ -2,11 +2,12 @@
 !> Records of words of 4 B: what a message holds of a particle, from several arrays one after the
 !> other. Point physics: compiled for the CPU and for the GPU.
 module brz_record_rules
-    use brz_kinds, only: int32, int64
+    use brz_kinds, only: int32, int64, rk
     implicit none
     private
-    public :: record_t, most_arrays, add_array, find_word
+    public :: record_t, most_arrays, words_of_real, add_array, find_word
 
+    integer, parameter :: words_of_real = storage_size(1.0_rk)/32
     integer, parameter :: most_arrays = 8
 
     !> How a record is made. Array k has rows of words(k) words, one for each particle, in each of

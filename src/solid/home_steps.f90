@@ -15,20 +15,19 @@ module brz_home_steps
     use brz_ghost_wants, only: find_lowest !@cpu
     use brz_ghost_wants, only: inhabited, planes_of, wants_of
     !@gpu use brz_device, only: copy_out
-    !@gpu use brz_gpu_marks, only: begin_marks, count_marks, list_marks, place_pieces
+    !@gpu use brz_gpu_mark_steps, only: begin_marks, count_marks, list_marks, place_pieces
     !@gpu use brz_gpu_solid_home, only: close_books, list_leaving, put_table, send_away
     !@gpu use brz_gpu_solid_home, only: settle_places
     !@gpu use brz_gpu_solid_state, only: lay_arrays
     use brz_home_loops, only: each_mark_home, each_mark_near
     use brz_kinds, only: dp, int64
     use brz_mail, only: tell_all
+    use brz_mark_steps, only: begin_marks, count_marks, list_marks, place_pieces !@cpu
+    use brz_places, only: parcels_t
     use brz_ranks, only: most_of_all
     use brz_solid_ghosts, only: send_ghosts !@cpu
     use brz_solid_home, only: are_even
     use brz_solid_home, only: lay_arrays, send_away, settle_places !@cpu
-    use brz_solid_part, only: fill_pieces !@cpu
-    use brz_solid_part, only: parcels_t
-    use brz_solid_places, only: begin_marks, count_marks, list_marks !@cpu
     use brz_solid_places, only: choose_places, lay_rooms
     use brz_solid_regions, only: cut_regions
     use brz_solid_state, only: solid_t
@@ -96,7 +95,7 @@ contains
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
         integer :: b
 
-        call begin_marks(solid%n, solid%ranks%n, solid%part%mark) !@cpu
+        call begin_marks(solid%n, solid%ranks%n, solid%part%marks_t) !@cpu
         !@gpu call begin_marks(gpu%n, solid%ranks%n, gpu%part)
         !@gpu call put_table(solid%part%region, size(solid%part%region), gpu%part%region)
         do b = 1, size(which)
@@ -107,8 +106,8 @@ contains
                     part%mark)
             end associate
         end do
-        call count_marks(solid%n, solid%bodies%first, solid%part%mark, number) !@cpu
-        !@gpu call count_marks(gpu%n, gpu%bodies%first, gpu%common, gpu%part, number)
+        call count_marks(solid%n, solid%bodies%first, solid%part%marks_t, number) !@cpu
+        !@gpu call count_marks(gpu%n, gpu%bodies%first, gpu%part, number)
     end subroutine mark_leaving
 
     !> Send the marked particles, take in what comes, and close up.
@@ -120,7 +119,7 @@ contains
 
         if (sum(all) == 0) return
         !@gpu call close_books(gpu, solid, sum(out + in, dim=2) > 0)
-        call list_marks(solid%n, out, solid%part%mark, leaving) !@cpu
+        call list_marks(solid%n, out, solid%part%marks_t, leaving) !@cpu
         !@gpu call list_leaving(gpu, out, leaving)
         associate (there => solid%bodies)
             call choose_places(solid%ranks%rank, out, in, there%last, leaving, coming)
@@ -151,11 +150,11 @@ contains
         if (solid%part%grown) call mark_ghosts(solid, out)
         associate (there => solid%bodies)
             next = there%last
-            call list_marks(solid%n, out, solid%part%mark, solid%part%out) !@cpu
-            call fill_pieces(in, next, solid%part%in) !@cpu
+            call list_marks(solid%n, out, solid%part%marks_t, solid%part%out) !@cpu
+            call place_pieces(in, next, solid%part%marks_t, solid%part%in) !@cpu
             !@gpu call list_marks(gpu%n, out, gpu%part, gpu%ghosts%out)
             !@gpu call gpu%ghosts%aim(sum(all, 1), gpu%ghosts%out)
-            !@gpu call place_pieces(in, next, gpu%part%pieces, gpu%ghosts%in)
+            !@gpu call place_pieces(in, next, gpu%part, gpu%ghosts%in)
             there%rim = next
         end associate
         call send_ghosts(solid) !@cpu
@@ -182,7 +181,7 @@ contains
         do r = 0, solid%ranks%n - 1
             regions(:, :, r) = inhabited(solid, solid%part%region(:, :, r))
         end do
-        call begin_marks(solid%n, solid%ranks%n, solid%part%mark) !@cpu
+        call begin_marks(solid%n, solid%ranks%n, solid%part%marks_t) !@cpu
         !@gpu call begin_marks(gpu%n, solid%ranks%n, gpu%part)
         !@gpu call put_table(regions, size(regions), gpu%part%region)
         do b = 1, size(number, 1)
@@ -199,8 +198,8 @@ contains
                 end do
             end associate
         end do
-        call count_marks(solid%n, solid%bodies%first, solid%part%mark, number) !@cpu
-        !@gpu call count_marks(gpu%n, gpu%bodies%first, gpu%common, gpu%part, number)
+        call count_marks(solid%n, solid%bodies%first, solid%part%marks_t, number) !@cpu
+        !@gpu call count_marks(gpu%n, gpu%bodies%first, gpu%part, number)
     end subroutine mark_ghosts
 
     !> Room for the particles of this process and those that come; ghosts are dropped.

@@ -4,19 +4,20 @@
 !> A ghost is what a process knows of a particle of another one. It has a place in the arrays behind
 !> the particles of its body, and is never computed: what others need of it comes by message.
 module brz_solid_ghosts
-    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_ptr
-    use brz_kinds, only: int32, int64, int8, rk
+    use, intrinsic :: iso_c_binding, only: c_loc
+    use brz_kinds, only: rk
     use brz_link_layout, only: n_press
-    use brz_mail, only: mail_t, make_room, post
+    use brz_mail, only: mail_t
+    use brz_parcels, only: rows_t, send_rows
+    use brz_places, only: parcels_t
     use brz_ranks, only: ranks_t, several
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_single, memory_of
-    use brz_solid_part, only: parcels_t
     use brz_solid_state, only: held_stiffness, solid_t
     implicit none
     private
     public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds, send_ghosts
     public :: send_particles
-    public :: all_of_it, of_a_checkpoint, for_the_air
+    public :: all_of_it, of_a_checkpoint, for_the_air, of_air_motion
 
     integer, parameter :: all_of_it = 1 !! the particle goes for good
     integer, parameter :: for_a_ghost = 2 !! what a ghost ever needs
@@ -26,6 +27,7 @@ module brz_solid_ghosts
     integer, parameter :: of_linked_rows = 6 !! as of_rows, where bodies meet
     integer, parameter :: of_bonds = 7 !! which of them are whole
     integer, parameter :: for_the_air = 8 !! what the coupling needs
+    integer, parameter :: of_air_motion = 9 !! what of it changes in a step
 
 contains
 
@@ -106,36 +108,29 @@ contains
         type(fields_t), intent(in) :: from, to
         type(parcels_t), intent(in) :: out, in
         type(mail_t), intent(inout) :: mail
-        integer(int64) :: at(0:ranks%n - 1, 2)
-        integer :: k, r
+        type(rows_t) :: rows(from%n), rows_to(to%n)
+        integer :: n, n_to
 
-        do r = 0, ranks%n - 1
-            at(r, 1) = sum(length(from%of(:from%n), what, out%first(r + 1) - out%first(r)))
-            at(r, 2) = sum(length(to%of(:to%n), what, in%first(r + 1) - in%first(r)))
-        end do
-        call make_room(ranks, at(:, 1), at(:, 2), mail)
-        at(:, 1) = mail%out_first(:ranks%n - 1)
-        at(:, 2) = mail%in_first(:ranks%n - 1)
-        do r = 0, ranks%n - 1
-            do k = 1, from%n
-                associate (field => from%of(k), i => out%first(r), j => out%first(r + 1) - 1)
-                    if (j < i .or. .not. is_sent(field, what)) cycle
-                    call pack_field(field, from%particles, out%place(i:j), mail%out(at(r, 1):))
-                    at(r, 1) = at(r, 1) + length(field, what, j - i + 1)
-                end associate
-            end do
-        end do
-        call post(ranks, mail)
-        do r = 0, ranks%n - 1
-            do k = 1, to%n
-                associate (field => to%of(k), i => in%first(r), j => in%first(r + 1) - 1)
-                    if (j < i .or. .not. is_sent(field, what)) cycle
-                    call unpack_field(field, to%particles, in%place(i:j), mail%in(at(r, 2):))
-                    at(r, 2) = at(r, 2) + length(field, what, j - i + 1)
-                end associate
-            end do
-        end do
+        call find_rows(from, what, n, rows)
+        call find_rows(to, what, n_to, rows_to)
+        call send_rows(ranks, out, in, rows(:n), rows_to(:n_to), mail)
     end subroutine send_particles
+
+    !> The fields of a message as rows.
+    pure subroutine find_rows(fields, what, n, rows)
+        type(fields_t), intent(in) :: fields
+        integer, intent(in) :: what
+        integer, intent(out) :: n
+        type(rows_t), intent(out) :: rows(:)
+        integer :: k
+
+        n = 0
+        do k = 1, fields%n
+            if (.not. is_sent(fields%of(k), what)) cycle
+            n = n + 1
+            rows(n) = rows_t(fields%of(k)%values, memory_of(fields%of(k)))
+        end do
+    end subroutine find_rows
 
     !> True for the fields of a message.
     elemental logical function is_sent(field, what)
@@ -157,6 +152,8 @@ contains
         case (for_the_air)
             is_sent = any(field%name == [character(16) :: 'x', 'v', 'mass', 'volume', 'id', &
                                          'fixed', 'load', 'v_before'])
+        case (of_air_motion)
+            is_sent = any(field%name == [character(16) :: 'x', 'v', 'fixed', 'load'])
         case (of_rows)
             is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held'])
         case (of_bonds)
@@ -166,67 +163,4 @@ contains
                                          'press'])
         end select
     end function is_sent
-
-    !> Bytes of a field of n particles in a parcel: whole numbers of eight.
-    elemental integer(int64) function length(field, what, n)
-        type(field_t), intent(in) :: field
-        integer, intent(in) :: what, n
-
-        length = 0
-        if (is_sent(field, what)) length = (int(memory_of(field), int64)*n + 7)/8*8
-    end function length
-
-    !> Copy a field of some particles to a parcel.
-    subroutine pack_field(field, n, places, parcel)
-        type(field_t), intent(in) :: field
-        integer, intent(in) :: n !! particles of the field
-        integer, intent(in) :: places(:)
-        integer(int8), intent(inout), target, contiguous :: parcel(:)
-        integer(int32), pointer :: words(:, :), there(:, :)
-        integer(int8), pointer :: bytes(:, :), here(:, :)
-        integer :: k
-
-        associate (size_of => memory_of(field), m => size(places))
-            if (modulo(size_of, 4) == 0) then
-                call c_f_pointer(field%values, words, [size_of/4, n])
-                call c_f_pointer(c_loc(parcel), there, [size_of/4, m])
-                do k = 1, m
-                    there(:, k) = words(:, places(k))
-                end do
-            else
-                call c_f_pointer(field%values, bytes, [size_of, n])
-                call c_f_pointer(c_loc(parcel), here, [size_of, m])
-                do k = 1, m
-                    here(:, k) = bytes(:, places(k))
-                end do
-            end if
-        end associate
-    end subroutine pack_field
-
-    !> The way back.
-    subroutine unpack_field(field, n, places, parcel)
-        type(field_t), intent(in) :: field
-        integer, intent(in) :: n !! particles of the field
-        integer, intent(in) :: places(:)
-        integer(int8), intent(in), target, contiguous :: parcel(:)
-        integer(int32), pointer :: words(:, :), there(:, :)
-        integer(int8), pointer :: bytes(:, :), here(:, :)
-        integer :: k
-
-        associate (size_of => memory_of(field), m => size(places))
-            if (modulo(size_of, 4) == 0) then
-                call c_f_pointer(field%values, words, [size_of/4, n])
-                call c_f_pointer(c_loc(parcel), there, [size_of/4, m])
-                do k = 1, m
-                    words(:, places(k)) = there(:, k)
-                end do
-            else
-                call c_f_pointer(field%values, bytes, [size_of, n])
-                call c_f_pointer(c_loc(parcel), here, [size_of, m])
-                do k = 1, m
-                    bytes(:, places(k)) = here(:, k)
-                end do
-            end if
-        end associate
-    end subroutine unpack_field
 end module brz_solid_ghosts

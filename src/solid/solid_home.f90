@@ -4,11 +4,11 @@
 module brz_solid_home
     use brz_kinds, only: dp, int64
     use brz_particle_order, only: reorder_particles
+    use brz_places, only: parcels_t
     use brz_ranks, only: several
     use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: fields_of, fields_t, resize_fields
     use brz_solid_ghosts, only: all_of_it, send_particles
-    use brz_solid_part, only: parcels_t
     use brz_resize, only: resize
     use brz_solid_state, only: solid_t
     implicit none

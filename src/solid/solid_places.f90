@@ -1,52 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> Places of particles that change processes: marks of who leaves, on the CPU, and who takes which
-!> place, on the host for both.
+!> Places of particles that change processes: who takes which place.
 module brz_solid_places
-    use brz_kinds, only: int32, int64
-    use brz_lists, only: at_least, clear_list, running_sum
-    use brz_place_loops, only: each_list_marked
-    use brz_solid_part, only: find_firsts, parcels_t
+    use brz_kinds, only: int64
+    use brz_places, only: find_firsts, parcels_t
     implicit none
     private
-    public :: begin_marks, choose_places, count_marks, lay_rooms, list_marks
+    public :: choose_places, lay_rooms
 
 contains
-
-    !> No place is marked.
-    subroutine begin_marks(n, rows, mark)
-        integer, intent(in) :: n !! places
-        integer, intent(in) :: rows !! processes
-        integer(int32), allocatable, intent(inout) :: mark(:)
-
-        call at_least(mark, n*rows + 1)
-        call clear_list(n*rows, mark)
-    end subroutine begin_marks
-
-    !> How many places of each body are marked for each process. Marks become running sums.
-    subroutine count_marks(n, first, mark, number)
-        integer, intent(in) :: n !! places
-        integer, intent(in) :: first(:) !! (bodies) their first places
-        integer(int32), intent(inout) :: mark(:)
-        integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
-        integer :: at(size(number) + 1), b, r
-
-        call running_sum(mark, n*size(number, 2))
-        at = [((first(b) + r*n, b=1, size(first)), r=0, size(number, 2) - 1), &
-              n*size(number, 2) + 1]
-        number = reshape(mark(at(2:)) - mark(at(:size(at) - 1)), shape(number))
-    end subroutine count_marks
-
-    !> The marked places, process by process.
-    subroutine list_marks(n, number, mark, list)
-        integer, intent(in) :: n !! places
-        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
-        integer(int32), intent(in) :: mark(:) !! running sums
-        type(parcels_t), intent(inout) :: list
-
-        call find_firsts(number, list%first)
-        call at_least(list%place, int(sum(number)))
-        call each_list_marked(n*size(number, 2), n, mark, list%place)
-    end subroutine list_marks
 
     !> Where those that come are put, and which of the last particles take what is left of the
     !> places of those that leave: these moves are the parcel of a process to itself.

@@ -137,7 +137,7 @@ contains
 
         p = seen_t(n=solid%n, step_d=solid%n, x=solid%x, v=solid%v, mass=solid%mass, &
                    load=solid%load, fixed=solid%fixed, id=solid%id, v_before=solid%v_before, &
-                   laid=solid%laid)
+                   rebuilds=solid%laid)
         p%bodies = [(range_t(solid%bodies(b)%first, solid%bodies(b)%last), b=1, size(solid%bodies))]
     end function particles_of
 end module brz_backend

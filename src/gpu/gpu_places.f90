@@ -1,0 +1,26 @@
+! SPDX-License-Identifier: MIT
+!> Lists of places whose particles, cells or faces are in a message, on the GPU: as brz_places has
+!> them, for steps that stand once.
+module brz_gpu_places
+    use brz_buffers, only: doubles_t, integers_t
+    use brz_gpu_common, only: gpu_common_t
+    use brz_kinds, only: int64
+    implicit none
+    private
+    public :: gpu_places_t, gpu_marks_t
+
+    !> What is in a message: parcel r is entries first(r) to first(r + 1) - 1. What a process has
+    !> for itself never leaves its GPU.
+    type :: gpu_places_t
+        integer, allocatable :: first(:) !! (0:processes)
+        integer(int64), allocatable :: there(:)
+        !! (0:processes - 1) particles in the other arena before those of this process
+        type(integers_t) :: place
+    end type gpu_places_t
+
+    type :: gpu_marks_t
+        type(integers_t) :: mark, ends, sums, pieces, asks !! as marks_t has them
+        type(doubles_t) :: region, wants !! small tables
+        type(gpu_common_t) :: common !! for running sums
+    end type gpu_marks_t
+end module brz_gpu_places

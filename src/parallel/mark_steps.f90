@@ -1,0 +1,79 @@
+! SPDX-License-Identifier: MIT
+!> Places that are marked for other processes, a row of marks for each process, and lists of them.
+!> scripts/steps.py writes the same for the GPU, where the host hears how many there are.
+module brz_mark_steps
+    use brz_kinds, only: int64
+    use brz_lists, only: at_least, clear_list, put_list, read_first, running_sum
+    use brz_place_loops, only: each_give_place, each_list_marked, each_pick_integer
+    use brz_places, only: find_firsts, find_pieces, marks_t, parcels_t
+    implicit none
+    private
+    public :: reserve_marks, begin_marks, count_marks, list_marks, place_pieces
+
+contains
+
+    !> Room for marks.
+    subroutine reserve_marks(n, rows, marks)
+        integer, intent(in) :: n !! places
+        integer, intent(in) :: rows
+        type(marks_t), intent(inout) :: marks
+
+        call at_least(marks%mark, n*rows + 1)
+    end subroutine reserve_marks
+
+    !> The same, and no place is marked.
+    subroutine begin_marks(n, rows, marks)
+        integer, intent(in) :: n !! places
+        integer, intent(in) :: rows
+        type(marks_t), intent(inout) :: marks
+
+        call reserve_marks(n, rows, marks)
+        call clear_list(n*rows, marks%mark)
+    end subroutine begin_marks
+
+    !> How many places of each body are marked for each process. Marks become running sums.
+    subroutine count_marks(n, first, marks, number)
+        integer, intent(in) :: n !! places
+        integer, dimension(:), intent(in) :: first !! (bodies) their first places, on the host
+        type(marks_t), intent(inout) :: marks
+        integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
+        integer :: at(size(number) + 1), b, r
+
+        call running_sum(marks%mark, n*size(number, 2))
+        at = [((first(b) + r*n, b=1, size(first)), r=0, size(number, 2) - 1), &
+              n*size(number, 2) + 1]
+        call put_list(at, marks%ends)
+        call at_least(marks%sums, size(at))
+        call each_pick_integer(size(at), marks%ends, marks%mark, marks%sums)
+        call read_first(size(at), marks%sums, at)
+        number = reshape(at(2:) - at(:size(at) - 1), shape(number))
+    end subroutine count_marks
+
+    !> The marked places, process by process.
+    subroutine list_marks(n, number, marks, list)
+        integer, intent(in) :: n !! places
+        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
+        type(marks_t), intent(in) :: marks !! running sums
+        type(parcels_t), intent(inout) :: list
+
+        call find_firsts(number, list%first) !@host
+        call at_least(list%place, int(sum(number)))
+        if (sum(number) > 0) call each_list_marked(n*size(number, 2), n, marks%mark, list%place)
+    end subroutine list_marks
+
+    !> Places of what comes, that of a process and body in one piece, process by process.
+    subroutine place_pieces(number, before, marks, list)
+        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
+        integer, dimension(:), intent(inout) :: before
+        !! (bodies) places that are taken; these ones, too, then
+        type(marks_t), intent(inout) :: marks
+        type(parcels_t), intent(inout) :: list
+        integer :: piece(2, size(number))
+
+        call find_pieces(number, before, piece) !@host
+        call find_firsts(number, list%first) !@host
+        call at_least(list%place, int(sum(number)))
+        call put_list(reshape(piece, [size(piece)]), marks%pieces)
+        call each_give_place(int(sum(number)), size(number), marks%pieces, list%place)
+    end subroutine place_pieces
+end module brz_mark_steps

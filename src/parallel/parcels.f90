@@ -1,0 +1,142 @@
+! SPDX-License-Identifier: MIT
+!> Rows of listed particles, cells or faces from some arrays into those of other processes, in one
+!> message to each.
+module brz_parcels
+    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
+    use brz_kinds, only: int32, int64, int8
+    use brz_mail, only: mail_t, make_room, post
+    use brz_places, only: parcels_t
+    use brz_ranks, only: ranks_t
+    implicit none
+    private
+    public :: rows_t, rows_of, send_rows, courier_t
+
+    !> An array that has some bytes in a row for each particle.
+    type :: rows_t
+        type(c_ptr) :: of = c_null_ptr
+        integer :: bytes = 0 !! of a row
+    end type rows_t
+
+    !> Who sends, and the messages; what a process has for itself goes the same way.
+    type :: courier_t
+        type(ranks_t) :: ranks
+        type(mail_t) :: mail
+    contains
+        procedure :: send
+    end type courier_t
+
+contains
+
+    !> The rows of an array of words of 4 B; it must be a target.
+    type(rows_t) function rows_of(array, words) result(rows)
+        type(*), intent(in), target, contiguous :: array(..)
+        integer, intent(in) :: words !! of a row
+
+        rows = rows_t(c_loc(array), 4*words)
+    end function rows_of
+
+    !> See send_rows.
+    subroutine send(self, out, in, from, to)
+        class(courier_t), intent(inout) :: self
+        type(parcels_t), intent(in) :: out, in
+        type(rows_t), intent(in) :: from(:), to(:)
+
+        call send_rows(self%ranks, out, in, from, to, self%mail)
+    end subroutine send
+
+    !> Send the rows of listed particles, and put those that come where a list says, in arrays with
+    !> as many bytes in a row.
+    subroutine send_rows(ranks, out, in, from, to, mail)
+        type(ranks_t), intent(in) :: ranks
+        type(parcels_t), intent(in) :: out, in
+        type(rows_t), intent(in) :: from(:), to(:)
+        type(mail_t), intent(inout) :: mail
+        integer(int64) :: at, long(0:ranks%n - 1, 2)
+        integer :: k, r
+
+        do r = 0, ranks%n - 1
+            long(r, 1) = sum(length(from, out%first(r + 1) - out%first(r)))
+            long(r, 2) = sum(length(to, in%first(r + 1) - in%first(r)))
+        end do
+        call make_room(ranks, long(:, 1), long(:, 2), mail)
+        do r = 0, ranks%n - 1
+            at = mail%out_first(r)
+            associate (place => out%place(out%first(r):out%first(r + 1) - 1))
+                do k = 1, merge(size(from), 0, size(place) > 0)
+                    call pack_rows(from(k), place, mail%out(at:))
+                    at = at + length(from(k), size(place))
+                end do
+            end associate
+        end do
+        call post(ranks, mail)
+        do r = 0, ranks%n - 1
+            at = mail%in_first(r)
+            associate (place => in%place(in%first(r):in%first(r + 1) - 1))
+                do k = 1, merge(size(to), 0, size(place) > 0)
+                    call unpack_rows(to(k), place, mail%in(at:))
+                    at = at + length(to(k), size(place))
+                end do
+            end associate
+        end do
+    end subroutine send_rows
+
+    !> Bytes of n rows in a parcel: whole numbers of eight.
+    elemental integer(int64) function length(rows, n)
+        type(rows_t), intent(in) :: rows
+        integer, intent(in) :: n
+
+        length = (int(rows%bytes, int64)*n + 7)/8*8
+    end function length
+
+    !> Copy the rows of some places to a parcel.
+    subroutine pack_rows(rows, place, parcel)
+        type(rows_t), intent(in) :: rows
+        integer(int32), intent(in) :: place(:)
+        integer(int8), intent(inout), target, contiguous :: parcel(:)
+        integer(int32), pointer, contiguous :: words(:, :), there(:, :)
+        integer(int8), pointer, contiguous :: bytes(:, :), here(:, :)
+        integer :: k
+
+        associate (wide => rows%bytes, n => size(place))
+            if (modulo(wide, 4) == 0) then
+                call c_f_pointer(rows%of, words, [wide/4, maxval(place)])
+                call c_f_pointer(c_loc(parcel), there, [wide/4, n])
+                do k = 1, n
+                    there(:, k) = words(:, place(k))
+                end do
+            else
+                call c_f_pointer(rows%of, bytes, [wide, maxval(place)])
+                call c_f_pointer(c_loc(parcel), here, [wide, n])
+                do k = 1, n
+                    here(:, k) = bytes(:, place(k))
+                end do
+            end if
+        end associate
+    end subroutine pack_rows
+
+    !> The way back.
+    subroutine unpack_rows(rows, place, parcel)
+        type(rows_t), intent(in) :: rows
+        integer(int32), intent(in) :: place(:)
+        integer(int8), intent(in), target, contiguous :: parcel(:)
+        integer(int32), pointer, contiguous :: words(:, :), there(:, :)
+        integer(int8), pointer, contiguous :: bytes(:, :), here(:, :)
+        integer :: k
+
+        associate (wide => rows%bytes, n => size(place))
+            if (modulo(wide, 4) == 0) then
+                call c_f_pointer(rows%of, words, [wide/4, maxval(place)])
+                call c_f_pointer(c_loc(parcel), there, [wide/4, n])
+                do k = 1, n
+                    words(:, place(k)) = there(:, k)
+                end do
+            else
+                call c_f_pointer(rows%of, bytes, [wide, maxval(place)])
+                call c_f_pointer(c_loc(parcel), here, [wide, n])
+                do k = 1, n
+                    bytes(:, place(k)) = here(:, k)
+                end do
+            end if
+        end associate
+    end subroutine unpack_rows
+end module brz_parcels

@@ -1,0 +1,56 @@
+! SPDX-License-Identifier: MIT
+!> Lists of places whose particles, cells or faces are in a message, process by process.
+module brz_places
+    use brz_kinds, only: int32, int64
+    implicit none
+    private
+    public :: parcels_t, marks_t, find_firsts, find_pieces
+
+    !> What is in a message: parcel r is entries first(r) to first(r + 1) - 1.
+    type :: parcels_t
+        integer(int32), allocatable :: place(:) !! of the particles
+        integer, allocatable :: first(:) !! (0:processes)
+    end type parcels_t
+
+    !> What lists are made of, see brz_mark_steps.
+    type :: marks_t
+        integer(int32), allocatable :: mark(:) !! (places, processes)
+        integer(int32), allocatable :: ends(:), sums(:) !! of bodies, in a row; marks before them
+        integer(int32), allocatable :: pieces(:), asks(:) !! small tables
+    end type marks_t
+
+contains
+
+    !> First entry of the parcel of each process.
+    pure subroutine find_firsts(number, first)
+        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
+        integer, allocatable, intent(inout) :: first(:) !! (0:processes)
+        integer :: r
+
+        if (.not. allocated(first)) allocate (first(0:size(number, 2)))
+        first(0) = 1
+        do r = 1, size(number, 2)
+            first(r) = first(r - 1) + int(sum(number(:, r)))
+        end do
+    end subroutine find_firsts
+
+    !> Pieces of a list of what comes, process by process: that of a process and body is one.
+    pure subroutine find_pieces(number, before, piece)
+        integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
+        integer, intent(inout) :: before(:) !! (bodies) places that are taken; these ones, too, then
+        integer, intent(out) :: piece(:, :) !! (2, pieces) last entry, what an entry is short of
+        integer :: b, k, n, r
+
+        n = 0
+        k = 0
+        do r = 1, size(number, 2)
+            do b = 1, size(number, 1)
+                k = k + 1
+                piece(2, k) = before(b) - n
+                n = n + int(number(b, r))
+                before(b) = before(b) + int(number(b, r))
+                piece(1, k) = n
+            end do
+        end do
+    end subroutine find_pieces
+end module brz_places
