@@ -52,9 +52,10 @@ FAMILIES := $(sort $(foreach f,$(CUDA),$(firstword $(subst _, ,$(basename $(notd
 VARIED := $(foreach f,$(FAMILIES),$(if $(shell grep -lsE '^ *!@kernel [^*]+$$' cuda/$f*.CUF),$f))
 VARIANTS := $(shell grep -ls '^ *!@variant' $(SRC))
 FOREIGN := $(shell grep -ls '^ *!@foreign' $(SRC))
+MIRRORED := $(shell grep -ls '^ *!@mirror' $(SRC))
 REWRITTEN := $(VARIANTS) $(FOREIGN)
 STEPS := $(filter %_steps.f90,$(SRC))
-LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
+LOOPS := $(addprefix $(MADE)/,$(notdir $(REWRITTEN))) $(patsubst %,$(MADE)/gpu_%,$(notdir $(STEPS) $(MIRRORED))) $(ITEM_NAMES:%=$(MADE)/%_loops.f90) $(patsubst %,$(MADE)/%_launches.f90,$(ITEM_NAMES) $(FAMILIES)) \
          $(if $(MODELS),$(MADE)/model_list.f90)
 OBJ   = $(patsubst %,$(B)/obj/%.o,$(basename $(filter-out $(MAIN) $(REWRITTEN),$(SRC)) $(LOOPS))) $(B)/obj/version.o $(B)/obj/presets.o \
         $(if $(COVERAGE),$(B)/obj/tests/coverage.o)
@@ -99,6 +100,7 @@ $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED
     @mkdir -p $(MADE) && scripts/kernels.py $f $(MADE) $(wildcard cuda/$f*.CUF)))
 $(foreach f,$(VARIANTS),$(eval $(MADE)/$(notdir $f): $f scripts/variants.py ; @mkdir -p $(MADE) && scripts/variants.py $$< $$@))
 $(foreach f,$(FOREIGN),$(eval $(MADE)/$(notdir $f): $f scripts/foreign.py ; @mkdir -p $(MADE) && scripts/foreign.py $$< $$@))
+$(foreach f,$(MIRRORED),$(eval $(MADE)/gpu_$(notdir $f): $f scripts/mirror.py scripts/items.py ; @mkdir -p $(MADE) && scripts/mirror.py $$< $$@))
 $(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(ITEMS) scripts/steps.py scripts/items.py ; \
     @mkdir -p $(MADE) && scripts/steps.py $$< $$@))
 $(MADE)/model_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py

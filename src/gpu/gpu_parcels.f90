@@ -16,7 +16,7 @@ module brz_gpu_parcels
     use brz_solid_part, only: part_t
     implicit none
     private
-    public :: gpu_parcels_t, rows_t, rows_of
+    public :: gpu_parcels_t, rows_t, rows_of, carry_rows
 
     !> An array of particles as words of 4 B: a row of some for each particle, in each column.
     type :: rows_t
@@ -180,18 +180,28 @@ contains
         type(gpu_places_t), intent(in) :: out, in
         type(rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
-        integer :: k, n
+        integer :: k
 
         associate (me => self%ranks%rank)
-            n = out%first(me + 1) - out%first(me)
-            do k = 1, merge(size(from), 0, n > 0)
-                associate (a => from(k), b => to(k), wide => from(k)%words*from(k)%columns)
-                    call place_kernels%carry_words(n*wide, wide, a%words, a%stride, &
-                        from_place(out, me), a%of, b%words, b%stride, from_place(in, me), b%of, err)
-                end associate
+            do k = 1, size(from)
+                call carry_rows(out%first(me + 1) - out%first(me), from(k), from_place(out, me), &
+                                to(k), from_place(in, me), err)
             end do
         end associate
     end subroutine carry
+
+    !> The rows of n listed particles of an array, to places in an array of such rows.
+    subroutine carry_rows(n, from, from_place, to, to_place, err)
+        integer, intent(in) :: n
+        type(rows_t), intent(in) :: from, to
+        type(integers_t), intent(in) :: from_place, to_place
+        type(error_t), intent(inout) :: err
+
+        associate (wide => from%words*from%columns)
+            if (n > 0) call place_kernels%carry_words(n*wide, wide, from%words, from%stride, &
+                from_place, from%of, to%words, to%stride, to_place, to%of, err)
+        end associate
+    end subroutine carry_rows
 
     !> Words of a record: an even number.
     pure integer function width_of(arrays) result(wide)

@@ -1,16 +1,17 @@
 ! SPDX-License-Identifier: MIT
 !> Pressures on faces of bodies on the GPU: memory, and what brz_load_steps leaves to each backend.
 module brz_gpu_solid_load
-    use brz_device, only: allocate_buffer, clear_buffer, copy_in, put_buffer
+    use brz_device, only: allocate_buffer, clear_buffer
     use brz_errors, only: error_t
     use brz_face_load, only: loads_t
     use brz_facet_launches, only: facet_kernels
+    use brz_gpu_face_load, only: put_facets
     use brz_gpu_solid_state, only: gpu_solid_t
     use brz_kinds, only: dp, int64
     use brz_tallies, only: tally_threads
     implicit none
     private
-    public :: open_gpu_loads, put_means, see_carriers
+    public :: open_gpu_loads, see_carriers
 
 contains
 
@@ -22,29 +23,10 @@ contains
 
         if (.not. allocated(loads%of)) return
         loads%rebuilds = -1 ! the GPU has no places yet
-        associate (there => gpu%loads%facets, f => loads%facets)
-            there%carriers = f%carriers
-            call put_buffer(f%first, there%first, 4_int64*(f%carriers + 1), err)
-            call put_buffer(f%id, there%id, 4_int64*f%n, err)
-            call put_buffer(f%load, there%load, 4_int64*f%n, err)
-            call put_buffer(f%beside, there%beside, 16_int64*f%n, err)
-            call put_buffer(f%mirror, there%mirror, 16_int64*f%n, err)
-            call put_buffer(f%width, there%width, 16_int64*f%n, err)
-            call put_buffer(f%most, there%most, 16_int64*f%n, err)
-            call put_buffer(f%side, there%side, 4_int64*f%n, err)
-            call put_buffer(f%wave, there%wave, 48_int64*f%n, err)
-        end associate
+        call put_facets(loads%facets, gpu%loads%facets, err)
         call allocate_buffer(gpu%loads%mean, 8_int64*size(loads%of), err)
         call allocate_buffer(gpu%loads%place, 4_int64*size(loads%place), err)
     end subroutine open_gpu_loads
-
-    subroutine put_means(gpu, mean, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        real(dp), intent(in) :: mean(:) !! pressure of each load in the step [Pa]
-        type(error_t), intent(inout) :: err
-
-        call copy_in(mean, gpu%loads%mean, 8_int64*size(mean), err)
-    end subroutine put_means
 
     !> Number of a particle whose facets reach out of sight, else 0.
     subroutine see_carriers(gpu, lost, err)

@@ -35,7 +35,7 @@ contains
         gpu%fetched = .false.
         gpu%stepped = .true.
         gpu%summed = .false.
-        gpu%cohesive%fetched = .false.
+        gpu%points_fetched = .false.
         if (solid%steps > 0) return
         call refresh_rows(gpu, solid, err)
         call cohesive_pass(gpu, solid, err)

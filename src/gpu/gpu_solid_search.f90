@@ -4,13 +4,13 @@ module brz_gpu_solid_search
     use brz_cell_grid, only: cell_of_groups, choose_cells, reach_of_lists, take_cells
     use brz_buffers, only: doubles_t, from, integers_t
     use brz_common_launches, only: common_kernels
-    use brz_device, only: buffer_t, clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
+    use brz_device, only: clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
     use brz_drift_launches, only: drift_kernels
     use brz_errors, only: error_t, failed
     use brz_drift_items, only: drift_of
-    use brz_gpu_solid_layout, only: grid_gpu_t, n_tag, slice_width
-    use brz_gpu_solid_state, only: column_of, gpu_solid_body_t, gpu_solid_t, sum_threads, &
-        threads_of
+    use brz_gpu_parcels, only: carry_rows, rows_of, rows_t
+    use brz_gpu_solid_layout, only: grid_gpu_t, slice_width
+    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, sum_threads, threads_of
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
     use brz_ranks, only: least_of_all, sum_of_all
@@ -27,7 +27,8 @@ module brz_gpu_solid_search
 contains
 
     !> The list of body b, of its particles and ghosts as they lie; in part where only few places
-    !> are new, unless these lists no longer have room.
+    !> are new, unless these lists no longer have room. Links are looked for in the cells of lists;
+    !> bodies whose lists are not those of `built` have cells for links alone.
     subroutine build_list(gpu, solid, b, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -36,32 +37,21 @@ contains
         type(doubles_t) :: place
         logical :: fits
 
-        gpu%bodies(b)%anew = .true.
-        gpu%bodies(b)%in_part = solid%bodies(b)%cells%in_part
-        if (gpu%bodies(b)%rigid) then
-            call order_for_links(gpu, solid, b, err)
-            return
-        end if
-        place = gpu%built
-        if (gpu%bodies(b)%total) place = gpu%reference
-        call order_body(gpu, solid, b, place, reach_of_lists(solid, b), err, solid%bodies(b)%cells)
-        fits = .false.
-        if (solid%bodies(b)%cells%in_part) call list_part(gpu, gpu%bodies(b), place, fits, err)
-        if (.not. fits) call list_body(gpu, gpu%bodies(b), place, err)
-        if (gpu%bodies(b)%total) call order_for_links(gpu, solid, b, err)
+        associate (body => gpu%bodies(b), cells => solid%bodies(b)%cells)
+            body%anew = .true.
+            body%in_part = cells%in_part
+            place = gpu%built
+            if (body%total) place = gpu%reference
+            if (.not. body%rigid) then
+                call order_body(gpu, solid, b, place, reach_of_lists(solid, b), err, cells)
+                fits = .false.
+                if (cells%in_part) call list_part(gpu, body, place, fits, err)
+                if (.not. fits) call list_body(gpu, body, place, err)
+            end if
+            if (gpu%linked .and. (body%rigid .or. body%total)) call order_body(gpu, solid, b, &
+                gpu%built, 2*real(solid%bodies(b)%h, dp) + solid%skin, err)
+        end associate
     end subroutine build_list
-
-    !> Links are looked for in the cells of lists; bodies whose lists are not those of `built` have
-    !> cells for links alone.
-    subroutine order_for_links(gpu, solid, b, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: b
-        type(error_t), intent(inout) :: err
-
-        if (gpu%linked) call order_body(gpu, solid, b, gpu%built, &
-                                        2*real(solid%bodies(b)%h, dp) + solid%skin, err)
-    end subroutine order_for_links
 
     !> Bring the particles of body b, which has no ghosts, into the order of the cells at their
     !> positions `built`.
@@ -290,36 +280,23 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
-        integer, parameter :: words = storage_size(1.0_rk)/32 !! of 4 B
-        integer :: c
+        type(rows_t) :: room, there
+        integer :: c, k, n
 
-        call gather(gpu, body, gpu%place, 8, 1, err)
-        call gather(gpu, body, gpu%reference, 8, 1, err)
-        call gather(gpu, body, gpu%built, 8, 1, err)
-        call gather(gpu, body, gpu%motion, 4*words, 1, err)
-        do c = 1, gpu%n_state, n_pair
-            call gather(gpu, body, column_of(gpu, c), words, min(n_pair, gpu%n_state - c + 1), err)
+        n = body%last - body%first + 1
+        do k = 1, gpu%n_record
+            do c = 1, gpu%record(k)%columns, n_pair
+                there = gpu%record(k)
+                there%columns = min(n_pair, there%columns - c + 1)
+                there%of = from(there%of, (c - 1)*there%stride + 1)
+                room = rows_of(gpu%row, there%words, there%columns, n)
+                call carry_rows(n, there, from(gpu%order, int(body%first, int64)), room, &
+                                gpu%seat, err)
+                call carry_rows(n, room, gpu%seat, there, from(gpu%seat, int(body%first, int64)), &
+                                err)
+            end do
         end do
-        call gather(gpu, body, gpu%tag, 1, n_tag, err)
     end subroutine reorder
-
-    !> To `row` in the new order, and back.
-    subroutine gather(gpu, body, values, words, columns, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
-        class(buffer_t), intent(in) :: values
-        integer, intent(in) :: words, columns !! words of 4 B in a row
-        type(error_t), intent(inout) :: err
-        integer :: threads(3)
-        integer(int64) :: stride
-
-        threads = [body%last - body%first + 1, columns, 1]
-        stride = int(words, int64)*gpu%n
-        call solid_kernels%gather_words(threads, body%first, body%last, words, stride, 0, &
-                                      gpu%order, values, gpu%row, err)
-        call solid_kernels%gather_words(threads, body%first, body%last, words, stride, 1, &
-                                      gpu%order, gpu%row, values, err)
-    end subroutine gather
 
     !> The lists of a body whose particles are in the cells.
     subroutine list_body(gpu, body, place, err)

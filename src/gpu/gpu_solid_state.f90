@@ -5,10 +5,13 @@
 !> `solid_t` are a mirror that brz_gpu_solid_copy refreshes before a dump or a checkpoint.
 module brz_gpu_solid_state
     use brz_buffers, only: buffer_t, doubles_t, from, integers_t, reals_t
-    use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, kernel_t
+    use brz_device, only: allocate_buffer, copy_in, copy_within, device_t, free_buffer, kernel_t, &
+        reserve_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
+    use brz_gpu_cohesive_state, only: gpu_cohesive_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_exact, only: gpu_exact_t
+    use brz_gpu_face_load, only: gpu_facets_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, rows_t
     use brz_gpu_places, only: gpu_marks_t
     use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, grid_gpu_t, &
@@ -73,22 +76,7 @@ module brz_gpu_solid_state
         type(reals_t) :: cell, press
     end type gpu_links_t
 
-    !> Cohesive interfaces, arrays of cohesive_t.
-    type :: gpu_cohesive_t
-        logical :: fetched = .true. !! the host has the state of the points
-        integer :: n = 0, nodes = 0
-        type(buffer_t) :: law
-        type(integers_t) :: bit, of, first, entry, back_first, back, row, place
-        type(doubles_t) :: area, gap, rest, weight, damage, spent, held, pull, push
-    end type gpu_cohesive_t
-
     !> Loads in scenes without air, arrays of loads_t.
-    type :: gpu_facets_t
-        integer :: carriers = 0
-        type(integers_t) :: first, id, load, beside, mirror, side
-        type(doubles_t) :: width, most, wave
-    end type gpu_facets_t
-
     type :: gpu_loads_t
         type(gpu_facets_t) :: facets
         type(integers_t) :: place
@@ -113,6 +101,7 @@ module brz_gpu_solid_state
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
         type(gpu_links_t) :: links
         type(gpu_cohesive_t) :: cohesive
+        logical :: points_fetched = .true. !! the host has the state of its points
         type(gpu_loads_t) :: loads
         integer :: n = 0, n_state = 0 !! places of particles, columns of `state`
         type(columns_t) :: column
@@ -124,6 +113,7 @@ module brz_gpu_solid_state
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order
+        type(integers_t) :: seat !! every place
         type(integers_t) :: chosen !! 1: particles whose lists are built anew
         type(gpu_marks_t) :: part !! who goes where: brz_gpu_home_steps
         type(buffer_t) :: hold
@@ -193,8 +183,11 @@ contains
         integer, intent(in) :: old(:) !! (bodies) where they began
         type(error_t), intent(inout) :: err
         integer(int64) :: bytes
+        integer :: k
 
         call walk(gpu, solid, .true., old, bytes, err)
+        call reserve_buffer(gpu%seat, 4_int64*gpu%n, err)
+        call copy_in([(k, k=1, gpu%n)], gpu%seat, 4_int64*gpu%n, err)
         if (.not. failed(err)) call see_arrays(gpu)
     end subroutine lay_arrays
 

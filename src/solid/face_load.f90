@@ -14,6 +14,7 @@ module brz_face_load
     public :: loads_t, facets_t, history_t, lay_out, mean_pressures, pushes, find_places
 
     !> Facets, those of a particle one after the other.
+    !@mirror
     type :: facets_t
         integer :: n = 0
         integer :: carriers = 0 !! particles that carry some

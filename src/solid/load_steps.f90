@@ -2,11 +2,11 @@
 !> Forces of the pressures on faces and of pushes on bodies, in scenes without air.
 !> scripts/steps.py writes the same for the GPU.
 module brz_load_steps
-    !@gpu use brz_device, only: clear_buffer
+    !@gpu use brz_device, only: clear_buffer, copy_in
     use brz_face_load, only: mean_pressures, pushes
     use brz_facet_loops, only: each_begin_load, each_load_carrier, each_place_particle, &
                                each_see_carrier, each_sum_load
-    !@gpu use brz_gpu_solid_load, only: put_means, see_carriers
+    !@gpu use brz_gpu_solid_load, only: see_carriers
     use brz_kinds, only: dp
     use brz_ranks, only: several
     use brz_solid_state, only: form_rigid, solid_t
@@ -36,7 +36,7 @@ contains
             end associate
         end do
         mean = mean_pressures(solid%loads, solid%time, dt)
-        !@gpu call put_means(gpu, mean)
+        !@gpu call copy_in(mean, gpu%loads%mean, 8_int64*size(mean))
         associate (there => solid%loads%facets, place => solid%loads%place)
             call each_load_carrier(there%carriers, solid%wide, solid%step_d, solid%step_p, &
                 solid%time, dt, there%first, there%id, there%load, there%beside, there%mirror, &
