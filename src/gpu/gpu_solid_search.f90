@@ -331,7 +331,8 @@ contains
         fits = body%width%bytes > 0
         if (.not. fits) return
         call search(gpu, body, place, 2, 1, err)
-        call clear_buffer(gpu%chosen, err)
+        call clear_buffer(from(gpu%chosen, int(body%first, int64)), err, &
+                          4_int64*(body%last - body%first + 1)) ! others have chosen, too
         call solid_kernels%move_slices([body%slices, 1, 1], body%slices, body%first, body%last, &
                                        body%spare, gpu%count, gpu%chosen, body%slice, &
                                        body%width, err)
