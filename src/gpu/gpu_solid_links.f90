@@ -60,7 +60,7 @@ contains
         logical :: fits
 
         if (.not. gpu%linked) return
-        call put_boxes(gpu, err)
+        call copy_in(corners(gpu), gpu%links%box, 48_int64*size(gpu%bodies), err)
         fits = .false.
         if (gpu%links%laid) call link_part(gpu, solid, fits, err)
         if (.not. fits) call link_all(gpu, solid, err)
@@ -161,18 +161,16 @@ contains
         end do
     end subroutine choose_by
 
-    !> Corners of the bodies.
-    subroutine put_boxes(gpu, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(error_t), intent(inout) :: err
+    !> Corners of the bodies [m].
+    pure function corners(gpu) result(box)
+        type(gpu_solid_t), intent(in) :: gpu
         real(dp) :: box(3, 2, size(gpu%bodies))
         integer :: b
 
         do b = 1, size(gpu%bodies)
             box(:, :, b) = gpu%bodies(b)%box
         end do
-        call copy_in(box, gpu%links%box, 8_int64*size(box), err)
-    end subroutine put_boxes
+    end function corners
 
     !> Links are about to be built, for the drifts of now or, to resume, those that they had.
     subroutine settle_links(gpu, solid, resume, err)
@@ -180,12 +178,9 @@ contains
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: resume
         type(error_t), intent(inout) :: err
-        integer :: b
 
         if (resume) gpu%links%laid = .false.
-        if (gpu%linked .and. .not. failed(err)) &
-            call begin_links(solid, reshape([(gpu%bodies(b)%box, b=1, size(gpu%bodies))], &
-                                            [3, 2, size(gpu%bodies)]), resume)
+        if (gpu%linked .and. .not. failed(err)) call begin_links(solid, corners(gpu), resume)
     end subroutine settle_links
 
     !> Count or list, for every particle or the chosen ones, the links with one body after the

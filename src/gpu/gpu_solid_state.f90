@@ -109,7 +109,7 @@ module brz_gpu_solid_state
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
         real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
-        type(doubles_t) :: place, reference, built, book, rate, region, box, partial, sums_of_forces
+        type(doubles_t) :: place, reference, built, book, rate, region, partial, sums_of_forces
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order
@@ -170,7 +170,6 @@ contains
                 sum(gpu%left%words) + 6*words_of_real), err)
         call allocate_buffer(gpu%flags, 4_int64*(n_flag + move_levels*size(solid%bodies)), err)
         call allocate_buffer(gpu%region, 48_int64, err)
-        call allocate_buffer(gpu%box, 48_int64, err)
         call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)
         call allocate_buffer(gpu%partial, 8_int64*total_threads*(n_total + n_book), err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
