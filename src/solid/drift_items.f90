@@ -8,7 +8,7 @@ module brz_drift_items
     use brz_solid_state, only: is_gone
     implicit none
     private
-    public :: sum_drift, drift_of, renew_place
+    public :: sum_drift, drift_of, renew_place, cell_at
 
     real(dp), parameter :: fine = 2.0_dp**17 !! parts of a mass, and of 1 m/s, that are counted
     real(dp), parameter :: fastest = 2.0_dp**17 !! what is faster does not count [m/s]
