@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: MIT
+"""An impact that throws up debris: lists are built anew in nearly every step, on one process in
+part, of several bodies in one step. Several processes and GPUs have the results of one."""
+
+import pytest
+from test_gpu import EMULATOR, stamp
+from test_ranks import equal_bodies, needs_mpirun, start
+from test_run import arrays
+
+# off the planes x = 0 and y = 0: where a middle is must not be rounding alone
+PLACES = ["5e-4, 7e-4, -1e-4", "9e-4, 8e-4, -8e-4", "0, 1e-3, -1.6e-3", "1.5e-3, -1e-4, -3e-4",
+          "2.5e-3, 2.7e-3, -2e-3", "-6e-4, 7e-4, -1.2e-3"]  # fmt: skip
+DEBRIS = """\
+&run title = 'debris', t_end = 1, max_steps = 45, energy_band = 1 /
+&material id = 'aluminium', preset = 'al2024_paper' /
+&material id = 'cfrp', preset = 'cfrp_ud', pressure = 'anderson' /
+&body id = 'ball', shape = 'sphere', centre = 5e-4, 7e-4, 1.05e-3, radius = 0.75e-3, spacing = 3e-4,
+     material = 'aluminium', velocity = 200, 100, -4960 /
+&body id = 'plate', shape = 'box', box = -0.003, 0.0042, -0.0029, 0.0043, -0.0024, 0,
+     spacing = 3e-4, material = 'cfrp', plies = '45/0/-45/90', fix = 'sides',
+     formulation = 'corrected_hourglass' /
+&interaction bodies = 'ball', 'plate', law = 'contact', shared_pressure = .true. /
+&output history_every = 0 /
+""" + "".join(
+    f"&gauge id = 'g{k}', body = 'plate', at = {at}, quantity = 'velocity_z' /\n"
+    for k, at in enumerate(PLACES)
+)
+
+
+@needs_mpirun
+@pytest.mark.parametrize("backend", ["cpu", "gpu"])
+def test_debris_does_not_depend_on_processes(backend, tmp_path):
+    """Two go on from one in the middle, too."""
+    (tmp_path / "deck.nml").write_text(DEBRIS)
+    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
+    gpu = {"LD_LIBRARY_PATH": str(EMULATOR), "BRISANCE_PTX": str(tmp_path / "good.ptx")}
+    for n, out, more in [(0, "one", []), (2, "two", []), (0, "both", ["--set", "run.max_steps=20"]),
+                         (2, "both", ["--restart", "latest"])]:  # fmt: skip
+        done = start(n, "run", "deck.nml", "--backend", backend, "--out", out, *more, cwd=tmp_path,
+                     **gpu)  # fmt: skip
+        assert done.returncode == 0, done.stderr
+    for name in ("two", "both"):
+        equal_bodies(tmp_path / "one", tmp_path / name)
+    parts = arrays(sorted((tmp_path / "one").glob("chk_*.h5"))[-1])["solid/body_cells"][:, 6]
+    assert parts.max() > 0
