@@ -7,7 +7,8 @@ module brz_gpu_solid_links
         put_buffer, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: slice_width
-    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, threads_of
+    use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, news_all, news_none, news_part, &
+        threads_of
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: fix_layout, link_layout_t
     use brz_list_drift, only: begin_links, links_reach, may_link
@@ -29,7 +30,6 @@ contains
         integer(int64) :: bytes
 
         if (.not. gpu%linked) return
-        gpu%links%in_part = .not. several(solid%ranks)
         associate (links => gpu%links)
             call put_buffer(solid%links%ends, links%ends, 4_int64*size(solid%bodies), err)
             bytes = size(solid%links%table)*(storage_size(solid%links%table)/8_int64)
@@ -62,10 +62,10 @@ contains
         if (.not. gpu%linked) return
         call copy_in(corners(gpu), gpu%links%box, 48_int64*size(gpu%bodies), err)
         fits = .false.
-        if (gpu%links%laid) call link_part(gpu, solid, fits, err)
+        if (in_part(solid) .and. any(gpu%bodies%news /= news_all)) &
+            call link_part(gpu, solid, fits, err)
         if (.not. fits) call link_all(gpu, solid, err)
-        gpu%links%laid = gpu%links%in_part
-        gpu%bodies%anew = .false.
+        gpu%bodies%news = news_none
         associate (l => gpu%links)
             if (.not. l%frees) call tie_kernels%count_loose(gpu%n, l%lay, l%ends, l%table, &
                 l%bond, l%joined, l%row, l%slice, l%count, l%list, l%loose, err)
@@ -76,6 +76,13 @@ contains
         call most_of_all(solid%ranks, all)
         solid%links%met = reshape(all == 1, shape(met))
     end subroutine build_links
+
+    !> True where links may be built in part: several processes build all.
+    pure logical function in_part(solid)
+        type(solid_t), intent(in) :: solid
+
+        in_part = .not. several(solid%ranks)
+    end function in_part
 
     !> All links anew, with room behind them where they may be built in part.
     subroutine link_all(gpu, solid, err)
@@ -91,13 +98,13 @@ contains
         associate (links => gpu%links)
             call solid_kernels%slice_widths([slices, 1, 1], slices, 1, gpu%n, 0, links%count, &
                                             links%slice, err)
-            if (links%in_part) then
+            if (in_part(solid)) then
                 call reserve_buffer(links%width, 4_int64*slices, err)
                 call copy_within(links%slice, links%width, 4_int64*slices, err)
             end if
             call gpu%common%running_sum(links%slice, slices, err, longest)
             links%filled = longest
-            if (links%in_part) longest = longest + longest/4 + slices
+            if (in_part(solid)) longest = longest + longest/4 + slices
             call reserve_buffer(links%list, 4_int64*slice_width*(longest + 1_int64), err)
         end associate
         call clear_buffer(gpu%links%count, err)
@@ -148,11 +155,11 @@ contains
             associate (body => gpu%bodies(b), other => gpu%bodies(a), &
                        shift => solid%links%drift(:, a, b))
                 everyone = 1
-                if (body%in_part .and. .not. solid%links%stale(a, b)) everyone = 0
+                if (body%news == news_part .and. .not. solid%links%stale(a, b)) everyone = 0
                 reach = -1 ! itself
                 if (a /= b) reach = links_reach(solid, a, b)
                 if (a /= b .and. .not. may_link(solid, a, b)) cycle
-                if (.not. (body%anew .or. a /= b .and. solid%links%stale(a, b))) cycle
+                if (.not. (body%news /= news_none .or. a /= b .and. solid%links%stale(a, b))) cycle
                 call solid_kernels%choose_links(threads_of(body), everyone, body%last, reach, &
                     shift(1), shift(2), shift(3), body%grid, body%code, body%marked, other%grid, &
                     from(gpu%links%box, 6*a - 5_int64), other%code, other%start, gpu%order, &
@@ -179,7 +186,6 @@ contains
         logical, intent(in) :: resume
         type(error_t), intent(inout) :: err
 
-        if (resume) gpu%links%laid = .false.
         if (gpu%linked .and. .not. failed(err)) call begin_links(solid, corners(gpu), resume)
     end subroutine settle_links
 

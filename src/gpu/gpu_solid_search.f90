@@ -10,7 +10,8 @@ module brz_gpu_solid_search
     use brz_drift_items, only: drift_of
     use brz_gpu_parcels, only: carry_rows, rows_of, rows_t
     use brz_gpu_solid_layout, only: grid_gpu_t, slice_width
-    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, sum_threads, threads_of
+    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, &
+        sum_threads, threads_of
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
     use brz_ranks, only: least_of_all, sum_of_all
@@ -38,8 +39,7 @@ contains
         logical :: fits
 
         associate (body => gpu%bodies(b), cells => solid%bodies(b)%cells)
-            body%anew = .true.
-            body%in_part = cells%in_part
+            body%news = merge(news_part, news_all, cells%in_part)
             place = gpu%built
             if (body%total) place = gpu%reference
             if (.not. body%rigid) then

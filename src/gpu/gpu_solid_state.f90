@@ -29,6 +29,7 @@ module brz_gpu_solid_state
     public :: columns_t, gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, lay_arrays, &
         moved_flags, column_of, tags_of, book_of, threads_of, &
         bytes_of_real, words_of_real, sum_threads, total_threads, most_folded
+    public :: news_none, news_part, news_all
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
     integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
@@ -36,6 +37,9 @@ module brz_gpu_solid_state
     integer, parameter :: words_of_real = storage_size(1.0_rk)/32 !! of 4 B
     integer(int64), parameter :: bytes_of_real = 4*words_of_real
     integer, parameter :: neighbours_guess = 100 !! entries per particle, to judge the memory
+
+    ! what of a list is new: nothing; near marked cells, and in them; all
+    integer, parameter :: news_none = 0, news_part = 1, news_all = 2
 
     type :: gpu_solid_body_t
         integer :: first = 1, last = 0 !! particles
@@ -55,8 +59,7 @@ module brz_gpu_solid_state
         type(integers_t) :: width !! room of a list in each slice
         integer :: spare = 0 !! entries more than the lists need; 0 until some are built anew alone
         type(integers_t) :: marked !! cells of particles with new places: 1
-        logical :: anew = .false. !! its list was just built,
-        logical :: in_part = .false. !! for particles in or near marked cells alone
+        integer :: news = news_all !! what of its list is new since links were built
         type(kernel_t) :: moments, update, forces !! those that suit the body
     end type gpu_solid_body_t
 
@@ -67,8 +70,6 @@ module brz_gpu_solid_state
         type(buffer_t) :: table, touch, weight
         type(integers_t) :: ends, slice, count, list, met, bond, joined
         type(integers_t) :: width !! room of a list in each slice
-        logical :: in_part = .false. !! they may be built in part,
-        logical :: laid = .false. !! now
         integer :: filled = 0 !! end of the last slice
         type(doubles_t) :: box !! (3, 2, bodies) corners of `built` [m]
         type(integers_t) :: row !! `count`: not read here
