@@ -65,7 +65,7 @@ KERNELS := $(CUDA) $(ITEM_NAMES:%=$(MADE)/%_kernels.CUF) $(VARIED:%=$(MADE)/%_va
 PARTS_OF_KERNELS := $(wildcard cuda/*.ll)
 PTX  := $(BIN).ptx
 # what the GPU code is made from; the executable refuses a PTX file of other sources
-DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(CUDA) $(PARTS_OF_KERNELS) scripts/items.py scripts/kernels.py scripts/models.py
+DEVICE := $(shell grep -ls '^ *!@cuf' $(SRC)) $(CUDA) $(PARTS_OF_KERNELS) scripts/item_heads.py scripts/items.py scripts/kernels.py scripts/models.py
 STAMP := $(shell cat $(DEVICE) scripts/cuda_fortran.py | sha1sum | cut -c 1-16)
 SAVE := scripts/write_if_changed.sh
 
@@ -93,15 +93,15 @@ $(EMULATOR): $(DEVICE) $(KERNELS) scripts/gpu_emulate.py tests/gpu/emulator.c te
 	$(call say,emulate $@)
 	$(Q)$(PY) scripts/gpu_emulate.py --work build/gpu/emulated$(KIND) --out $@ \
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(SRC) $(KERNELS) >/dev/null
-$(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels.CUF $(MADE)/%_launches.f90: $f%_items.f90 scripts/items.py ; \
+$(foreach f,$(sort $(dir $(ITEMS))),$(eval $(MADE)/%_loops.f90 $(MADE)/%_kernels.CUF $(MADE)/%_launches.f90: $f%_items.f90 scripts/items.py scripts/item_heads.py ; \
     @mkdir -p $(MADE) && scripts/items.py $$< $(MADE)))
 $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED)),$(MADE)/$f_variants.CUF) &: \
-    $(wildcard cuda/$f*.CUF) scripts/kernels.py scripts/items.py ; \
+    $(wildcard cuda/$f*.CUF) scripts/kernels.py scripts/items.py scripts/item_heads.py ; \
     @mkdir -p $(MADE) && scripts/kernels.py $f $(MADE) $(wildcard cuda/$f*.CUF)))
 $(foreach f,$(VARIANTS),$(eval $(MADE)/$(notdir $f): $f scripts/variants.py ; @mkdir -p $(MADE) && scripts/variants.py $$< $$@))
 $(foreach f,$(FOREIGN),$(eval $(MADE)/$(notdir $f): $f scripts/foreign.py ; @mkdir -p $(MADE) && scripts/foreign.py $$< $$@))
-$(foreach f,$(MIRRORED),$(eval $(MADE)/gpu_$(notdir $f): $f scripts/mirror.py scripts/items.py ; @mkdir -p $(MADE) && scripts/mirror.py $$< $$@))
-$(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(ITEMS) scripts/steps.py scripts/items.py ; \
+$(foreach f,$(MIRRORED),$(eval $(MADE)/gpu_$(notdir $f): $f scripts/mirror.py scripts/item_heads.py ; @mkdir -p $(MADE) && scripts/mirror.py $$< $$@))
+$(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(ITEMS) scripts/steps.py scripts/item_heads.py ; \
     @mkdir -p $(MADE) && scripts/steps.py $$< $$@))
 $(MADE)/model_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)

@@ -21,7 +21,8 @@ import re
 import sys
 from pathlib import Path
 
-from items import BUFFER, KNOWN, USE, Argument, fold, launches, procedure, write
+from item_heads import BUFFER, KNOWN, USE, Argument, fold, procedure, write
+from items import launches
 
 KERNEL = re.compile(r"((?:^ *!>.*\n)+)^ *attributes\(global\)[^&\n]*?subroutine (\w+)\(", re.M)
 VARIED = re.compile(

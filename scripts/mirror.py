@@ -13,7 +13,7 @@ import re
 import sys
 from pathlib import Path
 
-from items import BUFFER, fold
+from item_heads import BUFFER, fold
 
 TYPE = re.compile(r"^ *!@mirror\n *type :: (\w+)_t\n(.*?)^ *end type", re.M | re.S)
 ARRAY = re.compile(r"^ *([\w()]+), allocatable :: (\w+)\([:, ]*\)(?: *!! *\((.*?0:\w+)\))?", re.M)

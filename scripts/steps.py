@@ -23,7 +23,7 @@ import re
 import sys
 from pathlib import Path
 
-from items import BUFFER, ITEM, Item, fold
+from item_heads import BUFFER, ITEM, Item, fold
 
 CALL = re.compile(r"^(.*?)\bcall ([\w%]+)\((.*)\)$")
 HEAD = re.compile(r"^subroutine (\w+)\((.*)\)$")
@@ -48,12 +48,16 @@ CHANGES += [(r"use brz_(lists|parcels|\w+_steps)\b", r"use brz_gpu_\1")]
 CHANGES += [("type.solid_t.", "type(seen_t)"), ("type.marks_t.", "type(gpu_marks_t)")]
 CHANGES += [("type.parcels_t.", "type(gpu_places_t)")]
 # what gpu_solid_t has as solid_t has it, for files of the solids
-ON_GPU = "n|wide|step_[dp]|x|x_ref|x_built|v|a|load|grip|mass|energy|stress|pair|fixed|id"
+ON_GPU = "n|wide|step_[dp]|x|x_ref|x_built|v|a|load|work|moved|grip|mass|energy|stress|pair"
+ON_GPU += "|fixed|id"
 OF_SOLIDS = [(r"\ballocated\(solid%(load|grip)\)", r"gpu%\1%address /= 0")]
 OF_SOLIDS += [(r"\bjoined_of\(solid%links\)", "gpu%links%joined")]
 OF_SOLIDS += [(r"\b(load|grip)_of\(solid\)", r"gpu%\1"), (rf"\bsolid%({ON_GPU})\b", r"gpu%\1")]
 OF_SOLIDS += [(r"\b(?!body\b)(\w+) => solid%", r"\1 => gpu%"), (r"\((?::, )?1:\)", "")]
-OF_AIR = [(r"\bair%(u|outside|grid)\b", r"gpu%\1"), (r"\bair%(reached|awake)\b", r"gpu%bricks%\1")]
+OF_AIR = [
+    (r"\bair%(u|outside|grid|edge|leaving)\b", r"gpu%\1"),
+    (r"\bair%(reached|awake)\b", r"gpu%bricks%\1"),
+]
 OF_AIR += [(r"\bair%part%(reached|awake)\b", r"gpu%bricks%near_\1")]
 OF_AIR += [(r"\bair%part%own\b", "gpu%bricks%own")]
 OF_AIR += [("^type.wall_t.*", ""), (r", wall\b(?!%)", ""), (r"\bwall%", "gpu%walls%")]
