@@ -7,7 +7,7 @@ module brz_air_grid
     implicit none
     private
     public :: grid_t, stage_t, grid_of, place_of, variable_in_slot, cell_at, number_of
-    public :: first_cell, line_start, lines_along
+    public :: first_cell, line_start, lines_along, faces_of_bricks
     public :: rate_none, rate_in_flux, rate_in_new
     public :: faces_of_a_thread
     public :: brick, column, rest_t, brick_of, brick_start, layers_around
@@ -138,6 +138,14 @@ contains
 
         lines = grid%n(merge(2, 1, d == 1))*grid%n(merge(2, 3, d == 3))
     end function lines_along
+
+    !> Faces of bricks at the two ends of the lines, of one of the ends.
+    pure function faces_of_bricks(grid) result(faces)
+        type(grid_t), intent(in) :: grid
+        integer :: faces
+
+        faces = sum(product(grid%bricks)/grid%bricks, grid%n > 1)
+    end function faces_of_bricks
 
     !> Place of the first cell of a line; the faster transverse index runs first.
     !@cuf attributes(host,device) &

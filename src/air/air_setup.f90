@@ -211,6 +211,7 @@ contains
         allocate (air%reached(g(1), g(2), g(3)), source=0_int8)
         allocate (air%awake(g(1), g(2), g(3)), source=1_int8)
         allocate (air%brick_sum(0:air%n_var, product(g)), source=0.0_dp)
+        allocate (air%leaving(sum(product(g)/g, n > 1), air%n_var, 2), source=0.0_dp)
     end subroutine make_grid
 
     !> Books of what passes the outer faces of the grid.

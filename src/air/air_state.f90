@@ -91,6 +91,8 @@ module brz_air_state
         real(rk), allocatable :: edge(:, :, :)
         !! (lines, n_var, low/high) fluxes of a stage through the outer faces, see grid_t
         real(dp), allocatable :: brick_sum(:, :) !! (0:n_var, bricks) totals of bricks
+        real(dp), allocatable :: leaving(:, :, :)
+        !! (faces of bricks at one end, n_var, low/high) what leaves in a stage
         integer, allocatable :: suspect(:)
         !! (blocks) cells of a block whose next state looks unphysical
         integer(int8), allocatable :: bad(:, :, :) !! marks of a stage, see brz_fallback_items

@@ -12,7 +12,7 @@ module brz_air_totals
     implicit none
     private
     public :: air_totals, gas_sums, outflow_of_all, counts_of_all
-    public :: show_outflow, take_outflow
+    public :: book_outflow, take_outflow
 
 contains
 
@@ -83,16 +83,24 @@ contains
         products = value_of_all(air%part%ranks, air%left(6))
     end subroutine outflow_of_all
 
-    !> Bring the outflow of this process up to date as numbers.
-    subroutine show_outflow(air)
+    !> Add air%leaving to the outflow of this process, exactly: neither the order nor processes
+    !> matter.
+    subroutine book_outflow(air)
         type(air_t), intent(inout) :: air
-        integer :: c
+        integer :: c, f, s
 
+        do s = 1, 2
+            do c = 1, air%n_var
+                do f = 1, size(air%leaving, 1)
+                    call add_to_total(air%left(c), air%leaving(f, c, s))
+                end do
+            end do
+        end do
         do c = 1, 5
             air%outflow(c) = value_of(air%left(c))
         end do
         air%outflow_products = value_of(air%left(6))
-    end subroutine show_outflow
+    end subroutine book_outflow
 
     !> After a restart: where the exact totals are not those of the outflow, as a GPU has gone on
     !> without them, they begin with it.

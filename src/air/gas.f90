@@ -8,7 +8,7 @@ module brz_gas
     use brz_kinds, only: rk
     implicit none
     private
-    public :: pressure, sound_speed, to_primitive, to_conserved, mirror
+    public :: pressure, sound_speed, wave_rate, to_primitive, to_conserved, mirror
 
 contains
 
@@ -32,6 +32,20 @@ contains
 
         c = sqrt(gamma*max(p, 0.0_rk)/rho)
     end function sound_speed
+
+    !> Sum of (|u_d| + c)/dx_d over the directions [1/s]; c = 0 where the pressure is negative.
+    !@cuf attributes(host,device) &
+    pure function wave_rate(gamma, rho, m1, m2, m3, energy, inverse_dx) result(rate)
+        real(rk), intent(in) :: gamma !! ratio of specific heats [-]
+        real(rk), intent(in) :: rho, m1, m2, m3, energy !! conserved variables
+        real(rk), intent(in) :: inverse_dx(3) !! 1/side of a cell, 0 where not modelled [1/m]
+        real(rk) :: rate, c2, volume
+
+        volume = 1/rho
+        c2 = gamma*(gamma - 1)*(energy - 0.5_rk*(m1*m1 + m2*m2 + m3*m3)*volume)*volume
+        rate = (abs(m1)*inverse_dx(1) + abs(m2)*inverse_dx(2) + abs(m3)*inverse_dx(3))*volume &
+               + sqrt(max(c2, 0.0_rk))*(inverse_dx(1) + inverse_dx(2) + inverse_dx(3))
+    end function wave_rate
 
     !> Density, velocity and pressure of a conserved state.
     !@cuf attributes(host,device) &

@@ -2,27 +2,24 @@
 !> What a step of the air is made of on the CPU; brz_air_steps puts it in order. Cells that the
 !> fallback computes again are few: one thread does it.
 module brz_air_operations
-    use brz_kinds, only: dp, int64, rk
+    use brz_kinds, only: int64, rk
     use brz_air_activity, only: next_run
     use brz_air_grid, only: place_of, stage_t
     use brz_air_lost, only: find_lost
     use brz_air_outside, only: set_grid
-    use brz_air_state, only: air_t, brick, bc_inside, bc_periodic, lines_per_block, n_ghost, &
+    use brz_air_state, only: air_t, brick, lines_per_block, n_ghost, &
         set_scale, wall_t
     use brz_air_sweep, only: sweep
-    use brz_air_totals, only: show_outflow
     use brz_fallback_items, only: is_touched, mark_cell, redo_rates, to_redo
-    use brz_grid_lines, only: across, first_cell_of, n_blocks, n_lines
+    use brz_grid_lines, only: first_cell_of, n_blocks, n_lines
     use brz_ranks, only: most_of_all
-    use brz_running_total, only: add_to_total
     use brz_scheme, only: max_var
     use omp_lib, only: omp_get_max_threads
     implicit none
     private
-    public :: get_ready, sweep_all, find_bad, redo, find_lost_cell, add_outflow, update
+    public :: get_ready, sweep_all, find_bad, redo, find_lost_cell, update
 
     integer, parameter :: few_numbers = 40000 !! fewer are not worth waking the other threads
-    integer, parameter :: few_bricks = 100
 
 contains
 
@@ -197,58 +194,6 @@ contains
         if (here) call euler_step(air, stage, air%bad_cell, old, new)
         air%bad_state = new(1:5)
     end subroutine find_lost_cell
-
-    !> Book what left through the outer faces: the faces of a brick are summed in order, and those
-    !> of bricks exactly, so that neither threads nor processes matter.
-    subroutine add_outflow(air, stage)
-        type(air_t), intent(inout) :: air
-        type(stage_t), intent(in) :: stage
-        integer :: b, c, d, s, before, bricks
-
-        before = 0
-        do d = 1, 3
-            if (air%n(d) == 1) cycle
-            bricks = size(air%reached)/size(air%reached, d)
-            associate (n => n_lines(air%n, d), sums => air%brick_sum)
-                do s = 1, 2
-                    if (any(air%bc(s, d) == [bc_inside, bc_periodic])) cycle
-                    !$omp parallel do schedule(static) if (bricks > few_bricks)
-                    do b = 1, bricks
-                        call sum_faces(air%n(across(:, d)), b, &
-                                       air%edge(before + 1:before + n, :, s), sums(1:air%n_var, b))
-                    end do
-                    !$omp end parallel do
-                    do b = 1, bricks
-                        do c = 1, air%n_var
-                            call add_to_total(air%left(c), (2*s - 3)*stage%leaves(d)*sums(c, b))
-                        end do
-                    end do
-                end do
-                before = before + n
-            end associate
-        end do
-        call show_outflow(air)
-    end subroutine add_outflow
-
-    !> Fluxes through the faces of a brick at the boundary, added line by line.
-    pure subroutine sum_faces(n, b, f, sums)
-        integer, intent(in) :: n(2) !! lines in the transverse directions
-        integer, intent(in) :: b !! brick
-        real(rk), intent(in) :: f(:, :) !! (lines, n_var)
-        real(dp), intent(out) :: sums(:) !! (n_var)
-        integer :: c, j, k, first(2), last(2)
-
-        first = [modulo(b - 1, (n(1) - 1)/brick + 1), (b - 1)/((n(1) - 1)/brick + 1)]*brick + 1
-        last = min(first + brick - 1, n)
-        sums = 0
-        do c = 1, size(f, 2)
-            do k = first(2), last(2)
-                do j = first(1), last(1)
-                    sums(c) = sums(c) + f((k - 1)*n(1) + j, c)
-                end do
-            end do
-        end do
-    end subroutine sum_faces
 
     !> Combine the Euler step with the start of the step; the first stage keeps the start.
     !>

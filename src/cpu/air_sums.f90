@@ -5,6 +5,7 @@ module brz_air_sums
     use brz_kinds, only: dp, int8, rk
     use brz_air_grid, only: grid_of, grid_t
     use brz_air_state, only: air_t, bc_periodic, brick, cell_gamma, wall_t
+    use brz_gas, only: wave_rate
     use brz_load_loops, only: each_wall_speed
     use brz_ranks, only: least_of_all
     implicit none
@@ -75,7 +76,7 @@ contains
         integer, intent(in) :: first(3) !! the first of them
         integer, intent(in) :: n !! how many
         real(rk), intent(in) :: inverse(3) !! 1/dx of the directions that are modelled [1/m]
-        real(rk) :: r, m1, m2, m3, gamma, volume, speed, c2, all_inverse
+        real(rk) :: gamma, speed
         integer :: i, j, k, last
         logical :: has_solid
 
@@ -84,23 +85,15 @@ contains
         last = first(1) + n - 1
         has_solid = .false.
         if (wall%present) has_solid = any(wall%solid(first(1):last, j, k) /= 0)
-        all_inverse = inverse(1) + inverse(2) + inverse(3)
         fastest_of_row = 0
         gamma = air%scheme%gamma
         do i = first(1), last
             if (has_solid) then
                 if (wall%solid(i, j, k) /= 0) cycle
             end if
-            r = air%u(i, j, k, 1)
-            m1 = air%u(i, j, k, 2)
-            m2 = air%u(i, j, k, 3)
-            m3 = air%u(i, j, k, 4)
-            volume = 1/r
             if (air%scheme%mixture) gamma = cell_gamma(air, i, j, k)
-            c2 = gamma*(gamma - 1)*(air%u(i, j, k, 5) &
-                - 0.5_rk*(m1*m1 + m2*m2 + m3*m3)*volume)*volume
-            speed = (abs(m1)*inverse(1) + abs(m2)*inverse(2) + abs(m3)*inverse(3))*volume &
-                + sqrt(max(c2, 0.0_rk))*all_inverse
+            speed = wave_rate(gamma, air%u(i, j, k, 1), air%u(i, j, k, 2), air%u(i, j, k, 3), &
+                              air%u(i, j, k, 4), air%u(i, j, k, 5), inverse)
             if (speed > fastest_of_row) fastest_of_row = speed
         end do
     end function fastest_of_row

@@ -1,87 +1,20 @@
 ! SPDX-License-Identifier: MIT
-!> How the particles move on the CPU: kick and drift, how far they have gone since their lists were
-!> built, and how many intact neighbours they have left.
+!> How many intact neighbours particles have left, on the CPU.
 module brz_solid_motion
     use brz_cell_grid, only: reach_of_lists
-    use brz_kinds, only: dp, int16, int64, int8, rk
-    use brz_list_drift, only: level_unit
+    use brz_kinds, only: dp, int16, int64, int8
     use brz_material, only: strength_left
-    use brz_motion_items, only: kick_and_drift
-    use brz_move_level, only: level_of
     use brz_solid_arrays, only: group_of
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: form_bending, form_rigid, form_total, intact_share, is_gone, &
-        solid_t, worth_threads
+    use brz_solid_state, only: form_bending, intact_share, solid_t, worth_threads
     use brz_tension_hold, only: may_be_drawn
     implicit none
     private
-    public :: kick_bodies, find_levels, count_support, end_support
+    public :: count_support, end_support
 
     integer, parameter :: most_support = huge(1_int16)
 
 contains
-
-    !> Velocity by the mean of the last and this time step, then position.
-    subroutine kick_bodies(solid, dt)
-        type(solid_t), intent(inout), target :: solid
-        real(dp), intent(in) :: dt
-        real(rk), pointer, contiguous :: load(:, :)
-        real(dp) :: work
-        integer :: i, k, loaded
-
-        loaded = merge(1, 0, allocated(solid%load))
-        load => solid%a ! not read where there is no load
-        if (loaded == 1) load => solid%load
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, work)
-        do k = 1, size(solid%block, 2)
-            solid%search%sums(1, k) = 0
-            associate (body => solid%bodies(solid%block(1, k)))
-                if (body%formulation == form_rigid .or. body%asleep) cycle
-            end associate
-            do i = solid%block(2, k), solid%block(3, k)
-                call kick_and_drift(i, 3, 1, 3, real((solid%dt_last + dt)/2, rk), dt, loaded, &
-                                    solid%a, load, solid%mass, solid%fixed, solid%x, solid%v, work)
-                solid%search%sums(1, k) = solid%search%sums(1, k) + work
-            end do
-        end do
-        do k = 1, size(solid%block, 2)
-            associate (ledger => solid%bodies(solid%block(1, k))%ledger)
-                ledger%load = ledger%load + solid%search%sums(1, k)
-            end associate
-        end do
-    end subroutine kick_bodies
-
-    !> How far the particles of each body have moved relative to it since its list was built: the
-    !> highest level of brz_list_drift, of this process.
-    subroutine find_levels(solid, level)
-        type(solid_t), intent(inout) :: solid !! its block sums are overwritten
-        integer(int64), intent(out) :: level(:) !! (bodies)
-        real(dp) :: far, d(3)
-        integer :: i, k
-
-        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i, d, far)
-        do k = 1, size(solid%block, 2)
-            solid%search%limit(k) = 0
-            associate (body => solid%bodies(solid%block(1, k)))
-                if (body%asleep) cycle
-                if (body%formulation == form_total .and. .not. solid%links%present) cycle
-                far = 0
-                do i = solid%block(2, k), solid%block(3, k)
-                    if (solid%fixed(i) == is_gone) cycle
-                    d = solid%x(:, i) - solid%x_built(:, i) - body%drift
-                    far = max(far, d(1)*d(1) + d(2)*d(2) + d(3)*d(3))
-                end do
-                solid%search%limit(k) = far
-            end associate
-        end do
-        level = 0
-        do k = 1, size(solid%block, 2)
-            associate (b => solid%block(1, k))
-                level(b) = max(level(b), int(level_of(solid%search%limit(k), level_unit(solid)), &
-                                             int64))
-            end associate
-        end do
-    end subroutine find_levels
 
     !> Neighbours that particles have at the start.
     subroutine count_support(solid)

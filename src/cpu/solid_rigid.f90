@@ -1,67 +1,47 @@
 ! SPDX-License-Identifier: MIT
 !> Particles of rigid bodies: what brz_rigid_steps leaves to each backend.
 module brz_solid_rigid
-    use brz_cohesive_state, only: push_of
-    use brz_exact_sum, only: add_terms, close_sums, limbs, open_sums, scale_t, widen
-    use brz_kinds, only: dp, int64, rk
-    use brz_rigid, only: cross
-    use brz_solid_state, only: body_t, form_rigid, solid_t
+    use brz_kinds, only: dp, int32, rk
+    use brz_motion_items, only: heat_of_drag
+    use brz_motion_loops, only: each_sum_pairs
+    use brz_rigid_pose, only: resting_pose
+    use brz_solid_state, only: form_rigid, solid_t
     implicit none
     private
     public :: sum_pushes, settle_drag
+
+    real(dp), target :: no_glue(3, 0:1) = 0
+    ! numbers of a row of links%push, what stands there before the forces and the torques of drag
+    integer, parameter :: numbers = 9, drag = 3, hold = 6
 
 contains
 
     !> Force and torque of contact and of interfaces on rigid bodies: exact sums, as they act back.
     subroutine sum_pushes(solid, dt, push)
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(in), target :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(out) :: push(6, size(solid%bodies)) !! [N], [N m]
-        type(scale_t) :: scales(6)
-        real(dp) :: largest(6)
-        integer(int64) :: limb(limbs, 6)
-        integer :: b, i
+        integer(int32), pointer, contiguous :: node(:)
+        real(dp), pointer, contiguous :: glue(:, :)
+        integer :: b
 
         push = 0
+        node => solid%id ! not read where there are no interfaces
+        glue => no_glue
+        if (solid%cohesive%present) node => solid%cohesive%row
+        if (solid%cohesive%present) glue => solid%cohesive%push
         do b = 1, merge(size(solid%bodies), 0, solid%links%present)
             associate (body => solid%bodies(b))
                 if (body%formulation /= form_rigid .or. body%asleep .and. dt > 0) cycle
-                largest = 0
-                do i = body%first, body%last
-                    if (is_pushed(i)) call widen(push_on(body, i), largest)
-                end do
-                call open_sums(solid%ranks, largest, scales)
-                limb = 0
-                do i = body%first, body%last
-                    if (is_pushed(i)) call add_terms(scales, push_on(body, i), limb)
-                end do
-                call close_sums(solid%ranks, scales, limb, push(:, b))
+                call each_sum_pairs(body%last - body%first + 1, solid%ranks, body%first, &
+                    solid%wide, 1, 1, numbers, drag, hold, merge(1, 0, solid%cohesive%present), &
+                    resting_pose(body%rigid), solid%links%row, solid%id, node, glue, solid%x, &
+                    solid%links%push(:, 1:), push(:, b))
             end associate
         end do
-
-    contains
-
-        pure logical function is_pushed(i)
-            integer, intent(in) :: i
-
-            is_pushed = solid%cohesive%present .or. solid%links%row(i) > 0
-        end function is_pushed
-
-        pure function push_on(body, i) result(f)
-            type(body_t), intent(in) :: body
-            integer, intent(in) :: i
-            real(dp) :: f(6)
-
-            associate (push => solid%links%push(:, solid%links%row(i)))
-                f(1:3) = push(1:3) + push(4:6)
-                if (solid%cohesive%present) f(1:3) = f(1:3) + push_of(solid%cohesive, solid%id(i))
-                f(4:6) = cross(solid%x(:, i) - body%rigid%x, f(1:3)) + push(7:9)
-            end associate
-        end function push_on
     end subroutine sum_pushes
 
-    !> The heat of drag is that of the velocity before the kick; it works with the mean of those
-    !> before and after it (see `accelerate` of brz_solid_forces).
+    !> The heat of drag on their particles, see heat_of_drag.
     subroutine settle_drag(solid, dt)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
@@ -73,8 +53,8 @@ contains
                 if (body%formulation /= form_rigid .or. body%asleep) cycle
                 do i = body%first, body%last
                     associate (push => solid%links%push(:, solid%links%row(i)))
-                        heat = -dt*(dt/2*dot_product(push(4:6), solid%a(:, i)) &
-                                    + dot_product(push(7:9), body%rigid%omega - body%rigid%spin))
+                        heat = heat_of_drag(dt, push(drag + 1), push(hold + 1), solid%a(1, i), &
+                                            body%rigid%omega - body%rigid%spin)
                     end associate
                     solid%energy(i) = solid%energy(i) + real(heat/solid%mass(i), rk)
                     body%ledger%contact_heat = body%ledger%contact_heat + heat

@@ -16,7 +16,7 @@ module brz_gpu_air_operations
     use brz_ranks, only: agree
     implicit none
     private
-    public :: get_ready, sweep_all, find_bad, take_found, redo, find_lost_cell, add_outflow
+    public :: get_ready, sweep_all, find_bad, take_found, redo, find_lost_cell
 
 contains
 
@@ -103,17 +103,6 @@ contains
         number = found(1)
         if (number > 0) call clear_buffer(gpu%found, err)
     end subroutine take_found
-
-    !> Book what left through the outer faces.
-    subroutine add_outflow(gpu, air, stage, err)
-        type(gpu_air_t), intent(in) :: gpu
-        type(air_t), intent(in) :: air
-        type(stage_t), intent(in) :: stage
-        type(error_t), intent(inout) :: err
-
-        call air_kernels%air_outflow([gpu%grid%lines, air%n_var, 2], gpu%grid, stage, gpu%edge, &
-                                     gpu%outflow, err)
-    end subroutine add_outflow
 
     !> Where the first lost cell of this process is, and what it would have become: the next state
     !> holds the Euler step of lost cells.

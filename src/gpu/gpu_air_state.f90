@@ -28,8 +28,7 @@ module brz_gpu_air_state
     implicit none
     private
     public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air
-    public :: mark_near_walls, fetch_air, note_air, fetch_cells, fetch_walls, bytes_of_real, &
-        faces_of_bricks
+    public :: mark_near_walls, fetch_air, note_air, fetch_cells, fetch_walls, bytes_of_real
 
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
 
@@ -67,8 +66,8 @@ module brz_gpu_air_state
         type(integers_t) :: found !! 1: a kernel has found a bad cell; a count
         type(reals_t) :: outside !! (lines, n_var, 2) gas beyond open boundaries
         type(reals_t) :: edge !! (lines, n_var, 2) fluxes through the outer faces
-        type(doubles_t) :: outflow !! (lines, n_var, 2) what left since the start
-        type(doubles_t) :: part !! a number for each column along z; sums of bricks and their faces
+        type(doubles_t) :: leaving !! (faces of bricks, n_var, 2) what left since the start
+        type(doubles_t) :: part !! a number for each column along z; sums of bricks
         type(kernel_t) :: faces, march, last, redo !! of the scheme
         type(gpu_fetch_t) :: halo, beside !! as in part_t: states, marks of bad cells
         type(gpu_common_t) :: common
@@ -98,7 +97,7 @@ contains
         cells = gpu%grid%apart
         field = cells*air%n_var*bytes_of_real
         ends = int(gpu%grid%lines, int64)*air%n_var
-        call require(device, 4*field + merge(7, 1, held)*cells + ends*(4*bytes_of_real + 16), err)
+        call require(device, 4*field + merge(7, 1, held)*cells + 4*ends*bytes_of_real, err)
         call gpu%common%open(1, err)
         scheme = trim(reconstruction_names(air%scheme%reconstruction))// &
             merge('_hllc ', '_split', air%scheme%flux == hllc)
@@ -110,10 +109,9 @@ contains
         call allocate_buffer(gpu%bad, cells, err)
         call allocate_buffer(gpu%found, 8_int64, err)
         call allocate_buffer(gpu%edge, 2*ends*bytes_of_real, err)
-        call allocate_buffer(gpu%outflow, 16*ends, err)
+        call allocate_buffer(gpu%leaving, 8_int64*size(air%leaving), err)
         call allocate_buffer(gpu%part, 8_int64*max(air%n(1)*air%n(2)*((air%n(3) - 1)/column + 1), &
-                             (max_var + 1)*size(air%reached), &
-                             2*max_var*faces_of_bricks(gpu%grid)), err)
+                             (max_var + 1)*size(air%reached)), err)
         call allocate_buffer(gpu%walls%solid, merge(cells, 1_int64, held), err)
         call allocate_buffer(gpu%walls%near, merge(cells, 1_int64, held), err)
         call allocate_buffer(gpu%walls%index, merge(4*cells, 1_int64, held), err)
@@ -154,13 +152,6 @@ contains
 
         box = box_t(air%before + 1 - air%g, air%before + air%n + air%g)
     end function box_of
-
-    !> Faces of bricks at the two ends of the lines, of one of the ends.
-    pure integer function faces_of_bricks(grid) result(faces)
-        type(grid_t), intent(in) :: grid
-
-        faces = sum(product(grid%bricks)/grid%bricks, grid%n > 1)
-    end function faces_of_bricks
 
     !> True where a boundary is a wall that needs the flux at walls.
     pure logical function has_wall_ends(air) result(has)

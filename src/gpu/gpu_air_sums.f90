@@ -3,17 +3,16 @@
 !> bricks, and of faces of bricks, are added exactly: the same bits on any number of processes.
 module brz_gpu_air_sums
     use brz_air_state, only: air_t
-    use brz_air_totals, only: show_outflow
+    use brz_air_totals, only: book_outflow
     use brz_device, only: copy_out
     use brz_air_grid, only: column
     use brz_brick_launches, only: brick_kernels
     use brz_air_launches, only: air_kernels
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
-    use brz_gpu_air_state, only: faces_of_bricks, gpu_air_t
+    use brz_gpu_air_state, only: gpu_air_t
     use brz_kinds, only: dp, int64
     use brz_ranks, only: agree
-    use brz_running_total, only: add_to_total
     implicit none
     private
     public :: gpu_air_time_step, gpu_air_totals, gpu_outflow
@@ -62,21 +61,10 @@ contains
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
-        real(dp), allocatable :: part(:, :)
-        integer :: c, f, faces
 
-        faces = faces_of_bricks(gpu%grid)
-        allocate (part(air%n_var, 2*faces), source=0.0_dp)
-        call air_kernels%outflow_sums([faces, air%n_var, 2], faces, gpu%grid, gpu%outflow, &
-                                      gpu%part, err)
-        call copy_out(gpu%part, part, 8*size(part, kind=int64), err)
+        call copy_out(gpu%leaving, air%leaving, 8*size(air%leaving, kind=int64), err)
         if (failed(err)) return
         air%left = gpu%left_before
-        do f = 1, size(part, 2)
-            do c = 1, size(part, 1)
-                call add_to_total(air%left(c), part(c, f))
-            end do
-        end do
-        call show_outflow(air)
+        call book_outflow(air)
     end subroutine gpu_outflow
 end module brz_gpu_air_sums

@@ -2,13 +2,13 @@
 !> Particles of rigid bodies on the GPU: what brz_rigid_steps leaves to each backend.
 module brz_gpu_solid_rigid
     use brz_device, only: clear_buffer
-    use brz_buffers, only: from
+    use brz_buffers, only: doubles_t, from, integers_t
     use brz_errors, only: error_t
-    use brz_gpu_solid_state, only: gpu_solid_t, threads_of
+    use brz_gpu_solid_layout, only: at_drag, at_hold, book_contact_heat
+    use brz_gpu_solid_state, only: book_of, gpu_solid_t
     use brz_kinds, only: dp, int64
     use brz_motion_launches, only: motion_kernels
     use brz_rigid_pose, only: resting_pose
-    use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -44,8 +44,9 @@ contains
         do b = 1, merge(size(gpu%bodies), 0, gpu%linked)
             associate (there => gpu%bodies(b))
                 if (.not. there%rigid .or. there%asleep .and. dt > 0) cycle
-                call motion_kernels%sum_pairs(there%last - there%first + 1, there%first, &
-                    gpu%wide, gpu%n, resting_pose(solid%bodies(b)%rigid), gpu%x, gpu%extra, &
+                call motion_kernels%sum_pairs(there%last - there%first + 1, there%first, gpu%wide, &
+                    0, gpu%n, 1, at_drag, at_hold, 0, resting_pose(solid%bodies(b)%rigid), &
+                    integers_t(), integers_t(), integers_t(), doubles_t(), gpu%x, gpu%extra, &
                     gpu%exact, err)
                 push(:, b) = gpu%exact%total(:6)
             end associate
@@ -58,13 +59,16 @@ contains
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
+        real(dp) :: turn(3)
         integer :: b
 
         do b = 1, merge(size(gpu%bodies), 0, gpu%linked)
-            associate (there => gpu%bodies(b), rigid => solid%bodies(b)%rigid)
-                if (there%rigid .and. .not. there%asleep) call solid_kernels%solid_rigid_drag( &
-                    threads_of(there), gpu%n, there%params, dt, rigid%omega(1), rigid%omega(2), &
-                    rigid%omega(3), gpu%row, gpu%extra, gpu%state, gpu%book, err)
+            associate (there => gpu%bodies(b))
+                if (.not. there%rigid .or. there%asleep) cycle
+                turn = solid%bodies(b)%rigid%omega - solid%bodies(b)%rigid%spin
+                call motion_kernels%settle_heat(there%last - there%first + 1, there%first, gpu%n, &
+                    dt, turn(1), turn(2), turn(3), gpu%mass, gpu%extra, gpu%a, gpu%energy, &
+                    book_of(gpu, book_contact_heat), err)
             end associate
         end do
     end subroutine settle_drag

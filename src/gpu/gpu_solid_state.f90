@@ -14,7 +14,8 @@ module brz_gpu_solid_state
     use brz_gpu_face_load, only: gpu_facets_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, rows_t
     use brz_gpu_places, only: gpu_marks_t
-    use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, grid_gpu_t, &
+    use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, book_load, &
+        grid_gpu_t, &
         n_book, n_flag, n_tag, n_terms, n_total, tag_bond, tag_fixed, tag_id, tag_joined, &
         tag_touch, tag_weight
     use brz_kinds, only: dp, int64, rk
@@ -27,7 +28,7 @@ module brz_gpu_solid_state
     implicit none
     private
     public :: columns_t, gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, lay_arrays, &
-        moved_flags, column_of, tags_of, book_of, threads_of, &
+        column_of, tags_of, book_of, threads_of, &
         bytes_of_real, words_of_real, sum_threads, total_threads, most_folded
     public :: news_none, news_part, news_all
 
@@ -120,9 +121,9 @@ module brz_gpu_solid_state
         type(buffer_t) :: hold
         ! parts of these arrays as items have them, under the names of solid_t
         integer :: wide = 4, step_d = 0, step_p = 1
-        type(doubles_t) :: x, x_ref, x_built
+        type(doubles_t) :: x, x_ref, x_built, work
         type(reals_t) :: v, v_before, volume, a, load, grip, mass, mu, energy, stress, pair
-        type(integers_t) :: id, fixed
+        type(integers_t) :: id, fixed, moved
         type(gpu_exact_t) :: exact
         type(gpu_common_t) :: common
         integer :: n_record = 0, n_left = 0
@@ -170,6 +171,7 @@ contains
             max(sum(gpu%record%words*gpu%record%columns), &
                 sum(gpu%left%words) + 6*words_of_real), err)
         call allocate_buffer(gpu%flags, 4_int64*(n_flag + move_levels*size(solid%bodies)), err)
+        gpu%moved = from(gpu%flags, n_flag + 1_int64)
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)
         call allocate_buffer(gpu%partial, 8_int64*total_threads*(n_total + n_book), err)
@@ -281,6 +283,7 @@ contains
         if (gpu%column%before > 0) gpu%v_before = column_of(gpu, gpu%column%before + 1)
         if (gpu%column%grip > 0) gpu%grip = column_of(gpu, gpu%column%grip + 1)
         gpu%pair = gpu%row
+        gpu%work = book_of(gpu, book_load)
         gpu%id = tags_of(gpu, tag_id)
         gpu%fixed = tags_of(gpu, tag_fixed)
         associate (links => gpu%links)
@@ -327,15 +330,6 @@ contains
             to_text(int(device%free_bytes/2**20))//' MiB are free: use fewer particles, a '// &
             'build with PRECISION=mixed, or --backend cpu')
     end subroutine require
-
-    !> Flags of body b for the levels of motion.
-    pure function moved_flags(gpu, b) result(flags)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: b
-        type(integers_t) :: flags
-
-        flags = from(gpu%flags, n_flag + move_levels*(b - 1_int64) + 1)
-    end function moved_flags
 
     !> A column of the state, from its first particle on.
     pure type(reals_t) function column_of(gpu, column)

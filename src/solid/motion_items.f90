@@ -3,17 +3,17 @@
 !> bodies; and how far they have gone since their lists were built.
 module brz_motion_items
     use brz_kernel, only: smoothing_length
-    use brz_kinds, only: dp, int32, rk
-    use brz_move_level, only: level_of
+    use brz_kinds, only: dp, int32, int64, rk
+    use brz_move_level, only: level_of, move_levels
     use brz_rigid, only: cross
     use brz_rigid_pose, only: arm_at, place_point, pose_t, spin_at, velocity_at
-    use brz_solid_state, only: at_drag, at_hold, is_gone, is_held, n_pair, pair_spin, &
+    use brz_solid_state, only: at_drag, at_heat, at_hold, is_gone, is_held, n_pair, pair_spin, &
         pair_volume
     use brz_support, only: driven_by, is_driven, is_kept
     implicit none
     private
     public :: drift_particle, size_particle, drive_particle, place_rigid, note_particle
-    public :: follow_drive, follow_rigid, fill_rigid_row, sum_pairs
+    public :: follow_drive, follow_rigid, fill_rigid_row, sum_pairs, settle_heat, heat_of_drag
     public :: kick_and_drift
 
 contains
@@ -58,9 +58,10 @@ contains
     !> Kick and drift, the work of the load, and how far the particle has gone.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine drift_particle(p, first, wide, step_d, step_p, mean, dt, loaded, unit, dx, dy, &
-                                   dz, accel, load, mass, fixed, built, x, v, book, moved)
+    pure subroutine drift_particle(p, body, first, wide, step_d, step_p, mean, dt, loaded, unit, &
+                                   dx, dy, dz, accel, load, mass, fixed, built, x, v, work, moved)
         integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x and v
         integer, intent(in) :: step_d, step_p !! distances of directions and particles in forces
@@ -74,39 +75,43 @@ contains
         real(dp), intent(in) :: built(wide, *)
         real(dp), intent(inout) :: x(wide, *)
         real(rk), intent(inout) :: v(wide, *)
-        real(dp), intent(inout) :: book(*) !! work of the load [J]
-        integer, intent(inout) :: moved(*)
-        real(dp) :: work
+        real(dp), intent(inout) :: work(*) !! of the load [J]
+        integer, intent(inout) :: moved(move_levels, *)
+        real(dp) :: share
         integer :: i
 
         i = first - 1 + p
         call kick_and_drift(i, wide, step_d, step_p, mean, dt, loaded, accel, load, mass, fixed, &
-                            x, v, work)
-        if (loaded == 1) book(i) = book(i) + work
-        call note_particle(p, first, wide, unit, dx, dy, dz, x, built, moved)
+                            x, v, share)
+        if (loaded == 1) work(i) = work(i) + share
+        call note_particle(p, body, first, wide, unit, dx, dy, dz, fixed, x, built, moved)
     end subroutine drift_particle
 
     !> Mark how far a particle has moved, relative to its body, from where the lists were built; all
     !> that are as far write the same.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine note_particle(p, first, wide, unit, dx, dy, dz, x, built, moved)
+    pure subroutine note_particle(p, body, first, wide, unit, dx, dy, dz, fixed, x, built, moved)
         integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x
         real(dp), intent(in) :: unit !! of levels of motion [m]
         real(dp), intent(in) :: dx, dy, dz !! drift of the body [m]
+        integer(int32), intent(in) :: fixed(*)
         real(dp), intent(in) :: x(wide, *), built(wide, *)
-        integer, intent(inout) :: moved(*) !! (move_levels) 1: some particle is there
+        integer, intent(inout) :: moved(move_levels, *) !! (bodies) 1: some particle is there
         real(dp) :: e(3)
         integer :: i, level
 
         i = first - 1 + p
+        if (fixed(i) == is_gone) return
         e(1) = x(1, i) - built(1, i) - dx
         e(2) = x(2, i) - built(2, i) - dy
         e(3) = x(3, i) - built(3, i) - dz
         level = level_of(e(1)*e(1) + e(2)*e(2) + e(3)*e(3), unit)
-        if (level > 0) moved(level) = 1
+        if (level == 0) return
+        if (moved(level, body) == 0) moved(level, body) = 1
     end subroutine note_particle
 
     !> Smoothing length of a particle of a body where it follows the density.
@@ -250,31 +255,87 @@ contains
         end do
     end subroutine fill_rigid_row
 
-    !> Add what other bodies do to a particle to the force and the torque on its rigid body. Sums of
-    !> pairs lie in columns, slots of brz_solid_state.
+    !> Add what other bodies do to a particle to the force and the torque on its rigid body.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_pairs(p, first, wide, column, pose, x, pairs, push)
+    pure subroutine sum_pairs(p, first, wide, compact, step_c, step_p, drag, hold, glued, pose, &
+                              row, id, node, glue, x, pairs, push)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x
-        integer, intent(in) :: column !! numbers of a column of pairs
+        integer, intent(in) :: compact !! 1: sums of pairs are those of rows; 0: of particles
+        integer, intent(in) :: step_c, step_p !! distances of numbers, of rows or particles in them
+        integer, intent(in) :: drag, hold !! before the forces, the torques of drag in them
+        integer, intent(in) :: glued !! 1: forces of interfaces are not among them
         type(pose_t), intent(in) :: pose !! of the body
+        integer(int32), intent(in) :: row(*), id(*), node(*)
+        real(dp), intent(in) :: glue(3, 0:*) !! forces on the nodes of interfaces [N]
         real(dp), intent(in) :: x(wide, *)
-        real(rk), intent(in) :: pairs(column, *) !! forces [N], and torques of drag [N m]
+        real(rk), intent(in) :: pairs(*) !! forces [N], and torques of drag [N m]
         real(dp), intent(inout) :: push(6) !@exact force [N], torque [N m]
         real(dp) :: arm(3), f(3), torque(3)
+        integer(int64) :: at
         integer :: c, i
 
         i = first - 1 + p
+        at = i
+        if (compact == 1) at = row(i)
+        if (at == 0 .and. glued == 0) return
+        at = 1 + (at - 1)*step_p
         do c = 1, 3
-            f(c) = pairs(i, c) + pairs(i, at_drag + c)
+            f(c) = 0
+            if (at > 0) f(c) = pairs(at + (c - 1)*step_c) + pairs(at + (drag + c - 1)*step_c)
+            if (glued == 1) f(c) = f(c) + glue(c, node(id(i)))
         end do
         arm = arm_at(pose, x(1, i))
         torque = cross(arm, f)
         do c = 1, 3
             push(c) = push(c) + f(c)
-            push(3 + c) = push(3 + c) + torque(c) + pairs(i, at_hold + c)
+            push(3 + c) = push(3 + c) + torque(c)
+            if (at > 0) push(3 + c) = push(3 + c) + pairs(at + (hold + c - 1)*step_c)
         end do
     end subroutine sum_pairs
+
+    !> The heat of drag is that of the velocity before the kick; it works with the mean of those
+    !> before and after it: what a particle of a rigid body gets back [J].
+    !@cuf attributes(host,device) &
+    pure function heat_of_drag(dt, drag, torque, accel, turn) result(heat)
+        real(dp), intent(in) :: dt !! step just made [s]
+        real(rk), intent(in) :: drag(3), torque(3), accel(3) !! [N], [N m], [m/s2]
+        real(dp), intent(in) :: turn(3) !! change of the spin in the kick [1/s]
+        real(dp) :: heat
+
+        heat = -dt*(dt/2*dot_product(drag, accel) + dot_product(torque, turn))
+    end function heat_of_drag
+
+    !> Give a particle of a rigid body that heat, and what its pairs made.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine settle_heat(p, first, column, dt, wx, wy, wz, mass, pairs, accel, energy, book)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: column !! numbers of a column
+        real(dp), intent(in) :: dt !! step just made [s]
+        real(dp), intent(in) :: wx, wy, wz !! change of the spin in the kick [1/s]
+        real(rk), intent(in) :: mass(*), accel(column, *)
+        real(rk), intent(in) :: pairs(column, *) !! slots of brz_solid_state
+        real(rk), intent(inout) :: energy(*)
+        real(dp), intent(inout) :: book(*) !! [J]
+        real(rk) :: drag(3), torque(3), a(3)
+        real(dp) :: heat, turn(3)
+        integer :: c, i
+
+        i = first - 1 + p
+        do c = 1, 3
+            drag(c) = pairs(i, at_drag + c)
+            torque(c) = pairs(i, at_hold + c)
+            a(c) = accel(i, c)
+        end do
+        turn(1) = wx
+        turn(2) = wy
+        turn(3) = wz
+        heat = dt*pairs(i, at_heat) + heat_of_drag(dt, drag, torque, a, turn)
+        energy(i) = energy(i) + real(heat/mass(i), rk)
+        book(i) = book(i) + heat
+    end subroutine settle_heat
 end module brz_motion_items

@@ -3,11 +3,12 @@
 module brz_solid_books
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp
+    use brz_move_level, only: move_levels
     use brz_ranks, only: several
-    use brz_solid_state, only: form_rigid, ledger_t, solid_t
+    use brz_solid_state, only: form_rigid, ledger_t, solid_t, worth_threads
     implicit none
     private
-    public :: books_t, open_all_books, close_all_books, keep_books_of_first
+    public :: books_t, open_all_books, close_all_books, keep_books_of_first, begin_kick, book_work
 
     type(ledger_t), parameter :: empty = ledger_t()
     integer, parameter :: n_ledger = size(transfer(empty, [0.0_dp])) !! all components are real(dp)
@@ -38,6 +39,42 @@ contains
         call exact_sums(solid%ranks, reshape(terms, [size(total), 1]), total)
         call write_down(solid, reshape(total, shape(books%own)))
     end subroutine open_all_books
+
+    !> Room for what a kick notes; it is kept from one to the next.
+    subroutine begin_kick(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: n
+
+        n = 0
+        if (allocated(solid%load)) n = size(solid%load, 2)
+        if (allocated(solid%work)) then
+            if (size(solid%work) < n) deallocate (solid%work)
+        end if
+        if (.not. allocated(solid%work)) allocate (solid%work(n), source=0.0_dp)
+        if (.not. allocated(solid%moved)) allocate (solid%moved(move_levels, size(solid%bodies)))
+        solid%moved = 0
+    end subroutine begin_kick
+
+    !> Book the work of the loads in a kick, block by block.
+    subroutine book_work(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: i, k
+
+        if (.not. allocated(solid%load)) return
+        !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i)
+        do k = 1, size(solid%block, 2)
+            solid%search%sums(1, k) = 0
+            do i = solid%block(2, k), solid%block(3, k)
+                solid%search%sums(1, k) = solid%search%sums(1, k) + solid%work(i)
+                solid%work(i) = 0
+            end do
+        end do
+        do k = 1, size(solid%block, 2)
+            associate (ledger => solid%bodies(solid%block(1, k))%ledger)
+                ledger%load = ledger%load + solid%search%sums(1, k)
+            end associate
+        end do
+    end subroutine book_work
 
     !> Go back to those of this process alone.
     subroutine close_all_books(solid, books)

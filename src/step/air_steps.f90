@@ -7,16 +7,16 @@
 !> take the first-order flux. A cell that this does not save is held. See brz_fallback_items. It
 !> runs after the rates of a stage are complete and before they are used.
 module brz_air_steps
-    use brz_air_grid, only: stage_t
+    use brz_air_grid, only: faces_of_bricks, stage_t
     use brz_air_lost, only: first_lost
-    use brz_air_operations, only: add_outflow, find_bad, find_lost_cell, get_ready, redo, &
-        sweep_all
+    use brz_air_operations, only: find_bad, find_lost_cell, get_ready, redo, sweep_all
     use brz_air_operations, only: update !@cpu
     use brz_air_outside, only: keep_outside !@cpu
     use brz_air_stage, only: stage_of
     use brz_air_state, only: air_ok, air_t, air_unphysical, wall_t
+    use brz_air_totals, only: book_outflow !@cpu
     use brz_brick_steps, only: settle_bricks, wake_bricks
-    use brz_face_loops, only: each_add_push
+    use brz_face_loops, only: each_add_push, each_sum_face
     use brz_fallback_items, only: to_hold, to_lose, to_redo
     use brz_fallback_loops, only: each_count_marked
     use brz_fetch, only: fetch !@cpu
@@ -85,6 +85,18 @@ contains
         call add_outflow(air, stage)
         if (wall%n_faces > 0) call each_add_push(wall%n_faces, wall%push, wall%impulse)
     end subroutine take_rates
+
+    !> Add up what leaves through the outer faces; on a GPU it is booked when somebody asks.
+    subroutine add_outflow(air, stage)
+        type(air_t), intent(inout) :: air
+        type(stage_t), intent(in) :: stage
+        integer :: faces
+
+        air%leaving = 0 !@cpu
+        faces = faces_of_bricks(air%grid)
+        call each_sum_face(2*air%n_var*faces, faces, air%grid, stage, air%edge, air%leaving)
+        call book_outflow(air) !@cpu
+    end subroutine add_outflow
 
     !> Fill the ghosts of all directions that are modelled. Where the box of another process begins
     !> they are its cells.

@@ -7,14 +7,14 @@ module brz_solid_steps
     !@gpu use brz_gpu_solid_contact, only: break_bonds, contact_pass
     !@gpu use brz_gpu_solid_copy, only: fetch_faults
     !@gpu use brz_gpu_solid_ghosts, only: refresh_bonds, refresh_motion, refresh_rows
-    !@gpu use brz_gpu_solid_motion, only: begin_step, book_first_half, end_support, find_levels
-    !@gpu use brz_gpu_solid_motion, only: kick_bodies
+    !@gpu use brz_gpu_solid_motion, only: begin_step, book_first_half, end_support
     !@gpu use brz_gpu_solid_passes, only: force_pass, gradient_pass
     !@gpu use brz_gpu_solid_rigid, only: settle_drag, sum_pushes
     !@gpu use brz_gpu_solid_sums, only: fetch_limit
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: drift_bodies, find_stale
+    use brz_motion_steps, only: find_levels, kick_bodies
     use brz_ranks, only: most_of_all
     use brz_rigid_steps, only: balance_rigid, move_rigid
     use brz_solid_bonds, only: break_bonds, push_rigid_bonds !@cpu
@@ -25,7 +25,7 @@ module brz_solid_steps
     use brz_solid_gradients, only: gradient_pass !@cpu
     use brz_solid_leaving, only: remove_left !@cpu
     use brz_solid_list_steps, only: build_neighbours
-    use brz_solid_motion, only: end_support, find_levels, kick_bodies !@cpu
+    use brz_solid_motion, only: end_support !@cpu
     use brz_solid_rigid, only: settle_drag, sum_pushes !@cpu
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: solid_t
@@ -47,10 +47,9 @@ contains
         !@gpu call begin_step(gpu, solid)
         if (solid%steps == 0) call force_pass(solid, dt/2)
         !@gpu if (solid%steps == 0) call book_first_half(gpu, solid, dt)
-        call kick_bodies(solid, dt) !@cpu
         call drift_bodies(solid, dt) !@host
         call move_rigid(solid, dt)
-        !@gpu call kick_bodies(gpu, solid, dt)
+        call kick_bodies(solid, dt)
         solid%time = solid%time + dt
         solid%dt_last = dt
         solid%steps = solid%steps + 1

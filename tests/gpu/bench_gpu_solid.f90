@@ -12,7 +12,7 @@ program bench_gpu_solid
     use brz_gpu_solid_copy, only: open_gpu_solid
     use brz_gpu_solid_list_steps, only: build_neighbours
     use brz_gpu_solid_state, only: gpu_solid_t
-    use brz_gpu_solid_motion, only: kick_bodies
+    use brz_gpu_motion_steps, only: kick_bodies
     use brz_gpu_solid_passes, only: fill_rows, find_gradients, force_pass, gradient_pass, &
         sum_moments, update_material
     use brz_gpu_solid_steps, only: gpu_solid_step => solid_step
