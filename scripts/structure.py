@@ -11,13 +11,15 @@ as well. Sizes: files 400 lines, procedures 80, lines of kernels (cuda/*.CUF) 10
 sees to those of the rest), arguments 8, which kernels, items and what these call in their file
 (`*_items.f90`, below a `!@cuf` line), and procedures in a file with `!@variant` may exceed: they
 take arrays.
-Also: the licence line, the module name, `use` with `only`. Files and functions in Python obey the
-sizes, too. Lines of *.md files have at most 120 columns, rows of tables excepted.
+Also: the licence line, the module name, `use` with `only`. Files and functions in Python, C and
+shell obey the sizes, too, and so do the Makefile and other files of code. Lines of *.md files have
+at most 120 columns, rows of tables excepted.
 """
 
 import ast
 import re
 import sys
+from itertools import chain
 from pathlib import Path
 
 LAYERS = [{"base"}, {"parallel"}, {"deck"}, {"materials"}, {"air", "solid"}, {"coupling"}]
@@ -25,6 +27,8 @@ LAYERS += [{"cpu", "gpu"}, {"output"}, {"step"}, {"main"}]
 RANK = {name: rank for rank, names in enumerate(LAYERS) for name in names}
 MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 400, 80, 8
 MAX_CODE, MAX_PROSE = 100, 120
+PYTHON = ("scripts", "post", "tests", "comparisons")
+OTHERS = ("Makefile", "*.mk", "*.sh", "*.c", "*.ll", "*.html", "*.js", "*.css")
 LICENCE = "SPDX-License-Identifier: MIT"
 
 USE = re.compile(r"^\s*use\b\s*(?:,\s*\w+\s*::\s*|::\s*|\s)(\w+)\s*(.*)$", re.I)
@@ -143,7 +147,7 @@ def long_prose(root):
 
 def long_python(root):
     """Files and functions in Python that are too long."""
-    for path in sorted(p for d in ("scripts", "post", "tests") for p in (root / d).rglob("*.py")):
+    for path in sorted(p for d in PYTHON for p in (root / d).rglob("*.py")):
         text, name = path.read_text(encoding="utf-8"), path.relative_to(root)
         if (n := len(text.splitlines())) > MAX_FILE:
             yield f"{name}:1: {n} lines; at most {MAX_FILE}"
@@ -153,6 +157,23 @@ def long_python(root):
                 if n > MAX_PROCEDURE:
                     place = f"{name}:{node.lineno}: {node.name}"
                     yield f"{place} has {n} lines; at most {MAX_PROCEDURE}"
+
+
+def long_others(root):
+    """Files in other languages that are too long; of C and shell their functions."""
+    folders = [root.glob(f"{d}/**/{kind}") for d in (*PYTHON, "src", "cuda") for kind in OTHERS]
+    for path in sorted({*(p for kind in OTHERS for p in root.glob(kind)), *chain(*folders)}):
+        lines, begin = path.read_text(encoding="utf-8").splitlines(), 0
+        if len(lines) > MAX_FILE:
+            yield f"{path.relative_to(root)}:1: {len(lines)} lines; at most {MAX_FILE}"
+        for number, line in enumerate(lines, 1):
+            if re.match(r"(\w.*\) *)?\{$", line):
+                begin = number
+            elif line.startswith("}") and begin:
+                if (n := number - begin + 1) > MAX_PROCEDURE:
+                    place = f"{path.relative_to(root)}:{begin}"
+                    yield f"{place}: a function of {n} lines; at most {MAX_PROCEDURE}"
+                begin = 0
 
 
 def main():
@@ -165,7 +186,7 @@ def main():
         if source.in_src:
             source.check_layers(owner)
     faults = [fault for source in sources for fault in source.faults]
-    faults += [*long_prose(root), *long_python(root)]
+    faults += [*long_prose(root), *long_python(root), *long_others(root)]
     for path in sorted((root / "scripts").glob("*")) + sorted(root.glob("post/**/*.py")):
         if path.suffix in (".py", ".sh"):
             head = path.read_text(encoding="utf-8").splitlines()[:2]

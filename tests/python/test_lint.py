@@ -50,6 +50,22 @@ RULES = [
 ]
 
 
+OTHERS = [
+    ("Makefile", "# filler\n" * 401, "Makefile:1: 401 lines; at most 400"),
+    ("scripts/a.sh", "f() {\n" + "true\n" * 79 + "}\n", "a.sh:1: a function of 81 lines"),
+    ("tests/a.c", "int f(void)\n{\n" + ";\n" * 79 + "}\n", "a.c:2: a function of 81 lines"),
+]
+
+
+@pytest.mark.parametrize(("path", "text", "reason"), OTHERS)
+def test_sizes_hold_in_any_language(tmp_path, path, text, reason):
+    (tmp_path / path).parent.mkdir(exist_ok=True)
+    (tmp_path / path).write_text(text)
+    code, said = structure(tmp_path)
+    assert code != 0
+    assert reason in said
+
+
 @pytest.mark.parametrize(("files", "reason"), RULES)
 def test_a_broken_rule_is_named(tmp_path, files, reason):
     for path, parts in files.items():
