@@ -5,6 +5,7 @@ module brz_gpu_solid_contact
     use brz_buffers, only: integers_t
     use brz_cohesive_launches, only: cohesive_kernels
     use brz_contact_launches, only: contact_kernels
+    use brz_device, only: side_by_side
     use brz_errors, only: error_t
     use brz_gpu_solid_ghosts, only: refresh_press
     use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub
@@ -60,34 +61,38 @@ contains
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
-        integer :: k, m, n(size(gpu%bodies)), range(2, size(gpu%bodies))
+        integer :: b, k, range(2, size(gpu%bodies))
         type(integers_t) :: touching
 
         if (.not. gpu%linked) return
         call find_awake(gpu, range)
-        n = range(2, :) - range(1, :) + 1
-        m = count(range(1, :) > 0)
-        associate (l => gpu%links, glue => gpu%cohesive, first => range(1, :))
+        associate (l => gpu%links, glue => gpu%cohesive)
             touching = l%count ! links along which contact may act
             if (.not. l%frees) touching = l%loose
-            do k = 1, m
-                call contact_kernels%press_links(n(k), first(k), l%lay, real(dt, rk), l%ends, &
-                    l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, l%touch, l%bond, l%joined, &
-                    l%row, l%slice, touching, l%list, gpu%energy, &
-                    book_of(gpu, book_contact_heat), l%press, err)
+            do k = 1, count(range(1, :) > 0)
+                call contact_kernels%press_links(range(2, k) - range(1, k) + 1, range(1, k), &
+                    l%lay, real(dt, rk), l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, &
+                    l%weight, l%touch, l%bond, l%joined, l%row, l%slice, touching, l%list, &
+                    gpu%energy, book_of(gpu, book_contact_heat), l%press, err)
             end do
             call refresh_press(gpu, err)
-            do k = 1, m
-                call contact_kernels%push_links(n(k), first(k), gpu%n, l%lay, dt, l%ends, &
-                    l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, gpu%pair, &
-                    l%press, l%bond, l%joined, l%row, l%slice, touching, l%list, gpu%energy, &
-                    book_of(gpu, book_contact), book_of(gpu, book_contact_early), &
-                    book_of(gpu, book_contact_heat), book_of(gpu, book_rub), gpu%rate, gpu%extra, &
-                    err)
-                if (gpu%bonded) call bond_kernels%pull_links(n(k), first(k), gpu%n, l%lay, &
-                    l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%hold, &
-                    gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
+            do b = 1, size(gpu%bodies) ! who pushes few is done while another pulls many
+                if (gpu%bodies(b)%asleep) cycle
+                call side_by_side(b)
+                associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
+                    call contact_kernels%push_links(last - first + 1, first, gpu%n, l%lay, dt, &
+                        l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, &
+                        gpu%pair, l%press, l%bond, l%joined, l%row, l%slice, touching, l%list, &
+                        gpu%energy, book_of(gpu, book_contact), &
+                        book_of(gpu, book_contact_early), book_of(gpu, book_contact_heat), &
+                        book_of(gpu, book_rub), gpu%rate, gpu%extra, err)
+                    if (gpu%bonded) call bond_kernels%pull_links(last - first + 1, first, gpu%n, &
+                        l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, &
+                        gpu%hold, gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, &
+                        err)
+                end associate
             end do
+            call side_by_side(0)
             if (solid%cohesive%present) call cohesive_kernels%add_pull(glue%nodes, gpu%n, &
                 glue%place, glue%push, gpu%extra, err)
         end associate

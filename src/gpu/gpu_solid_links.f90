@@ -4,7 +4,7 @@ module brz_gpu_solid_links
     use brz_buffers, only: from
     use brz_contact, only: law_bonded
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, copy_within, &
-        put_buffer, reserve_buffer
+        put_buffer, reserve_buffer, side_by_side
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: slice_width
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, news_all, news_none, news_part, &
@@ -124,8 +124,10 @@ contains
         slices = (gpu%n - 1)/slice_width + 1
         call clear_buffer(gpu%chosen, err)
         do b = 1, size(gpu%bodies)
+            call side_by_side(b)
             call choose_by(gpu, solid, b, err)
         end do
+        call side_by_side(0)
         associate (links => gpu%links)
             call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
             call visit_bodies(gpu, solid, 2, 1, err)
@@ -190,7 +192,8 @@ contains
     end subroutine settle_links
 
     !> Count or list, for every particle or the chosen ones, the links with one body after the
-    !> other; note which bodies have some.
+    !> other; note which bodies have some. Particles of different bodies look side by side: those of
+    !> small ones leave the GPU empty.
     subroutine visit_bodies(gpu, solid, keep, some, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
@@ -198,8 +201,9 @@ contains
         type(error_t), intent(inout) :: err
         integer :: a, b
 
-        do b = 1, size(gpu%bodies)
-            do a = 1, size(gpu%bodies)
+        do a = 1, size(gpu%bodies)
+            call side_by_side(a)
+            do b = 1, size(gpu%bodies)
                 if (.not. may_link(solid, a, b)) cycle
                 associate (body => gpu%bodies(a), other => gpu%bodies(b), &
                            shift => solid%links%drift(:, a, b))
@@ -212,5 +216,6 @@ contains
                 end associate
             end do
         end do
+        call side_by_side(0)
     end subroutine visit_bodies
 end module brz_gpu_solid_links
