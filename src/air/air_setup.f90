@@ -5,8 +5,9 @@ module brz_air_setup
     use brz_air_grid, only: layers_around
     use brz_air_outside, only: keep_outside
     use brz_air_part, only: box_of, layers_seen, take_part
-    use brz_air_state, only: air_t, brick, bc_outflow, bc_periodic, bc_symmetry, bc_wall, &
-        cell_centre, charge_report_t, n_ghost
+    use brz_air_state, only: air_t, brick, bc_periodic, bc_symmetry, cell_centre, &
+        charge_report_t, n_ghost
+    use brz_boundary_names, only: boundary_choices, boundary_names
     use brz_boxes, only: box_t
     use brz_case, only: case_t, charge_case_t, gas_case_t, label
     use brz_charge_shape, only: filled_part, make_shape, shape_t
@@ -161,20 +162,9 @@ contains
         integer, intent(out) :: code
         type(error_t), intent(inout) :: err
 
-        select case (word)
-        case ('outflow')
-            code = bc_outflow
-        case ('wall')
-            code = bc_wall
-        case ('symmetry')
-            code = bc_symmetry
-        case ('periodic')
-            code = bc_periodic
-        case default
-            code = 0
-            call raise(err, exit_deck, "&air: unknown bc '"//trim(word) &
-                //"'; use 'outflow', 'wall', 'symmetry' or 'periodic'")
-        end select
+        code = findloc(boundary_names, word, dim=1)
+        if (code == 0) call raise(err, exit_deck, "&air: unknown bc '"//trim(word)// &
+                                  "'; use one of "//boundary_choices())
     end subroutine boundary_code
 
     !> Allocate all arrays for a box of cells, with the gas at rest; if several processes share it,

@@ -5,6 +5,7 @@
 !> keys of the material models are more rows of the same kind, with the model as owner.
 module brz_core_keys
     use brz_body_keys, only: body_keys
+    use brz_boundary_names, only: boundary_choices
     use brz_explosives, only: explosive_names
     use brz_check_inflow, only: inflow_keys
     use brz_check_loads, only: load_keys
@@ -93,7 +94,7 @@ contains
                       lower=one, upper=1e6_dp, &
                       meaning='Cells in x, y, z; 1 in a direction that is not modelled.'), &
                 key_t(group=g, key='bc', kind=kind_text, n_max=6, default='outflow', &
-                      choices='outflow|wall|symmetry|periodic', &
+                      choices=boundary_choices(), &
                       meaning='Boundaries: one word for all, or six: x low, x high, y low, y '// &
                       'high, z low, z high. A plane of symmetry of &run sets its low face.'), &
                 key_t(group=g, key='density', unit='kg/m3', default='1.225', lower=zero, &
