@@ -5,15 +5,15 @@ module brz_gpu_solid_ghosts
     use brz_device, only: copy_in
     use brz_errors, only: error_t
     use brz_gpu_parcels, only: rows_of
-    use brz_gpu_solid_layout, only: flag_drawn
-    use brz_gpu_solid_state, only: gpu_solid_t, words_of_real
+    use brz_gpu_solid_layout, only: at_damage, flag_drawn
+    use brz_gpu_solid_state, only: column_of, gpu_solid_t, words_of_real
     use brz_kinds, only: int64
     use brz_link_layout, only: n_press
     use brz_ranks, only: several
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds
+    public :: refresh_kept, refresh_motion, refresh_rows, refresh_press, refresh_bonds
 
 contains
 
@@ -26,6 +26,15 @@ contains
         if (.not. several(solid%ranks)) return
         call gpu%ghosts%refresh([rows_of(gpu%place, 8), rows_of(gpu%motion, 4*words_of_real)], err)
     end subroutine refresh_motion
+
+    !> The same before lists are built anew in part, and the damage, which end_support reads then.
+    subroutine refresh_kept(gpu, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+
+        call gpu%ghosts%refresh([rows_of(gpu%place, 8), rows_of(gpu%motion, 4*words_of_real), &
+                                 rows_of(column_of(gpu, at_damage), words_of_real)], err)
+    end subroutine refresh_kept
 
     !> What pass 1 has left, and pass 2 reads. What of a body is held may be a ghost, so then all
     !> look for it.

@@ -10,6 +10,7 @@ module brz_gpu_solid_home
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
     use brz_gpu_solid_sums, only: fetch_ledgers
+    use brz_home_launches, only: home_kernels
     use brz_kinds, only: dp, int64
     use brz_places, only: parcels_t
     use brz_solid_state, only: solid_t
@@ -93,11 +94,17 @@ contains
                 call copy_in([body%first, body%last], body%params, 8_int64, err)
                 body%slices = (body%last - body%first)/slice_width + 1
                 call reserve_buffer(body%slice, 4_int64*(body%slices + 1), err)
-                call clear_buffer(from(gpu%rate, body%last + 1_int64), err, &
-                                  8_int64*(body%first + body%room - body%last - 1))
+                associate (end => body%first + body%room - 1)
+                    call clear_buffer(from(gpu%rate, body%last + 1_int64), err, &
+                                      8_int64*(end - body%last))
+                    if (.not. solid%links%present) cycle
+                    call home_kernels%put_away(end - body%rim, body%rim + 1, 4, gpu%place, err)
+                    call clear_buffer(from(gpu%links%count, body%last + 1_int64), err, &
+                                      4_int64*(end - body%last))
+                end associate
             end associate
         end do
-        if (solid%links%present) &
-            call copy_in(gpu%bodies%rim, gpu%links%ends, 4_int64*size(gpu%bodies), err)
+        if (solid%links%present) call copy_in(gpu%bodies%first + gpu%bodies%room - 1, &
+                                              gpu%links%ends, 4_int64*size(gpu%bodies), err)
     end subroutine settle_places
 end module brz_gpu_solid_home

@@ -62,8 +62,7 @@ contains
         if (.not. gpu%linked) return
         call copy_in(corners(gpu), gpu%links%box, 48_int64*size(gpu%bodies), err)
         fits = .false.
-        if (in_part(solid) .and. any(gpu%bodies%news /= news_all)) &
-            call link_part(gpu, solid, fits, err)
+        if (any(gpu%bodies%news /= news_all)) call link_part(gpu, solid, fits, err)
         if (.not. fits) call link_all(gpu, solid, err)
         gpu%bodies%news = news_none
         associate (l => gpu%links)
@@ -77,14 +76,7 @@ contains
         solid%links%met = reshape(all == 1, shape(met))
     end subroutine build_links
 
-    !> True where links may be built in part: several processes build all.
-    pure logical function in_part(solid)
-        type(solid_t), intent(in) :: solid
-
-        in_part = .not. several(solid%ranks)
-    end function in_part
-
-    !> All links anew, with room behind them where they may be built in part.
+    !> All links anew, with room behind them, as they may be built in part.
     subroutine link_all(gpu, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -98,13 +90,11 @@ contains
         associate (links => gpu%links)
             call solid_kernels%slice_widths([slices, 1, 1], slices, 1, gpu%n, 0, links%count, &
                                             links%slice, err)
-            if (in_part(solid)) then
-                call reserve_buffer(links%width, 4_int64*slices, err)
-                call copy_within(links%slice, links%width, 4_int64*slices, err)
-            end if
+            call reserve_buffer(links%width, 4_int64*slices, err)
+            call copy_within(links%slice, links%width, 4_int64*slices, err)
             call gpu%common%running_sum(links%slice, slices, err, longest)
             links%filled = longest
-            if (in_part(solid)) longest = longest + longest/4 + slices
+            longest = longest + longest/4 + slices
             call reserve_buffer(links%list, 4_int64*slice_width*(longest + 1_int64), err)
         end associate
         call clear_buffer(gpu%links%count, err)
@@ -162,7 +152,8 @@ contains
                 if (a /= b) reach = links_reach(solid, a, b)
                 if (a /= b .and. .not. may_link(solid, a, b)) cycle
                 if (.not. (body%news /= news_none .or. a /= b .and. solid%links%stale(a, b))) cycle
-                call solid_kernels%choose_links(threads_of(body), everyone, body%last, reach, &
+                call solid_kernels%choose_links([body%rim - body%first + 1, 1, 1], everyone, &
+                    body%rim, reach, &
                     shift(1), shift(2), shift(3), body%grid, body%code, body%marked, other%grid, &
                     from(gpu%links%box, 6*a - 5_int64), other%code, other%start, gpu%order, &
                     gpu%built, gpu%chosen, err)

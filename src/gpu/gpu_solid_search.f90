@@ -81,32 +81,60 @@ contains
         integer :: found(1)
 
         moved = 0
-        call lay_cells(gpu, solid, b, gpu%built, reach_of_lists(solid, b), err, &
-                       solid%bodies(b)%cells)
+        call unmark_cells(gpu, solid, b, err)
         if (failed(err)) return
-        call reserve_buffer(gpu%bodies(b)%marked, 4_int64*size(solid%search%start) + 4, err)
-        call clear_buffer(gpu%bodies(b)%marked, err)
-        count = from(gpu%bodies(b)%marked, size(solid%search%start) + 1_int64)
-        associate (body => gpu%bodies(b), drift => solid%bodies(b)%drift, s => solid%search)
-            call drift_kernels%renew_place(body%last - body%first + 1, body%first, 4, &
-                level_unit(solid), drift(1), drift(2), drift(3), size(s%code, 1), s%cells(1), &
-                s%cells(2), s%cells(3), s%lo(1), s%lo(2), s%lo(3), s%size, body%code, gpu%fixed, &
-                gpu%x, gpu%built, body%marked, count, err)
-        end associate
+        call renew(gpu%bodies(b)%last + 1, gpu%bodies(b)%rim, 2)
+        call renew(gpu%bodies(b)%first, gpu%bodies(b)%last, 1)
         found = 0
         call copy_out(count, found, 4_int64, err)
         moved = found
+
+    contains
+
+        !> Those of the body, or its ghosts, whose places are those of their own process.
+        subroutine renew(first, last, counter)
+            integer, intent(in) :: first, last, counter
+
+            associate (body => gpu%bodies(b), drift => solid%bodies(b)%drift, s => solid%search)
+                count = from(body%marked, size(s%start) + int(counter, int64))
+                if (last >= first) call drift_kernels%renew_place(last - first + 1, first, 4, &
+                    level_unit(solid), drift(1), drift(2), drift(3), size(s%code, 1), s%cells(1), &
+                    s%cells(2), s%cells(3), s%lo(1), s%lo(2), s%lo(3), s%size, body%code, &
+                    gpu%fixed, gpu%x, gpu%built, body%marked, count, err)
+            end associate
+        end subroutine renew
     end subroutine renew_places
 
-    !> Choose the particles of body b that are within reach of a marked cell.
-    subroutine choose_lists(gpu, solid, b, err)
+    !> Lay the cells of the list of body b, none of which is marked. Two counts follow.
+    subroutine unmark_cells(gpu, solid, b, err)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
+        type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
 
-        associate (body => gpu%bodies(b))
-            body%spare = merge(spare_entries, 0, solid%bodies(b)%cells%in_part)
+        call lay_cells(gpu, solid, b, gpu%built, reach_of_lists(solid, b), err, &
+                       solid%bodies(b)%cells)
+        if (failed(err)) return
+        call reserve_buffer(gpu%bodies(b)%marked, 4_int64*size(solid%search%start) + 8, err)
+        call clear_buffer(gpu%bodies(b)%marked, err)
+    end subroutine unmark_cells
+
+    !> Choose the particles of body b that are within reach of a marked cell, or of that of a ghost
+    !> that is new.
+    subroutine choose_lists(gpu, solid, b, news, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        integer, intent(in) :: news !! the last of its ghosts that are new
+        type(error_t), intent(inout) :: err
+
+        associate (body => gpu%bodies(b), in_part => solid%bodies(b)%cells%in_part)
+            if (body%rigid) return
+            if (.not. in_part) call unmark_cells(gpu, solid, b, err) ! ghosts alone are new
+            in_part = .true.
+            body%spare = spare_entries
+            if (news > 0) call solid_kernels%mark_cells([news, 1, 1], body%rim - news + 1, &
+                body%rim, body%grid, body%code, gpu%built, body%marked, err)
             call solid_kernels%choose_near(threads_of(body), body%last, body%grid, body%code, &
                                            body%marked, gpu%built, gpu%chosen, err)
         end associate

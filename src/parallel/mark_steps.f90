@@ -3,12 +3,13 @@
 !> scripts/steps.py writes the same for the GPU, where the host hears how many there are.
 module brz_mark_steps
     use brz_kinds, only: int64
-    use brz_lists, only: at_least, clear_list, put_list, read_first, running_sum
-    use brz_place_loops, only: each_give_place, each_list_marked, each_pick_integer
-    use brz_places, only: find_firsts, find_pieces, marks_t, parcels_t
+    use brz_lists, only: at_least, clear_list, put_list, read_first, running_sum, swap
+    use brz_place_loops, only: each_give_place, each_join_place, each_list_marked
+    use brz_place_loops, only: each_pick_integer
+    use brz_places, only: find_firsts, find_joined, find_pieces, marks_t, parcels_t
     implicit none
     private
-    public :: reserve_marks, begin_marks, count_marks, list_marks, place_pieces
+    public :: reserve_marks, begin_marks, count_marks, list_marks, place_pieces, join_lists
 
 contains
 
@@ -76,4 +77,25 @@ contains
         call put_list(reshape(piece, [size(piece)]), marks%pieces)
         call each_give_place(int(sum(number)), size(number), marks%pieces, list%place)
     end subroutine place_pieces
+
+    !> Put the entries of a list into another, process by process and body by body behind those that
+    !> are kept there.
+    subroutine join_lists(was, kept, number, added, marks, list)
+        integer(int64), intent(in) :: was(:, :), number(:, :) !! (bodies, processes) in both lists
+        logical, intent(in) :: kept(:) !! (bodies) else what the first one has is left out
+        type(parcels_t), intent(in) :: added
+        type(marks_t), intent(inout) :: marks
+        type(parcels_t), intent(inout) :: list
+        integer(int64) :: all(size(number, 1), size(number, 2))
+        integer :: piece(2, 2*size(number))
+
+        call find_joined(was, kept, number, piece) !@host
+        all = number + merge(was, 0_int64, spread(kept, 2, size(number, 2)))
+        call find_firsts(all, list%first) !@host
+        call at_least(marks%joined, int(sum(all)))
+        call put_list(reshape(piece, [size(piece)]), marks%pieces)
+        call each_join_place(int(sum(all)), 2*size(number), marks%pieces, list%place, added%place, &
+                             marks%joined)
+        call swap(list%place, marks%joined)
+    end subroutine join_lists
 end module brz_mark_steps

@@ -10,7 +10,8 @@ module brz_place_items
     implicit none
     private
     public :: pick_reals, put_reals, pick_near, put_near, pick_bytes, put_bytes
-    public :: pick_integer, pick_record, put_record, carry_words, give_place, list_marked
+    public :: pick_integer, pick_record, put_record, carry_words, give_place, join_place, &
+        list_marked
 
     integer, parameter :: tile = 32 !! particles whose records lie word by word
 
@@ -287,6 +288,27 @@ contains
         end do
         place(k) = k + piece(2*j)
     end subroutine give_place
+
+    !> The entries of a list that is made of pieces of two others, in turn.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine join_place(k, pieces, piece, one, other, place)
+        integer, intent(in) :: k !! entries
+        integer, intent(in) :: pieces
+        integer(int32), intent(in) :: piece(*) !! (2, pieces) last entry, what an entry is short of
+        integer(int32), intent(in) :: one(*), other(*)
+        integer(int32), intent(inout) :: place(*)
+        integer :: j
+
+        do j = 1, pieces
+            if (k <= piece(2*j - 1)) exit
+        end do
+        if (mod(j, 2) == 1) then
+            place(k) = one(k + piece(2*j))
+        else
+            place(k) = other(k + piece(2*j))
+        end if
+    end subroutine join_place
 
     !> List the places that are marked: `mark`, a row for each process, was 1 there, and is now how
     !> many were marked before.

@@ -4,7 +4,7 @@ module brz_places
     use brz_kinds, only: int32, int64
     implicit none
     private
-    public :: parcels_t, marks_t, find_firsts, find_pieces
+    public :: parcels_t, marks_t, find_firsts, find_joined, find_pieces
 
     !> What is in a message: parcel r is entries first(r) to first(r + 1) - 1.
     type :: parcels_t
@@ -15,6 +15,8 @@ module brz_places
     !> What lists are made of, see brz_mark_steps.
     type :: marks_t
         integer(int32), allocatable :: mark(:) !! (places, processes)
+        integer(int32), allocatable :: sent(:) !! (places, processes) 1: listed before, if kept
+        integer(int32), allocatable :: joined(:) !! two lists in one
         integer(int32), allocatable :: ends(:), sums(:) !! of bodies, in a row; marks before them
         integer(int32), allocatable :: pieces(:), asks(:) !! small tables
     end type marks_t
@@ -53,4 +55,29 @@ contains
             end do
         end do
     end subroutine find_pieces
+
+    !> Pieces of a list that is made of two, process by process and body by body: what is kept of
+    !> the first, then that of the second.
+    pure subroutine find_joined(was, kept, number, piece)
+        integer(int64), intent(in) :: was(:, :), number(:, :) !! (bodies, processes) in both lists
+        logical, intent(in) :: kept(:) !! (bodies) else what the first one has is left out
+        integer, intent(out) :: piece(:, :) !! (2, pieces) last entry, what an entry is short of
+        integer :: b, k, n, r, taken(2)
+
+        n = 0
+        k = 0
+        taken = 0
+        do r = 1, size(was, 2)
+            do b = 1, size(was, 1)
+                piece(2, k + 1) = taken(1) - n
+                if (kept(b)) n = n + int(was(b, r))
+                piece(1, k + 1) = n
+                piece(2, k + 2) = taken(2) - n
+                n = n + int(number(b, r))
+                piece(1, k + 2) = n
+                taken = taken + int([was(b, r), number(b, r)])
+                k = k + 2
+            end do
+        end do
+    end subroutine find_joined
 end module brz_places

@@ -10,7 +10,7 @@ module brz_ghost_wants
     use brz_solid_state, only: form_rigid, is_gone, solid_t
     implicit none
     private
-    public :: find_lowest, inhabited, is_needed, planes_of, wants_of
+    public :: find_lowest, inhabited, is_needed, most_outside, planes_of, wants_of
 
     real(dp), parameter :: beside = 1.5_dp !! spacings within which neighbours on a lattice are
 
@@ -61,6 +61,15 @@ contains
         call least_of_all(solid%ranks, solid%part%lowest)
     end subroutine find_lowest
 
+    !> What particles of bodies that are listed in part may be outside the region of their process
+    !> [m].
+    pure real(dp) function most_outside(solid) result(most)
+        type(solid_t), intent(in) :: solid
+        integer :: b
+
+        most = maxval([(reach_of_lists(solid, b), b=1, size(solid%bodies))])
+    end function most_outside
+
     !> Planes of symmetry as bits 0..2.
     pure integer function planes_of(solid)
         type(solid_t), intent(in) :: solid
@@ -93,5 +102,6 @@ contains
             end do
         end associate
         want = all(:, :n)
+        want(4, :) = want(4, :) + solid%part%margin
     end function wants_of
 end module brz_ghost_wants

@@ -5,7 +5,9 @@ module brz_home_items
     use brz_solid_state, only: is_gone
     implicit none
     private
-    public :: home_of, near_region, mark_home, mark_near
+    public :: home_of, near_region, mark_home, mark_near, note_outside, put_away
+
+    real(dp), parameter :: nothing = 1e-30_dp, nowhere = 1e15_dp !! [m]
 
 contains
 
@@ -74,27 +76,72 @@ contains
     !> Mark a particle that a process needs as a ghost.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine mark_near(p, first, wide, row, process, planes, wants, want, region, built, &
-                              fixed, mark)
+    pure subroutine mark_near(p, first, wide, row, process, anew, planes, wants, want, region, &
+                              built, fixed, sent, mark)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of the places
         integer, intent(in) :: row !! marks of a process
         integer, intent(in) :: process !! from 0
+        integer, intent(in) :: anew !! 1: whether it was marked before or not
         integer, intent(in) :: planes !! of symmetry, bits 0..2
         integer, intent(in) :: wants !! ways to be needed
         real(dp), intent(in) :: want(4, *) !! of each: what is added to the place, reach [m]
         real(dp), intent(in) :: region(3, 2, *) !! of all processes: corners [m]
         real(dp), intent(in) :: built(wide, *) !! places [m]
         integer(int32), intent(in) :: fixed(*)
+        integer(int32), intent(inout) :: sent(*) !! 1: marked before
         integer(int32), intent(inout) :: mark(*)
         integer :: i, k
+        integer(int64) :: at
+        logical :: near
 
         i = first - 1 + p
-        if (fixed(i) == is_gone) return
+        at = i + process*int(row, int64)
+        if (anew == 1) sent(at) = 0
+        if (fixed(i) == is_gone .or. sent(at) == 1) return
+        near = .false.
         do k = 1, wants
-            if (near_region(planes, region(1, 1, process + 1), want(4, k), &
-                            built(1:3, i) + want(1:3, k))) mark(i + process*int(row, int64)) = 1
+            near = near .or. near_region(planes, region(1, 1, process + 1), want(4, k), &
+                                         built(1:3, i) + want(1:3, k))
         end do
+        if (.not. near) return
+        mark(at) = 1
+        sent(at) = 1
     end subroutine mark_near
+
+    !> Note whether a particle is outside the region of its process, and by more than it may.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine note_outside(p, first, wide, own, most, region, built, far)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of the places
+        integer, intent(in) :: own !! process, from 0
+        real(dp), intent(in) :: most !! what it may be outside [m]
+        real(dp), intent(in) :: region(3, 2, *) !! of all processes: corners [m]
+        real(dp), intent(in) :: built(wide, *) !! places [m]
+        integer(int32), intent(inout) :: far(2) !! 1: some are; by more
+        integer :: i
+
+        i = first - 1 + p
+        if (near_region(0, region(1, 1, own + 1), nothing, built(1:3, i))) return
+        far(1) = 1
+        if (.not. near_region(0, region(1, 1, own + 1), most, built(1:3, i))) far(2) = 1
+    end subroutine note_outside
+
+    !> Bring what is no particle far away, where old links find nothing.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine put_away(p, first, wide, x)
+        integer, intent(in) :: p !! places
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: wide !! rows of the places
+        real(dp), intent(inout) :: x(wide, *) !! [m]
+        integer :: c
+
+        do c = 1, 3
+            x(c, first - 1 + p) = nowhere
+        end do
+    end subroutine put_away
 end module brz_home_items

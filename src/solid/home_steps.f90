@@ -7,26 +7,33 @@
 !> holds what changes no bit. Particles go home (`go_home`), are sorted, and ghosts are laid behind
 !> the particles of each body (`lay_ghosts`).
 !>
+!> A body of which a GPU builds few lists anew keeps its places: its particles stay where they are,
+!> also outside the region of their process by `margin`, its ghosts too, and only new ones are laid
+!> behind them. The CPU lays all anew.
+!>
 !> Each body has room for its particles and ghosts. Particles that leave make places for those that
 !> come; what is left of both is closed up. Where the room of a body is too small all arrays are
 !> laid anew. The host of a GPU hears how many particles go where, never which they are, but for
 !> those that leave.
 module brz_home_steps
     use brz_ghost_wants, only: find_lowest !@cpu
-    use brz_ghost_wants, only: inhabited, planes_of, wants_of
+    use brz_ghost_wants, only: inhabited, most_outside, planes_of, wants_of
     !@gpu use brz_device, only: copy_out
-    !@gpu use brz_gpu_mark_steps, only: begin_marks, count_marks, list_marks, place_pieces
+    !@gpu use brz_gpu_lists, only: at_least, clear_list, read_first
+    !@gpu use brz_gpu_mark_steps, only: begin_marks, count_marks, join_lists, list_marks
+    !@gpu use brz_gpu_mark_steps, only: place_pieces
     !@gpu use brz_gpu_solid_home, only: close_books, list_leaving, put_table, send_away
     !@gpu use brz_gpu_solid_home, only: settle_places
     !@gpu use brz_gpu_solid_state, only: lay_arrays
-    use brz_home_loops, only: each_mark_home, each_mark_near
+    use brz_home_loops, only: each_mark_home, each_mark_near, each_note_outside
     use brz_kinds, only: dp, int64
+    use brz_lists, only: at_least !@cpu
     use brz_mail, only: tell_all
     use brz_mark_steps, only: begin_marks, count_marks, list_marks, place_pieces !@cpu
     use brz_places, only: parcels_t
     use brz_ranks, only: most_of_all
     use brz_solid_ghosts, only: send_ghosts !@cpu
-    use brz_solid_home, only: are_even
+    use brz_solid_home, only: are_even, lacks_room
     use brz_solid_home, only: lay_arrays, send_away, settle_places !@cpu
     use brz_solid_places, only: choose_places, lay_rooms
     use brz_solid_regions, only: cut_regions
@@ -38,32 +45,70 @@ module brz_home_steps
 contains
 
     !> Particles of the stale bodies go to the processes in whose regions they are, which are cut
-    !> anew where they are uneven. Ghosts are dropped. All processes must call. Other bodies keep
-    !> their particles, unless regions are cut anew.
-    subroutine go_home(solid, stale)
+    !> anew where they are uneven, unless the body keeps its places: it is then only listed in part.
+    !> All processes must call. Other bodies keep their particles, unless regions are cut anew.
+    !> Ghosts are dropped but for those of bodies that keep places.
+    subroutine go_home(solid, stale, whole)
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: stale(:) !! (bodies)
-        integer(int64) :: out(size(stale) + 1, solid%ranks%n), in(size(stale), solid%ranks%n)
-        integer(int64) :: all(size(stale) + 1, solid%ranks%n, solid%ranks%n)
+        logical, intent(inout) :: whole(:) !! (bodies) which keep no places
+        integer(int64) :: out(2*size(stale) + 1, solid%ranks%n), in(size(stale), solid%ranks%n)
+        integer(int64) :: all(2*size(stale) + 1, solid%ranks%n, solid%ranks%n)
+        logical :: go(size(stale))
 
         solid%part%recut = .not. allocated(solid%part%region)
         if (solid%part%recut) call cut_anew(solid)
+        call find_margin(solid, stale, whole)
+        if (.not. any(whole)) return
         associate (n => size(stale), there => solid%bodies)
             do
-                call mark_leaving(solid, stale .or. solid%part%recut, out(:n, :))
+                go = stale .and. whole .or. solid%part%recut
+                call mark_leaving(solid, go, out(:n, :))
                 out(n + 1, :) = sum(there%last - there%first + 1)
+                out(n + 2:, :) = spread(there%room - there%last + there%first - 1, 2, &
+                                        solid%ranks%n)
                 call tell_all(solid%ranks, out, all)
-                if (are_even(solid, all)) exit
+                if (are_even(solid, all(:n + 1, :, :))) exit
                 call cut_anew(solid)
                 solid%part%recut = .true.
             end do
+            whole = whole .or. solid%part%recut .or. lacks_room(all(:n, :, :), all(n + 2:, :, :))
+            if (all_of(go)) solid%part%margin = 0
             in = all(:n, solid%ranks%rank + 1, :)
-            call give_room(solid, in)
-            if (solid%part%grown) & ! marks are those of places
-                call mark_leaving(solid, stale .or. solid%part%recut, out(:n, :))
-            call change_places(solid, out(:n, :), in, sum(all(:n, :, :), 1))
+            call give_room(solid, in, whole)
+            if (solid%part%grown) call mark_leaving(solid, go, out(:n, :)) ! marks are of places
+            call change_places(solid, out(:n, :), in, sum(all(:n, :, :), 1), whole)
         end associate
     end subroutine go_home
+
+    !> Particles of bodies that keep places may be outside the region of their process: by so much
+    !> more ghosts are needed. Where some are too far outside, no body keeps its places.
+    subroutine find_margin(solid, stale, whole)
+        type(solid_t), intent(inout) :: solid
+        logical, intent(in) :: stale(:) !! (bodies)
+        logical, intent(inout) :: whole(:) !! (bodies)
+        integer :: b, far(2)
+        integer(int64) :: all(2)
+
+        if (.not. any(stale .and. .not. whole)) return
+        solid%part%far = 0
+        !@gpu call put_table(solid%part%region, size(solid%part%region), gpu%part%region)
+        !@gpu call at_least(gpu%part%far, 2)
+        !@gpu call clear_list(2, gpu%part%far)
+        do b = 1, size(stale)
+            if (.not. stale(b) .or. whole(b)) cycle
+            associate (there => solid%bodies(b), part => solid%part)
+                call each_note_outside(there%last - there%first + 1, there%first, solid%wide, &
+                    solid%ranks%rank, most_outside(solid), part%region, solid%x_built, part%far)
+            end associate
+        end do
+        far = solid%part%far
+        !@gpu call read_first(2, gpu%part%far, far)
+        all = far
+        call most_of_all(solid%ranks, all)
+        if (all(1) > 0) solid%part%margin = most_outside(solid)
+        whole = whole .or. all(2) > 0
+    end subroutine find_margin
 
     !> Cut the regions for the places of now.
     subroutine cut_anew(solid)
@@ -111,10 +156,11 @@ contains
     end subroutine mark_leaving
 
     !> Send the marked particles, take in what comes, and close up.
-    subroutine change_places(solid, out, in, all)
+    subroutine change_places(solid, out, in, all, whole)
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes)
         integer(int64), intent(in) :: all(:, :) !! (to processes, from processes)
+        logical, intent(in) :: whole(:) !! (bodies) see go_home
         type(parcels_t) :: leaving, coming
 
         if (sum(all) == 0) return
@@ -123,56 +169,100 @@ contains
         !@gpu call list_leaving(gpu, out, leaving)
         associate (there => solid%bodies)
             call choose_places(solid%ranks%rank, out, in, there%last, leaving, coming)
-            there%rim = there%last
+            where (whole) there%rim = there%last
         end associate
         call send_away(solid, leaving, coming) !@cpu
         !@gpu call send_away(gpu, all, leaving, coming)
     end subroutine change_places
 
-    !> Lay ghosts behind the particles of each body. Ghosts of a body that is not stale are as they
-    !> were, unless links reach them.
-    subroutine lay_ghosts(solid, anew)
+    !> Lay ghosts behind the particles of each body, or where it keeps its places those that are new
+    !> behind the others. All processes must call.
+    subroutine lay_ghosts(solid, anew, whole, news)
         type(solid_t), intent(inout) :: solid
         logical, intent(inout) :: anew(:) !! (bodies) whose lists must be built
-        integer(int64), dimension(size(anew), solid%ranks%n) :: out, in
-        integer(int64) :: all(size(anew), solid%ranks%n, solid%ranks%n), grown(1)
-        integer :: next(size(anew))
+        logical, intent(inout) :: whole(:) !! (bodies) which keep no places
+        integer, intent(out) :: news(:) !! (bodies) the last of its ghosts that are new
+        integer(int64) :: out(2*size(anew), solid%ranks%n), in(size(anew), solid%ranks%n)
+        integer(int64) :: all(2*size(anew), solid%ranks%n, solid%ranks%n)
         !@gpu integer :: k
 
         call find_lowest(solid) !@cpu
         !@gpu solid%part%lowest = [(minval(gpu%bodies%box(k, 1)), k=1, 3)]
         !@gpu where (.not. solid%mirror) solid%part%lowest = -huge(1.0_dp)
-        call mark_ghosts(solid, out)
-        call tell_all(solid%ranks, out, all)
-        in = all(:, solid%ranks%rank + 1, :)
-        grown = merge(1, 0, solid%part%grown)
-        call give_room(solid, in)
-        if (solid%part%grown) call mark_ghosts(solid, out)
-        associate (there => solid%bodies)
-            next = there%last
-            call list_marks(solid%n, out, solid%part%marks_t, solid%part%out) !@cpu
-            call place_pieces(in, next, solid%part%marks_t, solid%part%in) !@cpu
-            !@gpu call list_marks(gpu%n, out, gpu%part, gpu%ghosts%out)
-            !@gpu call gpu%ghosts%aim(sum(all, 1), gpu%ghosts%out)
-            !@gpu call place_pieces(in, next, gpu%part, gpu%ghosts%in)
-            there%rim = next
+        associate (n => size(anew), there => solid%bodies)
+            do
+                call mark_ghosts(solid, whole, out(:n, :))
+                where (whole) there%rim = there%last
+                out(n + 1:, :) = spread(there%room - there%rim + there%first - 1, 2, solid%ranks%n)
+                call tell_all(solid%ranks, out, all)
+                if (all_of(whole) .or. .not. lacks_room(all(:n, :, :), all(n + 1:, :, :))) exit
+                whole = .true.
+            end do
+            in = all(:n, solid%ranks%rank + 1, :)
+            call give_room(solid, in, whole)
+            if (solid%part%grown) call mark_ghosts(solid, whole, out(:n, :))
+            news = int(sum(in, 2))
+            if (any(whole) .or. sum(all(:n, :, :)) > 0) &
+                call take_ghosts(solid, whole, out(:n, :), all(:n, :, :))
+            anew = anew .or. whole .or. sum(sum(all(:n, :, :), 3), 2) > 0
         end associate
-        call send_ghosts(solid) !@cpu
-        !@gpu call gpu%ghosts%send(gpu%ghosts%out, gpu%ghosts%in, gpu%record, gpu%record)
-        call settle_places(solid)
-        if (solid%part%grown) grown = 1
-        ! all build the same lists
-        if (count(anew) < size(anew)) call most_of_all(solid%ranks, grown)
-        anew = anew .or. solid%part%recut .or. grown(1) > 0 .or. solid%links%present
-        !@gpu gpu%settled = .false.
         !@gpu gpu%fetched = .false.
         !@gpu gpu%summed = .false.
         !@gpu gpu%laid = gpu%laid + 1
     end subroutine lay_ghosts
 
-    !> Mark the particles that others have ghosts of, and count them.
-    subroutine mark_ghosts(solid, number)
+    !> Send the marked particles to others as ghosts, and take in those that come, behind the ghosts
+    !> of bodies that keep their places.
+    subroutine take_ghosts(solid, whole, out, all)
         type(solid_t), intent(inout) :: solid
+        logical, intent(in) :: whole(:) !! (bodies) which keep no places
+        integer(int64), intent(in) :: out(:, :) !! (bodies, processes)
+        integer(int64), intent(in) :: all(:, :, :) !! (bodies, to processes, from processes)
+        integer(int64), dimension(size(whole), solid%ranks%n, solid%ranks%n) :: was
+        integer(int64), dimension(size(whole), solid%ranks%n) :: in
+        integer :: me, next(size(whole))
+        logical :: keeps(size(whole))
+
+        keeps = .not. whole
+        was = 0
+        if (allocated(solid%part%kept)) was = solid%part%kept
+        me = solid%ranks%rank + 1
+        solid%part%kept = all + merge(was, 0_int64, spread(spread(keeps, 2, size(out, 2)), 3, &
+                                                           size(out, 2)))
+        associate (there => solid%bodies)
+            next = there%rim
+            in = all(:, me, :)
+            call list_marks(solid%n, out, solid%part%marks_t, solid%part%out) !@cpu
+            call place_pieces(in, next, solid%part%marks_t, solid%part%in) !@cpu
+            call send_ghosts(solid) !@cpu
+            !@gpu associate (ghosts => gpu%ghosts)
+            !@gpu call list_marks(gpu%n, out, gpu%part, ghosts%gone)
+            !@gpu call place_pieces(in, next, gpu%part, ghosts%come)
+            !@gpu call ghosts%aim(sum(all, 1), ghosts%gone)
+            !@gpu call ghosts%send(ghosts%gone, ghosts%come, gpu%record, gpu%record)
+            !@gpu call join_lists(was(:, :, me), keeps, out, ghosts%gone, gpu%part, ghosts%out)
+            !@gpu call join_lists(was(:, me, :), keeps, in, ghosts%come, gpu%part, ghosts%in)
+            !@gpu call ghosts%aim(sum(solid%part%kept, 1), ghosts%out)
+            !@gpu end associate
+            there%rim = next
+        end associate
+        call settle_places(solid)
+        !@gpu solid%part%keeps = .true.
+        !@gpu gpu%settled = .false.
+    end subroutine take_ghosts
+
+    !> True where all are; `all` is what all processes have told.
+    pure logical function all_of(which)
+        logical, intent(in) :: which(:)
+
+        all_of = all(which)
+    end function all_of
+
+    !> Mark the particles that others need ghosts of, and count them; of bodies that keep their
+    !> places those that have none yet.
+    subroutine mark_ghosts(solid, whole, number)
+        type(solid_t), intent(inout) :: solid
+        logical, intent(in) :: whole(:) !! (bodies) which keep no places
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
         real(dp) :: regions(3, 2, 0:solid%ranks%n - 1)
         real(dp), allocatable :: want(:, :)
@@ -183,17 +273,19 @@ contains
         end do
         call begin_marks(solid%n, solid%ranks%n, solid%part%marks_t) !@cpu
         !@gpu call begin_marks(gpu%n, solid%ranks%n, gpu%part)
+        call at_least(solid%part%sent, solid%n*solid%ranks%n) !@cpu
+        !@gpu call at_least(gpu%part%sent, gpu%n*solid%ranks%n)
         !@gpu call put_table(regions, size(regions), gpu%part%region)
         do b = 1, size(number, 1)
             want = wants_of(solid, b)
-            if (size(want) == 0) cycle
-            !@gpu call put_table(want, size(want), gpu%part%wants)
+            if (size(want) == 0 .and. .not. whole(b)) cycle
+            !@gpu if (size(want) > 0) call put_table(want, size(want), gpu%part%wants)
             associate (there => solid%bodies(b), part => solid%part)
                 do r = 0, solid%ranks%n - 1
                     if (r == solid%ranks%rank) cycle
                     call each_mark_near(there%last - there%first + 1, there%first, solid%wide, &
-                        solid%n, r, planes_of(solid), size(want, 2), want, regions, &
-                        solid%x_built, solid%fixed, &
+                        solid%n, r, merge(1, 0, whole(b)), planes_of(solid), size(want, 2), want, &
+                        regions, solid%x_built, solid%fixed, part%sent, &
                         part%mark) !@gpu want => part%wants, regions => part%region
                 end do
             end associate
@@ -202,15 +294,16 @@ contains
         !@gpu call count_marks(gpu%n, gpu%bodies%first, gpu%part, number)
     end subroutine mark_ghosts
 
-    !> Room for the particles of this process and those that come; ghosts are dropped.
-    subroutine give_room(solid, in)
+    !> Room for the particles of this process, ghosts that are kept, and those that come.
+    subroutine give_room(solid, in, whole)
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(in) :: in(:, :) !! (bodies, processes)
+        logical, intent(in) :: whole(:) !! (bodies) ghosts are dropped
         integer :: need(size(in, 1)), old(size(in, 1))
 
         associate (there => solid%bodies)
-            need = there%last - there%first + 1 + int(sum(in, dim=2))
-            there%rim = there%last
+            where (whole) there%rim = there%last
+            need = there%rim - there%first + 1 + int(sum(in, dim=2))
             solid%part%grown = any(need > there%room)
             if (.not. solid%part%grown) return
             old = there%first

@@ -141,7 +141,7 @@ contains
     end function may_renew
 
     !> Whether so few particles of body b have new places that only the lists near these are built
-    !> anew; several processes build all, with the same entries.
+    !> anew; several processes that keep no places build all, with the same entries.
     pure subroutine decide_part(solid, b, moved, in_part)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
@@ -152,7 +152,7 @@ contains
             in_part = moved*most_renewed < body%number(2) - body%number(1) + 1
             if (.not. in_part) return
             body%cells%renewals = body%cells%renewals + 1
-            body%cells%in_part = .not. several(solid%ranks)
+            body%cells%in_part = solid%part%keeps .or. .not. several(solid%ranks)
         end associate
     end subroutine decide_part
 

@@ -13,8 +13,8 @@ module brz_solid_home
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: share_out, hold_all, all_particles, are_even, lay_arrays, make_room, send_away, &
-        settle_places
+    public :: share_out, hold_all, all_particles, are_even, lacks_room, lay_arrays, &
+        make_room, send_away, settle_places
 
     real(dp), parameter :: uneven = 1.05_dp !! most particles over the mean: regions are cut anew
 
@@ -108,6 +108,14 @@ contains
         if (solid%part%recut) solid%part%most = most
         yes = most <= uneven*max(solid%part%most, all_particles(solid)/solid%ranks%n)
     end function are_even
+
+    !> True where some process has not enough places for what comes to it.
+    pure logical function lacks_room(all, free) result(yes)
+        integer(int64), intent(in) :: all(:, :, :) !! (bodies, to, from) particles
+        integer(int64), intent(in) :: free(:, :, :) !! (bodies, any, of) places
+
+        yes = any(sum(all, 3) > free(:, 1, :))
+    end function lacks_room
 
     !> Bodies that began at `old` have been given other places: bring their particles there. They
     !> have no ghosts.

@@ -2,7 +2,7 @@
 !> What one process has to do with the others where several share the particles: the regions of all,
 !> and whose ghosts are where.
 module brz_solid_part
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int32, int64
     use brz_mail, only: mail_t
     use brz_places, only: marks_t, parcels_t
     implicit none
@@ -16,6 +16,11 @@ module brz_solid_part
         !! no particle of any body is lower, where a plane of symmetry is [m]
         integer :: most = 0 !! most particles of a process when the regions were cut
         logical :: recut = .false., grown = .false. !! in the last search: regions, arrays laid anew
+        logical :: keeps = .false. !! `sent` and `kept` are those of the ghosts of now
+        integer(int64), allocatable :: kept(:, :, :)
+        !! (bodies, to processes, from processes) ghosts of all
+        real(dp) :: margin = 0 !! what particles may be outside the region of their process [m]
+        integer(int32) :: far(2) = 0 !! 1: some are outside; by more than they may
         type(parcels_t) :: out !! particles of this process that others have ghosts of
         type(parcels_t) :: in !! ghosts of this process
         type(mail_t) :: mail

@@ -3,6 +3,7 @@
 !> for the GPU.
 module brz_solid_list_steps
     use brz_cohesive_steps, only: place_nodes
+    !@gpu use brz_gpu_solid_ghosts, only: refresh_kept
     !@gpu use brz_gpu_solid_links, only: build_links, settle_links
     !@gpu use brz_gpu_solid_passes, only: renew_sleepers
     !@gpu use brz_gpu_solid_search, only: build_list, choose_lists, mean_velocity, note_box
@@ -30,11 +31,12 @@ contains
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: sort
         logical, intent(in), optional :: stale(:) !! (bodies)
-        logical :: anew(size(solid%bodies)), sorted
-        integer :: b
+        logical :: anew(size(solid%bodies)), whole(size(solid%bodies)), sorted
+        integer :: b, news(size(solid%bodies))
 
         anew = .true.
         if (present(stale)) anew = stale
+        !@gpu if (sort .and. solid%part%keeps) call refresh_kept(gpu)
         do b = 1, size(anew)
             if (sort .and. anew(b)) call note_places(solid, b)
         end do
@@ -42,15 +44,20 @@ contains
         sorted = sort
         sorted = sort .or. several(solid%ranks) !@cpu
         anew = anew .or. several(solid%ranks) !@cpu particles have moved
-        if (sorted .and. several(solid%ranks)) call go_home(solid, anew)
+        solid%part%keeps = solid%part%keeps .and. sorted
+        whole = .not. solid%bodies%cells%in_part
+        if (several(solid%ranks)) whole = anew .and. whole .or. .not. solid%part%keeps
+        if (sorted .and. several(solid%ranks)) call go_home(solid, anew, whole)
         do b = 1, size(anew)
-            if (sorted .and. anew(b) .and. .not. solid%bodies(b)%cells%in_part) &
-                call sort_body(solid, b)
+            if (sorted .and. anew(b) .and. whole(b)) call sort_body(solid, b)
             !@gpu if (anew(b)) call note_box(gpu, solid, b)
         end do
         call settle_links(solid, .not. sort)
-        if (sorted .and. several(solid%ranks)) call lay_ghosts(solid, anew)
+        news = 0
+        if (sorted .and. several(solid%ranks)) call lay_ghosts(solid, anew, whole, news)
+        where (whole) solid%bodies%cells%in_part = .false.
         do b = 1, size(anew)
+            !@gpu if (anew(b) .and. .not. whole(b)) call choose_lists(gpu, solid, b, news(b))
             if (anew(b)) call build_list(solid, b)
             solid%bodies(b)%cells%in_part = .false.
         end do
@@ -72,7 +79,7 @@ contains
             call renew_places(solid, b, moved)
             call sum_of_all(solid%ranks, moved)
             call decide_part(solid, b, moved(1), in_part) !@host
-            if (solid%bodies(b)%cells%in_part) call choose_lists(solid, b)
+            if (solid%bodies(b)%cells%in_part) call choose_lists(solid, b) !@cpu
             if (in_part) return
         end if
         call note_positions(solid, b)
