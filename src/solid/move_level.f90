@@ -20,8 +20,11 @@ contains
         real(dp), intent(in) :: e2, unit !! e squared [m2], step of e [m]
         integer :: level
 
-        level = move_levels
-        if (.not. e2 > (move_levels*unit)*(move_levels*unit)) &
+        level = 0 ! also where e2 is no number: the check of the state tells it
+        if (e2 > (move_levels*unit)*(move_levels*unit)) then
+            level = move_levels
+        else if (e2 > 0) then
             level = min(int(sqrt(e2)/unit), move_levels - 1)
+        end if
     end function level_of
 end module brz_move_level
