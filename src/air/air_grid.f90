@@ -140,11 +140,11 @@ contains
     end function lines_along
 
     !> Faces of bricks at the two ends of the lines, of one of the ends.
-    pure function faces_of_bricks(grid) result(faces)
-        type(grid_t), intent(in) :: grid
+    pure function faces_of_bricks(n, bricks) result(faces)
+        integer, intent(in) :: n(3), bricks(3) !! cells and bricks in each direction
         integer :: faces
 
-        faces = sum(product(grid%bricks)/grid%bricks, grid%n > 1)
+        faces = sum(product(bricks)/bricks, n > 1)
     end function faces_of_bricks
 
     !> Place of the first cell of a line; the faster transverse index runs first.

@@ -2,7 +2,7 @@
 !> From the deck to the air at time zero: grid, undisturbed gas, boxes of gas, charges.
 module brz_air_setup
     use brz_kinds, only: dp, int8, rk
-    use brz_air_grid, only: layers_around
+    use brz_air_grid, only: faces_of_bricks, layers_around
     use brz_air_outside, only: keep_outside
     use brz_air_part, only: box_of, layers_seen, take_part
     use brz_air_state, only: air_t, brick, bc_periodic, bc_symmetry, cell_centre, &
@@ -201,7 +201,7 @@ contains
         allocate (air%reached(g(1), g(2), g(3)), source=0_int8)
         allocate (air%awake(g(1), g(2), g(3)), source=1_int8)
         allocate (air%brick_sum(0:air%n_var, product(g)), source=0.0_dp)
-        allocate (air%leaving(sum(product(g)/g, n > 1), air%n_var, 2), source=0.0_dp)
+        allocate (air%leaving(faces_of_bricks(n, g), air%n_var, 2), source=0.0_dp)
     end subroutine make_grid
 
     !> Books of what passes the outer faces of the grid.

@@ -93,7 +93,7 @@ contains
         integer :: faces
 
         air%leaving = 0 !@cpu
-        faces = faces_of_bricks(air%grid)
+        faces = faces_of_bricks(air%grid%n, air%grid%bricks)
         call each_sum_face(2*air%n_var*faces, faces, air%grid, stage, air%edge, air%leaving)
         call book_outflow(air) !@cpu
     end subroutine add_outflow
