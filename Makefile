@@ -101,7 +101,10 @@ $(foreach f,$(FAMILIES),$(eval $(MADE)/$f_launches.f90 $(if $(filter $f,$(VARIED
 $(foreach f,$(VARIANTS),$(eval $(MADE)/$(notdir $f): $f scripts/variants.py ; @mkdir -p $(MADE) && scripts/variants.py $$< $$@))
 $(foreach f,$(FOREIGN),$(eval $(MADE)/$(notdir $f): $f scripts/foreign.py ; @mkdir -p $(MADE) && scripts/foreign.py $$< $$@))
 $(foreach f,$(MIRRORED),$(eval $(MADE)/gpu_$(notdir $f): $f scripts/mirror.py scripts/item_heads.py ; @mkdir -p $(MADE) && scripts/mirror.py $$< $$@))
-$(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(ITEMS) scripts/steps.py scripts/item_heads.py ; \
+# (steps are written anew where the head of an item changes, not where its body does)
+$(MADE)/heads: $(ITEMS)
+	@awk 'FNR == 1 {print FILENAME} /!@item/ {on = 1} /^ *$$/ {on = 0} on' $^ | $(SAVE) $@
+$(foreach f,$(STEPS),$(eval $(MADE)/gpu_$(notdir $f): $f $(MADE)/heads scripts/steps.py scripts/item_heads.py ; \
     @mkdir -p $(MADE) && scripts/steps.py $$< $$@))
 $(MADE)/model_list.f90 $(MADE)/model_kernels.CUF &: $(MODELS) scripts/models.py
 	@mkdir -p $(MADE) && scripts/models.py $(MADE) $(MODELS)

@@ -42,8 +42,10 @@ def main():
     print("! SPDX-License-Identifier: MIT")
     print("!> What was built. Written by scripts/version.py: do not edit.")
     print("module brz_version\n    implicit none\n    private")
-    for name in ("version", "commit", "compiler", "flags", "precision", "device_code"):
+    for name in ("version", "commit", "compiler", "flags", "precision"):
         print(f"    character(*), parameter, public :: {name} = &\n        {literal(args[name])}")
+    code = args["device_code"]  # a variable: users are not compiled again where it changes
+    print(f"    character({len(code)}), protected, public :: device_code = &\n        {literal(code)}")
     print("end module brz_version")
 
 
