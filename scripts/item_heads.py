@@ -19,7 +19,7 @@ KNOWN = {"worth_threads": "brz_solid_state", "tally_threads": "brz_tallies", "dp
 KNOWN |= dict.fromkeys(["find_once", "kernel_t", "launch"], "brz_device")
 EXACT = ["widen", "open_sums", "add_terms", "close_sums", "scale_t", "limbs"]
 KNOWN |= {"ranks_t": "brz_ranks", "int64": "brz_kinds"} | dict.fromkeys(EXACT, "brz_exact_sum")
-KNOWN |= {"tally_exactly": "brz_tallies", "gpu_exact_t": "brz_gpu_exact"}
+KNOWN |= {"tally_exactly": "brz_tallies", "gpu_exact_t": "brz_gpu_exact_sum"}
 KNOWN |= {"fix_layout": "brz_link_layout", "error_t": "brz_errors"} | dict.fromkeys(
     [*BUFFER.values(), "buffer_t", "arguments_t"], "brz_buffers"
 )

@@ -11,7 +11,9 @@ as well. Sizes: files 400 lines, procedures 80, lines of kernels (cuda/*.CUF) 10
 sees to those of the rest), arguments 8, which kernels, items and what these call in their file
 (`*_items.f90`, below a `!@cuf` line), and procedures in a file with `!@variant` may exceed: they
 take arrays.
-Also: the licence line, the module name, `use` with `only`. Files and functions in Python, C and
+Twins have one name: what src/cpu does in x.f90, src/gpu does in gpu_x.f90 or cuda in x.CUF,
+and a file gpu_x.f90 is the twin of an x.f90; ALONE names what one backend has alone. Also: the
+licence line, the module name, `use` with `only`. Files and functions in Python, C and
 shell obey the sizes, too, and so do the Makefile and other files of code. Lines of *.md files have
 at most 120 columns, rows of tables excepted.
 """
@@ -29,6 +31,11 @@ MAX_FILE, MAX_PROCEDURE, MAX_ARGUMENTS = 400, 80, 8
 MAX_CODE, MAX_PROSE = 100, 120
 PYTHON = ("scripts", "post", "tests", "comparisons")
 OTHERS = ("Makefile", "*.mk", "*.sh", "*.c", "*.ll", "*.html", "*.js", "*.css")
+# vector code of the CPU, whose kernels are cut in another way; what a GPU alone has to be told
+ALONE = {"cpu": "air_activity air_lines air_riemann air_split air_sweep coupling_paper"}
+ALONE["cpu"] += " solid_artificial solid_gradient_sums solid_lanes solid_leaving solid_pair_sums"
+ALONE["cpu"] += " solid_tilts"
+ALONE["gpu"] = "common peers coupling_copy solid_bodies solid_copy solid_layout solid_load"
 LICENCE = "SPDX-License-Identifier: MIT"
 
 USE = re.compile(r"^\s*use\b\s*(?:,\s*\w+\s*::\s*|::\s*|\s)(\w+)\s*(.*)$", re.I)
@@ -135,6 +142,23 @@ class Source:
                 self.fault(line, f"point physics must not use {module}: it holds host code")
 
 
+def lone_twins(root):
+    """Files of src/cpu and src/gpu that lack the twin that their name promises."""
+    every = {p.stem for p in root.glob("src/*/*.f90")}
+    kernels = {p.stem for p in root.glob("cuda/*.CUF")}
+    there = {
+        "cpu": {p.stem for p in root.glob("src/cpu/*.f90")},
+        "gpu": {p.stem[4:] for p in root.glob("src/gpu/gpu_*.f90")},
+    }
+    twins = {"cpu": kernels | {x[4:] for x in every if x.startswith("gpu_")}, "gpu": every}
+    for backend, names in there.items():
+        alone = set(ALONE[backend].split())
+        for name in sorted(names - twins[backend] - alone):
+            yield f"src/{backend}: {name} has no twin of its name (structure.py: ALONE)"
+        for name in sorted(alone & names & twins[backend]):
+            yield f"scripts/structure.py: {name} is not alone in src/{backend}"
+
+
 def long_prose(root):
     """Lines of the pages that are too long and no rows of a table."""
     pages = [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("tests/**/*.md")]
@@ -186,7 +210,7 @@ def main():
         if source.in_src:
             source.check_layers(owner)
     faults = [fault for source in sources for fault in source.faults]
-    faults += [*long_prose(root), *long_python(root), *long_others(root)]
+    faults += [*long_prose(root), *long_python(root), *long_others(root), *lone_twins(root)]
     for path in sorted((root / "scripts").glob("*")) + sorted(root.glob("post/**/*.py")):
         if path.suffix in (".py", ".sh"):
             head = path.read_text(encoding="utf-8").splitlines()[:2]

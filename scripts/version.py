@@ -45,7 +45,8 @@ def main():
     for name in ("version", "commit", "compiler", "flags", "precision"):
         print(f"    character(*), parameter, public :: {name} = &\n        {literal(args[name])}")
     code = args["device_code"]  # a variable: users are not compiled again where it changes
-    print(f"    character({len(code)}), protected, public :: device_code = &\n        {literal(code)}")
+    print(f"    character({len(code)}), protected, public :: device_code = &")
+    print(f"        {literal(code)}")
     print("end module brz_version")
 
 

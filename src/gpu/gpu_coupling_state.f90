@@ -11,7 +11,7 @@ module brz_gpu_coupling_state
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
     use brz_device, only: allocate_buffer, copy_in, copy_out, put_buffer
     use brz_errors, only: error_t
-    use brz_gpu_exact, only: gpu_exact_t
+    use brz_gpu_exact_sum, only: gpu_exact_t
     use brz_gpu_air_state, only: bytes_of_real, gpu_walls_t
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_fetch, only: gpu_fetch_t

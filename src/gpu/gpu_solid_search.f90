@@ -14,7 +14,7 @@ module brz_gpu_solid_search
         sum_threads, threads_of
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
-    use brz_ranks, only: least_of_all, sum_of_all
+    use brz_ranks, only: least_of_all, several, sum_of_all
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: form_total, kept_cells_t, n_pair, solid_t
     use brz_tallies, only: tally_threads
@@ -212,9 +212,12 @@ contains
         type(error_t), intent(inout) :: err
         type(kept_cells_t), intent(inout), optional :: kept
         integer :: threads(3)
+        logical :: laid
 
         cells = 1
-        call lay_cells(gpu, solid, b, place, reach, err, kept)
+        laid = .false. ! by unmark_cells, but that ghosts may have come since
+        if (present(kept)) laid = kept%in_part .and. .not. several(solid%ranks)
+        if (.not. laid) call lay_cells(gpu, solid, b, place, reach, err, kept)
         if (failed(err)) return
         cells = ubound(solid%search%start, 1)
         associate (body => gpu%bodies(b))

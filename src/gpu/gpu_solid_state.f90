@@ -10,7 +10,7 @@ module brz_gpu_solid_state
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_cohesive_state, only: gpu_cohesive_t
     use brz_gpu_common, only: gpu_common_t
-    use brz_gpu_exact, only: gpu_exact_t
+    use brz_gpu_exact_sum, only: gpu_exact_t
     use brz_gpu_face_load, only: gpu_facets_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, rows_t
     use brz_gpu_places, only: gpu_marks_t

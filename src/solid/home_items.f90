@@ -50,7 +50,8 @@ contains
                 d = max(region(a, 1) - y, y - region(a, 2), 0.0_dp)
                 d2 = d2 + d*d
             end do
-            near = near .or. d2 < reach*reach*(1 + 1e-9_dp)
+            near = d2 < reach*reach*(1 + 1e-9_dp)
+            if (near) return
         end do
     end function near_region
 
@@ -94,20 +95,19 @@ contains
         integer(int32), intent(inout) :: mark(*)
         integer :: i, k
         integer(int64) :: at
-        logical :: near
 
         i = first - 1 + p
         at = i + process*int(row, int64)
         if (anew == 1) sent(at) = 0
         if (fixed(i) == is_gone .or. sent(at) == 1) return
-        near = .false.
         do k = 1, wants
-            near = near .or. near_region(planes, region(1, 1, process + 1), want(4, k), &
-                                         built(1:3, i) + want(1:3, k))
+            if (near_region(planes, region(1, 1, process + 1), want(4, k), &
+                            built(1:3, i) + want(1:3, k))) then
+                mark(at) = 1
+                sent(at) = 1
+                return
+            end if
         end do
-        if (.not. near) return
-        mark(at) = 1
-        sent(at) = 1
     end subroutine mark_near
 
     !> Note whether a particle is outside the region of its process, and by more than it may.

@@ -9,7 +9,7 @@ module brz_rigid_steps
     use brz_drive, only: add_held_impulse !@cpu
     use brz_drive, only: begin_motion, book_drive, end_motion
     use brz_force_loops, only: each_sum_region
-    !@gpu use brz_gpu_solid_sums, only: add_held_impulse
+    !@gpu use brz_gpu_solid_totals, only: add_held_impulse
     use brz_kinds, only: dp
     use brz_motion, only: mean_velocity, velocity_of
     use brz_motion_loops, only: each_drive_particle, each_follow_drive, each_follow_rigid, &

@@ -93,8 +93,9 @@ contains
             do c3 = lo(3), hi(3)
                 do c2 = lo(2), hi(2)
                     do c1 = lo(1), hi(1)
-                        near = near .or. solid%search%marked(solid%search%code(c1, 1) &
+                        near = solid%search%marked(solid%search%code(c1, 1) &
                             + solid%search%code(c2, 2) + solid%search%code(c3, 3)) > 0
+                        if (near) return
                     end do
                 end do
             end do

@@ -15,7 +15,7 @@ module brz_backend_fetch
     use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, note_coupling
     use brz_gpu_debt_steps, only: gpu_ledger_totals => ledger_totals
     use brz_gpu_solid_copy, only: fetch_gpu_points, fetch_particles, fetch_solid, note_solid
-    use brz_gpu_solid_sums, only: fetch_ledgers, gpu_solid_totals
+    use brz_gpu_solid_totals, only: fetch_ledgers, gpu_solid_totals
     use brz_kinds, only: dp, rk
     use brz_ranks, only: bits_of_all, several
     use brz_snapshots, only: snapshot_t

@@ -5,7 +5,7 @@ module brz_solid_list_steps
     use brz_cohesive_steps, only: place_nodes
     !@gpu use brz_gpu_solid_ghosts, only: refresh_kept
     !@gpu use brz_gpu_solid_links, only: build_links, settle_links
-    !@gpu use brz_gpu_solid_passes, only: renew_sleepers
+    !@gpu use brz_gpu_solid_gradients, only: renew_sleepers
     !@gpu use brz_gpu_solid_search, only: build_list, choose_lists, mean_velocity, note_box
     !@gpu use brz_gpu_solid_search, only: note_positions, renew_places, sort_body
     use brz_home_steps, only: go_home, lay_ghosts
@@ -13,7 +13,7 @@ module brz_solid_list_steps
     use brz_list_drift, only: begin_list, decide_part, may_renew
     use brz_ranks, only: several, sum_of_all
     use brz_solid_links, only: build_links, settle_links !@cpu
-    use brz_solid_neighbours, only: build_list !@cpu
+    use brz_solid_search, only: build_list !@cpu
     use brz_solid_sort, only: choose_lists, mean_velocity, note_positions !@cpu
     use brz_solid_sort, only: renew_places, sort_body !@cpu
     use brz_solid_state, only: solid_t

@@ -7,10 +7,11 @@ module brz_solid_steps
     !@gpu use brz_gpu_solid_contact, only: break_bonds, contact_pass
     !@gpu use brz_gpu_solid_copy, only: fetch_faults
     !@gpu use brz_gpu_solid_ghosts, only: refresh_bonds, refresh_motion, refresh_rows
+    !@gpu use brz_gpu_solid_forces, only: force_pass
+    !@gpu use brz_gpu_solid_gradients, only: gradient_pass
     !@gpu use brz_gpu_solid_motion, only: begin_step, book_first_half, end_support
-    !@gpu use brz_gpu_solid_passes, only: force_pass, gradient_pass
     !@gpu use brz_gpu_solid_rigid, only: settle_drag, sum_pushes
-    !@gpu use brz_gpu_solid_sums, only: fetch_limit
+    !@gpu use brz_gpu_solid_totals, only: fetch_limit
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: drift_bodies, find_stale

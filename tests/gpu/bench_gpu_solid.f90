@@ -13,10 +13,11 @@ program bench_gpu_solid
     use brz_gpu_solid_list_steps, only: build_neighbours
     use brz_gpu_solid_state, only: gpu_solid_t
     use brz_gpu_motion_steps, only: kick_bodies
-    use brz_gpu_solid_passes, only: fill_rows, find_gradients, force_pass, gradient_pass, &
-        sum_moments, update_material
+    use brz_gpu_solid_forces, only: force_pass
+    use brz_gpu_solid_gradients, only: fill_rows, find_gradients, gradient_pass, sum_moments, &
+        update_material
     use brz_gpu_solid_steps, only: gpu_solid_step => solid_step
-    use brz_gpu_solid_sums, only: fetch_limit
+    use brz_gpu_solid_totals, only: fetch_limit
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step

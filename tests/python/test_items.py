@@ -116,7 +116,7 @@ contains
         print '(*(i0,1x))', n, a%n
     end subroutine
 end module
-module brz_gpu_exact
+module brz_gpu_exact_sum
     use brz_buffers
     use brz_errors
     type :: gpu_exact_t

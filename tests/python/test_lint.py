@@ -47,6 +47,9 @@ RULES = [
     ({"base/a.f90": {"body": "! filler\n" * 400}}, "lines; at most 400"),
     ({"base/a.f90": {"use": "use brz_b"}, "base/b.f90": {}}, "use brz_b without only"),
     ({"odd/a.f90": {}}, "src/odd is no layer"),
+    ({"cpu/solid_sums.f90": {}, "gpu/gpu_solid_totals.f90": {}}, "cpu: solid_sums has no twin"),
+    ({"cpu/solid_sums.f90": {}, "gpu/gpu_solid_totals.f90": {}}, "gpu: solid_totals has no twin"),
+    ({"cpu/air_sweep.f90": {}, "gpu/gpu_air_sweep.f90": {}}, "air_sweep is not alone in src/cpu"),
 ]
 
 
@@ -78,6 +81,7 @@ def test_a_broken_rule_is_named(tmp_path, files, reason):
 def test_what_keeps_the_rules_passes(tmp_path):
     put(tmp_path, "base/a.f90", body="    subroutine s(a, b)\n    end subroutine s\n")
     put(tmp_path, "cpu/b.f90", use="use brz_a, only: s")
+    put(tmp_path, "gpu/gpu_b.f90", use="use brz_a, only: s")
     put(tmp_path, "step/c.f90", use="use brz_b, only: t")
     assert structure(tmp_path) == (0, "")
     put(tmp_path, "base/d.f90").rename(tmp_path / "src/base/e.f90")

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Numbers about all particles on the GPU: totals, ledgers, time step. Folded in a fixed order.
-module brz_gpu_solid_sums
+module brz_gpu_solid_totals
     use brz_artificial_stress, only: artificial_none
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
@@ -134,4 +134,4 @@ contains
         if (rate < huge(rate)) solid%dt_limit = 1/max(rate, tiny(rate))
         if (solid%cohesive%present) solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
     end subroutine fetch_limit
-end module brz_gpu_solid_sums
+end module brz_gpu_solid_totals

@@ -7,7 +7,7 @@
 !> the support of the kernel. i may be a neighbour of its own image. Entries stand in the order of
 !> the numbers of the particles (images: of the planes, then of the numbers), so the sums of a
 !> particle depend neither on who shares its group nor on where particles are in memory.
-module brz_solid_neighbours
+module brz_solid_search
     use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
     use brz_id_order, only: order_by_id, order_room_t
     use brz_kinds, only: dp, int32, int64, int8, rk
@@ -330,4 +330,4 @@ contains
 
         least = min(min(min(q(1), q(5)), min(q(2), q(6))), min(min(q(3), q(7)), min(q(4), q(8))))
     end function least
-end module brz_solid_neighbours
+end module brz_solid_search

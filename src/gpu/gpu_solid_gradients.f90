@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The two passes over the neighbours on the GPU, as launches.
-module brz_gpu_solid_passes
+!> Pass 1 on the GPU: gradients of every particle, and its material over the step just made.
+module brz_gpu_solid_gradients
     use brz_buffers, only: doubles_t, reals_t
     use brz_device, only: reserve_buffer, side_by_side
     use brz_errors, only: error_t
@@ -9,12 +9,11 @@ module brz_gpu_solid_passes
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, threads_of, words_of_real
     use brz_kinds, only: dp, int64, rk
     use brz_row_launches, only: row_kernels
-    use brz_solid_launches, only: launch_advance_point, launch_solid_forces, &
-        launch_solid_moments, solid_kernels
+    use brz_solid_launches, only: launch_advance_point, launch_solid_moments, solid_kernels
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: gradient_pass, renew_sleepers, force_pass
+    public :: gradient_pass, renew_sleepers
     public :: sum_moments, find_gradients, update_material, fill_rows ! apart, to be timed
 
 contains
@@ -144,27 +143,4 @@ contains
             gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, gpu%rate, gpu%axes, &
             gpu%hold, gpu%held, gpu%flags, err)
     end subroutine fill_rows
-
-    !> Pass 2: accelerations; heat and ledgers over dt, the step just made.
-    subroutine force_pass(gpu, solid, dt, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
-        real(dp), intent(in) :: dt !! [s]
-        type(error_t), intent(inout) :: err
-        integer :: b, load
-
-        load = gpu%column%load
-        if (solid%steps == 0) load = 0 ! all of it acts after the half step up to here
-        do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%asleep) cycle
-            call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
-            associate (body => gpu%bodies(b))
-                call launch_solid_forces(body%forces, threads_of(body), gpu%n, real(dt, rk), &
-                    merge(1, 0, gpu%linked), load, body%params, gpu%place, gpu%near, gpu%far, &
-                    gpu%motion, gpu%row, gpu%hold, gpu%held, body%slice, gpu%count, &
-                    body%list, gpu%extra, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
-            end associate
-        end do
-        call side_by_side(0)
-    end subroutine force_pass
-end module brz_gpu_solid_passes
+end module brz_gpu_solid_gradients

@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Exact sums on the GPU, over all processes: items whose sums are `@exact` run twice, to find the
 !> largest terms and then to add up their limbs, see brz_exact_sum. Limbs are whole numbers.
-module brz_gpu_exact
+module brz_gpu_exact_sum
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
     use brz_buffers, only: doubles_t, from
     use brz_common_launches, only: common_kernels
@@ -76,4 +76,4 @@ contains
         end do
         call copy_in(up, self%up, 16_int64*n, err)
     end subroutine end
-end module brz_gpu_exact
+end module brz_gpu_exact_sum

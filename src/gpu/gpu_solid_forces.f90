@@ -1,0 +1,38 @@
+! SPDX-License-Identifier: MIT
+!> Pass 2 on the GPU: accelerations by the internal forces, heat of the viscous ones, ledgers.
+module brz_gpu_solid_forces
+    use brz_device, only: side_by_side
+    use brz_errors, only: error_t
+    use brz_gpu_solid_state, only: gpu_solid_t, threads_of
+    use brz_kinds, only: dp, rk
+    use brz_solid_launches, only: launch_solid_forces
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: force_pass
+
+contains
+
+    !> Heat and ledgers are those over dt, the step just made.
+    subroutine force_pass(gpu, solid, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        integer :: b, load
+
+        load = gpu%column%load
+        if (solid%steps == 0) load = 0 ! all of it acts after the half step up to here
+        do b = 1, size(gpu%bodies)
+            if (gpu%bodies(b)%rigid .or. gpu%bodies(b)%asleep) cycle
+            call side_by_side(merge(b, 0, size(gpu%bodies) > 1))
+            associate (body => gpu%bodies(b))
+                call launch_solid_forces(body%forces, threads_of(body), gpu%n, real(dt, rk), &
+                    merge(1, 0, gpu%linked), load, body%params, gpu%place, gpu%near, gpu%far, &
+                    gpu%motion, gpu%row, gpu%hold, gpu%held, body%slice, gpu%count, &
+                    body%list, gpu%extra, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
+            end associate
+        end do
+        call side_by_side(0)
+    end subroutine force_pass
+end module brz_gpu_solid_forces
