@@ -43,3 +43,56 @@ def test_debris_does_not_depend_on_processes(backend, tmp_path):
         equal_bodies(tmp_path / "one", tmp_path / name)
     parts = arrays(sorted((tmp_path / "one").glob("chk_*.h5"))[-1])["solid/body_cells"][:, 6]
     assert parts.max() > 0
+
+
+STEP = """\
+&run title = 'chip', t_end = 1, max_steps = {steps}, energy_band = 1 /
+&solid skin = {skin} /
+&material id = 'aluminium', preset = 'al2024_paper' /
+&body id = 'plate', shape = 'particles', file = 'at.csv', start_file = 'at.csv', spacing = 3e-4,
+     material = 'aluminium', formulation = 'corrected_hourglass' /
+&output history_every = 0 /
+&gauge id = 'g', body = 'plate', at = 1.5e-4, 1.5e-4, 1.5e-4, quantity = 'velocity_x' /
+"""
+BLOCK = [(i, j, k) for i in range(12) for j in range(6) for k in range(3)]
+WALL = [(i, j, k) for i in range(12, 16) for j in range(6) for k in range(9)]
+CHIP = [(i, j, k) for i in range(2) for j in range(2) for k in range(2)]
+
+
+def scene(particles, chip, at, velocity):
+    """A table of particles with their velocities, in spacings of 3e-4 m; a chip flies."""
+    rows = [(*p, 0, 0, 0) for p in particles]
+    rows += [(*(c + a for c, a in zip(p, at, strict=True)), *velocity) for p in chip]
+    head = "x,y,z,velocity_x,velocity_y,velocity_z\n"
+    return head + "".join(
+        ",".join(f"{(v + 0.5) * 3e-4:.6e}" if n < 3 else f"{v}" for n, v in enumerate(row)) + "\n"
+        for row in rows
+    )
+
+
+# A chip of one half flies at a wall that begins where the other half does: it is a ghost there, and
+# near, from one step to the next. And one that flies above both: what it passes are ghosts of its
+# process although it has left its region.
+CHIPS = {
+    "against": (0.1, 11, [*BLOCK, (11.95, 12, 0), *WALL, *((16, 2, k) for k in range(3))],
+                CHIP[::4], (6.5, 2, 5.01), (6000, 5, 3)),
+    "over": (0.3, 16, [(i, j, k) for i in range(30) for j in range(5) for k in range(3)], CHIP,
+             (11.2, 1.7, 4.6), (4500, 150, -900)),
+}  # fmt: skip
+
+
+@needs_mpirun
+@pytest.mark.parametrize("name", CHIPS)
+def test_a_chip_that_flies_past_another_process(name, tmp_path):
+    """Lists in part of one body whose particles cross between the GPUs."""
+    skin, steps, particles, chip, at, velocity = CHIPS[name]
+    (tmp_path / "deck.nml").write_text(STEP.format(skin=skin, steps=steps))
+    (tmp_path / "at.csv").write_text(scene(particles, chip, at, velocity))
+    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
+    gpu = {"LD_LIBRARY_PATH": str(EMULATOR), "BRISANCE_PTX": str(tmp_path / "good.ptx")}
+    for n, out in [(0, "one"), (2, "two")]:
+        done = start(n, "run", "deck.nml", "--backend", "gpu", "--out", out, cwd=tmp_path, **gpu)
+        assert done.returncode == 0, done.stderr
+    equal_bodies(tmp_path / "one", tmp_path / "two")
+    parts = arrays(sorted((tmp_path / "two").glob("chk_*.h5"))[-1])["solid/body_cells"][:, 6]
+    assert parts.max() > 0
