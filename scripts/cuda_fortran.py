@@ -36,7 +36,12 @@ ARITHMETIC = Path("cuda/arithmetic.ll")
 AIR = re.compile(r"src/air/|cuda/air")  # the files that use it
 # blocks of 128 threads that a multiprocessor is to hold at least, in mixed precision: these wait
 # for memory, and a few numbers in the stack cost less than a quarter of the threads
-BLOCKS = {"solid_forces_drawn": 4, "each_pull_links": 4, "solid_bond_moments": 4}
+BLOCKS = {
+    "solid_forces_drawn": 4,
+    "solid_moments_drawn": 5,
+    "each_pull_links": 4,
+    "solid_bond_moments": 4,
+}
 REGISTER = {"threadidx": "tid", "blockidx": "ctaid", "blockdim": "ntid", "griddim": "nctaid"}
 BUILTIN = re.compile(
     r"(?P<to>%\w+) = load i32, ptr (?:getelementptr [^@]*)?"

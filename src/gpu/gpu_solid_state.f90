@@ -55,6 +55,7 @@ module brz_gpu_solid_state
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
         type(buffer_t) :: params, material
         type(integers_t) :: slice, list
+        type(integers_t) :: pairs !! those of its list that act, see solid_moments
         type(buffer_t) :: grid !! cells of its list, and of the search for links with it
         type(integers_t) :: code, start !! of these, see grid_gpu_t; end of each cell in `order`
         type(integers_t) :: width !! room of a list in each slice
@@ -115,6 +116,7 @@ module brz_gpu_solid_state
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
         type(integers_t) :: tag, flags, count, cell, order
+        type(integers_t) :: acting !! (n) how many `pairs` a particle has
         type(integers_t) :: seat !! every place
         type(integers_t) :: chosen !! 1: particles whose lists are built anew
         type(gpu_marks_t) :: part !! who goes where: brz_gpu_home_steps
@@ -219,6 +221,7 @@ contains
         call visit(gpu%book, 2, n_book, stays)
         call visit(gpu%grad, w, merge(18, 9, allocated(solid%lift)), passes)
         call visit(gpu%count, 1, 1, passes)
+        call visit(gpu%acting, 1, 1, passes)
         call visit(gpu%cell, 1, 1, passes)
         call visit(gpu%order, 1, 1, passes)
         call visit(gpu%chosen, 1, 1, passes)
@@ -322,7 +325,7 @@ contains
         integer(int64) :: bytes
 
         call walk(gpu, solid, .false., [integer ::], bytes, err)
-        bytes = bytes + solid%n*(4_int64*neighbours_guess + merge(32, 0, words_of_real == 1))
+        bytes = bytes + solid%n*(8_int64*neighbours_guess + merge(32, 0, words_of_real == 1))
         if (solid%cohesive%present) bytes = bytes + 36_int64*size(solid%cohesive%node) &
             + 168_int64*solid%cohesive%n + 8_int64*solid%cohesive%nodes + 4_int64*solid%n
         if (bytes > device%free_bytes) call raise(err, exit_device, 'the bodies need about '// &
