@@ -5,14 +5,15 @@ module brz_gpu_solid_contact
     use brz_buffers, only: integers_t
     use brz_cohesive_launches, only: cohesive_kernels
     use brz_contact_launches, only: contact_kernels
-    use brz_device, only: side_by_side
+    use brz_device, only: clear_buffer, reserve_buffer, side_by_side
     use brz_errors, only: error_t
     use brz_gpu_solid_ghosts, only: refresh_press
     use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp, int64, rk
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
+    use brz_tie_launches, only: tie_kernels
     implicit none
     private
     public :: add_bond_moments, break_bonds, contact_pass
@@ -21,21 +22,44 @@ contains
 
     !> Add the bonded partners to the sums of pass 1.
     subroutine add_bond_moments(gpu, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+
+        if (.not. gpu%bonded) return
+        call list_linked(gpu, err)
+        associate (l => gpu%links)
+            if (l%n_linked > 0) call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%n, &
+                l%n_linked, l%linked, l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, &
+                gpu%volume, gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, gpu%grad, &
+                gpu%hold, gpu%held, err)
+        end associate
+    end subroutine add_bond_moments
+
+    !> List the particles that have links, of bodies that are awake, so that no thread waits for
+    !> others beside it; unless they are those of the last step.
+    subroutine list_linked(gpu, err)
+        type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer :: k, range(2, size(gpu%bodies))
 
-        if (.not. gpu%bonded) return
         call find_awake(gpu, range)
         associate (l => gpu%links)
+            if (allocated(l%awake)) then
+                if (any(l%awake /= range)) l%n_linked = -1
+            end if
+            if (l%n_linked >= 0) return
+            l%awake = range
+            call reserve_buffer(l%mark, 4_int64*(gpu%n + 1), err)
+            call reserve_buffer(l%linked, 4_int64*gpu%n, err)
+            call clear_buffer(l%mark, err)
             do k = 1, count(range(1, :) > 0)
-                call solid_kernels%solid_bond_moments([range(2, k) - range(1, k) + 1, 1, 1], &
-                    gpu%n, range(1, k), range(2, k), l%lay, l%ends, l%table, gpu%x, gpu%x_ref, &
-                    gpu%v, gpu%volume, gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, &
-                    gpu%grad, gpu%hold, gpu%held, err)
+                call tie_kernels%mark_linked(range(2, k) - range(1, k) + 1, range(1, k), l%count, &
+                                             l%mark, err)
             end do
+            call gpu%common%running_sum(l%mark, gpu%n, err, l%n_linked)
+            call tie_kernels%list_linked(gpu%n, l%mark, l%linked, err)
         end associate
-    end subroutine add_bond_moments
+    end subroutine list_linked
 
     !> Break the bonds of particles whose traction on the bond exceeds its strength.
     subroutine break_bonds(gpu, solid, err)
@@ -76,7 +100,7 @@ contains
                     gpu%energy, book_of(gpu, book_contact_heat), l%press, err)
             end do
             call refresh_press(gpu, err)
-            do b = 1, size(gpu%bodies) ! who pushes few is done while another pulls many
+            do b = 1, size(gpu%bodies) ! who pushes few is done while another pushes many
                 if (gpu%bodies(b)%asleep) cycle
                 call side_by_side(b)
                 associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
@@ -86,13 +110,12 @@ contains
                         gpu%energy, book_of(gpu, book_contact), &
                         book_of(gpu, book_contact_early), book_of(gpu, book_contact_heat), &
                         book_of(gpu, book_rub), gpu%rate, gpu%extra, err)
-                    if (gpu%bonded) call bond_kernels%pull_links(last - first + 1, first, gpu%n, &
-                        l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, &
-                        gpu%hold, gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, &
-                        err)
                 end associate
             end do
             call side_by_side(0)
+            if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%n, l%lay, &
+                l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%hold, gpu%held, &
+                l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
             if (solid%cohesive%present) call cohesive_kernels%add_pull(glue%nodes, gpu%n, &
                 glue%place, glue%push, gpu%extra, err)
         end associate

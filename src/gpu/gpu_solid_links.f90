@@ -65,6 +65,7 @@ contains
         if (any(gpu%bodies%news /= news_all)) call link_part(gpu, solid, fits, err)
         if (.not. fits) call link_all(gpu, solid, err)
         gpu%bodies%news = news_none
+        gpu%links%n_linked = -1
         associate (l => gpu%links)
             if (.not. l%frees) call tie_kernels%count_loose(gpu%n, l%lay, l%ends, l%table, &
                 l%bond, l%joined, l%row, l%slice, l%count, l%list, l%loose, err)

@@ -76,6 +76,9 @@ module brz_gpu_solid_state
         type(doubles_t) :: box !! (3, 2, bodies) corners of `built` [m]
         type(integers_t) :: row !! `count`: not read here
         type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good
+        type(integers_t) :: linked, mark !! particles of awake bodies that have links
+        integer, allocatable :: awake(:, :) !! (2, bodies) ranges of these, see find_awake
+        integer :: n_linked = -1 !! how many, -1: to be listed anew
         type(reals_t) :: cell, press
     end type gpu_links_t
 

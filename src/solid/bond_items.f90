@@ -250,10 +250,11 @@ contains
     !> Add the forces of the bonded partners to `extra`, which pass 2 starts from.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine pull_links(k, first, particles, lay, ends, table, x, x_ref, v, mass, pair, &
+    pure subroutine pull_links(k, linked, particles, lay, ends, table, x, x_ref, v, mass, pair, &
                                hold, held, bond, row, slice, count, list, extra)
-        integer, intent(in) :: k !! particles
-        integer, intent(in) :: first, particles !! the first of them; all
+        integer, intent(in) :: k !! particles that have links
+        integer(int32), intent(in) :: linked(*) !! they
+        integer, intent(in) :: particles !! all
         type(link_layout_t), intent(in) :: lay
         integer(int32), intent(in) :: ends(*)
         type(meeting_t), intent(in) :: table(lay%bodies, *)
@@ -264,12 +265,9 @@ contains
         integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: extra(particles, *)
         real(rk) :: f(n_terms)
-        integer :: i, n, t
-        integer(int64) :: at
+        integer :: i, t
 
-        i = first - 1 + k
-        call links_of(lay, i, row, slice, count, t, n, at)
-        if (n == 0) return
+        i = linked(k)
         do t = 1, n_terms
             f(t) = 0
         end do

@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Links of particles that are listed anew, and which of them can have contact until then, where no
-!> bond or interface lets go.
+!> Links of particles that are listed anew, who has some, and which of them can have contact until
+!> then, where no bond or interface lets go.
 module brz_tie_items
     use brz_contact, only: law_shared, meeting_t
     use brz_contact_items, only: owner_of
@@ -9,7 +9,7 @@ module brz_tie_items
     use brz_link_layout, only: link_layout_t, links_of, mask_unit
     implicit none
     private
-    public :: count_loose, drop_links
+    public :: count_loose, drop_links, mark_linked, list_linked
 
 contains
 
@@ -23,6 +23,29 @@ contains
 
         if (chosen(i) == 1) count(i) = 0
     end subroutine drop_links
+
+    !> Mark a particle that has links.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine mark_linked(p, first, count, mark)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer(int32), intent(in) :: count(*)
+        integer(int32), intent(inout) :: mark(*) !! 1: it has
+
+        if (count(first - 1 + p) > 0) mark(first - 1 + p) = 1
+    end subroutine mark_linked
+
+    !> List a particle that is marked; its place is the sum of the marks before it.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine list_linked(i, before, linked)
+        integer, intent(in) :: i !! particles
+        integer(int32), intent(in) :: before(*) !! sums of the marks, one more than particles
+        integer(int32), intent(inout) :: linked(*)
+
+        if (before(i + 1) > before(i)) linked(before(i) + 1) = i
+    end subroutine list_linked
 
     !> Number of links of a particle, or 0 where all of them are tied: it then has no contact.
     !@item
