@@ -20,7 +20,9 @@ module brz_summary
     use brz_timer, only: wall_seconds
     implicit none
     private
-    public :: print_summary
+    public :: print_summary, doubt_of
+
+    real(dp), parameter :: large_error = 0.05_dp !! of the energy [-]
 
 contains
 
@@ -39,6 +41,8 @@ contains
         write (output_unit, '(/, a, es12.5, a, i0, a)') 'end at t =', sim%clock%time, ' s after ', &
             sim%clock%cycle, ' steps'
         write (output_unit, '(a, es10.2)') 'energy error   ', ledger%energy_error
+        text = doubt_of(ledger%energy_error)
+        if (len(text) > 0) write (output_unit, '(a)') text
         if (sim%air%present) then
             if (sim%coupling%present) write (output_unit, '(a, es10.2, a)') 'coupling error ', &
                 ledger%coupling_error, ' of the work on the bodies'
@@ -157,4 +161,15 @@ contains
             end if
         end associate
     end subroutine print_cost
+
+    !> A warning where energy is not conserved, else nothing.
+    pure function doubt_of(error) result(text)
+        real(dp), intent(in) :: error !! of the energy, relative [-]
+        character(:), allocatable :: text
+
+        text = ''
+        if (.not. abs(error) <= large_error) text = 'warning: energy is not conserved, so do '// &
+            'not trust this run: take a smaller cfl of air and bodies (energy_band of &run ends '// &
+            'such runs)'
+    end function doubt_of
 end module brz_summary
