@@ -196,8 +196,8 @@ contains
                       meaning='variable_h: bounds of the smoothing length over that of the '// &
                       'unloaded body.'), &
                 key_t(group=g, key='cfl', default='0.4', lower=zero, open_lower=.true., &
-                      upper=0.9_dp, meaning='Time step of the body: c dt/h. Steel plates become '// &
-                      'unstable between 0.9 and 0.95.')]
+                      upper=0.9_dp, meaning='Time step of the body: c dt/h. Steel '// &
+                      'plates become unstable between 0.9 and 0.95.')]
     end subroutine method_keys
 
     subroutine interaction_keys(keys)

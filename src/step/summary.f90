@@ -169,7 +169,7 @@ contains
 
         text = ''
         if (.not. abs(error) <= large_error) text = 'warning: energy is not conserved, so do '// &
-            'not trust this run: take a smaller cfl of air and bodies (energy_band of &run ends '// &
-            'such runs)'
+            'not trust this run: take a smaller cfl of air and bodies (energy_band of &run '// &
+            'ends such runs)'
     end function doubt_of
 end module brz_summary
