@@ -17,7 +17,7 @@ module brz_gpu_solid_bodies
     use brz_text, only: to_text
     implicit none
     private
-    public :: open_gpu_bodies, cannot_run_solid, cannot_share_solid
+    public :: open_gpu_bodies, cannot_run_solid
 
 contains
 
@@ -38,14 +38,6 @@ contains
         if (solid%remove) why = "leave='remove'"
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
-
-    !> What of a scene several GPUs cannot share yet; unallocated if they can.
-    subroutine cannot_share_solid(solid, why)
-        type(solid_t), intent(in) :: solid
-        character(:), allocatable, intent(out) :: why
-
-        if (solid%cohesive%present) why = 'cohesive interfaces of several processes'
-    end subroutine cannot_share_solid
 
     !> Memory and kernels of all bodies.
     subroutine open_gpu_bodies(solid, gpu, err)

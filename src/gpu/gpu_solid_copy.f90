@@ -5,8 +5,8 @@ module brz_gpu_solid_copy
     use brz_buffers, only: buffer_t, doubles_t, integers_t
     use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffer, put_buffer
     use brz_errors, only: error_t, failed
-    use brz_cohesive_state, only: cohesive_t
     use brz_field_values, only: carry_columns, carry_marks, carry_rows
+    use brz_gpu_cohesive_part, only: fetch_gpu_points
     use brz_gpu_cohesive_state, only: put_cohesive
     use brz_gpu_solid_bodies, only: open_gpu_bodies
     use brz_gpu_solid_list_steps, only: build_neighbours
@@ -26,8 +26,7 @@ module brz_gpu_solid_copy
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: open_gpu_solid, fetch_solid, note_solid, fetch_particles, fetch_faults, &
-        fetch_gpu_points
+    public :: open_gpu_solid, fetch_solid, note_solid, fetch_particles, fetch_faults
 
     integer, parameter :: at_once = int(32/bytes_of_real) !! columns that take no more than rows do
 
@@ -98,25 +97,6 @@ contains
         call fetch_gpu_points(gpu, .true., solid%cohesive, err)
         gpu%fetched = .not. failed(err)
     end subroutine fetch_solid
-
-    !> Bring damage and energies of the points to the host, if the GPU has moved on, and with
-    !> `places` where their particles lie.
-    subroutine fetch_gpu_points(gpu, places, glue, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        logical, intent(in) :: places
-        type(cohesive_t), intent(inout) :: glue
-        type(error_t), intent(inout) :: err
-
-        if (.not. glue%present) return
-        associate (there => gpu%cohesive)
-            if (places) call copy_out(there%place, glue%place, 4_int64*glue%nodes, err)
-            if (gpu%points_fetched) return
-            call copy_out(there%damage, glue%damage, 8_int64*glue%n, err)
-            call copy_out(there%spent, glue%spent, 8_int64*glue%n, err)
-            call copy_out(there%held, glue%held, 8_int64*glue%n, err)
-            gpu%points_fetched = .not. failed(err)
-        end associate
-    end subroutine fetch_gpu_points
 
     !> What fetch_solid reads.
     subroutine note_solid(gpu, snapshot)

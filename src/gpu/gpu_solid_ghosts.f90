@@ -13,7 +13,8 @@ module brz_gpu_solid_ghosts
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: refresh_kept, refresh_motion, refresh_rows, refresh_press, refresh_bonds
+    public :: refresh_kept, refresh_motion, refresh_rows, refresh_press, refresh_bonds, &
+        refresh_joined
 
 contains
 
@@ -74,4 +75,13 @@ contains
         if (several(solid%ranks) .and. gpu%bonded) &
             call gpu%ghosts%refresh([rows_of(gpu%links%bond, 1)], err)
     end subroutine refresh_bonds
+
+    !> Which cohesive interfaces hold them.
+    subroutine refresh_joined(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (several(solid%ranks)) call gpu%ghosts%refresh([rows_of(gpu%links%joined, 1)], err)
+    end subroutine refresh_joined
 end module brz_gpu_solid_ghosts

@@ -330,7 +330,7 @@ contains
         call walk(gpu, solid, .false., [integer ::], bytes, err)
         bytes = bytes + solid%n*(8_int64*neighbours_guess + merge(32, 0, words_of_real == 1))
         if (solid%cohesive%present) bytes = bytes + 36_int64*size(solid%cohesive%node) &
-            + 168_int64*solid%cohesive%n + 8_int64*solid%cohesive%nodes + 4_int64*solid%n
+            + 176_int64*solid%cohesive%n + 12_int64*solid%cohesive%nodes + 4_int64*solid%n
         if (bytes > device%free_bytes) call raise(err, exit_device, 'the bodies need about '// &
             to_text(int(bytes/2**20))//' MiB on the GPU, but only '// &
             to_text(int(device%free_bytes/2**20))//' MiB are free: use fewer particles, a '// &

@@ -4,35 +4,115 @@
 !>
 !> A point that is broken keeps pressing until none of the particles that it sees is held by its
 !> interface any more: these then meet by contact. Forces are gathered in the order of `back`.
+!>
+!> Of several processes each computes the points that see one of its particles. All others of such
+!> a point are particles or ghosts there, so all that compute it do so from the same numbers.
 module brz_cohesive_items
     use brz_cohesive_law, only: cohesive_law_t, has_damage, has_held, has_spent, load_point
-    use brz_kinds, only: dp, int32, rk
+    use brz_kinds, only: dp, int32, int64, rk
     use brz_link_layout, only: mask_unit
     use brz_solid_state, only: is_gone, loose_by
     implicit none
     private
     public :: place_node, open_point, join_node, gather_node, add_pull
+    public :: own_node, see_point, mark_glued
+
+    integer, parameter :: bits = 30 !! processes of which each has one of its own
 
 contains
 
     !> Where the particles of the nodes lie.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine place_node(i, id, row, place_of)
-        integer, intent(in) :: i !! particles
+    pure subroutine place_node(p, first, id, row, place_of)
+        integer, intent(in) :: p !! particles and ghosts of a body
+        integer, intent(in) :: first !! the first of them
         integer(int32), intent(in) :: id(*), row(*) !! row: node of the particle of a number, or 0
         integer(int32), intent(inout) :: place_of(*)
+        integer :: i
 
+        i = first - 1 + p
         if (row(id(i)) > 0) place_of(row(id(i))) = i
     end subroutine place_node
+
+    !> This process has the particles of a body.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine own_node(p, first, own, id, row, owner)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: own !! number of this process, from 1
+        integer(int32), intent(in) :: id(*), row(*) !! row: node of the particle of a number, or 0
+        integer(int32), intent(inout) :: owner(*)
+        integer :: r
+
+        r = row(id(first - 1 + p))
+        if (r > 0) owner(r) = own
+    end subroutine own_node
+
+    !> Which processes have particles of a point, and whether this one does.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine see_point(p, own, first, entry, owner, seen_by, mine)
+        integer, intent(in) :: p !! points
+        integer, intent(in) :: own !! number of this process, from 1
+        integer(int32), intent(in) :: first(*), entry(*), owner(*)
+        integer(int32), intent(inout) :: seen_by(*), mine(*)
+        integer :: e, r
+
+        seen_by(p) = 0
+        mine(p) = 0
+        do e = first(p), first(p + 1) - 1
+            r = owner(iand(entry(e), mask_unit - 1))
+            seen_by(p) = ibset(seen_by(p), bit_of(r))
+            if (r == own) mine(p) = 1
+        end do
+    end subroutine see_point
+
+    !> Bit of a process in `seen_by`; of very many several share one, and get more ghosts than they
+    !> need.
+    !@cuf attributes(host,device) &
+    pure integer function bit_of(r)
+        integer, intent(in) :: r !! from 1
+
+        bit_of = modulo(r - 1, bits)
+    end function bit_of
+
+    !> Mark a particle that a process needs as a ghost for points that it computes.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine mark_glued(p, first, places, process, id, row, back_first, back, seen_by, &
+                               sent, mark)
+        integer, intent(in) :: p !! particles of the body
+        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: places !! marks of a process
+        integer, intent(in) :: process !! from 0
+        integer(int32), intent(in) :: id(*), row(*), back_first(*), back(2, *), seen_by(*)
+        integer(int32), intent(inout) :: sent(*) !! 1: marked before
+        integer(int32), intent(inout) :: mark(*)
+        integer(int64) :: at
+        integer :: i, k, r
+
+        i = first - 1 + p
+        r = row(id(i))
+        at = i + process*int(places, int64)
+        if (r == 0 .or. sent(at) == 1) return
+        do k = back_first(r), back_first(r + 1) - 1
+            if (.not. btest(seen_by(back(2, k)), bit_of(process + 1))) cycle
+            mark(at) = 1
+            sent(at) = 1
+            return
+        end do
+    end subroutine mark_glued
 
     !> State and forces of a point.
     !@item if(n >= worth_threads/4) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine open_point(p, wide, law, bit, of, first, entry, weight, area, gap, rest, &
-                               place_of, x, fixed, joined, damage, spent, held, pull)
+    pure subroutine open_point(p, wide, mine, law, bit, of, first, entry, weight, area, gap, &
+                               rest, place_of, x, fixed, joined, damage, spent, held, pull)
         integer, intent(in) :: p !! points
         integer, intent(in) :: wide !! rows of x
+        integer(int32), intent(in) :: mine(*) !! 1: this process computes it
         type(cohesive_law_t), intent(in) :: law(*)
         integer(int32), intent(in) :: bit(*), of(*), first(*), entry(*)
         real(dp), intent(in) :: weight(3, *), area(*), gap(*), rest(3, 2, *)
@@ -45,6 +125,7 @@ contains
         logical :: released
         integer :: c, e, i, t
 
+        if (mine(p) == 0) return
         released = .false.
         if (damage(p) >= 1) released = is_released(first(p), first(p + 1) - 1, bit(of(p)), &
                                                       entry, place_of, fixed, joined)
@@ -125,28 +206,30 @@ contains
         real(dp), intent(in) :: damage(*)
         integer(int32), intent(in) :: place_of(*)
         integer(int32), intent(inout) :: joined(*)
-        integer(int32) :: bits, before
+        integer(int32) :: held_by, before
         integer :: k
 
-        bits = 0
+        if (place_of(r) == 0) return
+        held_by = 0
         do k = back_first(r), back_first(r + 1) - 1
-            if (damage(back(2, k)) < 1) bits = ior(bits, bit(of(back(2, k))))
+            if (damage(back(2, k)) < 1) held_by = ior(held_by, bit(of(back(2, k))))
         end do
         before = iand(joined(place_of(r)), ibset(0_int32, loose_by) - 1)
-        joined(place_of(r)) = ior(bits, ishft(iand(before, not(bits)), loose_by))
+        joined(place_of(r)) = ior(held_by, ishft(iand(before, not(held_by)), loose_by))
     end subroutine join_node
 
     !> Force on the particle of a node.
     !@item if(n >= worth_threads/4) schedule(static)
     !@cuf attributes(host,device) &
-    pure subroutine gather_node(r, back_first, back, entry, weight, pull, push)
+    pure subroutine gather_node(r, place_of, back_first, back, entry, weight, pull, push)
         integer, intent(in) :: r !! nodes
-        integer(int32), intent(in) :: back_first(*), back(2, *), entry(*)
+        integer(int32), intent(in) :: place_of(*), back_first(*), back(2, *), entry(*)
         real(dp), intent(in) :: weight(3, *), pull(3, 3, *)
         real(dp), intent(inout) :: push(3, *) !! [N]
         real(dp) :: total(3), f
         integer :: c, e, k, t
 
+        if (place_of(r) == 0) return
         do t = 1, 3
             total(t) = 0
         end do
@@ -177,6 +260,7 @@ contains
         real(rk), intent(inout) :: force(particles, *) !! its first three columns [N]
         integer :: t
 
+        if (place_of(r) == 0) return
         do t = 1, 3
             force(place_of(r), t) = force(place_of(r), t) + real(push(t, r), rk)
         end do

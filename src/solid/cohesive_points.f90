@@ -303,7 +303,9 @@ contains
                 last(glue%node(e)) = last(glue%node(e)) + 1
             end do
         end do
-        allocate (glue%place(glue%nodes), source=0_int32)
+        allocate (glue%place(glue%nodes), glue%owner(glue%nodes), glue%seen_by(glue%n), &
+                  source=0_int32)
+        allocate (glue%mine(glue%n), source=1_int32)
         allocate (glue%damage(glue%n), glue%spent(glue%n), glue%held(glue%n), &
                   glue%pull(3, 3, glue%n), glue%push(3, 0:glue%nodes), source=0.0_dp)
     end subroutine link_nodes

@@ -55,6 +55,7 @@ contains
         call keep_first(solid%cohesive, n)
         if (n == 0) return
         solid%cohesive%present = .true.
+        solid%cohesive%farthest = maxval(abs(solid%x_ref(:, :solid%n)))
         call link_nodes(solid%cohesive, solid%n)
         allocate (solid%links%joined(solid%n), source=0_int32)
         call settle_stiffness(solid, err)

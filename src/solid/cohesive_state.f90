@@ -17,6 +17,7 @@ module brz_cohesive_state
         logical :: present = .false.
         integer :: n = 0, nodes = 0 !! points; particles that they see
         real(dp) :: dt_limit = huge(1.0_dp) !! largest stable step of the springs [s]
+        real(dp) :: farthest = 0 !! largest coordinate of a particle of the unloaded bodies [m]
         ! interfaces
         type(cohesive_law_t), allocatable :: law(:) !! (interfaces)
         integer, allocatable :: body(:, :) !! (2, interfaces) near and far side
@@ -41,7 +42,13 @@ module brz_cohesive_state
         integer(int32), allocatable :: back_first(:) !! (nodes+1) entries of a node in `back`
         integer(int32), allocatable :: back(:, :) !! (2, entries) entry, its point
         integer(int32), allocatable :: row(:) !! (particles) node of the particle of a number, or 0
-        integer(int32), allocatable :: place(:) !! (nodes) where its particle lies now
+        integer(int32), allocatable :: place(:) !! (nodes) where its particle lies now; 0: not
+                                                !! on this process
+        ! of several processes
+        integer(int32), allocatable :: owner(:) !! (nodes) process that has its particle, from 1; 0
+                                                !! before it is known
+        integer(int32), allocatable :: seen_by(:) !! (n) which have a particle of it, see bit_of
+        integer(int32), allocatable :: mine(:) !! (n) 1: this one has, and computes it
         ! state
         real(dp), allocatable :: damage(:) !! (n) 0..1
         real(dp), allocatable :: spent(:) !! (n) energy of the damage so far [J]

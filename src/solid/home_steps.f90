@@ -16,6 +16,7 @@
 !> laid anew. The host of a GPU hears how many particles go where, never which they are, but for
 !> those that leave.
 module brz_home_steps
+    use brz_cohesive_steps, only: mark_glue, note_owners
     use brz_ghost_wants, only: find_lowest !@cpu
     use brz_ghost_wants, only: inhabited, most_outside, planes_of, wants_of
     !@gpu use brz_device, only: copy_out
@@ -186,6 +187,7 @@ contains
         integer(int64) :: all(2*size(anew), solid%ranks%n, solid%ranks%n)
         !@gpu integer :: k
 
+        if (any(whole)) call note_owners(solid)
         call find_lowest(solid) !@cpu
         !@gpu solid%part%lowest = [(minval(gpu%bodies%box(k, 1)), k=1, 3)]
         !@gpu where (.not. solid%mirror) solid%part%lowest = -huge(1.0_dp)
@@ -287,6 +289,7 @@ contains
                         solid%n, r, merge(1, 0, whole(b)), planes_of(solid), size(want, 2), want, &
                         regions, solid%x_built, solid%fixed, part%sent, &
                         part%mark) !@gpu want => part%wants, regions => part%region
+                    call mark_glue(solid, b, r)
                 end do
             end associate
         end do

@@ -2,6 +2,8 @@
 !> The particles of all processes in one: for dumps and checkpoints, which the first one writes as
 !> if it were alone.
 module brz_solid_gather
+    use brz_cohesive_loops, only: each_place_node
+    use brz_cohesive_part, only: share_points
     use brz_kinds, only: int64, rk
     use brz_mail, only: mail_t, tell_counts
     use brz_places, only: parcels_t
@@ -29,6 +31,7 @@ contains
         type(mail_t) :: mail
         integer :: b, i, r
 
+        call share_points(solid)
         call outline(solid, whole)
         call make_fields(whole, kept_alone=.true.)
         if (allocated(solid%load)) allocate (whole%load(3, whole%n), source=0.0_rk)
@@ -65,6 +68,8 @@ contains
             call sort_body(whole, b)
         end do
         deallocate (whole%pair)
+        if (whole%cohesive%present) call each_place_node(whole%n, 1, whole%id, whole%cohesive%row, &
+                                                         whole%cohesive%place)
     end subroutine gather_solid
 
     !> What a scene of bodies has besides its particles; books of all processes together.
@@ -94,6 +99,7 @@ contains
         call close_all_books(solid, books)
         whole%materials = solid%materials
         if (allocated(solid%between)) whole%between = solid%between
+        if (solid%ranks%rank == 0) whole%cohesive = solid%cohesive
         do b = 1, size(whole%bodies)
             associate (body => whole%bodies(b))
                 body%first = body%number(1)

@@ -15,7 +15,8 @@ module brz_solid_ghosts
     use brz_solid_state, only: held_stiffness, solid_t
     implicit none
     private
-    public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds, send_ghosts
+    public :: refresh_motion, refresh_rows, refresh_press, refresh_bonds, refresh_joined
+    public :: send_ghosts
     public :: send_particles
     public :: all_of_it, of_a_checkpoint, for_the_air, of_air_motion
 
@@ -28,6 +29,7 @@ module brz_solid_ghosts
     integer, parameter :: of_bonds = 7 !! which of them are whole
     integer, parameter :: for_the_air = 8 !! what the coupling needs
     integer, parameter :: of_air_motion = 9 !! what of it changes in a step
+    integer, parameter :: of_interfaces = 10 !! which hold it
 
 contains
 
@@ -68,6 +70,13 @@ contains
 
         if (several(solid%ranks) .and. solid%links%bonds) call refresh(solid, of_bonds)
     end subroutine refresh_bonds
+
+    !> Bring up to date which cohesive interfaces hold ghosts.
+    subroutine refresh_joined(solid)
+        type(solid_t), intent(inout) :: solid
+
+        if (several(solid%ranks)) call refresh(solid, of_interfaces)
+    end subroutine refresh_joined
 
     !> Bring the pressures of contact of ghosts up to date: those of rows, not of places. Row 0, of
     !> what has no links, is nil.
@@ -158,6 +167,8 @@ contains
             is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held'])
         case (of_bonds)
             is_sent = field%name == 'bond'
+        case (of_interfaces)
+            is_sent = field%name == 'joined'
         case default
             is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held', 'stress', &
                                          'press'])

@@ -8,7 +8,7 @@ module brz_backend
     use brz_gpu_air_state, only: gpu_air_t
     use brz_buffers, only: buffer_t, doubles_t, integers_t, reals_t
     use brz_gpu_coupling_state, only: gpu_coupling_t, range_t, seen_t
-    use brz_gpu_solid_bodies, only: cannot_run_solid, cannot_share_solid
+    use brz_gpu_solid_bodies, only: cannot_run_solid
     use brz_gpu_solid_state, only: gpu_solid_t
     use brz_ranks, only: ranks_t, several
     use brz_solid_state, only: solid_t
@@ -72,7 +72,6 @@ contains
         if (.not. backend%bodies_on_gpu) return
         call cannot_run_solid(solid, why)
         if (coupling%paper) why = "the coupling scheme='paper'"
-        if (.not. allocated(why) .and. several(solid%ranks)) call cannot_share_solid(solid, why)
         if (.not. allocated(why)) then
             note = 'the bodies run on '
             if (backend%on_gpu) note = 'air and bodies run on '

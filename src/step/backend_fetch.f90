@@ -5,6 +5,7 @@ module brz_backend_fetch
     use brz_air_state, only: air_t, wall_t
     use brz_backend, only: backend_t
     use brz_cell_shells, only: reach
+    use brz_cohesive_part, only: share_points
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_totals
     use brz_errors, only: error_t, failed
@@ -14,7 +15,8 @@ module brz_backend_fetch
     use brz_gpu_air_sums, only: gpu_air_totals, gpu_outflow
     use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, note_coupling
     use brz_gpu_debt_steps, only: gpu_ledger_totals => ledger_totals
-    use brz_gpu_solid_copy, only: fetch_gpu_points, fetch_particles, fetch_solid, note_solid
+    use brz_gpu_cohesive_part, only: fetch_gpu_points
+    use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid
     use brz_gpu_solid_totals, only: fetch_ledgers, gpu_solid_totals
     use brz_kinds, only: dp, rk
     use brz_ranks, only: bits_of_all, several
@@ -98,7 +100,7 @@ contains
         end if
     end subroutine stock_of_forces
 
-    !> Bring what cohesive interfaces hold and have spent up to date on the host.
+    !> Bring what cohesive interfaces hold and have spent up to date on the host, of all processes.
     subroutine stock_of_interfaces(backend, solid, err)
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
@@ -106,6 +108,7 @@ contains
 
         if (backend%bodies_on_gpu) &
             call fetch_gpu_points(backend%solid, .false., solid%cohesive, err)
+        call share_points(solid)
     end subroutine stock_of_interfaces
 
     !> Bring sums and books to the host that the GPU must work out, for a dump or a checkpoint.

@@ -194,7 +194,7 @@ contains
         if (.not. solid%cohesive%present) return
         associate (glue => solid%cohesive) ! the weights of 20 places amplify their rounding
             rounding_energy = rounding_energy + sum(glue%area*glue%law(glue%of)%stiffness)/2 &
-                              *(1e4_dp*epsilon(1.0_dp)*maxval(abs(solid%x)))**2
+                              *(1e4_dp*epsilon(1.0_dp)*glue%farthest)**2
         end associate
     end function rounding_energy
 

@@ -82,7 +82,6 @@ contains
             do a = 1, b - 1
                 call find_rule(case, a, b, rule)
                 if (rule%law == 'none') cycle
-                if (rule%law == 'cohesive') what = 'the law ''cohesive'' between bodies'
                 if (any(case%bodies([a, b])%formulation == 'total_lagrangian')) &
                     what = 'total-Lagrangian bodies that meet others'
             end do

@@ -1,0 +1,46 @@
+! SPDX-License-Identifier: MIT
+!> Points of cohesive interfaces on several processes: what all must be told.
+!>
+!> Every process has all points, and the state of those that it computes. Before particles change
+!> processes, and where results need all of it, the state of each comes from the process that has
+!> the first particle of the point.
+module brz_cohesive_part
+    use brz_kinds, only: dp, int32
+    use brz_ranks, only: bits_of_all, several
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: share_points, tell_owners
+
+contains
+
+    !> The state of all points, in all processes; all must call.
+    subroutine share_points(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: p
+
+        if (.not. (solid%cohesive%present .and. several(solid%ranks))) return
+        associate (glue => solid%cohesive)
+            if (all(glue%owner == 0)) return ! all have all of it yet
+            do p = 1, glue%n
+                if (glue%owner(glue%node(glue%first(p))) == solid%ranks%rank + 1) cycle
+                glue%damage(p) = 0
+                glue%spent(p) = 0
+                glue%held(p) = 0
+            end do
+            call bits_of_all(solid%ranks, glue%damage)
+            call bits_of_all(solid%ranks, glue%spent)
+            call bits_of_all(solid%ranks, glue%held)
+        end associate
+    end subroutine share_points
+
+    !> Which process has the particle of each node: each knows its own, and 0 of all others.
+    subroutine tell_owners(solid)
+        type(solid_t), intent(inout) :: solid
+        real(dp) :: own(solid%cohesive%nodes)
+
+        own = solid%cohesive%owner
+        call bits_of_all(solid%ranks, own)
+        solid%cohesive%owner = int(own, int32)
+    end subroutine tell_owners
+end module brz_cohesive_part
