@@ -28,10 +28,9 @@ contains
         if (.not. gpu%bonded) return
         call list_linked(gpu, err)
         associate (l => gpu%links)
-            if (l%n_linked > 0) call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%n, &
-                l%n_linked, l%linked, l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, &
-                gpu%volume, gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, gpu%grad, &
-                gpu%hold, gpu%held, err)
+            call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%n, l%n_linked, l%linked, &
+                l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%volume, gpu%mass, l%bond, &
+                l%slice, l%count, l%list, gpu%row, gpu%grad, gpu%hold, gpu%held, err)
         end associate
     end subroutine add_bond_moments
 
@@ -44,10 +43,7 @@ contains
 
         call find_awake(gpu, range)
         associate (l => gpu%links)
-            if (allocated(l%awake)) then
-                if (any(l%awake /= range)) l%n_linked = -1
-            end if
-            if (l%n_linked >= 0) return
+            if (l%n_linked >= 0 .and. all(l%awake == range)) return
             l%awake = range
             call reserve_buffer(l%mark, 4_int64*(gpu%n + 1), err)
             call reserve_buffer(l%linked, 4_int64*gpu%n, err)

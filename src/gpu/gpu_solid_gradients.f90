@@ -83,7 +83,7 @@ contains
 
     subroutine sum_moments(gpu, body, err)
         type(gpu_solid_t), intent(in) :: gpu
-        type(gpu_solid_body_t), intent(inout) :: body
+        type(gpu_solid_body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
         type(doubles_t) :: place, other
         type(reals_t) :: near, far
@@ -98,7 +98,6 @@ contains
             near = gpu%far
             far = gpu%near
         end if
-        call reserve_buffer(body%pairs, body%list%bytes, err)
         call launch_solid_moments(body%moments, threads_of(body), gpu%n, body%params, place, &
             other, near, far, gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, &
             gpu%state, gpu%tag, gpu%hold, gpu%held, gpu%acting, body%pairs, err)

@@ -347,6 +347,7 @@ contains
         call gpu%common%running_sum(body%slice, body%slices, err, longest)
         if (body%spare > 0) longest = longest + longest/8 ! for slices that move
         call reserve_buffer(body%list, 4_int64*slice_width*(longest + 1_int64), err)
+        call reserve_buffer(body%pairs, body%list%bytes, err)
         call search(gpu, body, place, 1, 0, err)
     end subroutine list_body
 
