@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
-!> Lists of the solid cells and of the wall faces, see brz_wall_items, and for the sweeps of the
-!> faces that a solid cell cuts out of the plain scheme. All lists grow only, and their order is
-!> that of the grid.
+!> The immersed boundary as the air sees it: lists of the solid cells and of the wall faces, see
+!> brz_wall_items, and for the sweeps of the faces that a solid cell cuts out of the plain scheme.
+!> All lists grow only, and their order is that of the grid.
 module brz_air_walls
     use brz_air_boundary, only: image_at
     use brz_air_grid, only: cell_at, grid_of, grid_t

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Gas against a moving wall: the exact state at the wall, and the flux through a fixed face.
+!> Gas against a moving wall, the immersed boundary: the exact state at the wall, and the flux
+!> through a fixed face.
 !>
 !> The wall is a piston to the gas: a shock runs into the gas where it is compressed, a rarefaction
 !> where the wall withdraws. Point physics.

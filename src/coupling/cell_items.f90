@@ -1,6 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Which cells of the air hold particles, and which have changed hands. Cells go by their number in
-!> memory order, ghosts left out.
+!> Which cells of the air hold particles, the solid cells of the immersed boundary, and which have
+!> changed hands. Cells go by their number in memory order, ghosts left out.
 module brz_cell_items
     use brz_cell_place, only: cell_number
     use brz_coupling_box, only: box_t, is_gas, is_left, is_own, is_solid, place_at

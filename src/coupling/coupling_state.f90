@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> The state of the coupling: walls in the air, particles by air cell, ledgers and debts.
+!> The state of the coupling, a moving immersed boundary: walls in the air, particles by air cell,
+!> ledgers and debts.
 !>
 !> A solid cell's place in air%u is its ledger: the gas that went through its wall faces, per cell
 !> volume. A gas cell may hold a debt: gas that belongs to it but is handed over slowly. Gas,

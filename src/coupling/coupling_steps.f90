@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> What the coupling does before and after a step of the air: the operations in their order.
+!> The immersed boundary between air and solids: what the coupling does before and after a step of
+!> the air, the operations in their order.
 !> scripts/steps.py writes the same for the GPU.
 module brz_coupling_steps
     use brz_air_state, only: air_t

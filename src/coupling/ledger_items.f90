@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Ledgers of solid cells: level them, keep them in their band, hand what is beyond it to the debts
-!> of the gas beside. One item is one solid cell or one wall face.
+!> of the gas beside. One item is one solid cell or one wall face. (With cut cells it would be flux
+!> redistribution.)
 !>
 !> A surface that is oblique to the grid, or moves obliquely, lets gas in through the faces of one
 !> direction and out through those of another: the fluxes cancel over a few cells of surface, but

@@ -7,7 +7,7 @@ module brz_solid_artificial
     use brz_solid_arrays, only: group_of
     use brz_solid_lanes, only: centre_t
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: at_hold, n_terms, body_t, pair_affine, solid_t
+    use brz_solid_state, only: at_stiff, n_terms, body_t, pair_affine, solid_t
     implicit none
     private
     public :: add_artificial
@@ -56,6 +56,6 @@ contains
         call artificial_force(body%body_numbers_t, q%half_over_h, distance, solid%mass(i) &
                               *solid%mass(j)*kernel_slope(q%scale, q%half_over_h, distance), &
                               solid%pair(pair_affine + 1, i), other, r, g)
-        f(at_hold + 1:at_hold + 3) = f(at_hold + 1:at_hold + 3) + g
+        f(at_stiff + 1:at_stiff + 3) = f(at_stiff + 1:at_stiff + 3) + g
     end subroutine add_pair
 end module brz_solid_artificial

@@ -10,7 +10,7 @@ module brz_solid_bonds
     private
     public :: add_bonded_gradients, add_bonded_forces, push_rigid_bonds, break_bonds
 
-    real(real32), target :: no_hold(6, 1) = 0
+    real(real32), target :: no_axes(6, 1) = 0
     real(rk), target :: none_held(n_held, 1) = 0
 
 contains
@@ -32,15 +32,15 @@ contains
         type(solid_t), intent(in), target :: solid
         integer, intent(in) :: i
         real(rk), intent(inout) :: f(n_terms)
-        real(real32), pointer :: hold(:, :)
+        real(real32), pointer :: k_axes(:, :)
         real(rk), pointer :: held(:, :)
 
-        hold => no_hold
+        k_axes => no_axes
         held => none_held
-        if (allocated(solid%hold)) hold => solid%hold
+        if (allocated(solid%k_axes)) k_axes => solid%k_axes
         if (allocated(solid%held)) held => solid%held
         associate (s => solid, l => solid%links)
-            call pull_bonds(i, l%lay, l%ends, l%table, s%x, s%x_ref, s%v, s%mass, s%pair, hold, &
+            call pull_bonds(i, l%lay, l%ends, l%table, s%x, s%x_ref, s%v, s%mass, s%pair, k_axes, &
                             held, l%bond, l%row, l%slice(1:), l%count(1:), l%list, f)
         end associate
     end subroutine add_bonded_forces

@@ -11,7 +11,7 @@ module brz_solid_contact
     use brz_link_rows, only: first_link, joined_of, last_link, link_mask, link_partner
     use brz_solid_ghosts, only: refresh_motion, refresh_press
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: at_drag, at_hold, links_t, n_terms, solid_t, worth_threads
+    use brz_solid_state, only: at_drag, at_stiff, links_t, n_terms, solid_t, worth_threads
     implicit none
     private
     public :: contact_pass, find_press, find_touch, is_pressed
@@ -167,7 +167,7 @@ contains
             call push_particle(i, l%lay, dt, l%ends, l%table, l%cell, s%x, s%v, s%mass, &
                                l%weight, s%stress, s%pair, l%press(:, 1:), l%bond, joined_of(l), &
                                l%row, l%slice(1:), l%count(1:), l%list, f, kept, gain, limit)
-            l%push(:, l%row(i)) = [f(1:3), f(at_drag + 1:at_drag + 3), f(at_hold + 1:at_hold + 3)]
+            l%push(:, l%row(i)) = [f(1:3), f(at_drag + 1:at_drag + 3), f(at_stiff + 1:at_stiff + 3)]
             s%energy(i) = s%energy(i) + gain/s%mass(i)
         end associate
         sums(1:n_kept) = sums(1:n_kept) + kept

@@ -14,9 +14,9 @@ module brz_solid_forces
     use brz_solid_mirror, only: mirrored, signs
     use brz_solid_pair_sums, only: add_pairs
     use brz_solid_artificial, only: add_artificial
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, body_t, &
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, body_t, &
         form_rigid, form_total, held_affine, held_energy, held_stiffness, is_free, is_gone, &
-        lanes, n_held, n_pair, n_terms, pair_hold, pair_tilt, solid_t, worth_threads
+        lanes, n_held, n_pair, n_terms, pair_zeta, pair_tilt, solid_t, worth_threads
     use brz_support, only: held_share
     use brz_tension_hold, only: kept_work
     use brz_tilted_arm, only: mirrored_tilt
@@ -28,7 +28,7 @@ module brz_solid_forces
     type :: rows_t
         real(rk) :: pair(n_pair, most_images) = 0
         real(rk) :: held(n_held, most_images) = 0
-        real(real32) :: hold(6, most_images) = 0
+        real(real32) :: k_axes(6, most_images) = 0
     end type rows_t
 
 contains
@@ -118,7 +118,7 @@ contains
         call take_rows(solid, body, p)
         p%sums = 0
         call add_pairs(p, solid%x, solid%v, solid%x_ref, solid%pair, solid%h, solid%list(p%list), &
-                       solid%hold, solid%held)
+                       solid%k_axes, solid%held)
         if (.not. any(solid%mirror)) return
         g = group_of(body, p%i)
         do k = solid%image_first(g), solid%image_first(g + 1) - 1, most_images
@@ -127,7 +127,7 @@ contains
             call mirror_rows(solid, p, k, last, rows)
             p%count = int(last - k) + 1
             call add_pairs(p, images%x, images%v, images%x_ref, rows%pair, images%h, in_turn, &
-                           rows%hold, rows%held)
+                           rows%k_axes, rows%held)
         end do
     end subroutine sum_group
 
@@ -143,7 +143,7 @@ contains
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)
             p%row(l, :) = solid%pair(:, i)
-            if (p%directional) p%hold(l, :) = real(solid%hold(:, i), rk)
+            if (p%directional) p%k_axes(l, :) = real(solid%k_axes(:, i), rk)
             if (p%held) p%own(l, :) = solid%held(:, i)
         end do
     end subroutine take_rows
@@ -191,8 +191,8 @@ contains
             if (.not. p%curved) &
                 rows%pair(pair_tilt, n) = mirrored_tilt(s, p%normal, solid%pair(pair_tilt, j))
             if (p%directional .and. p%formulation == form_total) &
-                rows%pair(pair_hold, n) = dot_product(s, p%normal)*solid%pair(pair_hold, j)
-            if (p%directional) rows%hold(:, n) = real(mirrored(s, solid%hold(:, j)), real32)
+                rows%pair(pair_zeta, n) = dot_product(s, p%normal)*solid%pair(pair_zeta, j)
+            if (p%directional) rows%k_axes(:, n) = real(mirrored(s, solid%k_axes(:, j)), real32)
         end do
     end subroutine mirror_rows
 
@@ -267,15 +267,15 @@ contains
 
         load = air_force(solid, i)
         if (solid%steps == 0) load = 0 ! all of it acts after the half step up to here
-        force = f(1:3) + f(at_drag + 1:at_drag + 3) + f(at_hold + 1:at_hold + 3)
+        force = f(1:3) + f(at_drag + 1:at_drag + 3) + f(at_stiff + 1:at_stiff + 3)
         held = 0
         if (solid%fixed(i) /= is_free) held = held_share(solid%fixed(i))
         solid%a(:, i) = (1 - held)*force/solid%mass(i)
         kick = (1 - held)*dt*(solid%a(:, i) + load/solid%mass(i))
         heat = f(at_heat) - dot_product(f(at_drag + 1:at_drag + 3), kick)/2
         friction = dt*f(at_friction)
-        before = -dt/2*dot_product(f(at_hold + 1:at_hold + 3), solid%v(:, i))
-        after = -dt/2*dot_product(f(at_hold + 1:at_hold + 3), solid%v(:, i) + kick)
+        before = -dt/2*dot_product(f(at_stiff + 1:at_stiff + 3), solid%v(:, i))
+        after = -dt/2*dot_product(f(at_stiff + 1:at_stiff + 3), solid%v(:, i) + kick)
         associate (sums => solid%search%sums(:, k))
             if (body%tension_hold > 0) then
                 associate (owed => solid%owed(i), work => dt/2*f(at_work))

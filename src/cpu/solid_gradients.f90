@@ -22,7 +22,7 @@ module brz_solid_gradients
                                place_group, place_images
     use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
                                form_total, form_uncorrected, held_affine, held_stiffness, &
-                               intact_share, is_gone, lanes, n_terms => n_sums, pair_hold, &
+                               intact_share, is_gone, lanes, n_terms => n_sums, pair_zeta, &
                                pair_stress, pair_tilt, solid_t, worth_threads
     use brz_tension_hold, only: deviation, may_be_drawn
     use brz_tilted_arm, only: tilted_correction
@@ -107,7 +107,7 @@ contains
                 if (solid%fixed(i) == is_gone) cycle
                 sums = group(i - first + 1, :)
                 solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
-                solid%pair(pair_hold, i) = p%lift(i - first + 1)
+                solid%pair(pair_zeta, i) = p%lift(i - first + 1)
                 if (solid%links%bonds) call add_bonded_gradients(solid, i, sums)
                 call advance(solid, body, rules, dt, i, k, p%drawn(i - first + 1), sums)
             end do
@@ -127,7 +127,7 @@ contains
         fails = solid%materials(body%material)%fails
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)
-            if (solid%cut(i) /= 0 .or. strength_left(fails, solid%damage(i)) <= intact_share) cycle
+            if (solid%limp(i) /= 0 .or. strength_left(fails, solid%damage(i)) <= intact_share) cycle
             p%tilt(l) = solid%tilt(i)
             if (body%formulation == form_total) p%lift(l) = solid%lift(i)
         end do
@@ -182,7 +182,7 @@ contains
         real(rk), intent(inout) :: sums(n_terms)
         real(rk) :: a(3, 3), b(3, 3), h(3, 3), l(3, 3), s(3, 3), f(3, 3), c_wave, c_bulk, rho
         real(rk) :: shrink, size, normal(3)
-        integer :: weak, weaker, c, cut
+        integer :: weak, weaker, c, limp
         logical :: tilted !! a gradient with arms of their own
 
         do c = solid%dimension + 1, 3
@@ -201,7 +201,7 @@ contains
         end if
         call multiply3(sums(at_x + 1), b, a)
         f = a
-        tilted = abs(solid%pair(pair_tilt, i)) + abs(solid%pair(pair_hold, i)) > 0
+        tilted = abs(solid%pair(pair_tilt, i)) + abs(solid%pair(pair_zeta, i)) > 0
         if (tilted) then
             call tilted_correction(solid%dimension, sums(at_y + 1), b, weaker)
             weak = max(weak, weaker)
@@ -238,14 +238,14 @@ contains
         call multiply3(s, b, solid%pair(pair_stress + 1, i))
         if (body%layer > 0) call stay_in_layer(b, solid%pair(pair_stress + 1, i))
         if (weak /= 0 .and. (body%formulation == form_bending .or. body%tension_hold > 0 .or. &
-                             body%formulation == form_total)) solid%cut(i) = 1
-        cut = solid%cut(i)
+                             body%formulation == form_total)) solid%limp(i) = 1
+        limp = solid%limp(i)
         call fill_row(rules, h, a, rho, c_bulk, solid%volume(i), 0.0_rk, solid%stress(:, i), &
-                      strength_left(solid%materials(body%material)%fails, solid%damage(i)), cut, &
+                      strength_left(solid%materials(body%material)%fails, solid%damage(i)), limp, &
                       solid%pair(:, i))
-        solid%cut(i) = int(cut, int8)
+        solid%limp(i) = int(limp, int8)
         if (body%directional) call stiffen_along(body%axes(:, :, solid%ply(i)), left_of( &
-            solid, body, i), solid%hold(:, i), solid%pair(:, i))
+            solid, body, i), solid%k_axes(:, i), solid%pair(:, i))
         if (.not. body%tension_hold > 0) return
         call hold_particle(solid, body, i, drawn, a, sums(at_s + 1:at_y), &
                            sum(sums(:solid%dimension)))
@@ -278,11 +278,11 @@ contains
         q = 0
         f = 0
         there = 0
-        if (drawn .and. solid%cut(i) == 0) then
+        if (drawn .and. solid%limp(i) == 0) then
             call inverse3(a, f, ok)
-            if (.not. ok) solid%cut(i) = 1
+            if (.not. ok) solid%limp(i) = 1
         end if
-        if (drawn .and. solid%cut(i) == 0) then
+        if (drawn .and. solid%limp(i) == 0) then
             q = deviation(solid%dimension, f, s, trace)
             there = trace
         end if
@@ -290,7 +290,7 @@ contains
         if (solid%materials(body%material)%class == class_elastic) mu = 0
         call copy_matrix(f, solid%held(held_affine + 1, i))
         call fill_hold(body%tension_hold, solid%stress(:, i), mu, q, there, solid%volume(i), &
-                       int(solid%cut(i)), solid%held(:, i))
+                       int(solid%limp(i)), solid%held(:, i))
     end subroutine hold_particle
 
     !> The velocity gradient across a layer: its faces are free of stress at the end of the step.

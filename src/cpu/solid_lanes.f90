@@ -56,7 +56,7 @@ module brz_solid_lanes
         logical :: held = .false. !! for pass 2: some pair has the hold
         real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_solid_state
         real(rk) :: own(lanes, n_held) = 0 !! the same, the hold
-        real(rk) :: hold(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
+        real(rk) :: k_axes(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
         real(rk) :: sums(lanes, n_terms) = 0 !! what pass 2 sums up
     end type group_t
 

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Pass 2, the loop over the direct neighbours of a group of particles.
+!> Pass 2, the loop over the direct neighbours of a group of particles: stress, artificial
+!> viscosity, hourglass control.
 !>
 !> scripts/variants.py writes a loop for each set of forces, so that no body pays for a force that
 !> it does not use. The compiler turns the inner loops, over the lanes, into vector code: constant
@@ -10,9 +11,9 @@ module brz_solid_pair_sums
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, jump_speed, &
                               metric_square, most_bent, most_drawn, stress_force, viscous_force
     use brz_solid_lanes, only: body_kernel, group_t, kernel_t, pair_kernels
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, form_bending, &
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, form_bending, &
                                form_corrected_hourglass, form_total, held_affine, held_stiffness, &
-                               held_whole, lanes, n_held, n_pair, n_terms, pair_affine, pair_hold, &
+                               held_whole, lanes, n_held, n_pair, n_terms, pair_affine, pair_zeta, &
                                pair_keep, pair_linear, pair_quadratic, pair_stress, pair_tilt, &
                                pair_volume
     use brz_tilted_arm, only: lifted_arm, ply_arm, radial_normal, tilted_arm, tilted_force
@@ -37,12 +38,12 @@ contains
 
     !> Add the forces of the particles of a list to p%sums, by the loop that has just those of the
     !> body.
-    subroutine add_pairs(p, x, v, x_ref, pair, h, list, hold, drawn)
+    subroutine add_pairs(p, x, v, x_ref, pair, h, list, k_axes, drawn)
         type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
-        real(real32), intent(in), optional :: hold(6, *) !! only with a stiffness along axes
+        real(real32), intent(in), optional :: k_axes(6, *) !! only with a stiffness along axes
         real(rk), intent(in), optional :: drawn(n_held, *) !! only with the hold
         integer :: kind
 
@@ -54,7 +55,7 @@ contains
         if (p%held .and. p%curved) kind = wall
         if (p%jumps) kind = merge(kind, viscous, p%held) + 1
         if (p%held .and. p%curved) call find_normals(p, x_ref, list)
-        call sum_pairs(kind, p, x, v, x_ref, pair, h, list, hold, drawn)
+        call sum_pairs(kind, p, x, v, x_ref, pair, h, list, k_axes, drawn)
     end subroutine add_pairs
 
     !> The same with the forces of one kind.
@@ -71,20 +72,20 @@ contains
     !@variant sum_total: total
     !@variant sum_axial: axial
     !@variant sum_wide: wide
-    subroutine sum_pairs(kind, p, x, v, x_ref, pair, h, list, hold, drawn)
+    subroutine sum_pairs(kind, p, x, v, x_ref, pair, h, list, k_axes, drawn)
         integer, intent(in) :: kind !! of forces, known to the compiler
         type(group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
-        real(real32), intent(in), optional :: hold(6, *)
+        real(real32), intent(in), optional :: k_axes(6, *)
         real(rk), intent(in), optional :: drawn(n_held, *)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), f(3), g(3), d(3), e(3)
         real(rk) :: w, u, y, r2, s2, vr, jump, heat, across(3)
         type(kernel_t) :: q
         integer :: k, l, j, n, t
 
-        n = merge(at_hold, n_terms, kind <= viscous_jump)
+        n = merge(at_stiff, n_terms, kind <= viscous_jump)
         acc(:, :n) = p%sums(:, :n)
         call body_kernel(p, q)
         do k = 1, p%count
@@ -125,17 +126,17 @@ contains
                                   own(pair_quadratic) + pair(pair_quadratic, j))
                 y = w*own(pair_keep)*pair(pair_keep, j)
                 if (kind >= viscous .and. kind <= wall_jump) &
-                    call hourglass_viscous(y*own(pair_hold), y*pair(pair_hold, j), &
+                    call hourglass_viscous(y*own(pair_zeta), y*pair(pair_zeta, j), &
                                            own(pair_affine + 1), pair(pair_affine + 1, j), dv, r, &
                                            d, heat)
                 if (kind > viscous_jump) &
-                    call keep(kind, p, l, j, own, pair(1, j), hold, drawn, r, dx, y, e)
+                    call keep(kind, p, l, j, own, pair(1, j), k_axes, drawn, r, dx, y, e)
                 do t = 1, 3
                     acc(l, t) = acc(l, t) + g(t)
                     f(t) = u*r(t)
                     if (kind >= viscous .and. kind <= wall_jump) f(t) = f(t) + d(t)
                     acc(l, at_drag + t) = acc(l, at_drag + t) + f(t)
-                    if (kind > viscous_jump) acc(l, at_hold + t) = acc(l, at_hold + t) + e(t)
+                    if (kind > viscous_jump) acc(l, at_stiff + t) = acc(l, at_stiff + t) + e(t)
                 end do
                 acc(l, at_heat) = acc(l, at_heat) - u*vr/2
                 if (kind >= viscous .and. kind <= wall_jump) &
@@ -192,8 +193,8 @@ contains
             call ply_arm(own(pair_tilt), n, dx, r, arm)
             call ply_arm(-other(pair_tilt), n, dx, r, arm_j)
         else if (kind == wide) then
-            call lifted_arm(own(pair_tilt), own(pair_hold), n, dx, arm)
-            call lifted_arm(-other(pair_tilt), -other(pair_hold), n, dx, arm_j)
+            call lifted_arm(own(pair_tilt), own(pair_zeta), n, dx, arm)
+            call lifted_arm(-other(pair_tilt), -other(pair_zeta), n, dx, arm_j)
         end if
         if (kind == plate .or. kind == plate_jump .or. kind >= axial) then
             call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
@@ -206,12 +207,12 @@ contains
 
     !> Force of what keeps a pair at its place in the unloaded body.
     !@variant
-    pure subroutine keep(kind, p, l, j, own, other, hold, drawn, r, dx, w, f)
+    pure subroutine keep(kind, p, l, j, own, other, k_axes, drawn, r, dx, w, f)
         integer, intent(in) :: kind
         type(group_t), intent(in) :: p
         integer, intent(in) :: l, j !! lane, neighbour
         real(rk), intent(in) :: own(n_pair), other(n_pair), r(3), dx(3), w
-        real(real32), intent(in), optional :: hold(6, *)
+        real(real32), intent(in), optional :: k_axes(6, *)
         real(rk), intent(in), optional :: drawn(n_held, *)
         real(rk), intent(out) :: f(3)
         real(rk) :: mine(n_held), axes(6), unloaded(3)
@@ -227,7 +228,7 @@ contains
                                  mine(held_affine + 1), drawn(held_affine + 1, j), dx, r, f)
         else if (kind >= axial) then
             do t = 1, 6
-                axes(t) = p%hold(l, t) + real(hold(t, j), rk)
+                axes(t) = p%k_axes(l, t) + real(k_axes(t, j), rk)
             end do
             do t = 1, 3
                 unloaded(t) = dx(t)
@@ -236,7 +237,7 @@ contains
             call hourglass_axial(w, axes, own(pair_affine + 1), other(pair_affine + 1), dx, &
                                  unloaded, r, f)
         else
-            call hourglass_stiff(most_bent, w, own(pair_hold) + other(pair_hold), &
+            call hourglass_stiff(most_bent, w, own(pair_zeta) + other(pair_zeta), &
                                  own(pair_affine + 1), other(pair_affine + 1), dx, r, f)
         end if
     end subroutine keep

@@ -30,7 +30,7 @@ contains
         associate (l => gpu%links)
             call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%n, l%n_linked, l%linked, &
                 l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%volume, gpu%mass, l%bond, &
-                l%slice, l%count, l%list, gpu%row, gpu%grad, gpu%hold, gpu%held, err)
+                l%slice, l%count, l%list, gpu%row, gpu%grad, gpu%k_axes, gpu%held, err)
         end associate
     end subroutine add_bond_moments
 
@@ -110,8 +110,8 @@ contains
             end do
             call side_by_side(0)
             if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%n, l%lay, &
-                l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%hold, gpu%held, &
-                l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
+                l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
+                gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
             if (solid%cohesive%present) call cohesive_kernels%add_pull(glue%nodes, gpu%n, &
                 glue%place, glue%push, gpu%extra, err)
         end associate

@@ -7,7 +7,7 @@
 !>     near, far(4, n)  place and reference as pairs read them, in mixed precision packed into 16 B
 !>     motion(4, n)     velocity [m/s], volume [m3]
 !>     row(n_pair, n)   what pass 2 needs, slots of brz_solid_state
-!>     hold(6, n)       hourglass stiffness along axes [Pa]; in pass 1 the tilt [1/m] in slot 1
+!>     k_axes(6, n)     hourglass stiffness along axes [Pa]; in pass 1 the tilt [1/m] in slot 1
 !>     held(n_held, n)  the hold, where bodies have it, slots of brz_solid_state; in pass 1 the sums
 !>                      S of brz_tension_hold in 1..6, then F in held_affine and what is named below
 !> What only the particle itself reads lies column by column: state(n, ...), tag(n, ...), and
@@ -18,28 +18,28 @@ module brz_gpu_solid_layout
     use brz_particle_sums, only: n_sum
     use brz_row_items, only: row_rules_t
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
-        at_stress, at_wave, n_tag, tag_bond, tag_cut, tag_fault, tag_fixed, tag_id, tag_joined, &
+        at_stress, at_wave, n_tag, tag_bond, tag_limp, tag_fault, tag_fixed, tag_id, tag_joined, &
         tag_ply, tag_support, tag_touch, tag_weight
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, at_work, body_numbers_t, &
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, body_numbers_t, &
         n_terms
     implicit none
     private
     public :: body_gpu_t, grid_gpu_t
     public :: at_mu, at_energy, at_stress, at_damage, at_wave, at_bulk, at_mass, at_accel, at_hist
-    public :: tag_id, tag_ply, tag_support, tag_fixed, tag_cut, tag_fault, &
+    public :: tag_id, tag_ply, tag_support, tag_fixed, tag_limp, tag_fault, &
               tag_bond, tag_joined, tag_touch, tag_weight, n_tag
-    public :: book_viscous, book_friction, book_hold, book_ahead, book_plastic, book_damage, &
+    public :: book_viscous, book_friction, book_stiff, book_ahead, book_plastic, book_damage, &
               book_clamped, &
               book_force, book_early, book_contact_early, book_contact, book_contact_heat, &
               book_rub, book_load, n_book, n_total
-    public :: at_heat, at_friction, at_drag, at_hold, at_work, n_terms
+    public :: at_heat, at_friction, at_drag, at_stiff, at_work, n_terms
     public :: pass_drawn, pass_deviation, pass_trace
     public :: flag_bad, flag_drawn, n_flag, slice_width, mask_unit, scan_chunk
 
     ! columns of `book`, since the GPU took over [J, N s]; the place of a particle, not the
     ! particle, keeps them
     integer, parameter :: book_viscous = 1, book_friction = 2
-    integer, parameter :: book_hold = 3 !! held by the hourglass or artificial force, with ahead;
+    integer, parameter :: book_stiff = 3 !! held by the hourglass or artificial force, with ahead;
                                         !! by the hold now
     integer, parameter :: book_ahead = 4 !! the part of the half step to come
     integer, parameter :: book_plastic = 5, book_damage = 6

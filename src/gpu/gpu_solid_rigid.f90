@@ -4,7 +4,7 @@ module brz_gpu_solid_rigid
     use brz_device, only: clear_buffer
     use brz_buffers, only: doubles_t, from, integers_t
     use brz_errors, only: error_t
-    use brz_gpu_solid_layout, only: at_drag, at_hold, book_contact_heat
+    use brz_gpu_solid_layout, only: at_drag, at_stiff, book_contact_heat
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
     use brz_kinds, only: dp, int64
     use brz_motion_launches, only: motion_kernels
@@ -45,7 +45,7 @@ contains
             associate (there => gpu%bodies(b))
                 if (.not. there%rigid .or. there%asleep .and. dt > 0) cycle
                 call motion_kernels%sum_pairs(there%last - there%first + 1, there%first, gpu%wide, &
-                    0, gpu%n, 1, at_drag, at_hold, 0, resting_pose(solid%bodies(b)%rigid), &
+                    0, gpu%n, 1, at_drag, at_stiff, 0, resting_pose(solid%bodies(b)%rigid), &
                     integers_t(), integers_t(), integers_t(), doubles_t(), gpu%x, gpu%extra, &
                     gpu%exact, err)
                 push(:, b) = gpu%exact%total(:6)

@@ -123,7 +123,7 @@ module brz_gpu_solid_state
         type(integers_t) :: seat !! every place
         type(integers_t) :: chosen !! 1: particles whose lists are built anew
         type(gpu_marks_t) :: part !! who goes where: brz_gpu_home_steps
-        type(buffer_t) :: hold
+        type(buffer_t) :: k_axes
         ! parts of these arrays as items have them, under the names of solid_t
         integer :: wide = 4, step_d = 0, step_p = 1
         type(doubles_t) :: x, x_ref, x_built, work
@@ -219,7 +219,8 @@ contains
         call visit(gpu%tag, 1, n_tag, goes)
         call visit(gpu%rate, 2, 1, goes)
         call visit(gpu%row, n_pair*w, 1, is_left)
-        if (allocated(solid%hold) .or. allocated(solid%tilt)) call visit(gpu%hold, 6, 1, is_left)
+        if (allocated(solid%k_axes) .or. allocated(solid%tilt)) &
+            call visit(gpu%k_axes, 6, 1, is_left)
         if (allocated(solid%held)) call visit(gpu%held, n_held*w, 1, is_left)
         call visit(gpu%book, 2, n_book, stays)
         call visit(gpu%grad, w, merge(18, 9, allocated(solid%lift)), passes)

@@ -6,7 +6,7 @@ module brz_gpu_solid_totals
     use brz_exact_sum, only: exact_sums
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
-        book_friction, book_hold, book_load, book_plastic, book_rub, book_viscous, n_book, n_total
+        book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book, n_total
     use brz_gpu_solid_state, only: gpu_solid_t, most_folded, total_threads
     use brz_kinds, only: dp, rk
     use brz_solid_launches, only: solid_kernels
@@ -92,11 +92,11 @@ contains
             ledger%contact_heat = before%contact_heat + book(book_contact_heat)
             ledger%friction = before%friction + book(book_rub)
             if (gpu%bodies(b)%drawn) then
-                ledger%hourglass = book(book_hold)
+                ledger%hourglass = book(book_stiff)
             else if (solid%bodies(b)%artificial == artificial_none) then
-                ledger%hourglass = before%hourglass + before%ahead + book(book_hold) - ledger%ahead
+                ledger%hourglass = before%hourglass + before%ahead + book(book_stiff) - ledger%ahead
             else
-                ledger%artificial = before%artificial + before%ahead + book(book_hold) &
+                ledger%artificial = before%artificial + before%ahead + book(book_stiff) &
                     - ledger%ahead
             end if
             if (solid%bodies(b)%motion%n == 0 .and. .not. gpu%bodies(b)%rigid) &

@@ -1,5 +1,6 @@
 ! SPDX-License-Identifier: MIT
-!> Artificial stress: a short-range repulsion between particles in tension, against clumping.
+!> Artificial stress: a short-range repulsion between particles in tension, against clumping,
+!> the tensile instability of SPH.
 !>
 !> Between two particles it is the force m_i m_j F_ij (W_ij/W(dx))^n (R_i + R_j) x_ij with
 !> n = W(0)/W(dx). It belongs to the uncorrected form of the paper; docs/verification.md shows what

@@ -12,9 +12,9 @@ module brz_bond_items
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, jump_speed, most_bent, viscous_force
     use brz_pair_rows, only: add_drag, add_hold, axes_of_pair, mirror_row
     use brz_shared_sums, only: carried_along
-    use brz_solid_state, only: at_drag, at_g, at_heat, at_hold, at_s, at_x, at_y, &
+    use brz_solid_state, only: at_drag, at_g, at_heat, at_stiff, at_s, at_x, at_y, &
         bond_breaks, bond_broken, bond_whole, form_bending, form_corrected_hourglass, n_held, &
-        n_moments, n_pair, n_terms, pair_affine, pair_hold, pair_keep, pair_linear, &
+        n_moments, n_pair, n_terms, pair_affine, pair_zeta, pair_keep, pair_linear, &
         pair_quadratic, pair_stress, pair_tilt, pair_volume
     use brz_tilted_arm, only: tilted_arm, tilted_force, wall_arm
     implicit none
@@ -108,7 +108,7 @@ contains
 
     !> Add the forces of the bonded partners of particle i (see pass 2).
     !@cuf attributes(host,device) &
-    pure subroutine pull_bonds(i, lay, ends, table, x, x_ref, v, mass, pair, hold, held, bond, &
+    pure subroutine pull_bonds(i, lay, ends, table, x, x_ref, v, mass, pair, k_axes, held, bond, &
                                row, slice, count, list, f)
         integer, intent(in) :: i
         type(link_layout_t), intent(in) :: lay
@@ -116,7 +116,7 @@ contains
         type(meeting_t), intent(in) :: table(lay%bodies, *)
         real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), pair(n_pair, *)
-        real(real32), intent(in) :: hold(6, *)
+        real(real32), intent(in) :: k_axes(6, *)
         real(rk), intent(in) :: held(n_held, *)
         integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: f(n_terms)
@@ -175,7 +175,7 @@ contains
             call pull_bond(table(a, b), w, s, r, dx, unloaded, x_ref(1, j), own, other, f)
             w = w*own(pair_keep)*other(pair_keep)
             if (table(a, b)%formulation == form_bending) then
-                call bend_bond(table(a, b), w, s, r, dx, own, other, hold(1, i), hold(1, j), f)
+                call bend_bond(table(a, b), w, s, r, dx, own, other, k_axes(1, i), k_axes(1, j), f)
             else if (table(a, b)%formulation == form_corrected_hourglass) then
                 call add_drag(w, r, dv, own, other, f)
                 if (lay%holds == 1) call add_hold(w, s, r, dv, dx, held(1, i), held(1, j), f)
@@ -239,11 +239,11 @@ contains
             call hourglass_axial(y, stiff, own(pair_affine + 1), other(pair_affine + 1), dx, &
                                  dx, r, g)
         else
-            call hourglass_stiff(most_bent, y, own(pair_hold) + other(pair_hold), &
+            call hourglass_stiff(most_bent, y, own(pair_zeta) + other(pair_zeta), &
                                  own(pair_affine + 1), other(pair_affine + 1), dx, r, g)
         end if
         do t = 1, 3
-            f(at_hold + t) = f(at_hold + t) + g(t)
+            f(at_stiff + t) = f(at_stiff + t) + g(t)
         end do
     end subroutine bend_bond
 
@@ -251,7 +251,7 @@ contains
     !@item
     !@cuf attributes(host,device) &
     pure subroutine pull_links(k, linked, particles, lay, ends, table, x, x_ref, v, mass, pair, &
-                               hold, held, bond, row, slice, count, list, extra)
+                               k_axes, held, bond, row, slice, count, list, extra)
         integer, intent(in) :: k !! particles that have links
         integer(int32), intent(in) :: linked(*) !! they
         integer, intent(in) :: particles !! all
@@ -260,7 +260,7 @@ contains
         type(meeting_t), intent(in) :: table(lay%bodies, *)
         real(dp), intent(in) :: x(lay%wide, *), x_ref(lay%wide, *)
         real(rk), intent(in) :: v(lay%wide, *), mass(*), pair(n_pair, *)
-        real(real32), intent(in) :: hold(6, *)
+        real(real32), intent(in) :: k_axes(6, *)
         real(rk), intent(in) :: held(n_held, *)
         integer(int32), intent(in) :: bond(*), row(*), slice(*), count(*), list(*)
         real(rk), intent(inout) :: extra(particles, *)
@@ -271,7 +271,7 @@ contains
         do t = 1, n_terms
             f(t) = 0
         end do
-        call pull_bonds(i, lay, ends, table, x, x_ref, v, mass, pair, hold, held, bond, row, &
+        call pull_bonds(i, lay, ends, table, x, x_ref, v, mass, pair, k_axes, held, bond, row, &
                         slice, count, list, f)
         do t = 1, n_terms
             extra(i, t) = extra(i, t) + f(t)

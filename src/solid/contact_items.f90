@@ -12,7 +12,7 @@ module brz_contact_items
     use brz_kinds, only: dp, int32, int64, real32, rk
     use brz_link_layout, only: link_layout_t, links_of, mask_unit, n_press
     use brz_pair_force, only: viscous_force
-    use brz_solid_state, only: at_drag, at_friction, at_heat, at_hold, n_pair, n_terms, &
+    use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, n_pair, n_terms, &
         pair_linear, pair_quadratic, pair_spin, pair_volume
     implicit none
     private
@@ -203,7 +203,7 @@ contains
         real(real32), intent(in) :: weight(*)
         real(rk), intent(in) :: pair(n_pair, *), press(n_press, *)
         integer(int32), intent(in) :: bond(*), joined(*), row(*), slice(*), count(*), list(*)
-        real(rk), intent(out) :: f(n_terms) !! springs; at_drag: what makes heat; at_hold: moment
+        real(rk), intent(out) :: f(n_terms) !! springs; at_drag: what makes heat; at_stiff: moment
         real(dp), intent(out) :: kept(n_kept) !! [J]
         real(rk), intent(out) :: gain !! heat of the particle itself [J]
         real(dp), intent(inout) :: limit !! largest stable time step [s]
@@ -318,7 +318,7 @@ contains
             z(t) = s(t)*q(1 + t)
             spin_i(t) = pair_i(pair_spin + t)
             spin_j(t) = s(1)*s(2)*s(3)*s(t)*pair_j(pair_spin + t)
-            moment(t) = f(at_hold + t)
+            moment(t) = f(at_stiff + t)
         end do
         call contact_normal(p(1), g, q(1), z, r, n)
         toward = r(1)*n(1) + r(2)*n(2) + r(3)*n(3)
@@ -329,7 +329,7 @@ contains
         stiffness = stiffness + cells*q(5)*(slope*distance/back%touch)**2*own
         if (core > 0) stiffness = stiffness + m%core/(m%spacing/2)
         do t = 1, 3
-            f(at_hold + t) = moment(t)
+            f(at_stiff + t) = moment(t)
             f(at_drag + t) = f(at_drag + t) + g(t)
             f(at_drag + t) = f(at_drag + t) + share*r(t)
         end do
@@ -380,7 +380,7 @@ contains
         do t = 1, 3
             extra(i, t) = f(t)
             extra(i, at_drag + t) = f(at_drag + t)
-            extra(i, at_hold + t) = f(at_hold + t)
+            extra(i, at_stiff + t) = f(at_stiff + t)
         end do
         energy(i) = energy(i) + gain/mass(i)
         held(i) = kept(kept_energy)

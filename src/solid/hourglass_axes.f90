@@ -1,5 +1,5 @@
 ! SPDX-License-Identifier: MIT
-!> Axes and stiffness of the stiff hourglass force in a laminate.
+!> Hourglass control in a laminate: axes and stiffness of the stiff hourglass force.
 !>
 !> The hourglass energy of a bent plate, u = -k x z, w = k x^2/2, is (K_x + 3/4 K_z) m k^2/2 per
 !> volume, with m = 4/15 h^2 the fourth moment of the weights. It makes good what the sums over

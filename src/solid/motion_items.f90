@@ -7,7 +7,7 @@ module brz_motion_items
     use brz_move_level, only: level_of, move_levels
     use brz_rigid, only: cross
     use brz_rigid_pose, only: arm_at, place_point, pose_t, spin_at, velocity_at
-    use brz_solid_state, only: at_drag, at_heat, at_hold, is_gone, is_held, n_pair, pair_spin, &
+    use brz_solid_state, only: at_drag, at_heat, at_stiff, is_gone, is_held, n_pair, pair_spin, &
         pair_volume
     use brz_support, only: driven_by, is_driven, is_kept
     implicit none
@@ -328,7 +328,7 @@ contains
         i = first - 1 + p
         do c = 1, 3
             drag(c) = pairs(i, at_drag + c)
-            torque(c) = pairs(i, at_hold + c)
+            torque(c) = pairs(i, at_stiff + c)
             a(c) = accel(i, c)
         end do
         turn(1) = wx

@@ -1,12 +1,13 @@
 ! SPDX-License-Identifier: MIT
-!> Forces of a pair that keep it at its place in the unloaded body, or apart, from what pass 1 left
-!> of both particles in rows; and rows as the images of particles have them. Point physics.
+!> Forces of a pair that keep it at its place in the unloaded body (hourglass control), or apart
+!> (artificial stress), from what pass 1 left of both particles in rows; and rows as the images of
+!> particles have them. Point physics.
 module brz_pair_rows
     use brz_kernel, only: kernel_shape
     use brz_kinds, only: real32, rk
     use brz_pair_force, only: hourglass_stiff, hourglass_viscous, most_drawn, stress_force
-    use brz_solid_state, only: at_drag, at_friction, at_hold, at_work, body_numbers_t, &
-        held_affine, held_stiffness, held_whole, n_held, n_pair, n_terms, pair_affine, pair_hold, &
+    use brz_solid_state, only: at_drag, at_friction, at_stiff, at_work, body_numbers_t, &
+        held_affine, held_stiffness, held_whole, n_held, n_pair, n_terms, pair_affine, pair_zeta, &
         pair_stress
     implicit none
     private
@@ -24,7 +25,7 @@ contains
         real(rk) :: g(3), heat
         integer :: t
 
-        call hourglass_viscous(y*own(pair_hold), y*other(pair_hold), own(pair_affine + 1), &
+        call hourglass_viscous(y*own(pair_zeta), y*other(pair_zeta), own(pair_affine + 1), &
                                other(pair_affine + 1), dv, r, g, heat)
         do t = 1, 3
             f(at_drag + t) = f(at_drag + t) + g(t)
@@ -53,7 +54,7 @@ contains
                              dx, r, g)
         work = dot_product(g, dv)
         do t = 1, 3
-            f(at_hold + t) = f(at_hold + t) + g(t)
+            f(at_stiff + t) = f(at_stiff + t) + g(t)
         end do
         f(at_work) = f(at_work) - work/2
     end subroutine add_hold

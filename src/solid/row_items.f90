@@ -10,7 +10,7 @@ module brz_row_items
     use brz_pair_force, only: axial_stiffness
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_total, &
                                held_affine, held_energy, held_stiffness, held_whole, n_held, &
-                               n_pair, pair_affine, pair_hold, pair_keep, pair_linear, &
+                               n_pair, pair_affine, pair_zeta, pair_keep, pair_linear, &
                                pair_quadratic, pair_stress, pair_tilt, pair_volume
     use brz_tension_hold, only: hold_stiffness
     implicit none
@@ -52,14 +52,14 @@ contains
     !> slot of the stiffness, where it stays in total-Lagrangian bodies with axes. Where a body has
     !> axes, the affine slots hold dx/dX alone, and stiffen_along must follow.
     !@cuf attributes(host,device) &
-    pure subroutine fill_row(rules, h, a, rho, c_bulk, volume, mass, stress, strength, cut, row)
+    pure subroutine fill_row(rules, h, a, rho, c_bulk, volume, mass, stress, strength, limp, row)
         type(row_rules_t), intent(in) :: rules
         real(rk), intent(in) :: h(3, 3) !! velocity gradient [1/s]
         real(rk), intent(in) :: a(3, 3) !! 'bending': dX/dx; 'total_lagrangian': dx/dX
         real(rk), intent(in) :: rho, c_bulk !! [kg/m3], sound speed in the viscosity [m/s]
         real(rk), intent(in) :: volume, mass !! [m3]; what an artificial stress keeps in its slot
         real(rk), intent(in) :: stress(6), strength !! [Pa]; share that is left
-        integer, intent(inout) :: cut !! 1: no stiff hourglass force any more
+        integer, intent(inout) :: limp !! 1: no stiff hourglass force any more
         real(rk), intent(inout) :: row(n_pair)
         real(rk) :: q(3, 3), z
         integer :: c, j
@@ -73,10 +73,10 @@ contains
         call copy_matrix(h, q)
         if (rules%formulation == form_bending .or. rules%formulation == form_total) then
             call copy_matrix(a, q)
-            if (rules%formulation == form_bending) call deformation(a, cut, q)
+            if (rules%formulation == form_bending) call deformation(a, limp, q)
             z = rules%stiffness
-            if (rules%formulation == form_total .and. rules%directional == 1) z = row(pair_hold)
-            row(pair_keep) = strength*(1 - cut)
+            if (rules%formulation == form_total .and. rules%directional == 1) z = row(pair_zeta)
+            row(pair_keep) = strength*(1 - limp)
             if (rules%directional == 0) then
                 do j = 1, 3
                     do c = 1, 3
@@ -91,7 +91,7 @@ contains
             call artificial_stress(rules%artificial, rules%artificial_strength, rho, stress, q)
             z = mass
         end if
-        row(pair_hold) = z
+        row(pair_zeta) = z
         call copy_matrix(q, row(pair_affine + 1))
     end subroutine fill_row
 
@@ -99,9 +99,9 @@ contains
     !> Debris with a single neighbour at the edge of its support has a dX/dx near zero, whose
     !> inverse, squared, is no number in real32.
     !@cuf attributes(host,device) &
-    pure subroutine deformation(a, cut, q)
+    pure subroutine deformation(a, limp, q)
         real(rk), intent(in) :: a(3, 3)
-        integer, intent(inout) :: cut !! 1: not held, or not any more
+        integer, intent(inout) :: limp !! 1: not held, or not any more
         real(rk), intent(inout) :: q(3, 3)
         logical :: ok
         integer :: c, j
@@ -112,8 +112,8 @@ contains
                 if (.not. abs(q(c, j)) < most_stretch) ok = .false.
             end do
         end do
-        if (.not. ok) cut = 1
-        if (cut == 0) return
+        if (.not. ok) limp = 1
+        if (limp == 0) return
         do j = 1, 3
             do c = 1, 3
                 q(c, j) = 0
@@ -125,10 +125,10 @@ contains
     !> metal has yielded it is a share of that of the axes: what keeps a layer from bending about
     !> its own middle bears no more than the metal.
     !@cuf attributes(host,device) &
-    pure subroutine stiffen_along(axes, share, hold, row)
+    pure subroutine stiffen_along(axes, share, k_axes, row)
         real(rk), intent(in) :: axes(3, 4) !! of the ply; the last column: stiffness along each [Pa]
         real(rk), intent(in) :: share !! secant_share of brz_material
-        real(real32), intent(inout) :: hold(6) !! [Pa]
+        real(real32), intent(inout) :: k_axes(6) !! [Pa]
         real(rk), intent(inout) :: row(n_pair)
         real(rk) :: along(6), f(3, 3), g(3, 3), k(3, 3)
         integer :: c
@@ -136,8 +136,8 @@ contains
         call copy_matrix(row(pair_affine + 1), f)
         call axial_stiffness(axes(1, 4), axes, f, along)
         do c = 1, 6
-            hold(c) = real(share*along(c), real32)
-            along(c) = hold(c) ! as the pairs see it: no torque
+            k_axes(c) = real(share*along(c), real32)
+            along(c) = k_axes(c) ! as the pairs see it: no torque
         end do
         call to_matrix(along, k)
         call multiply3(k, f, g)
@@ -147,12 +147,12 @@ contains
     !> The hold of a particle whose F is in its slots: nothing where it was not in tension or has
     !> lost its support, where `trace` is 0.
     !@cuf attributes(host,device) &
-    pure subroutine fill_hold(tension_hold, stress, mu, q, trace, volume, cut, held)
+    pure subroutine fill_hold(tension_hold, stress, mu, q, trace, volume, limp, held)
         real(rk), intent(in) :: tension_hold, stress(6) !! [-], [Pa]
         real(rk), intent(in) :: mu !! compression, 0 of a material of springs
         real(rk), intent(in) :: q, trace !! see deviation of brz_tension_hold
         real(rk), intent(in) :: volume !! [m3]
-        integer, intent(in) :: cut
+        integer, intent(in) :: limp
         real(rk), intent(inout) :: held(n_held)
         real(rk) :: k
         integer :: c
@@ -164,7 +164,7 @@ contains
             held(held_affine + c) = k*held(held_affine + c)
         end do
         held(held_energy) = volume*k*q/2
-        held(held_whole) = 1 - cut
+        held(held_whole) = 1 - limp
     end subroutine fill_hold
 
     !> Take out of the energy what the stress does on the faces of a single layer.

@@ -6,7 +6,7 @@ module brz_solid_fields
     use brz_kinds, only: int16, int32, int64, int8, real32, real64, rk
     use brz_resize, only: resize
     use brz_solid_columns, only: at_accel, at_damage, at_energy, at_hist, at_mass, at_mu, &
-        at_stress, tag_bond, tag_cut, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
+        at_stress, tag_bond, tag_limp, tag_fixed, tag_id, tag_joined, tag_ply, tag_support, &
         tag_touch, tag_weight
     use brz_solid_state, only: bond_none, form_total, n_held, n_pair, solid_t
     implicit none
@@ -127,7 +127,7 @@ contains
         call see(t, 'ply', s%ply, .true., in_tag, tag_ply)
         call see(t, 'support', s%support, .true., in_tag, tag_support)
         call see(t, 'fixed', s%fixed, .true., in_tag, tag_fixed)
-        call see(t, 'cut', s%cut, .true., in_tag, tag_cut)
+        call see(t, 'cut', s%limp, .true., in_tag, tag_limp) ! the name of old checkpoints
         call see(t, 'touch', s%links%touch, linked, in_tag, tag_touch)
         call see(t, 'contact_weight', s%links%weight, linked, in_tag, tag_weight)
         call see(t, 'bond', s%links%bond, linked, in_tag, tag_bond)
@@ -137,7 +137,7 @@ contains
         call see(t, 'v_before', s%v_before, 3, .false., in_state, next, derived=.true.)
         call see(t, 'grip', s%grip, 3, .false., in_state, next, derived=.true.)
         call see(t, 'pair', s%pair, n_pair, .true., nowhere, 0, derived=.true.)
-        call see(t, 'hold', s%hold, 6, any(s%bodies%directional), nowhere, 0, derived=.true.)
+        call see(t, 'k_axes', s%k_axes, 6, any(s%bodies%directional), nowhere, 0, derived=.true.)
         call see(t, 'held', s%held, n_held, held, nowhere, 0, derived=.true.)
     end subroutine walk
 

@@ -164,13 +164,13 @@ contains
         case (of_air_motion)
             is_sent = any(field%name == [character(16) :: 'x', 'v', 'fixed', 'load'])
         case (of_rows)
-            is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held'])
+            is_sent = any(field%name == [character(16) :: 'pair', 'k_axes', 'held'])
         case (of_bonds)
             is_sent = field%name == 'bond'
         case (of_interfaces)
             is_sent = field%name == 'joined'
         case default
-            is_sent = any(field%name == [character(16) :: 'pair', 'hold', 'held', 'stress', &
+            is_sent = any(field%name == [character(16) :: 'pair', 'k_axes', 'held', 'stress', &
                                          'press'])
         end select
     end function is_sent

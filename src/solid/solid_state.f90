@@ -23,9 +23,9 @@ module brz_solid_state
     public :: bond_none, bond_whole, bond_broken, bond_breaks, loose_by, intact_share
     public :: is_free, is_held, is_gone, between_t, kept_cells_t
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
-              pair_affine, pair_hold, pair_spin, pair_tilt
+              pair_affine, pair_zeta, pair_spin, pair_tilt
     public :: at_g, at_x, at_s, at_y, at_f, n_moments, n_sums
-    public :: at_heat, at_friction, at_drag, at_hold, at_work, n_terms
+    public :: at_heat, at_friction, at_drag, at_stiff, at_work, n_terms
     public :: n_held, held_stiffness, held_affine, held_energy, held_whole
 
     integer, parameter :: form_corrected = 1, form_corrected_hourglass = 2, form_bending = 3, &
@@ -47,7 +47,7 @@ module brz_solid_state
     integer, parameter :: pair_volume = 1 !! [m3]
     integer, parameter :: pair_linear = 2 !! linear viscosity, alpha rho c/2 [kg/(m2 s)]
     integer, parameter :: pair_quadratic = 3 !! quadratic viscosity, beta rho/2 [kg/m3]
-    integer, parameter :: pair_hold = 4 !! strength of the hourglass force: zeta h rho c or zeta G;
+    integer, parameter :: pair_zeta = 4 !! strength of the hourglass force: zeta h rho c or zeta G;
                                        !! total-Lagrangian plates: their lift [1/m]
     integer, parameter :: pair_stress = 4 !! + 1..9: stress times gradient correction [Pa]
     !> + 1..9: stiff hourglass force: stiffness times dx/dX [Pa]; artificial stress: R; else dv/dx
@@ -75,7 +75,7 @@ module brz_solid_state
     integer, parameter :: at_heat = 4 !! heat of the viscosity [W]
     integer, parameter :: at_friction = 5 !! heat of the viscous hourglass force [W]
     integer, parameter :: at_drag = 5 !! + 1..3: viscous forces [N]
-    integer, parameter :: at_hold = 8 !! + 1..3: stiff hourglass force, or artificial stress [N]
+    integer, parameter :: at_stiff = 8 !! + 1..3: stiff hourglass force, or artificial stress [N]
     integer, parameter :: at_work = 12 !! work against the hold, half of it to each of a pair [W]
     integer, parameter :: n_terms = 12
 
@@ -274,8 +274,8 @@ module brz_solid_state
         real(rk), allocatable :: damage(:) !! (n) damage as pair forces see it, 0..1
         real(rk), allocatable :: volume(:) !! (n) as pass 1 sees it [m3]
         real(rk), allocatable :: h(:) !! (n) smoothing length; only where a body varies it [m]
-        real(real32), allocatable :: hold(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz,
-                                                !! xz; only where a body has one along axes [Pa]
+        real(real32), allocatable :: k_axes(:, :) !! (6, n) hourglass stiffness xx, yy, zz, xy, yz,
+                                                  !! xz; only where a body has one along axes [Pa]
         real(real32), allocatable :: tilt(:) !! (n) of the gradient in the outermost layers of
                                              !! plies and plates, see brz_tilted_arm; only where
                                              !! a body has a normal [1/m]
@@ -288,7 +288,7 @@ module brz_solid_state
         integer(int16), allocatable :: ply(:) !! (n) ply, from 1; 0 without plies
         integer(int32), allocatable :: fixed(:) !! (n) is_free, is_held, is_gone, or marks of
                                                 !! brz_support
-        integer(int8), allocatable :: cut(:) !! (n) 1: hourglass support lost for good
+        integer(int8), allocatable :: limp(:) !! (n) 1: hourglass support lost for good
         integer(int16), allocatable :: support(:) !! (n) neighbours in the unloaded body
         integer, allocatable :: block(:, :) !! (3, blocks) body, first and last particle of a block
         character(:), allocatable :: notes !! warnings of the set-up, line by line

@@ -149,7 +149,7 @@ contains
         working = 2*(3 + 1) + 2*(6 + 3 + solid%n_hist) + 2*size(solid%pair, 1) & ! pass 1
                   + 3 + 3 + 2 ! pass 2: v, a, mass, energy
         working = working + 2*3 + 3 + 3 + 1 ! kick: v, a, load, mass
-        if (allocated(solid%hold)) wide = wide + 2*3 + 6
+        if (allocated(solid%k_axes)) wide = wide + 2*3 + 6
         moved = 8.0_dp*wide + working*storage_size(1.0_rk)/8.0_dp
     end function moved
 

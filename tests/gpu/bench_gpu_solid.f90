@@ -106,7 +106,7 @@ contains
 
         own_bytes = gpu%place%bytes + gpu%reference%bytes + gpu%built%bytes + gpu%motion%bytes &
             + gpu%state%bytes + gpu%tag%bytes + gpu%book%bytes + gpu%row%bytes + gpu%grad%bytes &
-            + gpu%hold%bytes + gpu%rate%bytes + gpu%count%bytes + gpu%cell%bytes &
+            + gpu%k_axes%bytes + gpu%rate%bytes + gpu%count%bytes + gpu%cell%bytes &
             + gpu%order%bytes + gpu%chosen%bytes + gpu%bodies(1)%start%bytes
     end function own_bytes
 
