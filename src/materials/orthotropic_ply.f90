@@ -273,6 +273,8 @@ contains
     !> New compression, energy and wave speeds; the excess of a shock pressure over the linear law.
     !>
     !> The excess p_EOS(mu, e) - K' ln(1 + mu) acts in compression only.
+    !> Waves are faster where a ply that still resists is spread out, as it has less mass; debris
+    !> resists nothing before it is closed again, which takes it several steps.
     !@cuf attributes(host,device) &
     pure subroutine add_excess(material, mu, dv, work, damage, s, point, status)
         type(material_t), intent(in) :: material
@@ -307,7 +309,8 @@ contains
         point%mu = mu
         point%energy = energy
         crushed = 1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))
-        stiffest = (stiffest + crushed*material%par(p_rubble))/max(1 + mu, 0.5_rk)
+        stiffest = stiffest + crushed*material%par(p_rubble)
+        if (.not. debris(material, mu)) stiffest = stiffest/max(1 + mu, 0.5_rk)
         point%c_wave = sqrt((stiffest + max(slope, 0.0_rk))/material%density)
         point%c_bulk = sqrt((material%par(p_bulk) + max(slope, 0.0_rk))/material%density)
     end subroutine add_excess
