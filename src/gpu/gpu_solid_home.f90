@@ -5,20 +5,68 @@ module brz_gpu_solid_home
     use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t
+    use brz_ghost_wants, only: has_boxes, tell_boxes
     use brz_gpu_lists, only: put_list
     use brz_gpu_mark_steps, only: list_marks
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
-    use brz_gpu_solid_totals, only: fetch_ledgers
+    use brz_gpu_solid_totals, only: extent_of_body, fetch_ledgers
     use brz_home_launches, only: home_kernels
     use brz_kinds, only: dp, int64
     use brz_places, only: parcels_t
-    use brz_solid_state, only: solid_t
+    use brz_ranks, only: least_of_all
+    use brz_solid_state, only: form_total, solid_t
     implicit none
     private
-    public :: close_books, list_leaving, put_table, send_away, settle_places
+    public :: close_books, find_boxes, find_lowest, homes_of, list_leaving, put_table, send_away, &
+        settle_places
 
 contains
+
+    !> Places that decide to which process the particles of body b belong.
+    pure type(doubles_t) function homes_of(gpu, solid, b)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+
+        homes_of = gpu%x_built
+        if (solid%bodies(b)%formulation == form_total) homes_of = gpu%x_ref
+    end function homes_of
+
+    !> The lowest homes of particles of all processes, where planes of symmetry are; all must call.
+    subroutine find_lowest(gpu, solid, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        real(dp) :: box(3, 2), lowest(3)
+        integer :: b
+
+        solid%part%lowest = -huge(1.0_dp)
+        if (.not. any(solid%mirror)) return
+        lowest = huge(1.0_dp)
+        do b = 1, size(gpu%bodies)
+            call extent_of_body(gpu, b, homes_of(gpu, solid, b), box, err)
+            lowest = min(lowest, box(:, 1))
+        end do
+        call least_of_all(solid%ranks, lowest)
+        where (solid%mirror) solid%part%lowest = lowest
+    end subroutine find_lowest
+
+    !> Boxes that the particles of each body fill in each process, where links want them; all must
+    !> call.
+    subroutine find_boxes(gpu, solid, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+        real(dp) :: box(3, 2, size(gpu%bodies))
+        integer :: b
+
+        if (.not. has_boxes(solid)) return
+        do b = 1, size(gpu%bodies)
+            call extent_of_body(gpu, b, gpu%x_built, box(:, :, b), err)
+        end do
+        call tell_boxes(solid%ranks, box, solid%part%boxes)
+    end subroutine find_boxes
 
     !> A small table, into a buffer with room for it.
     subroutine put_table(x, n, buffer, err)

@@ -11,7 +11,8 @@ module brz_gpu_solid_search
     use brz_gpu_parcels, only: carry_rows, rows_of, rows_t
     use brz_gpu_solid_layout, only: grid_gpu_t, slice_width
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, &
-        sum_threads, threads_of
+        threads_of
+    use brz_gpu_solid_totals, only: extent_of_body
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
     use brz_ranks, only: least_of_all, several, sum_of_all
@@ -295,13 +296,10 @@ contains
         type(doubles_t), intent(in) :: place
         real(dp), intent(out) :: box(3, 2) !! [m]
         type(error_t), intent(inout) :: err
-        real(dp) :: part(sum_threads, 6), least(6)
+        real(dp) :: least(6)
 
-        call solid_kernels%solid_extent([sum_threads, 1, 1], gpu%bodies(b)%first, &
-                                      gpu%bodies(b)%last, sum_threads, place, gpu%partial, err)
-        part = 0
-        call copy_out(gpu%partial, part, 8_int64*size(part), err)
-        least = [minval(part(:, 1:3), 1), -maxval(part(:, 4:6), 1)]
+        call extent_of_body(gpu, b, place, box, err)
+        least = [box(:, 1), -box(:, 2)]
         call least_of_all(solid%ranks, least)
         box = reshape([least(:3), -least(4:)], [3, 2])
     end subroutine find_box

@@ -2,19 +2,22 @@
 !> Numbers about all particles on the GPU: totals, ledgers, time step. Folded in a fixed order.
 module brz_gpu_solid_totals
     use brz_artificial_stress, only: artificial_none
+    use brz_buffers, only: doubles_t
+    use brz_device, only: copy_out
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
         book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book, n_total
-    use brz_gpu_solid_state, only: gpu_solid_t, most_folded, total_threads
-    use brz_kinds, only: dp, rk
+    use brz_gpu_solid_state, only: gpu_solid_t, most_folded, sum_threads, &
+        total_threads
+    use brz_kinds, only: dp, int64, rk
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: solid_totals_t, totals_of_sums
     implicit none
     private
-    public :: add_held_impulse, gpu_solid_totals, fetch_ledgers, fetch_limit
+    public :: add_held_impulse, extent_of_body, gpu_solid_totals, fetch_ledgers, fetch_limit
 
 contains
 
@@ -121,6 +124,23 @@ contains
             force = force + impulse/dt
         end associate
     end subroutine add_held_impulse
+
+    !> Corners of body b in this process, for given places; without particles huge, the low one above
+    !> the high one.
+    subroutine extent_of_body(gpu, b, place, box, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: b
+        type(doubles_t), intent(in) :: place
+        real(dp), intent(out) :: box(3, 2) !! [m]
+        type(error_t), intent(inout) :: err
+        real(dp) :: part(sum_threads, 6)
+
+        call solid_kernels%solid_extent([sum_threads, 1, 1], gpu%bodies(b)%first, &
+                                        gpu%bodies(b)%last, sum_threads, place, gpu%partial, err)
+        part = 0
+        call copy_out(gpu%partial, part, 8_int64*size(part), err)
+        box = reshape([minval(part(:, 1:3), 1), maxval(part(:, 4:6), 1)], [3, 2])
+    end subroutine extent_of_body
 
     !> Largest stable time step, as pass 1, contact and interfaces left it [s].
     subroutine fetch_limit(gpu, solid, err)

@@ -2,7 +2,7 @@
 !> Which process a particle belongs to, and which others need it as a ghost.
 module brz_home_items
     use brz_kinds, only: dp, int32, int64
-    use brz_solid_state, only: is_gone
+    use brz_solid_state, only: is_gone, n_want, want_corners, want_reach
     implicit none
     private
     public :: home_of, near_region, mark_home, mark_near, note_outside, put_away
@@ -58,27 +58,27 @@ contains
     !> Mark a particle for the process that it belongs to, unless that is this one.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine mark_home(p, first, wide, row, processes, own, region, built, mark)
+    pure subroutine mark_home(p, first, wide, row, processes, own, region, home, mark)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of the places
         integer, intent(in) :: row !! marks of a process
         integer, intent(in) :: processes, own !! how many, this one from 0
         real(dp), intent(in) :: region(3, 2, *) !! corners [m]
-        real(dp), intent(in) :: built(wide, *) !! places [m]
+        real(dp), intent(in) :: home(wide, *) !! places [m]
         integer(int32), intent(inout) :: mark(*)
         integer :: i, r
 
         i = first - 1 + p
-        r = home_of(processes, region, built(1:3, i))
+        r = home_of(processes, region, home(1:3, i))
         if (r /= own) mark(i + r*int(row, int64)) = 1
     end subroutine mark_home
 
     !> Mark a particle that a process needs as a ghost.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine mark_near(p, first, wide, row, process, anew, planes, wants, want, region, &
-                              built, fixed, sent, mark)
+    pure subroutine mark_near(p, first, wide, row, process, anew, planes, lists, wants, want, &
+                              home, built, fixed, sent, mark)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of the places
@@ -86,14 +86,14 @@ contains
         integer, intent(in) :: process !! from 0
         integer, intent(in) :: anew !! 1: whether it was marked before or not
         integer, intent(in) :: planes !! of symmetry, bits 0..2
-        integer, intent(in) :: wants !! ways to be needed
-        real(dp), intent(in) :: want(4, *) !! of each: what is added to the place, reach [m]
-        real(dp), intent(in) :: region(3, 2, *) !! of all processes: corners [m]
-        real(dp), intent(in) :: built(wide, *) !! places [m]
+        integer, intent(in) :: lists, wants !! ways to be needed: by homes; all
+        real(dp), intent(in) :: want(n_want, wants, *) !! of all processes
+        real(dp), intent(in) :: home(wide, *), built(wide, *) !! places [m]
         integer(int32), intent(in) :: fixed(*)
         integer(int32), intent(inout) :: sent(*) !! 1: marked before
         integer(int32), intent(inout) :: mark(*)
-        integer :: i, k
+        real(dp) :: x(3)
+        integer :: c, i, k
         integer(int64) :: at
 
         i = first - 1 + p
@@ -101,8 +101,13 @@ contains
         if (anew == 1) sent(at) = 0
         if (fixed(i) == is_gone .or. sent(at) == 1) return
         do k = 1, wants
-            if (near_region(planes, region(1, 1, process + 1), want(4, k), &
-                            built(1:3, i) + want(1:3, k))) then
+            do c = 1, 3
+                x(c) = want(c, k, process + 1)
+                if (k <= lists) x(c) = x(c) + home(c, i)
+                if (k > lists) x(c) = x(c) + built(c, i)
+            end do
+            if (near_region(planes, want(want_corners, k, process + 1), &
+                            want(want_reach, k, process + 1), x)) then
                 mark(at) = 1
                 sent(at) = 1
                 return

@@ -1,9 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> Particles on several processes when lists are built: each belongs to the process in whose region
-!> its place `x_built` is, and has ghosts on all others whose regions its list may reach.
+!> its home is, and has ghosts on all others that its list may reach. Its home is its place
+!> `x_built`, in total-Lagrangian bodies `x_ref`.
 !> scripts/steps.py writes the same for the GPU.
 !>
-!> So everything follows from `x_built`, as the lists do: it is the same after a restart, and who
+!> So everything follows from these places, as the lists do: it is the same after a restart, and who
 !> holds what changes no bit. Particles go home (`go_home`), are sorted, and ghosts are laid behind
 !> the particles of each body (`lay_ghosts`).
 !>
@@ -17,14 +18,14 @@
 !> those that leave.
 module brz_home_steps
     use brz_cohesive_steps, only: mark_glue, note_owners
-    use brz_ghost_wants, only: find_lowest !@cpu
-    use brz_ghost_wants, only: inhabited, most_outside, planes_of, wants_of
+    use brz_ghost_wants, only: find_boxes, find_lowest, homes_of !@cpu
+    use brz_ghost_wants, only: most_outside, of_lists, planes_of, wants_of
     !@gpu use brz_device, only: copy_out
     !@gpu use brz_gpu_lists, only: at_least, clear_list, read_first
     !@gpu use brz_gpu_mark_steps, only: begin_marks, count_marks, join_lists, list_marks
     !@gpu use brz_gpu_mark_steps, only: place_pieces
-    !@gpu use brz_gpu_solid_home, only: close_books, list_leaving, put_table, send_away
-    !@gpu use brz_gpu_solid_home, only: settle_places
+    !@gpu use brz_gpu_solid_home, only: close_books, find_boxes, find_lowest, homes_of
+    !@gpu use brz_gpu_solid_home, only: list_leaving, put_table, send_away, settle_places
     !@gpu use brz_gpu_solid_state, only: lay_arrays
     use brz_home_loops, only: each_mark_home, each_mark_near, each_note_outside
     use brz_kinds, only: dp, int64
@@ -122,10 +123,11 @@ contains
         end associate
         n = 0
         do b = 1, size(solid%bodies)
-            associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last)
+            associate (first => solid%bodies(b)%first, last => solid%bodies(b)%last, &
+                       home => homes_of(solid, b))
                 m = last - first + 1
-                x(:, n + 1:n + m) = solid%x_built(:, first:last) !@cpu
-                !@gpu call copy_out(from(gpu%x_built, 4_int64*first - 3), x(:, n + 1:), 32_int64*m)
+                x(:, n + 1:n + m) = home(:, first:last) !@cpu
+                !@gpu call copy_out(from(home, 4_int64*first - 3), x(:, n + 1:), 32_int64*m)
                 n = n + m
             end associate
         end do
@@ -148,8 +150,8 @@ contains
             if (.not. which(b)) cycle
             associate (there => solid%bodies(b), part => solid%part)
                 call each_mark_home(there%last - there%first + 1, there%first, solid%wide, &
-                    solid%n, solid%ranks%n, solid%ranks%rank, part%region, solid%x_built, &
-                    part%mark)
+                    solid%n, solid%ranks%n, solid%ranks%rank, part%region, &
+                    homes_of(solid, b), part%mark)
             end associate
         end do
         call count_marks(solid%n, solid%bodies%first, solid%part%marks_t, number) !@cpu
@@ -185,12 +187,10 @@ contains
         integer, intent(out) :: news(:) !! (bodies) the last of its ghosts that are new
         integer(int64) :: out(2*size(anew), solid%ranks%n), in(size(anew), solid%ranks%n)
         integer(int64) :: all(2*size(anew), solid%ranks%n, solid%ranks%n)
-        !@gpu integer :: k
 
         if (any(whole)) call note_owners(solid)
-        call find_lowest(solid) !@cpu
-        !@gpu solid%part%lowest = [(minval(gpu%bodies%box(k, 1)), k=1, 3)]
-        !@gpu where (.not. solid%mirror) solid%part%lowest = -huge(1.0_dp)
+        call find_lowest(solid)
+        call find_boxes(solid)
         associate (n => size(anew), there => solid%bodies)
             do
                 call mark_ghosts(solid, whole, out(:n, :))
@@ -266,29 +266,24 @@ contains
         type(solid_t), intent(inout) :: solid
         logical, intent(in) :: whole(:) !! (bodies) which keep no places
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
-        real(dp) :: regions(3, 2, 0:solid%ranks%n - 1)
-        real(dp), allocatable :: want(:, :)
+        real(dp), allocatable :: want(:, :, :)
         integer :: b, r
 
-        do r = 0, solid%ranks%n - 1
-            regions(:, :, r) = inhabited(solid, solid%part%region(:, :, r))
-        end do
         call begin_marks(solid%n, solid%ranks%n, solid%part%marks_t) !@cpu
         !@gpu call begin_marks(gpu%n, solid%ranks%n, gpu%part)
         call at_least(solid%part%sent, solid%n*solid%ranks%n) !@cpu
         !@gpu call at_least(gpu%part%sent, gpu%n*solid%ranks%n)
-        !@gpu call put_table(regions, size(regions), gpu%part%region)
         do b = 1, size(number, 1)
-            want = wants_of(solid, b)
+            want = wants_of(solid, b, solid%part%region)
             if (size(want) == 0 .and. .not. whole(b)) cycle
             !@gpu if (size(want) > 0) call put_table(want, size(want), gpu%part%wants)
             associate (there => solid%bodies(b), part => solid%part)
                 do r = 0, solid%ranks%n - 1
                     if (r == solid%ranks%rank) cycle
                     call each_mark_near(there%last - there%first + 1, there%first, solid%wide, &
-                        solid%n, r, merge(1, 0, whole(b)), planes_of(solid), size(want, 2), want, &
-                        regions, solid%x_built, solid%fixed, part%sent, &
-                        part%mark) !@gpu want => part%wants, regions => part%region
+                        solid%n, r, merge(1, 0, whole(b)), planes_of(solid), of_lists(solid, b), &
+                        size(want, 2), want, homes_of(solid, b), solid%x_built, solid%fixed, &
+                        part%sent, part%mark) !@gpu want => part%wants
                     call mark_glue(solid, b, r)
                 end do
             end associate

@@ -12,8 +12,10 @@ module brz_solid_part
     !> Regions fill all of space. Marks say who goes where.
     type, extends(marks_t) :: part_t
         real(dp), allocatable :: region(:, :, :) !! (3, 2, 0:processes-1) corners [m]
+        real(dp), allocatable :: boxes(:, :, :, :)
+        !! (3, 2, bodies, 0:processes-1) corners of `x_built`, see has_boxes [m]
         real(dp) :: lowest(3) = -huge(1.0_dp)
-        !! no particle of any body is lower, where a plane of symmetry is [m]
+        !! no particle of any body is at home lower, where a plane of symmetry is [m]
         integer :: most = 0 !! most particles of a process when the regions were cut
         logical :: recut = .false., grown = .false. !! in the last search: regions, arrays laid anew
         logical :: keeps = .false. !! `sent` and `kept` are those of the ghosts of now

@@ -22,6 +22,7 @@ module brz_solid_state
     public :: form_names, form_total, lanes, worth_threads, links_t
     public :: bond_none, bond_whole, bond_broken, bond_breaks, loose_by, intact_share
     public :: is_free, is_held, is_gone, between_t, kept_cells_t
+    public :: n_want, want_corners, want_reach
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_zeta, pair_spin, pair_tilt
     public :: at_g, at_x, at_s, at_y, at_f, n_moments, n_sums
@@ -37,6 +38,9 @@ module brz_solid_state
 
     integer(int32), parameter :: is_free = 0, is_held = 1
     integer(int32), parameter :: is_gone = 2 !! has left the region and is out of the computation
+
+    ! a way to need a ghost: what is added to its place, how far that may be from a box, its corners
+    integer, parameter :: want_reach = 4, want_corners = 5, n_want = 10
     integer(int32), parameter :: bond_none = 0, bond_whole = 1, bond_broken = 2
     integer(int32), parameter :: bond_breaks = 3 !! broke in this step
     integer, parameter :: loose_by = 15 !! what lets go in this step stands so many bits higher

@@ -6,15 +6,14 @@ module brz_run_ranks
     use brz_air_part, only: layers_seen
     use brz_air_state, only: n_ghost
     use brz_boxes, only: box_t, cells_of, common, cut_grid, most_boxes, widened
-    use brz_case, only: case_t, interaction_case_t
+    use brz_case, only: case_t
     use brz_check_start, only: is_radial
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp
     use brz_ranks, only: ranks_t
     use brz_scene_size, only: scene_size_t
     use brz_solid_arrays, only: bytes_per_particle
-    use brz_ghost_wants, only: find_lowest, inhabited, is_needed, wants_of
+    use brz_ghost_wants, only: find_lowest, has_boxes, homes_of, is_needed, wants_of
     use brz_solid_regions, only: cut_regions, region_of
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
@@ -74,18 +73,8 @@ contains
     function missing_of_bodies(case) result(what)
         type(case_t), intent(in) :: case
         character(:), allocatable :: what
-        type(interaction_case_t) :: rule
-        integer :: a, b
 
         what = ''
-        do b = 1, size(case%bodies)
-            do a = 1, b - 1
-                call find_rule(case, a, b, rule)
-                if (rule%law == 'none') cycle
-                if (any(case%bodies([a, b])%formulation == 'total_lagrangian')) &
-                    what = 'total-Lagrangian bodies that meet others'
-            end do
-        end do
         if (case%air%present .and. case%coupling%scheme == 'paper') &
             what = "the coupling scheme='paper'"
     end function missing_of_bodies
@@ -207,23 +196,56 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: region(:, :, 0:) !! (3, 2, regions) [m]
         integer, intent(out) :: own(0:), ghosts(0:) !! (regions)
-        real(dp), allocatable :: want(:, :)
-        integer :: b, home, i, r
+        real(dp), allocatable :: want(:, :, :)
+        integer :: b, home(solid%n), i, r
 
-        own = 0
-        ghosts = 0
+        call find_homes(solid, region, home)
         call find_lowest(solid)
+        own = [(count(home == r), r=0, ubound(region, 3))]
+        ghosts = 0
         do b = 1, size(solid%bodies)
-            want = wants_of(solid, b)
+            want = wants_of(solid, b, region)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
-                home = region_of(region, solid%x_built(:, i))
-                own(home) = own(home) + 1
                 do r = 0, ubound(region, 3)
-                    if (r == home) cycle
-                    if (is_needed(solid, inhabited(solid, region(:, :, r)), want, i)) &
-                        ghosts(r) = ghosts(r) + 1
+                    if (r == home(i)) cycle
+                    if (is_needed(solid, want(:, :, r + 1), b, i)) ghosts(r) = ghosts(r) + 1
                 end do
             end do
         end do
     end subroutine count_in_regions
+
+    !> The region of each particle, and the boxes of what is in each.
+    subroutine find_homes(solid, region, home)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: region(:, :, 0:) !! (3, 2, regions) [m]
+        integer, intent(out) :: home(:) !! (particles)
+        real(dp), pointer, contiguous :: x(:, :)
+        integer :: b, i
+
+        if (has_boxes(solid)) allocate (solid%part%boxes(3, 2, size(solid%bodies), &
+                                                         0:ubound(region, 3)))
+        do b = 1, size(solid%bodies)
+            x => homes_of(solid, b)
+            do i = solid%bodies(b)%first, solid%bodies(b)%last
+                home(i) = region_of(region, x(:, i))
+            end do
+            if (has_boxes(solid)) call fill_boxes(b)
+        end do
+
+    contains
+
+        subroutine fill_boxes(b)
+            integer, intent(in) :: b
+            integer :: i
+
+            solid%part%boxes(:, 1, b, :) = huge(1.0_dp)
+            solid%part%boxes(:, 2, b, :) = -huge(1.0_dp)
+            do i = solid%bodies(b)%first, solid%bodies(b)%last
+                associate (box => solid%part%boxes(:, :, b, home(i)))
+                    box(:, 1) = min(box(:, 1), solid%x_built(:, i))
+                    box(:, 2) = max(box(:, 2), solid%x_built(:, i))
+                end associate
+            end do
+        end subroutine fill_boxes
+    end subroutine find_homes
 end module brz_run_ranks

@@ -64,11 +64,6 @@ def test_another_mpi_is_named():
 @pytest.mark.parametrize(
     ("deck", "args", "reason"),
     [
-        (
-            "rod_concrete.nml",
-            ["--set", "body(slab).formulation='total_lagrangian'"],
-            "total-Lagrangian bodies that meet others",
-        ),
         ("free_air.nml", [], "air along one line"),
         ("reflection.nml", ["--set", "air.cells=11,11,21"], "2 at most"),
     ],
