@@ -9,8 +9,7 @@ module brz_gpu_solid_totals
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
         book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book, n_total
-    use brz_gpu_solid_state, only: gpu_solid_t, most_folded, sum_threads, &
-        total_threads
+    use brz_gpu_solid_state, only: gpu_solid_t, most_folded, sum_threads, total_threads
     use brz_kinds, only: dp, int64, rk
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
@@ -125,8 +124,8 @@ contains
         end associate
     end subroutine add_held_impulse
 
-    !> Corners of body b in this process, for given places; without particles huge, the low one above
-    !> the high one.
+    !> Corners of body b in this process, for given places; without particles the low one is huge
+    !> and above the high one.
     subroutine extent_of_body(gpu, b, place, box, err)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b
@@ -135,8 +134,10 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: part(sum_threads, 6)
 
-        call solid_kernels%solid_extent([sum_threads, 1, 1], gpu%bodies(b)%first, &
-                                        gpu%bodies(b)%last, sum_threads, place, gpu%partial, err)
+        associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
+            call solid_kernels%solid_extent([sum_threads, 1, 1], first, last, sum_threads, place, &
+                                            gpu%partial, err)
+        end associate
         part = 0
         call copy_out(gpu%partial, part, 8_int64*size(part), err)
         box = reshape([minval(part(:, 1:3), 1), maxval(part(:, 4:6), 1)], [3, 2])
