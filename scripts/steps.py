@@ -53,6 +53,8 @@ ON_GPU += "|fixed|id"
 OF_SOLIDS = [(r"\ballocated\(solid%(load|grip)\)", r"gpu%\1%address /= 0")]
 OF_SOLIDS += [(r"\bjoined_of\(solid%links\)", "gpu%links%joined")]
 OF_SOLIDS += [(r"\bhomes_of\(solid, b\)", "homes_of(gpu, solid, b)")]
+OF_SOLIDS += [(r"\bglue_of\(solid\)", "gpu%cohesive%push")]
+OF_SOLIDS += [(r"\bnodes_of\(solid\)", "gpu%cohesive%row")]
 OF_SOLIDS += [(r"\b(load|grip)_of\(solid\)", r"gpu%\1"), (rf"\bsolid%({ON_GPU})\b", r"gpu%\1")]
 OF_SOLIDS += [(r"\b(?!body\b)(\w+) => solid%", r"\1 => gpu%"), (r"\((?::, )?1:\)", "")]
 OF_AIR = [

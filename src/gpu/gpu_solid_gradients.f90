@@ -1,13 +1,14 @@
 ! SPDX-License-Identifier: MIT
 !> Pass 1 on the GPU: gradients of every particle, and its material over the step just made.
 module brz_gpu_solid_gradients
-    use brz_buffers, only: doubles_t, reals_t
-    use brz_device, only: reserve_buffer, side_by_side
+    use brz_buffers, only: doubles_t, from, reals_t
+    use brz_device, only: clear_buffer, reserve_buffer, side_by_side
     use brz_errors, only: error_t
     use brz_gpu_solid_contact, only: add_bond_moments
-    use brz_gpu_solid_rigid, only: fill_rigid
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, threads_of, words_of_real
     use brz_kinds, only: dp, int64, rk
+    use brz_motion_launches, only: motion_kernels
+    use brz_rigid_pose, only: resting_pose
     use brz_row_launches, only: row_kernels
     use brz_solid_launches, only: launch_advance_point, launch_solid_moments, solid_kernels
     use brz_solid_state, only: solid_t
@@ -55,6 +56,21 @@ contains
         end do
         call side_by_side(0)
     end subroutine gradient_pass
+
+    !> What contact gathers of the particles of body b.
+    subroutine fill_rigid(gpu, solid, b, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+
+        associate (there => gpu%bodies(b), n => gpu%bodies(b)%last - gpu%bodies(b)%first + 1)
+            call motion_kernels%fill_rigid_row(n, there%first, 4, &
+                resting_pose(solid%bodies(b)%rigid), gpu%volume, gpu%pair, err)
+            ! the host knows its time step
+            call clear_buffer(from(gpu%rate, int(there%first, int64)), err, 8_int64*n)
+        end associate
+    end subroutine fill_rigid
 
     !> Pass 1 of bodies that sleep, whose particles may be others now.
     subroutine renew_sleepers(gpu, solid, err)

@@ -14,8 +14,8 @@ module brz_gpu_solid_state
     use brz_gpu_face_load, only: gpu_facets_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, rows_t
     use brz_gpu_places, only: gpu_marks_t
-    use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, book_load, &
-        grid_gpu_t, &
+    use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, &
+        book_contact_heat, book_load, grid_gpu_t, &
         n_book, n_flag, n_tag, n_terms, n_total, tag_bond, tag_fixed, tag_id, tag_joined, &
         tag_touch, tag_weight
     use brz_kinds, only: dp, int64, rk
@@ -126,7 +126,7 @@ module brz_gpu_solid_state
         type(buffer_t) :: k_axes
         ! parts of these arrays as items have them, under the names of solid_t
         integer :: wide = 4, step_d = 0, step_p = 1
-        type(doubles_t) :: x, x_ref, x_built, work
+        type(doubles_t) :: x, x_ref, x_built, work, contact_heat
         type(reals_t) :: v, v_before, volume, a, load, grip, mass, mu, energy, stress, pair
         type(integers_t) :: id, fixed, moved
         type(gpu_exact_t) :: exact
@@ -291,6 +291,7 @@ contains
         if (gpu%column%grip > 0) gpu%grip = column_of(gpu, gpu%column%grip + 1)
         gpu%pair = gpu%row
         gpu%work = book_of(gpu, book_load)
+        gpu%contact_heat = book_of(gpu, book_contact_heat)
         gpu%id = tags_of(gpu, tag_id)
         gpu%fixed = tags_of(gpu, tag_fixed)
         associate (links => gpu%links)

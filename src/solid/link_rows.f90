@@ -3,12 +3,16 @@
 module brz_link_rows
     use brz_contact, only: law_bonded
     use brz_contact_items, only: owner_of
-    use brz_kinds, only: int32, int64
+    use brz_kinds, only: dp, int32, int64
     use brz_link_layout, only: link_unit, mask_unit
-    use brz_solid_state, only: bond_whole, links_t
+    use brz_rigid_pose, only: push_layout_t
+    use brz_solid_state, only: bond_whole, links_t, solid_t
     implicit none
     private
     public :: first_link, last_link, link_partner, link_mask, is_bonded, joined_of
+    public :: glue_of, nodes_of, layout_of_pushes
+
+    real(dp), target :: no_glue(3, 0:0) = 0
 
 contains
 
@@ -62,4 +66,31 @@ contains
         joined => links%bond
         if (allocated(links%joined)) joined => links%joined
     end function joined_of
+
+    !> Forces on the nodes of interfaces, and the node of each particle by its number; where there
+    !> are no interfaces something that must not be read.
+    function glue_of(solid) result(glue)
+        type(solid_t), intent(in), target :: solid
+        real(dp), pointer, contiguous :: glue(:, :) !! [N]
+
+        glue => no_glue
+        if (solid%cohesive%present) glue => solid%cohesive%push
+    end function glue_of
+
+    function nodes_of(solid) result(node)
+        type(solid_t), intent(in), target :: solid
+        integer(int32), pointer, contiguous :: node(:)
+
+        node => solid%id
+        if (solid%cohesive%present) node => solid%cohesive%row
+    end function nodes_of
+
+    !> How links%push lies: springs, drag, torque of drag; forces of interfaces are not among them.
+    pure function layout_of_pushes(solid) result(lay)
+        type(solid_t), intent(in) :: solid
+        type(push_layout_t) :: lay
+
+        lay = push_layout_t(compact=1, step_c=1, step_p=9, drag=3, torque=6, heat=0, &
+                            glued=merge(1, 0, solid%cohesive%present))
+    end function layout_of_pushes
 end module brz_link_rows

@@ -6,14 +6,13 @@ module brz_motion_items
     use brz_kinds, only: dp, int32, int64, rk
     use brz_move_level, only: level_of, move_levels
     use brz_rigid, only: cross
-    use brz_rigid_pose, only: arm_at, place_point, pose_t, spin_at, velocity_at
-    use brz_solid_state, only: at_drag, at_heat, at_stiff, is_gone, is_held, n_pair, pair_spin, &
-        pair_volume
+    use brz_rigid_pose, only: arm_at, place_point, pose_t, push_layout_t, spin_at, velocity_at
+    use brz_solid_state, only: is_gone, is_held, n_pair, pair_spin, pair_volume
     use brz_support, only: driven_by, is_driven, is_kept
     implicit none
     private
     public :: drift_particle, size_particle, drive_particle, place_rigid, note_particle
-    public :: follow_drive, follow_rigid, fill_rigid_row, sum_pairs, settle_heat, heat_of_drag
+    public :: follow_drive, follow_rigid, fill_rigid_row, sum_pairs, settle_heat
     public :: kick_and_drift
 
 contains
@@ -258,15 +257,11 @@ contains
     !> Add what other bodies do to a particle to the force and the torque on its rigid body.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_pairs(p, first, wide, compact, step_c, step_p, drag, hold, glued, pose, &
-                              row, id, node, glue, x, pairs, push)
+    pure subroutine sum_pairs(p, first, wide, lay, pose, row, id, node, glue, x, pairs, push)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of x
-        integer, intent(in) :: compact !! 1: sums of pairs are those of rows; 0: of particles
-        integer, intent(in) :: step_c, step_p !! distances of numbers, of rows or particles in them
-        integer, intent(in) :: drag, hold !! before the forces, the torques of drag in them
-        integer, intent(in) :: glued !! 1: forces of interfaces are not among them
+        type(push_layout_t), intent(in) :: lay
         type(pose_t), intent(in) :: pose !! of the body
         integer(int32), intent(in) :: row(*), id(*), node(*)
         real(dp), intent(in) :: glue(3, 0:*) !! forces on the nodes of interfaces [N]
@@ -279,62 +274,61 @@ contains
 
         i = first - 1 + p
         at = i
-        if (compact == 1) at = row(i)
-        if (at == 0 .and. glued == 0) return
-        at = 1 + (at - 1)*step_p
+        if (lay%compact == 1) at = row(i)
+        if (at == 0 .and. lay%glued == 0) return
+        at = 1 + (at - 1)*lay%step_p
         do c = 1, 3
             f(c) = 0
-            if (at > 0) f(c) = pairs(at + (c - 1)*step_c) + pairs(at + (drag + c - 1)*step_c)
-            if (glued == 1) f(c) = f(c) + glue(c, node(id(i)))
+            if (at > 0) f(c) = pairs(at + (c - 1)*lay%step_c) &
+                + pairs(at + (lay%drag + c - 1)*lay%step_c)
+            if (lay%glued == 1) f(c) = f(c) + glue(c, node(id(i)))
         end do
         arm = arm_at(pose, x(1, i))
         torque = cross(arm, f)
         do c = 1, 3
             push(c) = push(c) + f(c)
             push(3 + c) = push(3 + c) + torque(c)
-            if (at > 0) push(3 + c) = push(3 + c) + pairs(at + (hold + c - 1)*step_c)
+            if (at > 0) push(3 + c) = push(3 + c) + pairs(at + (lay%torque + c - 1)*lay%step_c)
         end do
     end subroutine sum_pairs
 
-    !> The heat of drag is that of the velocity before the kick; it works with the mean of those
-    !> before and after it: what a particle of a rigid body gets back [J].
-    !@cuf attributes(host,device) &
-    pure function heat_of_drag(dt, drag, torque, accel, turn) result(heat)
-        real(dp), intent(in) :: dt !! step just made [s]
-        real(rk), intent(in) :: drag(3), torque(3), accel(3) !! [N], [N m], [m/s2]
-        real(dp), intent(in) :: turn(3) !! change of the spin in the kick [1/s]
-        real(dp) :: heat
-
-        heat = -dt*(dt/2*dot_product(drag, accel) + dot_product(torque, turn))
-    end function heat_of_drag
-
-    !> Give a particle of a rigid body that heat, and what its pairs made.
+    !> Give a particle of a rigid body the heat of drag. The pairs made it with the velocity before
+    !> the kick, but drag works with the mean of those before and after it: the rest is made good.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine settle_heat(p, first, column, dt, wx, wy, wz, mass, pairs, accel, energy, book)
+    pure subroutine settle_heat(p, first, lay, step_d, step_p, dt, wx, wy, wz, row, mass, pairs, &
+                                accel, energy, book)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
-        integer, intent(in) :: column !! numbers of a column
+        type(push_layout_t), intent(in) :: lay
+        integer, intent(in) :: step_d, step_p !! distances in `accel`
         real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(in) :: wx, wy, wz !! change of the spin in the kick [1/s]
-        real(rk), intent(in) :: mass(*), accel(column, *)
-        real(rk), intent(in) :: pairs(column, *) !! slots of brz_solid_state
+        integer(int32), intent(in) :: row(*)
+        real(rk), intent(in) :: mass(*), pairs(*), accel(*)
         real(rk), intent(inout) :: energy(*)
         real(dp), intent(inout) :: book(*) !! [J]
-        real(rk) :: drag(3), torque(3), a(3)
-        real(dp) :: heat, turn(3)
+        real(dp) :: drag, heat, turning, turn(3)
+        integer(int64) :: at
         integer :: c, i
 
         i = first - 1 + p
-        do c = 1, 3
-            drag(c) = pairs(i, at_drag + c)
-            torque(c) = pairs(i, at_stiff + c)
-            a(c) = accel(i, c)
-        end do
+        at = i
+        if (lay%compact == 1) at = row(i)
+        if (at == 0) return
+        at = 1 + (at - 1)*lay%step_p
         turn(1) = wx
         turn(2) = wy
         turn(3) = wz
-        heat = dt*pairs(i, at_heat) + heat_of_drag(dt, drag, torque, a, turn)
+        drag = 0
+        turning = 0
+        do c = 1, 3
+            drag = drag + pairs(at + (lay%drag + c - 1)*lay%step_c) &
+                   *accel(1 + (i - 1)*step_p + (c - 1)*step_d)
+            turning = turning + pairs(at + (lay%torque + c - 1)*lay%step_c)*turn(c)
+        end do
+        heat = -dt*(dt/2*drag + turning)
+        if (lay%heat > 0) heat = heat + dt*pairs(at + (lay%heat - 1)*lay%step_c)
         energy(i) = energy(i) + real(heat/mass(i), rk)
         book(i) = book(i) + heat
     end subroutine settle_heat

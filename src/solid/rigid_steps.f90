@@ -11,15 +11,18 @@ module brz_rigid_steps
     use brz_force_loops, only: each_sum_region
     !@gpu use brz_gpu_solid_totals, only: add_held_impulse
     use brz_kinds, only: dp
+    use brz_link_rows, only: glue_of, layout_of_pushes, nodes_of !@cpu
     use brz_motion, only: mean_velocity, velocity_of
     use brz_motion_loops, only: each_drive_particle, each_follow_drive, each_follow_rigid, &
-        each_place_rigid
+        each_place_rigid, each_settle_heat, each_sum_pairs
     use brz_rigid_motion, only: advance_rigid, rigid_step, settle_rigid
-    use brz_rigid_pose, only: pose_of
+    use brz_rigid_pose, only: pose_of, push_layout_t, resting_pose
+    use brz_solid_books, only: book_drag !@cpu
     use brz_solid_state, only: form_rigid, ledger_t, solid_t
+    !@gpu use brz_solid_state, only: at_drag, at_heat, at_stiff
     implicit none
     private
-    public :: move_rigid, balance_rigid
+    public :: move_rigid, sum_pushes, balance_rigid, settle_drag
 
 contains
 
@@ -80,6 +83,50 @@ contains
             end do
         end associate
     end subroutine move_regions
+
+    !> Force and torque of contact and of interfaces on rigid bodies: exact sums, as they act back.
+    subroutine sum_pushes(solid, dt, push)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! step just made [s]
+        real(dp), intent(out) :: push(6, size(solid%bodies)) !! [N], [N m]
+        type(push_layout_t) :: lay
+        integer :: b
+
+        push = 0
+        lay = layout_of_pushes(solid) !@cpu
+        !@gpu lay = push_layout_t(0, gpu%n, 1, at_drag, at_stiff, at_heat, 0)
+        do b = 1, merge(size(solid%bodies), 0, solid%links%present)
+            associate (body => solid%bodies(b), there => solid%bodies(b), l => solid%links)
+                if (body%formulation /= form_rigid .or. body%asleep .and. dt > 0) cycle
+                call each_sum_pairs(there%last - there%first + 1, solid%ranks, there%first, &
+                    solid%wide, lay, resting_pose(body%rigid), l%row, solid%id, nodes_of(solid), &
+                    glue_of(solid), solid%x, l%push(:, 1:), push(:, b)) !@gpu l%push => gpu%extra
+            end associate
+        end do
+    end subroutine sum_pushes
+
+    !> The heat of drag on particles of rigid bodies.
+    subroutine settle_drag(solid, dt)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! step just made [s]
+        real(dp) :: turn(3)
+        type(push_layout_t) :: lay
+        integer :: b
+
+        lay = layout_of_pushes(solid) !@cpu
+        !@gpu lay = push_layout_t(0, gpu%n, 1, at_drag, at_stiff, at_heat, 0)
+        do b = 1, merge(size(solid%bodies), 0, solid%links%present .and. dt > 0)
+            associate (body => solid%bodies(b), there => solid%bodies(b), l => solid%links)
+                if (body%formulation /= form_rigid .or. body%asleep) cycle
+                turn = body%rigid%omega - body%rigid%spin
+                call each_settle_heat(there%last - there%first + 1, there%first, lay, &
+                    solid%step_d, solid%step_p, dt, turn(1), turn(2), turn(3), l%row, &
+                    solid%mass, l%push(:, 1:), solid%a, solid%energy, &
+                    solid%work) !@gpu l%push => gpu%extra gpu%work => gpu%contact_heat
+                call book_drag(solid, b) !@cpu
+            end associate
+        end do
+    end subroutine settle_drag
 
     !> Forces on rigid and driven bodies at the step, `a` of their particles, and what time step
     !> they bear.

@@ -8,7 +8,8 @@ module brz_solid_books
     use brz_solid_state, only: form_rigid, ledger_t, solid_t, worth_threads
     implicit none
     private
-    public :: books_t, open_all_books, close_all_books, keep_books_of_first, begin_kick, book_work
+    public :: books_t, open_all_books, close_all_books, keep_books_of_first, begin_kick
+    public :: book_drag, book_work
 
     type(ledger_t), parameter :: empty = ledger_t()
     integer, parameter :: n_ledger = size(transfer(empty, [0.0_dp])) !! all components are real(dp)
@@ -40,13 +41,13 @@ contains
         call write_down(solid, reshape(total, shape(books%own)))
     end subroutine open_all_books
 
-    !> Room for what a kick notes; it is kept from one to the next.
+    !> Room for what items book of particles; it is kept from one step to the next.
     subroutine begin_kick(solid)
         type(solid_t), intent(inout) :: solid
         integer :: n
 
         n = 0
-        if (allocated(solid%load)) n = size(solid%load, 2)
+        if (allocated(solid%load) .or. solid%links%present) n = size(solid%v, 2)
         if (allocated(solid%work)) then
             if (size(solid%work) < n) deallocate (solid%work)
         end if
@@ -75,6 +76,20 @@ contains
             end associate
         end do
     end subroutine book_work
+
+    !> Book the heat of drag on body b, particle by particle.
+    subroutine book_drag(solid, b)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: b
+        integer :: i
+
+        associate (body => solid%bodies(b))
+            do i = body%first, body%last
+                body%ledger%contact_heat = body%ledger%contact_heat + solid%work(i)
+                solid%work(i) = 0
+            end do
+        end associate
+    end subroutine book_drag
 
     !> Go back to those of this process alone.
     subroutine close_all_books(solid, books)

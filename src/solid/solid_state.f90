@@ -265,7 +265,7 @@ module brz_solid_state
                                                 !! where there is air, on several processes [m/s]
         real(rk), allocatable :: grip(:, :) !! (3, n) force on what holds a particle at the step;
                                             !! only where a gauge asks for it [N]
-        real(dp), allocatable :: work(:) !! (n) of the loads in a kick, else 0 [J]
+        real(dp), allocatable :: work(:) !! (n) of the loads in a kick; heat of drag; else 0 [J]
         integer, allocatable :: moved(:, :) !! (move_levels, bodies) 1: some particle has moved so
                                             !! far since its list was built
         logical :: impulses = .false. !! a gauge asks for those of the load

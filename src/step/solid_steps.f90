@@ -10,14 +10,13 @@ module brz_solid_steps
     !@gpu use brz_gpu_solid_forces, only: force_pass
     !@gpu use brz_gpu_solid_gradients, only: gradient_pass
     !@gpu use brz_gpu_solid_motion, only: begin_step, book_first_half, end_support
-    !@gpu use brz_gpu_solid_rigid, only: settle_drag, sum_pushes
     !@gpu use brz_gpu_solid_totals, only: fetch_limit
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: drift_bodies, find_stale
     use brz_motion_steps, only: find_levels, kick_bodies
     use brz_ranks, only: most_of_all
-    use brz_rigid_steps, only: balance_rigid, move_rigid
+    use brz_rigid_steps, only: balance_rigid, move_rigid, settle_drag, sum_pushes
     use brz_solid_bonds, only: break_bonds, push_rigid_bonds !@cpu
     use brz_solid_contact, only: contact_pass !@cpu
     use brz_solid_faults, only: agree_on_step, report_bad
@@ -27,7 +26,6 @@ module brz_solid_steps
     use brz_solid_leaving, only: remove_left !@cpu
     use brz_solid_list_steps, only: build_neighbours
     use brz_solid_motion, only: end_support !@cpu
-    use brz_solid_rigid, only: settle_drag, sum_pushes !@cpu
     use brz_solid_sleep, only: wake_met
     use brz_solid_state, only: solid_t
     implicit none
