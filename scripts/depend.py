@@ -15,7 +15,9 @@ import re
 import sys
 from pathlib import Path
 
-USE = re.compile(r"^\s*use\s*(?:,\s*(?P<nature>\w+)\s*)?(?:::)?\s*\b(?P<name>[a-z]\w*)", re.I)
+USE = re.compile(
+    r"^\s*(?:block;\s*)?use\s*(?:,\s*(?P<nature>\w+)\s*)?(?:::)?\s*\b(?P<name>[a-z]\w*)", re.I
+)
 MODULE = re.compile(
     r"^\s*module\s+(?!(?:procedure|subroutine|function)\b)([a-z]\w*)\s*(?:!.*)?$", re.I
 )

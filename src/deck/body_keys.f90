@@ -3,6 +3,7 @@
 module brz_body_keys
     use brz_key, only: key_t, kind_integer, kind_logical, kind_real, kind_text, required
     use brz_kinds, only: dp
+    use brz_outlines, only: own_keys, shape_choices
     implicit none
     private
     public :: body_keys
@@ -16,6 +17,7 @@ contains
         type(key_t), allocatable, intent(inout) :: keys(:)
 
         call shape_keys(keys)
+        keys = [keys, own_keys()]
         call state_keys(keys)
         call method_keys(keys)
         call interaction_keys(keys)
@@ -32,7 +34,7 @@ contains
                 key_t(group=g, key='id', kind=kind_text, default=required, &
                       meaning='Name of the body.'), &
                 key_t(group=g, key='shape', kind=kind_text, default='box', &
-                      choices='box|sphere|cylinder|bars|stl|particles', &
+                      choices=shape_choices(), &
                       meaning='Shape; planes of symmetry cut it. bars: rows of equal '// &
                       'round bars; stl: within a closed surface; particles: from a file.'), &
                 key_t(group=g, key='file', kind=kind_text, longest=256, &

@@ -9,32 +9,15 @@ module brz_check_bodies
     use brz_files, only: file_exists
     use brz_get, only: is_given, is_usable
     use brz_kinds, only: dp
+    use brz_outline, only: has_key, needs_key, outline_t
+    use brz_outlines, only: body_box, keys_of_shapes, outline_of
     use brz_text, only: nearest, to_text
     implicit none
     private
-    public :: check_bodies, body_box, reference_hint
+    public :: check_bodies, reference_hint
 
     character(*), parameter :: axes = 'xyz'
 
-    !> A key of &body that only some shapes have.
-    type :: shape_key_t
-        character(12) :: key
-        character(20) :: shapes
-        logical :: needed !! by all of them
-    end type shape_key_t
-
-    type(shape_key_t), parameter :: shape_keys(11) = [ &
-        shape_key_t('box', 'box bars', .true.), &
-        shape_key_t('centre', 'sphere cylinder', .true.), &
-        shape_key_t('radius', 'sphere cylinder', .true.), &
-        shape_key_t('length', 'cylinder', .true.), &
-        shape_key_t('axis', 'cylinder bars', .true.), &
-        shape_key_t('inner_radius', 'cylinder', .false.), &
-        shape_key_t('diameter', 'bars', .true.), &
-        shape_key_t('bars', 'bars', .false.), &
-        shape_key_t('file', 'stl particles', .true.), &
-        shape_key_t('scale', 'stl particles', .false.), &
-        shape_key_t('move', 'stl particles', .false.)]
     real(dp), parameter :: slack = 1e-9_dp !! relative rounding of positions in the deck
 
 contains
@@ -116,25 +99,28 @@ contains
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(body_case_t), intent(in) :: body
-        character(:), allocatable :: key
+        type(outline_t) :: outline
+        character(24), allocatable :: keys(:)
+        character(:), allocatable :: key, text
         integer :: i
 
         if (.not. is_usable(deck%groups(g), 'shape')) return
-        do i = 1, size(shape_keys)
-            key = trim(shape_keys(i)%key)
-            if (index(shape_keys(i)%shapes//' ', trim(body%shape)//' ') > 0) then
-                if (shape_keys(i)%needed .and. .not. is_usable(deck%groups(g), key)) &
+        outline = outline_of(body)
+        keys = keys_of_shapes()
+        do i = 1, size(keys)
+            key = trim(keys(i))
+            if (has_key(outline, key)) then
+                if (needs_key(outline, key) .and. .not. is_usable(deck%groups(g), key)) &
                     call need_key(deck, g, body, key)
             else if (is_given(deck%groups(g), key)) then
                 call complain(deck, g, key, "key '"//key//"' has no place with shape='"// &
                               trim(body%shape)//"'; take it out or change the shape")
             end if
         end do
-        if (body%shape == 'box' .or. body%shape == 'bars') &
-            call check_corners(deck, g, body%lo, body%hi)
-        if (body%shape == 'cylinder' .and. .not. body%inner_radius < body%radius) &
-            call complain(deck, g, 'inner_radius', 'inner_radius '//to_text(body%inner_radius)// &
-                          ' m leaves nothing of the radius '//to_text(body%radius)//' m')
+        if (needs_key(outline, 'box')) call check_corners(deck, g, body%lo, body%hi)
+        if (deck%groups(g)%bad .or. .not. associated(outline%fault)) return
+        call outline%fault(body, key, text)
+        if (key /= '') call complain(deck, g, key, text)
     end subroutine check_shape
 
     !> A depth that is held needs a face, and a layer of particles within it.
@@ -346,19 +332,4 @@ contains
             to_text(body%diameter)//' m are thinner than half a spacing of '// &
             to_text(body%spacing)//' m')
     end subroutine check_bars
-
-    !> Corners of the smallest box around a body [m].
-    pure subroutine body_box(body, lo, hi)
-        type(body_case_t), intent(in) :: body
-        real(dp), intent(out) :: lo(3), hi(3)
-        real(dp) :: half(3)
-
-        lo = body%lo
-        hi = body%hi
-        if (body%shape /= 'sphere' .and. body%shape /= 'cylinder') return
-        half = body%radius
-        if (body%shape == 'cylinder') half(index(axes, body%axis)) = body%length/2
-        lo = body%centre - half
-        hi = body%centre + half
-    end subroutine body_box
 end module brz_check_bodies

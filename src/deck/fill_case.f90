@@ -7,7 +7,8 @@ module brz_fill_case
                         find_group, group_t
     use brz_explosives, only: explosives, find_explosive
     use brz_fill_rollers, only: fill_rollers
-    use brz_get, only: get, get_boxes, get_path, is_usable
+    use brz_fill_shape, only: fill_shape
+    use brz_get, only: get, get_box, get_boxes, get_path, is_usable
     use brz_kinds, only: dp
     use brz_layup, only: parse_layup
     use brz_text, only: to_text
@@ -186,30 +187,12 @@ contains
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
         type(body_case_t), intent(inout) :: body
-        character(len(body%shape)) :: lattice
         integer :: n
 
-        lattice = ''
+        call fill_shape(deck, g, body)
         associate (group => deck%groups(g))
             body%id = group%id
             body%place = place(deck, group%line)
-            call get(group, 'shape', body%shape)
-            call get_box(group, body%lo, body%hi)
-            call get(group, 'centre', body%centre)
-            call get(group, 'radius', body%radius)
-            call get(group, 'length', body%length)
-            call get(group, 'inner_radius', body%inner_radius)
-            call get(group, 'axis', body%axis)
-            call get(group, 'diameter', body%diameter)
-            call get(group, 'bars', body%bars)
-            call get(group, 'cuts', body%cuts, n)
-            call get_path(deck, g, 'file', body%file)
-            call get(group, 'scale', body%scale)
-            call get(group, 'move', body%move)
-            call get(group, 'spacing', body%spacing)
-            call get(group, 'lattice', lattice)
-            body%layered = lattice == 'layered'
-            call get(group, 'aspect', body%aspect)
             call get(group, 'material', body%material)
             call get(group, 'ply_axis', body%ply_axis)
             call get(group, 'fix', body%fix, n)
@@ -368,17 +351,4 @@ contains
         solid%has_region = is_usable(group, 'region')
         solid%region = transpose(reshape(box, [2, 3]))
     end subroutine get_region
-
-    !> Corners from 'box': x0, x1, y0, y1, z0, z1.
-    subroutine get_box(group, lo, hi)
-        type(group_t), intent(in) :: group
-        real(dp), intent(inout) :: lo(3), hi(3)
-        real(dp) :: box(6)
-
-        if (.not. is_usable(group, 'box')) return
-        box = 0
-        call get(group, 'box', box)
-        lo = box(1:5:2)
-        hi = box(2:6:2)
-    end subroutine get_box
 end module brz_fill_case

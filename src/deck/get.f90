@@ -6,7 +6,7 @@ module brz_get
     use brz_text, only: to_text
     implicit none
     private
-    public :: get, get_boxes, get_list, get_path, is_given, is_usable
+    public :: get, get_box, get_boxes, get_list, get_path, is_given, is_usable
 
     interface get
         module procedure :: get_real, get_reals, get_integer, get_integers, get_logical
@@ -124,6 +124,19 @@ contains
         allocate (list(n))
         if (n > 0) call get(group, key, list)
     end subroutine get_list
+
+    !> Corners from 'box': x0, x1, y0, y1, z0, z1.
+    subroutine get_box(group, lo, hi)
+        type(group_t), intent(in) :: group
+        real(dp), intent(inout) :: lo(3), hi(3)
+        real(dp) :: box(6)
+
+        if (.not. is_usable(group, 'box')) return
+        box = 0
+        call get(group, 'box', box)
+        lo = box(1:5:2)
+        hi = box(2:6:2)
+    end subroutine get_box
 
     !> Path of a file. One that is not absolute is beside the deck.
     subroutine get_path(deck, g, key, path)

@@ -259,7 +259,8 @@ contains
         integer :: a
 
         a = axis_of(body)
-        if (body%shape /= 'cylinder' .or. a > points%shape%dimension) return
+        if (points%shape%outline%fits /= 'axis' .or. body%shape == 'bars') return
+        if (a > points%shape%dimension) return
         if (size(points%x, 2) == 0) return
         length = points%shape%hi(a) - points%shape%lo(a)
         laid = maxval(points%x(a, :)) - minval(points%x(a, :)) + points%shape%spacing(a)

@@ -15,6 +15,8 @@ module brz_body_setup
     use brz_gauge_quantities, only: find_quantity, from_impulse, quantities
     use brz_interaction_setup, only: set_up_interactions
     use brz_load_setup, only: set_up_loads
+    use brz_outline, only: outline_t
+    use brz_outlines, only: outline_of
     use brz_kinds, only: dp, int16, rk
     use brz_layer_setup, only: settle_layer
     use brz_material, only: material_t, point_t
@@ -245,14 +247,16 @@ contains
         real(dp), intent(in) :: speed !! [m/s]
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
+        type(outline_t) :: outline
 
         body%id = input%id
         body%material = input%material_index
         body%spacing = input%spacing
-        if (input%shape == 'sphere' .or. input%shape == 'cylinder') then
+        outline = outline_of(input)
+        if (outline%round) then
             body%round%centre = input%centre
             body%round%radius = [input%radius, input%inner_radius]
-            if (input%shape == 'cylinder') body%round%axis = axis_of(input)
+            if (outline%fits == 'axis') body%round%axis = axis_of(input)
         end if
         call settle_formulation(input, material, dimension, speed, body, err)
     end subroutine settle

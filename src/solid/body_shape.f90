@@ -6,6 +6,8 @@ module brz_body_shape
     use brz_bar_layers, only: bar_at, bar_count, bar_offset, bar_span, bars_modelled, span_t
     use brz_case, only: body_case_t, is_from_file
     use brz_kinds, only: dp
+    use brz_outline, only: fits_along, outline_t
+    use brz_outlines, only: outline_of
     implicit none
     private
     public :: shape_t, lay_shape, take_lattice, point_of, inside, exact_volume, modelled_share, &
@@ -16,6 +18,7 @@ module brz_body_shape
     !> A lattice that covers a body, cut at the symmetry planes.
     type :: shape_t
         integer :: dimension = 3
+        type(outline_t) :: outline
         real(dp) :: lo(3) = 0, hi(3) = 0 !! corners of what is modelled [m]
         real(dp) :: full_lo(3) = 0, full_hi(3) = 0 !! the same before cutting [m]
         real(dp) :: spacing(3) = 0 !! of the layers [m]
@@ -41,7 +44,8 @@ contains
 
         s%dimension = dimension
         s%depth = depth
-        call extent(body, s%lo, s%hi)
+        s%outline = outline_of(body)
+        call s%outline%corners(body, s%lo, s%hi)
         if (present(box)) then
             s%lo = box(:, 1)
             s%hi = box(:, 2)
@@ -62,9 +66,7 @@ contains
             if (s%on_plane(a)) s%lo(a) = 0
             side = s%hi(a) - s%lo(a)
             s%start(a) = s%lo(a)
-            if (body%shape == 'box' .or. &
-                (a == axis_of(body) .and. any(body%shape == [character(8) :: 'bars', &
-                                                             'cylinder']))) then
+            if (fits_along(s%outline, body, a)) then
                 s%n(a) = max(1, nint(side/apart))
                 s%spacing(a) = side/s%n(a)
             else if (body%shape == 'bars') then
@@ -115,23 +117,6 @@ contains
         end associate
     end function overlap
 
-    !> Corners of the box around a body.
-    pure subroutine extent(body, lo, hi)
-        type(body_case_t), intent(in) :: body
-        real(dp), intent(out) :: lo(3), hi(3)
-        real(dp) :: half(3)
-
-        if (body%shape == 'box' .or. body%shape == 'bars') then
-            lo = body%lo
-            hi = body%hi
-            return
-        end if
-        half = body%radius
-        if (body%shape == 'cylinder') half(axis_of(body)) = body%length/2
-        lo = body%centre - half
-        hi = body%centre + half
-    end subroutine extent
-
     pure integer function axis_of(body)
         type(body_case_t), intent(in) :: body
 
@@ -160,7 +145,6 @@ contains
         type(body_case_t), intent(in) :: body
         type(shape_t), intent(in) :: s
         real(dp), intent(in) :: x(3), margin !! [m]
-        real(dp) :: d(3)
         integer :: a, n
         logical :: within(3)
 
@@ -179,13 +163,8 @@ contains
             return
         end if
         inside = all(within(:n))
-        if (.not. inside .or. body%shape == 'box') return
-        d = x - body%centre
-        d(n + 1:) = 0
-        if (body%shape == 'cylinder') d(axis_of(body)) = 0
-        inside = dot_product(d, d) <= (body%radius - margin)**2
-        if (body%inner_radius > 0) &
-            inside = inside .and. dot_product(d, d) >= (body%inner_radius + margin)**2
+        if (inside .and. associated(s%outline%holds)) &
+            inside = s%outline%holds(body, n, x, margin)
     end function inside
 
     !> True for a point within half a spacing of a marked point of the lattice.
@@ -285,18 +264,9 @@ contains
                     bars_modelled(body, a, s%start(a), s%spacing(a), s%on_plane(a))
             end do
             return
-        case ('sphere')
-            volume = ball(s%dimension, body%radius)
         case default
-            a = axis_of(body)
-            if (a <= s%dimension) then
-                volume = body%length*(ball(s%dimension - 1, body%radius) &
-                                      - ball(s%dimension - 1, body%inner_radius))
-            else
-                volume = ball(s%dimension, body%radius) - ball(s%dimension, body%inner_radius)
-            end if
+            volume = s%outline%volume(body, s%dimension)*s%depth*modelled_share(s)
         end select
-        volume = volume*s%depth*modelled_share(s)
     end function exact_volume
 
     !> Share of a body on the positive side of the planes that cut it; 0: not known.
@@ -306,21 +276,8 @@ contains
 
         share = 1
         do a = 1, s%dimension
-            if (is_cut(s, a, .true.)) share = share/2
+            if (is_cut(s, a, .true.)) share = merge(share/2, 0.0_dp, s%outline%even)
             if (is_cut(s, a, .false.)) share = 0
         end do
     end function modelled_share
-
-    !> Volume of a ball in so many dimensions.
-    pure real(dp) function ball(dimension, radius)
-        integer, intent(in) :: dimension
-        real(dp), intent(in) :: radius
-
-        select case (dimension)
-        case (0); ball = merge(1, 0, radius > 0)
-        case (1); ball = 2*radius
-        case (2); ball = pi*radius**2
-        case default; ball = 4*pi/3*radius**3
-        end select
-    end function ball
 end module brz_body_shape

@@ -4,7 +4,7 @@
 module brz_advice_air
     use brz_advice_text, only: length_text, millimetres, say_advice, say_more, time_text
     use brz_case, only: body_case_t, case_t, is_from_file
-    use brz_check_bodies, only: body_box
+    use brz_outlines, only: body_box
     use brz_early, only: early_t
     use brz_kinds, only: dp, real32
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, nearest

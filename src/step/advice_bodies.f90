@@ -4,7 +4,7 @@
 module brz_advice_bodies
     use brz_advice_text, only: millimetres, say_advice, say_more, time_text
     use brz_case, only: case_t, is_from_file
-    use brz_check_bodies, only: body_box
+    use brz_outlines, only: body_box
     use brz_kinds, only: dp, real32
     use brz_material, only: class_metal
     use brz_scene_size, only: count_text

@@ -6,7 +6,7 @@ module brz_check
     use brz_air_setup, only: time_step_ramp
     use brz_body_setup, only: meeting_speed
     use brz_case, only: body_case_t, case_t
-    use brz_check_bodies, only: body_box
+    use brz_outlines, only: body_box
     use brz_check_meetings, only: print_meetings
     use brz_cohesive_setup, only: interface_name, zone_over_spacing
     use brz_cohesive_state, only: cohesive_totals

@@ -8,6 +8,8 @@
 module brz_mirror_planes
     use brz_case, only: body_case_t, case_t, is_from_file, region_case_t
     use brz_kinds, only: dp
+    use brz_outline, only: outline_t
+    use brz_outlines, only: outline_of
     implicit none
     private
     public :: mirror_planes
@@ -89,17 +91,19 @@ contains
     pure logical function is_image(p, q, a) result(image)
         type(body_case_t), intent(in) :: p, q
         integer, intent(in) :: a
+        type(outline_t) :: outline
 
-        image = p%shape == q%shape .and. .not. is_from_file(p) .and. &
+        outline = outline_of(p)
+        image = p%shape == q%shape .and. outline%even .and. .not. is_from_file(p) .and. &
                 p%file == '' .and. p%start_file == '' .and. p%material == q%material .and. &
                 p%axis == q%axis .and. p%formulation == q%formulation .and. &
                 (p%variable_h .eqv. q%variable_h) .and. (p%layered .eqv. q%layered)
         if (.not. image) return
         image = all(same([p%spacing, p%radius, p%length, p%inner_radius, p%diameter], &
                          [q%spacing, q%radius, q%length, q%inner_radius, q%diameter])) &
-                .and. all(p%bars == q%bars) .and. places_agree(p, q, a) &
-                .and. motions_agree(p, q, a) .and. plies_agree(p, q, a) &
-                .and. fixes_agree(p, q, a) .and. regions_agree(p, q, a)
+                .and. all(same(p%own, q%own)) .and. all(p%bars == q%bars) &
+                .and. places_agree(p, q, a) .and. motions_agree(p, q, a) &
+                .and. plies_agree(p, q, a) .and. fixes_agree(p, q, a) .and. regions_agree(p, q, a)
     end function is_image
 
     pure logical function places_agree(p, q, a) result(agree)
