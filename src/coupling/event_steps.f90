@@ -132,6 +132,7 @@ contains
         type(coupling_t), intent(inout) :: c
         integer :: d, n
 
+        call at_least(c%cell, 0)
         call each_clear_wall(c%wall%n_cells, c%box%grid, c%cell, c%wall%solid, c%wall%index)
         n = c%wall%n_cells + c%n_covered - c%n_uncovered
         call list_kind_of(c, int(is_solid), n)

@@ -166,7 +166,6 @@ contains
             f(at_heat) = f(at_heat) - u*vr/2
             if (table(a, b)%law == law_shared) then
                 call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), r, r, g)
-                if (.not. dot_product(g, r) > 0) cycle ! never in tension
                 do t = 1, 3
                     f(t) = f(t) + g(t)
                 end do

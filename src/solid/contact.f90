@@ -53,6 +53,7 @@ module brz_contact
         logical :: directional !! both have a hourglass stiffness along axes
         real(rk) :: arm(2) !! share of x_ij from each to the common surface; 0: it does not turn
         real(rk) :: rest(2) !! volume per mass of both, unloaded [m3/kg]
+        real(rk) :: weight(2) !! bulk moduli over their mean [-]
         real(rk) :: normal(3, 2) !! of the layers of the first and of the second, 0: no tilts
         logical :: curved(2) !! these are radial at each particle, see brz_solid_state
         real(dp) :: middle(3, 2) !! a point of the axes of such walls [m]
@@ -75,8 +76,8 @@ contains
     end function joins
 
     !> True where a pair that shares its sums takes part in them in this step: it approaches, or is
-    !> compressed. Both passes see the same velocities and volumes, so the forces of the second are
-    !> those that the gradients of the first work with.
+    !> compressed (weighted by stiffness). Both passes see the same velocities and volumes, so the
+    !> forces of the second are those that the gradients of the first work with.
     !@cuf attributes(host,device) &
     pure function takes_part(m, mass_i, volume_i, mass_j, volume_j, vr) result(yes)
         type(meeting_t), intent(in) :: m
@@ -84,8 +85,8 @@ contains
         real(rk), intent(in) :: vr !! v_ij.x_ij [m2/s]
         logical :: yes
 
-        yes = vr < 0 .or. m%rest(1)*mass_i/volume_i + m%rest(2)*mass_j/volume_j &
-              > 2 + 64*epsilon(vr)
+        yes = vr < 0 .or. m%weight(1)*(m%rest(1)*mass_i/volume_i - 1) &
+              + m%weight(2)*(m%rest(2)*mass_j/volume_j - 1) > 64*epsilon(vr)
     end function takes_part
 
     !> Product of the volumes with which the particles of a pair share pressure and viscosity.

@@ -125,6 +125,7 @@ contains
             m%curved = [p%curved, q%curved]
             m%middle = reshape([p%round%centre, q%round%centre], [3, 2])
             m%rest = [1/s%density, 1/t%density]
+            m%weight = 2*[s%bulk, t%bulk]/(s%bulk + t%bulk)
             m%arm = real([p%spacing, q%spacing]/(p%spacing + q%spacing), rk)
             where ([p%formulation, q%formulation] /= form_rigid) m%arm = 0
         end associate
