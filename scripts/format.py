@@ -4,20 +4,27 @@
 
 usage: format.py [--check] FILE...
 
+Texts found good stand in build/log/formatted by their sums, and are not looked at again.
+
 fprettify settles indentation and white space. Only the indentation of continuation lines is left
 as it was written, relative to the first line of the statement: fprettify aligns them with
 brackets and shifts the statement to the left where that does not fit.
 """
 
 import difflib
+import hashlib
 import io
 import logging
 import re
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import fprettify
 
+GOOD = (
+    Path(__file__).parents[1] / "build" / "log" / "formatted"
+)  # sums of texts that are as they should be
 CONTINUED = re.compile(r"^(?:[^'\"!]|'[^']*'|\"[^\"]*\")*&\s*(?:!.*)?$")
 TIGHT = re.compile(r",\.not\.")  # fprettify eats the blank before .not.
 
@@ -47,16 +54,27 @@ def formatted(text, name):
     return "\n".join(new) + "\n"
 
 
+def sum_of(text):
+    """The sum of a text, of this script and of the version of fprettify."""
+    parts = text, Path(__file__).read_text(encoding="utf-8"), version("fprettify")
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
 def main():
     check = "--check" in sys.argv
     logging.disable(logging.CRITICAL)
     changed = 0
+    good = set(GOOD.read_text(encoding="utf-8").split()) if GOOD.exists() else set()
+    known = len(good)
     for name in sys.argv[1:]:
         if name == "--check":
             continue
         text = Path(name).read_text(encoding="utf-8")
+        if sum_of(text) in good:
+            continue
         better = formatted(text, name)
         if better == text:
+            good.add(sum_of(text))
             continue
         changed += 1
         if check:
@@ -64,6 +82,9 @@ def main():
             sys.stdout.writelines(difflib.unified_diff(*pair, name, "make format"))
         else:
             Path(name).write_text(better, encoding="utf-8")
+    if len(good) > known:
+        GOOD.parent.mkdir(parents=True, exist_ok=True)
+        GOOD.write_text("\n".join(sorted(good)) + "\n", encoding="utf-8")
     if check and changed:
         sys.exit(f"{changed} file(s) not formatted: run make format")
 
