@@ -35,7 +35,8 @@ OTHERS = ("Makefile", "*.mk", "*.sh", "*.c", "*.ll", "*.html", "*.js", "*.css")
 ALONE = {"cpu": "air_activity air_lines air_riemann air_split air_sweep coupling_paper"}
 ALONE["cpu"] += " solid_artificial solid_gradient_sums solid_lanes solid_leaving solid_pair_sums"
 ALONE["cpu"] += " solid_tilts"
-ALONE["gpu"] = "common peers coupling_copy solid_bodies solid_copy solid_layout solid_load"
+ALONE["gpu"] = "common peers coupling_copy solid_bodies solid_copy solid_layout solid_lists"
+ALONE["gpu"] += " solid_load"
 LICENCE = "SPDX-License-Identifier: MIT"
 
 USE = re.compile(r"^\s*use\b\s*(?:,\s*\w+\s*::\s*|::\s*|\s)(\w+)\s*(.*)$", re.I)

@@ -5,7 +5,7 @@
 !> the order of the particles alone. Links of a particle stand in the order of the bodies, of the
 !> planes of images, and of the numbers of the particles.
 module brz_solid_links
-    use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid
+    use brz_cell_grid, only: cell_span, extent, fill_cells, lay_grid, number_of_cell
     use brz_contact_items, only: owner_of
     use brz_contact, only: law_bonded, law_none
     use brz_kinds, only: dp, int32, int64
@@ -156,8 +156,7 @@ contains
         do c3 = lo(3), hi(3)
             do c2 = lo(2), hi(2)
                 do c1 = lo(1), hi(1)
-                    c = solid%search%code(c1, 1) + solid%search%code(c2, 2) &
-                        + solid%search%code(c3, 3)
+                    c = number_of_cell(solid%search, c1, c2, c3)
                     do k = solid%search%start(c), solid%search%start(c + 1) - 1
                         j = solid%search%order(k)
                         d = solid%x_built(:, j) - x

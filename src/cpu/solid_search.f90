@@ -8,7 +8,8 @@
 !> the numbers of the particles (images: of the planes, then of the numbers), so the sums of a
 !> particle depend neither on who shares its group nor on where particles are in memory.
 module brz_solid_search
-    use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
+    use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, &
+        number_of_cell, reach_of_lists
     use brz_id_order, only: order_by_id, order_room_t
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_solid_arrays, only: group_of
@@ -293,8 +294,7 @@ contains
         do c3 = lo(3), hi(3)
             do c2 = lo(2), hi(2)
                 do c1 = lo(1), hi(1)
-                    c = solid%search%code(c1, 1) + solid%search%code(c2, 2) &
-                        + solid%search%code(c3, 3)
+                    c = number_of_cell(solid%search, c1, c2, c3)
                     do k = solid%search%start(c), solid%search%start(c + 1) - 1
                         j = solid%search%order(k)
                         y = place(:, j) - middle

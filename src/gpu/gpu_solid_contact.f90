@@ -6,7 +6,7 @@ module brz_gpu_solid_contact
     use brz_cohesive_launches, only: cohesive_kernels
     use brz_contact_launches, only: contact_kernels
     use brz_device, only: clear_buffer, reserve_buffer, side_by_side
-    use brz_errors, only: error_t
+    use brz_errors, only: error_t, failed
     use brz_gpu_solid_ghosts, only: refresh_press
     use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
@@ -16,7 +16,7 @@ module brz_gpu_solid_contact
     use brz_tie_launches, only: tie_kernels
     implicit none
     private
-    public :: add_bond_moments, break_bonds, contact_pass
+    public :: note_awake, add_bond_moments, break_bonds, contact_pass
 
 contains
 
@@ -34,23 +34,46 @@ contains
         end associate
     end subroutine add_bond_moments
 
-    !> List the particles that have links, of bodies that are awake, so that no thread waits for
-    !> others beside it; unless they are those of the last step.
+    !> Note which bodies sleep, and the ranges of particles of those that are awake; bodies side by
+    !> side go together.
+    subroutine note_awake(gpu, asleep, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        logical, intent(in) :: asleep(:) !! (bodies)
+        type(error_t), intent(inout) :: err
+        integer :: b, n, range(2, size(gpu%bodies))
+
+        gpu%bodies%asleep = asleep
+        if (failed(err) .or. .not. gpu%linked) return
+        range = 0
+        n = 0
+        do b = 1, size(gpu%bodies)
+            if (asleep(b)) cycle
+            if (n > 0) then
+                if (range(2, n) == gpu%bodies(b)%first - 1) n = n - 1
+            end if
+            n = n + 1
+            if (range(1, n) == 0) range(1, n) = gpu%bodies(b)%first
+            range(2, n) = gpu%bodies(b)%last
+        end do
+        if (any(range /= gpu%links%awake)) gpu%links%n_linked = -1
+        gpu%links%awake = range
+    end subroutine note_awake
+
+    !> List the particles that have links with what they may be bonded to, of bodies that are awake,
+    !> so that no thread waits for others beside it; unless they are those of the last step.
     subroutine list_linked(gpu, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        integer :: k, range(2, size(gpu%bodies))
+        integer :: k
 
-        call find_awake(gpu, range)
         associate (l => gpu%links)
-            if (l%n_linked >= 0 .and. all(l%awake == range)) return
-            l%awake = range
+            if (l%n_linked >= 0) return
             call reserve_buffer(l%mark, 4_int64*(gpu%n + 1), err)
             call reserve_buffer(l%linked, 4_int64*gpu%n, err)
             call clear_buffer(l%mark, err)
-            do k = 1, count(range(1, :) > 0)
-                call tie_kernels%mark_linked(range(2, k) - range(1, k) + 1, range(1, k), l%count, &
-                                             l%mark, err)
+            do k = 1, count(l%awake(1, :) > 0)
+                call tie_kernels%mark_linked(l%awake(2, k) - l%awake(1, k) + 1, l%awake(1, k), &
+                    l%lay, l%ends, l%table, l%row, l%slice, l%count, l%list, l%mark, err)
             end do
             call gpu%common%running_sum(l%mark, gpu%n, err, l%n_linked)
             call tie_kernels%list_linked(gpu%n, l%mark, l%linked, err)
@@ -62,15 +85,14 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
-        integer :: k, range(2, size(solid%bodies))
+        integer :: k
 
         if (.not. (gpu%bonded .and. gpu%links%breaks)) return
-        call find_awake(gpu, range)
         associate (l => gpu%links)
-            do k = 1, count(range(1, :) > 0)
-                call bond_kernels%break_bond(range(2, k) - range(1, k) + 1, range(1, k), l%lay, &
-                    l%ends, l%table, gpu%x, gpu%v, gpu%pair, gpu%stress, l%row, l%slice, l%count, &
-                    l%list, l%bond, err)
+            do k = 1, count(l%awake(1, :) > 0)
+                call bond_kernels%break_bond(l%awake(2, k) - l%awake(1, k) + 1, l%awake(1, k), &
+                    l%lay, l%ends, l%table, gpu%x, gpu%v, gpu%pair, gpu%stress, l%row, l%slice, &
+                    l%count, l%list, l%bond, err)
             end do
         end associate
     end subroutine break_bonds
@@ -81,16 +103,15 @@ contains
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
-        integer :: b, k, range(2, size(gpu%bodies))
+        integer :: b, k
         type(integers_t) :: touching
 
         if (.not. gpu%linked) return
-        call find_awake(gpu, range)
         associate (l => gpu%links, glue => gpu%cohesive)
             touching = l%count ! links along which contact may act
             if (.not. l%frees) touching = l%loose
-            do k = 1, count(range(1, :) > 0)
-                call contact_kernels%press_links(range(2, k) - range(1, k) + 1, range(1, k), &
+            do k = 1, count(l%awake(1, :) > 0)
+                call contact_kernels%press_links(l%awake(2, k) - l%awake(1, k) + 1, l%awake(1, k), &
                     l%lay, real(dt, rk), l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, &
                     l%weight, l%touch, l%bond, l%joined, l%row, l%slice, touching, l%list, &
                     gpu%energy, book_of(gpu, book_contact_heat), l%press, err)
@@ -116,23 +137,4 @@ contains
                 glue%place, glue%push, gpu%extra, err)
         end associate
     end subroutine contact_pass
-
-    !> First and last particles of the bodies that are awake; bodies side by side go together.
-    pure subroutine find_awake(gpu, range)
-        type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(out) :: range(:, :) !! (2, bodies), 0 behind the last
-        integer :: b, n
-
-        range = 0
-        n = 0
-        do b = 1, size(gpu%bodies)
-            if (gpu%bodies(b)%asleep) cycle
-            if (n > 0) then
-                if (range(2, n) == gpu%bodies(b)%first - 1) n = n - 1
-            end if
-            n = n + 1
-            if (range(1, n) == 0) range(1, n) = gpu%bodies(b)%first
-            range(2, n) = gpu%bodies(b)%last
-        end do
-    end subroutine find_awake
 end module brz_gpu_solid_contact

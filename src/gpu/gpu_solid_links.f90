@@ -7,6 +7,7 @@ module brz_gpu_solid_links
         put_buffer, reserve_buffer, side_by_side
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: slice_width
+    use brz_gpu_solid_lists, only: lay_lists, move_lists
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, news_all, news_none, news_part, &
         threads_of
     use brz_kinds, only: dp, int64, rk
@@ -19,6 +20,8 @@ module brz_gpu_solid_links
     implicit none
     private
     public :: open_gpu_links, settle_links, build_links
+
+    integer, parameter :: spare_entries = 8 !! of a slice that has moved
 
 contains
 
@@ -62,6 +65,9 @@ contains
 
         if (.not. gpu%linked) return
         call copy_in(corners(gpu), gpu%links%box, 48_int64*size(gpu%bodies), err)
+        gpu%links%last = gpu%n
+        gpu%links%slices = (gpu%n - 1)/slice_width + 1
+        gpu%links%spare = spare_entries
         fits = .false.
         if (any(gpu%bodies%news /= news_all)) call link_part(gpu, solid, fits, err)
         if (.not. fits) call link_all(gpu, solid, err)
@@ -83,22 +89,11 @@ contains
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        integer :: slices, longest
 
-        slices = (gpu%n - 1)/slice_width + 1
         call clear_buffer(gpu%links%met, err)
         call clear_buffer(gpu%links%count, err)
         call visit_bodies(gpu, solid, 0, 0, err)
-        associate (links => gpu%links)
-            call solid_kernels%slice_widths([slices, 1, 1], slices, 1, gpu%n, 0, links%count, &
-                                            links%slice, err)
-            call reserve_buffer(links%width, 4_int64*slices, err)
-            call copy_within(links%slice, links%width, 4_int64*slices, err)
-            call gpu%common%running_sum(links%slice, slices, err, longest)
-            links%filled = longest
-            longest = longest + longest/4 + slices
-            call reserve_buffer(links%list, 4_int64*slice_width*(longest + 1_int64), err)
-        end associate
+        call lay_lists(gpu%links, gpu%common, gpu%links%count, 0, 4, gpu%links%slices, err)
         call clear_buffer(gpu%links%count, err)
         call visit_bodies(gpu, solid, 1, 0, err)
     end subroutine link_all
@@ -110,10 +105,8 @@ contains
         type(solid_t), intent(inout) :: solid
         logical, intent(out) :: fits !! else there is no room behind them, and no list is right
         type(error_t), intent(inout) :: err
-        integer, parameter :: spare = 8 !! entries of a slice that has moved
-        integer :: b, end(1), slices
+        integer :: b, filled
 
-        slices = (gpu%n - 1)/slice_width + 1
         call clear_buffer(gpu%chosen, err)
         do b = 1, size(gpu%bodies)
             call side_by_side(b)
@@ -124,13 +117,9 @@ contains
             call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
             call visit_bodies(gpu, solid, 2, 1, err)
             call clear_buffer(gpu%chosen, err)
-            call solid_kernels%move_slices([slices, 1, 1], slices, 1, gpu%n, spare, links%count, &
-                                           gpu%chosen, links%slice, links%width, err)
-            end = 0
-            call copy_out(from(links%slice, slices + 1_int64), end, 4_int64, err)
-            fits = 4_int64*slice_width*(end(1) + 1_int64) <= links%list%bytes
-            if (.not. fits .or. end(1) == links%filled) return
-            links%filled = end(1)
+            filled = links%filled
+            call move_lists(links, links%count, gpu%chosen, fits, err)
+            if (.not. fits .or. links%filled == filled) return
             call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
             call visit_bodies(gpu, solid, 1, 1, err)
         end associate

@@ -4,7 +4,7 @@
 module brz_gpu_solid_motion
     use brz_errors, only: error_t
     use brz_gpu_cohesive_steps, only: cohesive_pass
-    use brz_gpu_solid_contact, only: contact_pass
+    use brz_gpu_solid_contact, only: contact_pass, note_awake
     use brz_gpu_solid_ghosts, only: refresh_rows
     use brz_gpu_solid_gradients, only: gradient_pass
     use brz_gpu_solid_state, only: gpu_solid_t, threads_of
@@ -25,9 +25,11 @@ contains
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
 
-        ! of bodies that sleep, too
-        if (.not. gpu%stepped) call gradient_pass(gpu, solid, 0.0_dp, err)
-        gpu%bodies%asleep = solid%bodies%asleep
+        if (.not. gpu%stepped) then ! of bodies that sleep, too
+            call note_awake(gpu, gpu%bodies%asleep, err)
+            call gradient_pass(gpu, solid, 0.0_dp, err)
+        end if
+        call note_awake(gpu, solid%bodies%asleep, err)
         gpu%fetched = .false.
         gpu%stepped = .true.
         gpu%summed = .false.

@@ -9,7 +9,8 @@ module brz_gpu_solid_search
     use brz_errors, only: error_t, failed
     use brz_drift_items, only: drift_of
     use brz_gpu_parcels, only: carry_rows, rows_of, rows_t
-    use brz_gpu_solid_layout, only: grid_gpu_t, slice_width
+    use brz_gpu_solid_layout, only: grid_gpu_t
+    use brz_gpu_solid_lists, only: lay_lists, move_lists
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, &
         threads_of
     use brz_gpu_solid_totals, only: extent_of_body
@@ -333,18 +334,9 @@ contains
         type(gpu_solid_body_t), intent(inout) :: body
         type(doubles_t), intent(in) :: place
         type(error_t), intent(inout) :: err
-        integer :: longest
 
         call search(gpu, body, place, 0, 0, err)
-        call solid_kernels%slice_widths([body%slices, 1, 1], body%slices, body%first, body%last, &
-                                        body%spare, gpu%count, body%slice, err)
-        if (body%spare > 0) then
-            call reserve_buffer(body%width, 4_int64*body%slices, err)
-            call copy_within(body%slice, body%width, 4_int64*body%slices, err)
-        end if
-        call gpu%common%running_sum(body%slice, body%slices, err, longest)
-        if (body%spare > 0) longest = longest + longest/8 ! for slices that move
-        call reserve_buffer(body%list, 4_int64*slice_width*(longest + 1_int64), err)
+        call lay_lists(body, gpu%common, gpu%count, body%spare, 8, 0, err)
         call reserve_buffer(body%pairs, body%list%bytes, err)
         call search(gpu, body, place, 1, 0, err)
     end subroutine list_body
@@ -356,19 +348,13 @@ contains
         type(doubles_t), intent(in) :: place
         logical, intent(out) :: fits !! else there is no room behind them, and no list is right
         type(error_t), intent(inout) :: err
-        integer :: end(1)
 
         fits = body%width%bytes > 0
         if (.not. fits) return
         call search(gpu, body, place, 2, 1, err)
         call clear_buffer(from(gpu%chosen, int(body%first, int64)), err, &
                           4_int64*(body%last - body%first + 1)) ! others have chosen, too
-        call solid_kernels%move_slices([body%slices, 1, 1], body%slices, body%first, body%last, &
-                                       body%spare, gpu%count, gpu%chosen, body%slice, &
-                                       body%width, err)
-        end = 0
-        call copy_out(from(body%slice, body%slices + 1_int64), end, 4_int64, err)
-        fits = 4_int64*slice_width*(end(1) + 1_int64) <= body%list%bytes
+        call move_lists(body, gpu%count, gpu%chosen, fits, err)
         if (fits) call search(gpu, body, place, 1, 1, err)
     end subroutine list_part
 

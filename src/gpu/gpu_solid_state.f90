@@ -27,8 +27,8 @@ module brz_gpu_solid_state
     use brz_text, only: to_text
     implicit none
     private
-    public :: columns_t, gpu_solid_t, gpu_solid_body_t, open_gpu_solid_memory, lay_arrays, &
-        column_of, tags_of, book_of, threads_of, &
+    public :: columns_t, gpu_solid_t, gpu_solid_body_t, lists_t, open_gpu_solid_memory, &
+        lay_arrays, column_of, tags_of, book_of, threads_of, &
         bytes_of_real, words_of_real, sum_threads, total_threads, most_folded
     public :: news_none, news_part, news_all
 
@@ -42,11 +42,19 @@ module brz_gpu_solid_state
     ! what of a list is new: nothing; near marked cells, and in them; all
     integer, parameter :: news_none = 0, news_part = 1, news_all = 2
 
-    type :: gpu_solid_body_t
+    !> Lists of particles, in slices of slice_width, see brz_gpu_solid_lists.
+    type :: lists_t
         integer :: first = 1, last = 0 !! particles
+        integer :: slices = 0
+        integer :: spare = 0 !! entries more than a list needs that moves; 0: none moves yet
+        integer :: filled = 0 !! end of the last slice
+        type(integers_t) :: slice, list
+        type(integers_t) :: width !! room of a list in each slice
+    end type lists_t
+
+    type, extends(lists_t) :: gpu_solid_body_t
         integer :: rim = 0 !! last of its ghosts, as in body_t
         integer :: room = 0 !! places for both
-        integer :: slices = 0
         logical :: total = .false. !! total-Lagrangian
         logical :: rigid = .false.
         logical :: drawn = .false. !! has the hold
@@ -54,30 +62,25 @@ module brz_gpu_solid_state
         logical :: asleep = .false. !! left out of the steps
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
         type(buffer_t) :: params, material
-        type(integers_t) :: slice, list
         type(integers_t) :: pairs !! those of its list that act, see solid_moments
         type(buffer_t) :: grid !! cells of its list, and of the search for links with it
         type(integers_t) :: code, start !! of these, see grid_gpu_t; end of each cell in `order`
-        type(integers_t) :: width !! room of a list in each slice
-        integer :: spare = 0 !! entries more than the lists need; 0 until some are built anew alone
         type(integers_t) :: marked !! cells of particles with new places: 1
         integer :: news = news_all !! what of its list is new since links were built
         type(kernel_t) :: moments, update, forces !! those that suit the body
     end type gpu_solid_body_t
 
     !> Pairs of particles of different bodies, arrays of links_t.
-    type :: gpu_links_t
+    type, extends(lists_t) :: gpu_links_t
         type(link_layout_t) :: lay
         logical :: breaks = .true., frees = .true. !! bonds may break; or what ties may let go
         type(buffer_t) :: table, touch, weight
-        type(integers_t) :: ends, slice, count, list, met, bond, joined
-        type(integers_t) :: width !! room of a list in each slice
-        integer :: filled = 0 !! end of the last slice
+        type(integers_t) :: ends, count, met, bond, joined
         type(doubles_t) :: box !! (3, 2, bodies) corners of `built` [m]
         type(integers_t) :: row !! `count`: not read here
         type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good
         type(integers_t) :: linked, mark !! particles of awake bodies that have links
-        integer, allocatable :: awake(:, :) !! (2, bodies) ranges of these, see find_awake
+        integer, allocatable :: awake(:, :) !! (2, bodies) ranges of these, see note_awake
         integer :: n_linked = -1 !! how many, -1: to be listed anew
         type(reals_t) :: cell, press
     end type gpu_links_t

@@ -10,7 +10,7 @@ module brz_cell_grid
     implicit none
     private
     public :: lay_grid, extent, choose_cells, take_cells, fill_cells, cell_span, box_span, &
-        cell_along, cells_beyond, reach_of_lists, cell_of_groups
+        cell_along, cells_beyond, reach_of_lists, cell_of_groups, number_of_cell
 
     integer, parameter :: cells_per_particle = 2 !! most cells, empty ones included
     real(dp), parameter :: farthest = 1e15_dp !! [sides of a cell]: whole numbers of real64 end here
@@ -186,8 +186,16 @@ contains
         c = ubound(s%start, 1)
         if (fixed == is_gone) return
         at = place(s, x)
-        c = s%code(at(1), 1) + s%code(at(2), 2) + s%code(at(3), 3)
+        c = number_of_cell(s, at(1), at(2), at(3))
     end function cell_of
+
+    !> Number along the curve of a cell, given by its place along each axis, from 0.
+    pure integer function number_of_cell(s, x, y, z) result(c)
+        type(search_t), intent(in) :: s
+        integer, intent(in) :: x, y, z
+
+        c = s%code(x, 1) + s%code(y, 2) + s%code(z, 3)
+    end function number_of_cell
 
     !> Cell of a point along each axis.
     pure function place(s, x) result(c)

@@ -2,7 +2,7 @@
 !> Where two bodies face each other: the faces of lattice cells that have a cell of the other body
 !> across.
 module brz_cohesive_faces
-    use brz_cell_grid, only: cell_span, fill_cells, lay_grid
+    use brz_cell_grid, only: cell_span, fill_cells, lay_grid, number_of_cell
     use brz_kinds, only: dp
     use brz_solid_state, only: solid_t
     implicit none
@@ -101,8 +101,7 @@ contains
         do c3 = lo(3), hi(3)
             do c2 = lo(2), hi(2)
                 do c1 = lo(1), hi(1)
-                    c = solid%search%code(c1, 1) + solid%search%code(c2, 2) &
-                        + solid%search%code(c3, 3)
+                    c = number_of_cell(solid%search, c1, c2, c3)
                     do k = solid%search%start(c), solid%search%start(c + 1) - 1
                         d = solid%x_ref(:, solid%search%order(k)) - solid%x_ref(:, i)
                         if (side*d(axis) < nearest*gap .or. side*d(axis) > farthest*gap) cycle

@@ -5,8 +5,8 @@
 !> processes, and where results need all of it, the state of each comes from the process that has
 !> the first particle of the point.
 module brz_cohesive_part
-    use brz_kinds, only: dp, int32
-    use brz_ranks, only: bits_of_all, several
+    use brz_kinds, only: dp, int32, int64
+    use brz_ranks, only: bits_of_all, most_of_all, several
     use brz_solid_state, only: solid_t
     implicit none
     private
@@ -18,6 +18,7 @@ contains
     subroutine share_points(solid)
         type(solid_t), intent(inout) :: solid
         integer :: p
+        real(dp), allocatable :: state(:)
 
         if (.not. (solid%cohesive%present .and. several(solid%ranks))) return
         associate (glue => solid%cohesive)
@@ -28,19 +29,21 @@ contains
                 glue%spent(p) = 0
                 glue%held(p) = 0
             end do
-            call bits_of_all(solid%ranks, glue%damage)
-            call bits_of_all(solid%ranks, glue%spent)
-            call bits_of_all(solid%ranks, glue%held)
+            state = [glue%damage, glue%spent, glue%held]
+            call bits_of_all(solid%ranks, state)
+            glue%damage = state(:glue%n)
+            glue%spent = state(glue%n + 1:2*glue%n)
+            glue%held = state(2*glue%n + 1:)
         end associate
     end subroutine share_points
 
     !> Which process has the particle of each node: each knows its own, and 0 of all others.
     subroutine tell_owners(solid)
         type(solid_t), intent(inout) :: solid
-        real(dp) :: own(solid%cohesive%nodes)
+        integer(int64), allocatable :: own(:)
 
         own = solid%cohesive%owner
-        call bits_of_all(solid%ranks, own)
+        call most_of_all(solid%ranks, own)
         solid%cohesive%owner = int(own, int32)
     end subroutine tell_owners
 end module brz_cohesive_part

@@ -6,7 +6,7 @@
 !> count negative, so that their sum over the places is the opening. A side that is one layer thick
 !> is seen in its middle; what lies between the two then turns with the normal.
 module brz_cohesive_points
-    use brz_cell_grid, only: cell_span, fill_cells, lay_grid
+    use brz_cell_grid, only: cell_span, fill_cells, lay_grid, number_of_cell
     use brz_cohesive_faces, only: faces_t
     use brz_cohesive_state, only: cohesive_t
     use brz_kinds, only: dp, int32, int8
@@ -139,8 +139,7 @@ contains
             do c3 = lo(3), hi(3)
                 do c2 = lo(2), hi(2)
                     do c1 = lo(1), hi(1)
-                        c = solid%search%code(c1, 1) + solid%search%code(c2, 2) &
-                            + solid%search%code(c3, 3)
+                        c = number_of_cell(solid%search, c1, c2, c3)
                         do k = solid%search%start(c), solid%search%start(c + 1) - 1
                             i = solid%search%order(k)
                             y = s*solid%x_ref(:, i)

@@ -10,7 +10,7 @@
 !>
 !> Source: docs/solid.md section 9
 module brz_solid_skin
-    use brz_cell_grid, only: box_span, cell_span, fill_cells, lay_grid
+    use brz_cell_grid, only: box_span, cell_span, fill_cells, lay_grid, number_of_cell
     use brz_contact, only: law_none
     use brz_flat_surface, only: flat_sum
     use brz_kernel, only: kernel_slope, kernel_value
@@ -80,7 +80,7 @@ contains
                 do c3 = lo(3), hi(3)
                     do c2 = lo(2), hi(2)
                         do c1 = lo(1), hi(1)
-                            c = search%code(c1, 1) + search%code(c2, 2) + search%code(c3, 3)
+                            c = number_of_cell(search, c1, c2, c3)
                             do k = search%start(c), search%start(c + 1) - 1
                                 i = search%order(k)
                                 away = nearest_on(body%surface(:, :, t), solid%x_ref(:, i)) &
@@ -173,7 +173,7 @@ contains
             do c3 = lo(3), hi(3)
                 do c2 = lo(2), hi(2)
                     do c1 = lo(1), hi(1)
-                        c = search%code(c1, 1) + search%code(c2, 2) + search%code(c3, 3)
+                        c = number_of_cell(search, c1, c2, c3)
                         do k = search%start(c), search%start(c + 1) - 1
                             j = search%order(k)
                             distance = real(norm2(solid%x_ref(:, j) - x), rk)

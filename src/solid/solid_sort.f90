@@ -2,7 +2,8 @@
 !> The particles of a body in the order of the cells of their search, and what their lists are
 !> measured by.
 module brz_solid_sort
-    use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, reach_of_lists
+    use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, &
+        number_of_cell, reach_of_lists
     use brz_drift_loops, only: each_renew_place
     use brz_force_loops, only: each_sum_momentum
     use brz_kinds, only: dp, int64, rk
@@ -93,8 +94,7 @@ contains
             do c3 = lo(3), hi(3)
                 do c2 = lo(2), hi(2)
                     do c1 = lo(1), hi(1)
-                        near = solid%search%marked(solid%search%code(c1, 1) &
-                            + solid%search%code(c2, 2) + solid%search%code(c3, 3)) > 0
+                        near = solid%search%marked(number_of_cell(solid%search, c1, c2, c3)) > 0
                         if (near) return
                     end do
                 end do

@@ -2,7 +2,7 @@
 !> Links of particles that are listed anew, who has some, and which of them can have contact until
 !> then, where no bond or interface lets go.
 module brz_tie_items
-    use brz_contact, only: law_shared, meeting_t
+    use brz_contact, only: joins, law_shared, meeting_t
     use brz_contact_items, only: owner_of
     use brz_contact_release, only: is_tied
     use brz_kinds, only: int32, int64
@@ -24,16 +24,31 @@ contains
         if (chosen(i) == 1) count(i) = 0
     end subroutine drop_links
 
-    !> Mark a particle that has links.
+    !> Mark a particle that has links with particles that it may be bonded to.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine mark_linked(p, first, count, mark)
+    pure subroutine mark_linked(p, first, lay, ends, table, row, slice, count, list, mark)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
-        integer(int32), intent(in) :: count(*)
+        type(link_layout_t), intent(in) :: lay
+        integer(int32), intent(in) :: ends(*)
+        type(meeting_t), intent(in) :: table(lay%bodies, *)
+        integer(int32), intent(in) :: row(*), slice(*), count(*), list(*)
         integer(int32), intent(inout) :: mark(*) !! 1: it has
+        integer :: a, i, k, n, r
+        integer(int64) :: at
 
-        if (count(first - 1 + p) > 0) mark(first - 1 + p) = 1
+        i = first - 1 + p
+        call links_of(lay, i, row, slice, count, r, n, at)
+        if (r == 0) return
+        a = owner_of(ends, i)
+        do k = 0, n - 1
+            if (joins(table(a, owner_of(ends, iand(list(at + k*lay%side), mask_unit - 1))), &
+                      .true.)) then
+                mark(i) = 1
+                return
+            end if
+        end do
     end subroutine mark_linked
 
     !> List a particle that is marked; its place is the sum of the marks before it.

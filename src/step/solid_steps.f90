@@ -4,7 +4,7 @@
 module brz_solid_steps
     use brz_cohesive_steps, only: cohesive_pass
     use brz_errors, only: error_t
-    !@gpu use brz_gpu_solid_contact, only: break_bonds, contact_pass
+    !@gpu use brz_gpu_solid_contact, only: break_bonds, contact_pass, note_awake
     !@gpu use brz_gpu_solid_copy, only: fetch_faults
     !@gpu use brz_gpu_solid_ghosts, only: refresh_bonds, refresh_motion, refresh_rows
     !@gpu use brz_gpu_solid_forces, only: force_pass
@@ -61,7 +61,7 @@ contains
             call build_neighbours(solid, .true., stale)
             if (any(stale)) solid%rebuilds = solid%rebuilds + 1
             call wake_met(solid) !@host
-            !@gpu gpu%bodies%asleep = solid%bodies%asleep
+            !@gpu call note_awake(gpu, solid%bodies%asleep)
             call end_support(solid, stale)
             call enter_part('bodies', go_on=.true.)
         else
