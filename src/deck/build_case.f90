@@ -10,6 +10,7 @@ module brz_build_case
     use brz_check_loads, only: check_loads
     use brz_check_motions, only: check_motions
     use brz_check_materials, only: check_materials
+    use brz_check_directions, only: check_directions
     use brz_check_gauges, only: check_gauges
     use brz_complete, only: ensure_group, parse_defaults
     use brz_deck, only: add_error, add_warning, deck_t, entry_t, find_entry, find_group, &
@@ -55,6 +56,7 @@ contains
         call check_charges(deck, case)
         call check_inflows(deck, case)
         call check_bodies(deck, case)
+        call check_directions(deck, case)
         call check_interactions(deck, case)
         call check_meeting(deck, case)
         call check_loads(deck, case)

@@ -306,7 +306,7 @@ contains
                 case ('solid')
                     call get(group, 'skin', case%solid%skin)
                     call get(group, 'leave', case%solid%leave)
-                    call get_region(group, case%solid)
+                    call get_region(deck, g, case%run%dimension, case%solid)
                 case ('coupling')
                     call get(group, 'scheme', case%coupling%scheme)
                     call get(group, 'spread', case%coupling%spread)
@@ -341,14 +341,18 @@ contains
     end subroutine fill_dump_times
 
     !> Corners from 'region'.
-    subroutine get_region(group, solid)
-        type(group_t), intent(in) :: group
+    subroutine get_region(deck, g, dimension, solid)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g, dimension
         type(solid_case_t), intent(inout) :: solid
         real(dp) :: box(6)
 
         box = 0
-        call get(group, 'region', box)
-        solid%has_region = is_usable(group, 'region')
+        call get(deck%groups(g), 'region', box)
+        solid%has_region = is_usable(deck%groups(g), 'region')
         solid%region = transpose(reshape(box, [2, 3]))
+        if (solid%has_region .and. any(box(2:2*dimension:2) <= box(1:2*dimension:2))) &
+            call complain(deck, g, 'region', 'region has no room: it ends where it begins or '// &
+                          'before; the lower corner of x, y and z comes first')
     end subroutine get_region
 end module brz_fill_case

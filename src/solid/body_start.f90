@@ -47,12 +47,13 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
-        logical :: held(2, 3), here, rolls(8), whole
+        logical :: held(2, 3), here, holds(8), rolls(8), whole
         integer :: a, i, f
         real(dp) :: deep(3)
 
         held = .false.
         rolls = .false.
+        holds = .false.
         do f = 1, size(input%fix)
             call mark_faces(trim(input%fix(f)), shape, held)
         end do
@@ -60,11 +61,13 @@ contains
         if (input%fix_width > 0) deep = input%fix_width + 1e-6_dp*shape%spacing
         whole = any(input%fix == 'all')
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(a, f, here) &
-        !$omp reduction(.or.: rolls)
+        !$omp reduction(.or.: rolls, holds)
         do i = body%first, body%last
             here = whole
             do f = 1, input%n_fix_boxes
-                here = here .or. in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)
+                if (.not. in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)) cycle
+                holds(f) = .true.
+                here = .true.
             end do
             do a = 1, solid%dimension
                 if (held(1, a)) here = here .or. solid%x(a, i) < lowest(shape, a) + deep(a)
@@ -81,10 +84,22 @@ contains
                 if (is_kept(solid%fixed(i), a)) solid%v(a, i) = 0
             end do
         end do
-        f = findloc(rolls(:input%n_rollers), .false., dim=1)
-        if (f > 0) call raise(err, exit_deck, label('body', input%id, input%place)// &
-            'roller_box '//to_text(f)//' holds no particle; make it as thick as the spacing')
+        call judge_boxes(input, 'fix_box', holds(:input%n_fix_boxes), err)
+        call judge_boxes(input, 'roller_box', rolls(:input%n_rollers), err)
     end subroutine hold_body
+
+    !> A region that holds nothing is a mistake.
+    subroutine judge_boxes(input, key, holds, err)
+        type(body_case_t), intent(in) :: input
+        character(*), intent(in) :: key
+        logical, intent(in) :: holds(:) !! of each region: a particle lies in it
+        type(error_t), intent(inout) :: err
+
+        if (all(holds)) return
+        call raise(err, exit_deck, label('body', input%id, input%place)//key//' '// &
+                   to_text(findloc(holds, .false., dim=1))// &
+                   ' holds no particle; make it as thick as the spacing')
+    end subroutine judge_boxes
 
     !> Whether a place lies in a box x0, x1, y0, y1, z0, z1, in the directions that the scene has.
     pure logical function in_box(x, box, dimension)

@@ -53,11 +53,30 @@ def pseudo_random_bytes(n):
     return bytes(out)
 
 
+def flat(keys):
+    """A strip in two dimensions, with more keys."""
+    body = f"&body id='a', box=0,0.01, 0,0.004, 0,1, spacing=1e-3, material='m', {keys} /"
+    return f"&run t_end=1e-6, dimension=2 /\n&material id='m', preset='al2024' /\n{body}\n"
+
+
 PLATE = "box=0.05,0.07, 0.1,0.3, 0.1,0.3"
 
 BAD = [
     # what comes in
     swap("no_gas", "&output", "&inflow face='x-' /\n&output", 12, "what comes in?"),
+    swap("no_room", "&output", "&solid region=0,1, 1,0, 0,1 /\n&output", 12, "region has no room"),
+    swap("held_nowhere", PLATE, PLATE + ", fix_box=5,6, 0,1, 0,1", 9, "fix_box 1 holds no"),
+    whole("velocity_nowhere", flat("velocity=0,0,1"), 3, "no direction z", "velocity 0"),
+    whole("pushed_nowhere", flat("fix='all', motion_time=0, motion_velocity=0,0,1"), 3, "on z;"),
+    whole(
+        "blown_nowhere",
+        flat("") + "&air box=0,1, 0,1, 0,1, cells=8,8,1 /\n"
+        "&gas id='g', box=0,1, 0,1, 0,1, density=1, pressure=1, velocity=0,0,1 /",
+        5,
+        "no direction z",
+    ),
+    whole("spin_nowhere", flat("spin=1,0,0"), 3, "turns about z alone"),
+    whole("face_nowhere", flat("fix='z-'"), 3, "no face 'z-'", "out of fix"),
     swap(
         "two_kinds",
         "&output",
