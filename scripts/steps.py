@@ -49,8 +49,8 @@ CHANGES += [("type.solid_t.", "type(seen_t)"), ("type.marks_t.", "type(gpu_marks
 CHANGES += [("type.parcels_t.", "type(gpu_places_t)")]
 # what gpu_solid_t has as solid_t has it, for files of the solids
 ON_GPU = "n|wide|step_[dp]|x|x_ref|x_built|v|a|load|work|moved|grip|mass|energy|stress|pair"
-ON_GPU += "|fixed|id"
-OF_SOLIDS = [(r"\ballocated\(solid%(load|grip)\)", r"gpu%\1%address /= 0")]
+ON_GPU += "|fixed|id|owed"
+OF_SOLIDS = [(r"\ballocated\(solid%(load|grip|owed)\)", r"gpu%\1%address /= 0")]
 OF_SOLIDS += [(r"\bjoined_of\(solid%links\)", "gpu%links%joined")]
 OF_SOLIDS += [(r"\bhomes_of\(solid, b\)", "homes_of(gpu, solid, b)")]
 OF_SOLIDS += [(r"\bglue_of\(solid\)", "gpu%cohesive%push")]

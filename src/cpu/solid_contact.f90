@@ -3,18 +3,16 @@
 !>
 !> Results do not depend on the number of threads.
 module brz_solid_contact
-    use brz_contact, only: crossing_share, in_core, law_shared, link_sum, n_link
-    use brz_contact_items, only: kept_early, kept_energy, kept_heat, kept_rub, n_kept, owner_of, &
+    use brz_contact, only: link_sum, n_link
+    use brz_contact_items, only: kept_early, kept_energy, kept_heat, kept_rub, n_kept, &
         press_particle, push_particle, sum_links
-    use brz_contact_release, only: is_tied
-    use brz_kinds, only: dp, int32, int64, real32, rk
-    use brz_link_rows, only: first_link, joined_of, last_link, link_mask, link_partner
+    use brz_kinds, only: dp, real32, rk
+    use brz_link_rows, only: joined_of
     use brz_solid_ghosts, only: refresh_motion, refresh_press
-    use brz_solid_mirror, only: signs
-    use brz_solid_state, only: at_drag, at_stiff, links_t, n_terms, solid_t, worth_threads
+    use brz_solid_state, only: at_drag, at_stiff, n_terms, solid_t, worth_threads
     implicit none
     private
-    public :: contact_pass, find_press, find_touch, is_pressed
+    public :: contact_pass, find_press, find_touch
 
 contains
 
@@ -107,7 +105,7 @@ contains
         end associate
     end subroutine press
 
-    !> Pressures of contact at the present positions, of ghosts as well: what is_pressed asks for.
+    !> Pressures of contact at the present positions, of ghosts as well.
     subroutine find_press(solid)
         type(solid_t), intent(inout) :: solid
         real(rk) :: lost
@@ -123,36 +121,6 @@ contains
         end do
         call refresh_press(solid)
     end subroutine find_press
-
-    !> True where contact at the present positions pushes particle i, or may after one more step.
-    !> After find_press.
-    logical function is_pressed(solid, i)
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: i
-        real(rk) :: distance
-        integer(int64) :: k
-        integer :: j
-        integer(int32), pointer :: joined(:)
-
-        is_pressed = .false.
-        if (.not. solid%links%present) return
-        joined => joined_of(solid%links)
-        do k = first_link(solid%links, i), last_link(solid%links, i)
-            j = link_partner(solid%links, k)
-            associate (l => solid%links, &
-                       m => solid%links%table(owner_of(solid%links%ends, i), &
-                                              owner_of(solid%links%ends, j)))
-                if (is_tied(m, l%bond(i), l%bond(j), joined(i), joined(j)) .and. &
-                    m%law /= law_shared) cycle
-                distance = real(norm2(solid%x(:, i) - signs(link_mask(l, k))*solid%x(:, j)), rk)
-                if (distance > 2*m%h) cycle
-                is_pressed = l%press(1, l%row(i)) + l%press(1, l%row(j)) > 0 .or. &
-                             m%law == law_shared .or. &
-                             in_core(m, distance - real(crossing_share, rk)*m%spacing)
-            end associate
-            if (is_pressed) return
-        end do
-    end function is_pressed
 
     !> Force on particle i, its share of the energies, and what time step it bears.
     subroutine add_up(solid, dt, i, sums, limit)

@@ -35,7 +35,6 @@ contains
                     why = "the material of body '"//trim(solid%bodies(b)%id)//"'"
             end associate
         end do
-        if (solid%remove) why = "leave='remove'"
         if (solid%n >= 2**28) why = 'more than 268 million particles'
     end subroutine cannot_run_solid
 

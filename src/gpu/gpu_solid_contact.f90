@@ -7,7 +7,7 @@ module brz_gpu_solid_contact
     use brz_contact_launches, only: contact_kernels
     use brz_device, only: clear_buffer, reserve_buffer, side_by_side
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_ghosts, only: refresh_press
+    use brz_gpu_solid_ghosts, only: refresh_motion, refresh_press
     use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
     use brz_kinds, only: dp, int64, rk
@@ -16,7 +16,7 @@ module brz_gpu_solid_contact
     use brz_tie_launches, only: tie_kernels
     implicit none
     private
-    public :: note_awake, add_bond_moments, break_bonds, contact_pass
+    public :: note_awake, add_bond_moments, break_bonds, contact_pass, find_press
 
 contains
 
@@ -137,4 +137,19 @@ contains
                 glue%place, glue%push, gpu%extra, err)
         end associate
     end subroutine contact_pass
+
+    !> Pressures of contact at the present positions, of ghosts as well.
+    subroutine find_press(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+
+        call refresh_motion(gpu, solid, err)
+        associate (l => gpu%links)
+            call contact_kernels%press_links(gpu%n, 1, l%lay, 0.0_rk, l%ends, l%table, l%cell, &
+                gpu%x, gpu%v, gpu%mass, l%weight, l%touch, l%bond, l%joined, l%row, l%slice, &
+                l%count, l%list, gpu%energy, book_of(gpu, book_contact_heat), l%press, err)
+        end associate
+        call refresh_press(gpu, err)
+    end subroutine find_press
 end module brz_gpu_solid_contact

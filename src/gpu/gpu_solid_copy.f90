@@ -220,9 +220,11 @@ contains
         call put_buffer(id, id_at, 4_int64*size(id), err)
         call allocate_buffer(values_at, 8_int64*size(values), err)
         do b = 1, size(gpu%bodies)
-            call solid_kernels%find_particles(threads_of(gpu%bodies(b)), gpu%n, &
-                gpu%bodies(b)%first, gpu%bodies(b)%last, size(id), id_at, gpu%tag, gpu%place, &
-                gpu%reference, gpu%motion, gpu%state, values_at, err)
+            associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
+                call solid_kernels%find_particles([last - first + 1, 1, 1], gpu%n, first, last, &
+                    size(id), id_at, gpu%tag, gpu%place, gpu%reference, gpu%motion, gpu%state, &
+                    values_at, err)
+            end associate
         end do
         values = 0
         call copy_out(values_at, values, 8_int64*size(values), err)

@@ -136,8 +136,9 @@ contains
         real(rk), intent(in) :: time !! [s]
         type(error_t), intent(inout) :: err
 
-        if (body%layer) call row_kernels%free_face(body%last - body%first + 1, body%first, &
-            gpu%n, 4, time, gpu%row, gpu%grad, gpu%stress, gpu%volume, gpu%mass, gpu%energy, err)
+        if (body%layer) call row_kernels%free_face(body%last - body%gone - body%first + 1, &
+            body%first, gpu%n, 4, time, gpu%row, gpu%grad, gpu%stress, gpu%volume, gpu%mass, &
+            gpu%energy, err)
     end subroutine free_faces
 
     subroutine update_material(gpu, body, dt, err)

@@ -139,7 +139,7 @@ contains
 
         do b = 1, size(gpu%bodies)
             associate (body => gpu%bodies(b))
-                call copy_in([body%first, body%last], body%params, 8_int64, err)
+                call copy_in([body%first, body%last - body%gone], body%params, 8_int64, err)
                 body%slices = (body%last - body%first)/slice_width + 1
                 call reserve_buffer(body%slice, 4_int64*(body%slices + 1), err)
                 associate (end => body%first + body%room - 1)

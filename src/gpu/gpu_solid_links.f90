@@ -190,7 +190,8 @@ contains
                 associate (body => gpu%bodies(a), other => gpu%bodies(b), &
                            shift => solid%links%drift(:, a, b))
                     call solid_kernels%solid_link_search(threads_of(body), keep, some, body%first, &
-                        body%last, links_reach(solid, a, b), shift(1), shift(2), shift(3), &
+                        body%last - body%gone, links_reach(solid, a, b), shift(1), shift(2), &
+                        shift(3), &
                         other%grid, from(gpu%links%box, 6*b - 5_int64), other%code, other%start, &
                         gpu%order, gpu%built, gpu%chosen, gpu%links%slice, gpu%links%width, &
                         gpu%links%count, gpu%links%list, &

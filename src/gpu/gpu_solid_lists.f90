@@ -28,7 +28,7 @@ contains
         integer :: longest
 
         call solid_kernels%slice_widths([lists%slices, 1, 1], lists%slices, lists%first, &
-                                        lists%last, spare, count, lists%slice, err)
+                                        lists%last - lists%gone, spare, count, lists%slice, err)
         if (lists%spare > 0) then
             call reserve_buffer(lists%width, 4_int64*lists%slices, err)
             call copy_within(lists%slice, lists%width, 4_int64*lists%slices, err)

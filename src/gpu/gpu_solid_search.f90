@@ -13,7 +13,7 @@ module brz_gpu_solid_search
     use brz_gpu_solid_lists, only: lay_lists, move_lists
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, &
         threads_of
-    use brz_gpu_solid_totals, only: extent_of_body
+    use brz_gpu_solid_totals, only: extent_of_body, forget_gone
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
     use brz_ranks, only: least_of_all, several, sum_of_all
@@ -201,9 +201,11 @@ contains
         if (failed(err)) return
         call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 1, &
                                        gpu%bodies(b)%start, gpu%id, gpu%order, err)
+        call forget_gone(gpu, solid, b, err)
     end subroutine order_body
 
-    !> The same but for the order within a cell.
+    !> The same but for the order within a cell. What has left the region is put behind all cells,
+    !> into as many as these, by its numbers.
     subroutine fill_cells(gpu, solid, b, place, reach, cells, err, kept)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -213,7 +215,7 @@ contains
         integer, intent(out) :: cells !! along the curve
         type(error_t), intent(inout) :: err
         type(kept_cells_t), intent(inout), optional :: kept
-        integer :: threads(3)
+        integer :: end(1), real_cells, threads(3)
         logical :: laid
 
         cells = 1
@@ -221,18 +223,24 @@ contains
         if (present(kept)) laid = kept%in_part .and. .not. several(solid%ranks)
         if (.not. laid) call lay_cells(gpu, solid, b, place, reach, err, kept)
         if (failed(err)) return
-        cells = ubound(solid%search%start, 1)
-        associate (body => gpu%bodies(b))
+        real_cells = ubound(solid%search%start, 1)
+        cells = merge(2, 1, solid%remove)*real_cells
+        associate (body => gpu%bodies(b), number => solid%bodies(b)%number)
             call reserve_buffer(body%start, 4_int64*(cells + 2), err)
             call clear_buffer(body%start, err, 4_int64*(cells + 1))
             threads = [body%rim - body%first + 1, 1, 1]
-            call solid_kernels%count_cells(threads, body%grid, body%code, place, gpu%cell, &
-                                           body%start, err)
+            call solid_kernels%count_cells(threads, real_cells, number(1), number(2), body%grid, &
+                body%code, place, gpu%fixed, gpu%id, gpu%cell, body%start, err)
             call gpu%common%running_sum(body%start, cells, err)
             ! here a cell stands one place further behind its end than a bin does
             call common_kernels%bin_fill(threads, threads(1), body%first - 1, &
                 from(gpu%cell, int(body%first, int64)), from(gpu%bodies(b)%start, 0_int64), &
                 from(gpu%order, int(body%first, int64)), err)
+            if (.not. solid%remove) return
+            end = 0
+            call copy_out(from(body%start, int(real_cells, int64)), end, 4_int64, err)
+            body%gone = threads(1) - end(1)
+            call copy_in([body%first, body%last - body%gone], body%params, 8_int64, err)
         end associate
     end subroutine fill_cells
 
@@ -303,6 +311,7 @@ contains
         least = [box(:, 1), -box(:, 2)]
         call least_of_all(solid%ranks, least)
         box = reshape([least(:3), -least(4:)], [3, 2])
+        if (any(box(:, 1) > box(:, 2))) box = 0 ! nothing is there
     end subroutine find_box
 
     !> Bring all arrays of the particles of a body into the order of `order`, by way of `row`.
@@ -367,8 +376,8 @@ contains
         integer, intent(in) :: keep, some
         type(error_t), intent(inout) :: err
 
-        call solid_kernels%solid_search(threads_of(body), keep, some, body%last, body%grid, &
-            body%code, body%start, gpu%order, place, gpu%chosen, body%slice, body%width, &
-            gpu%count, body%list, err)
+        call solid_kernels%solid_search(threads_of(body), keep, some, body%last - body%gone, &
+            body%grid, body%code, body%start, gpu%order, place, gpu%chosen, body%slice, &
+            body%width, gpu%count, body%list, err)
     end subroutine search
 end module brz_gpu_solid_search

@@ -45,6 +45,7 @@ module brz_gpu_solid_state
     !> Lists of particles, in slices of slice_width, see brz_gpu_solid_lists.
     type :: lists_t
         integer :: first = 1, last = 0 !! particles
+        integer :: gone = 0 !! how many of them, the last ones, are no longer there: is_gone
         integer :: slices = 0
         integer :: spare = 0 !! entries more than a list needs that moves; 0: none moves yet
         integer :: filled = 0 !! end of the last slice
@@ -130,7 +131,7 @@ module brz_gpu_solid_state
         ! parts of these arrays as items have them, under the names of solid_t
         integer :: wide = 4, step_d = 0, step_p = 1
         type(doubles_t) :: x, x_ref, x_built, work, contact_heat
-        type(reals_t) :: v, v_before, volume, a, load, grip, mass, mu, energy, stress, pair
+        type(reals_t) :: v, v_before, volume, a, load, grip, mass, mu, energy, stress, pair, owed
         type(integers_t) :: id, fixed, moved
         type(gpu_exact_t) :: exact
         type(gpu_common_t) :: common
@@ -291,6 +292,7 @@ contains
         gpu%stress = column_of(gpu, at_stress + 1)
         if (gpu%column%load > 0) gpu%load = column_of(gpu, gpu%column%load + 1)
         if (gpu%column%before > 0) gpu%v_before = column_of(gpu, gpu%column%before + 1)
+        if (gpu%column%owed > 0) gpu%owed = column_of(gpu, gpu%column%owed)
         if (gpu%column%grip > 0) gpu%grip = column_of(gpu, gpu%column%grip + 1)
         gpu%pair = gpu%row
         gpu%work = book_of(gpu, book_load)
@@ -365,11 +367,11 @@ contains
         book_of = from(gpu%book, (column - 1_int64)*gpu%n + 1)
     end function book_of
 
-    !> One thread for each particle of a body.
+    !> One thread for each particle of a body that is there.
     pure function threads_of(body) result(n)
         type(gpu_solid_body_t), intent(in) :: body
         integer :: n(3)
 
-        n = [body%last - body%first + 1, 1, 1]
+        n = [body%last - body%gone - body%first + 1, 1, 1]
     end function threads_of
 end module brz_gpu_solid_state

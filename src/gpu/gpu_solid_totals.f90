@@ -2,21 +2,22 @@
 !> Numbers about all particles on the GPU: totals, ledgers, time step. Folded in a fixed order.
 module brz_gpu_solid_totals
     use brz_artificial_stress, only: artificial_none
-    use brz_buffers, only: doubles_t
-    use brz_device, only: copy_out
+    use brz_buffers, only: doubles_t, from
+    use brz_device, only: clear_buffer, copy_out
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
         book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book, n_total
-    use brz_gpu_solid_state, only: gpu_solid_t, most_folded, sum_threads, total_threads
+    use brz_gpu_solid_state, only: book_of, gpu_solid_t, most_folded, sum_threads, total_threads
     use brz_kinds, only: dp, int64, rk
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     use brz_solid_sums, only: solid_totals_t, totals_of_sums
     implicit none
     private
-    public :: add_held_impulse, extent_of_body, gpu_solid_totals, fetch_ledgers, fetch_limit
+    public :: add_held_impulse, extent_of_body, forget_gone, gpu_solid_totals, &
+        fetch_ledgers, fetch_limit
 
 contains
 
@@ -46,9 +47,8 @@ contains
         real(dp) :: folded(most_folded, size(sums))
 
         call solid_kernels%solid_totals_of([total_threads, 1, 1], gpu%n, total_threads, &
-                                         gpu%bodies(b)%params, real(dt_last/2, rk), gpu%region, &
-                                         gpu%place, gpu%motion, gpu%state, gpu%book, &
-                                         gpu%partial, err)
+            gpu%bodies(b)%last, gpu%bodies(b)%params, real(dt_last/2, rk), gpu%region, gpu%place, &
+            gpu%motion, gpu%state, gpu%tag, gpu%book, gpu%partial, err)
         call gpu%common%fold(gpu%partial, total_threads, folded, err)
         sums = sum(folded, 1)
     end subroutine sums_of_body
@@ -135,13 +135,36 @@ contains
         real(dp) :: part(sum_threads, 6)
 
         associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
-            call solid_kernels%solid_extent([sum_threads, 1, 1], first, last, sum_threads, place, &
-                                            gpu%partial, err)
+            call solid_kernels%solid_extent([sum_threads, 1, 1], first, last, sum_threads, &
+                                            gpu%fixed, place, gpu%partial, err)
         end associate
         part = 0
         call copy_out(gpu%partial, part, 8_int64*size(part), err)
         box = reshape([minval(part(:, 1:3), 1), maxval(part(:, 4:6), 1)], [3, 2])
     end subroutine extent_of_body
+
+    !> What is gone from body b, its last particles, limits no time step, and the books of the last
+    !> step have nothing of it.
+    subroutine forget_gone(gpu, solid, b, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+        integer, allocatable :: columns(:)
+        integer :: c
+
+        associate (gone => gpu%bodies(b)%gone, &
+                   at => gpu%bodies(b)%last - gpu%bodies(b)%gone + 1_int64)
+            if (gone == 0) return
+            call clear_buffer(from(gpu%rate, at), err, 8_int64*gone)
+            columns = [book_ahead, book_early]
+            if (gpu%bodies(b)%drawn) columns = [columns, book_stiff]
+            if (solid%bodies(b)%motion%n > 0) columns = [columns, book_force + [1, 2, 3]]
+            do c = 1, size(columns)
+                call clear_buffer(from(book_of(gpu, columns(c)), at), err, 8_int64*gone)
+            end do
+        end associate
+    end subroutine forget_gone
 
     !> Largest stable time step, as pass 1, contact and interfaces left it [s].
     subroutine fetch_limit(gpu, solid, err)

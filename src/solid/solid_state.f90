@@ -21,7 +21,7 @@ module brz_solid_state
     public :: form_uncorrected, form_corrected, form_corrected_hourglass, form_bending, form_rigid
     public :: form_names, form_total, lanes, worth_threads, links_t
     public :: bond_none, bond_whole, bond_broken, bond_breaks, loose_by, intact_share
-    public :: is_free, is_held, is_gone, between_t, kept_cells_t
+    public :: is_free, is_held, is_gone, is_leaving, between_t, kept_cells_t
     public :: n_want, want_corners, want_reach
     public :: n_pair, pair_volume, pair_linear, pair_quadratic, pair_keep, pair_stress, &
               pair_affine, pair_zeta, pair_spin, pair_tilt
@@ -38,6 +38,7 @@ module brz_solid_state
 
     integer(int32), parameter :: is_free = 0, is_held = 1
     integer(int32), parameter :: is_gone = 2 !! has left the region and is out of the computation
+    integer(int32), parameter :: is_leaving = -1 !! is about to be
 
     ! a way to need a ghost: what is added to its place, how far that may be from a box, its corners
     integer, parameter :: want_reach = 4, want_corners = 5, n_want = 10

@@ -23,7 +23,7 @@ module brz_solid_steps
     use brz_solid_forces, only: force_pass !@cpu
     use brz_solid_ghosts, only: refresh_bonds, refresh_motion, refresh_rows !@cpu
     use brz_solid_gradients, only: gradient_pass !@cpu
-    use brz_solid_leaving, only: remove_left !@cpu
+    use brz_solid_leaving_steps, only: remove_left
     use brz_solid_list_steps, only: build_neighbours
     use brz_solid_motion, only: end_support !@cpu
     use brz_solid_sleep, only: wake_met
@@ -57,7 +57,7 @@ contains
         call find_stale(solid, int(level), stale, relink) !@host
         if (any(stale) .or. relink) then
             call enter_part('lists of bodies')
-            call remove_left(solid) !@cpu
+            call remove_left(solid)
             call build_neighbours(solid, .true., stale)
             if (any(stale)) solid%rebuilds = solid%rebuilds + 1
             call wake_met(solid) !@host

@@ -6,13 +6,14 @@ import csv
 import re
 import subprocess
 
+import numpy as np
 import pytest
 from test_gpu import EMULATOR, stamp
 from test_ranks import AIR, MPIRUN, TOGETHER, equal_air, equal_bodies, needs_mpirun, start
 from test_ranks_bodies import MEETING
 from test_ranks_coupled import equal_runs, pelted
 from test_ranks_loads import LOADED
-from test_run import BRISANCE, arrays
+from test_run import BRISANCE, arrays, history
 
 
 @pytest.fixture(name="gpu", scope="module")
@@ -192,16 +193,21 @@ def test_bodies_go_on_on_other_gpus(n, m, gpu, bodies, tmp_path):
 SHORT = ("--set", "run.max_steps=40")
 
 
-@pytest.fixture(name="met", scope="module", params=["meeting", "loaded"])
+LEAVING = MEETING + "&solid region = -1,0.0097, -1,1, -0.0022,1, leave = 'remove' /\n"
+
+
+@pytest.fixture(name="met", scope="module", params=["meeting", "loaded", "leaving"])
 def _met(request, gpu, tmp_path_factory):
-    """Bodies that meet, with friction, bonds that break, a rigid and a driven one; or loaded ones:
-    the deck, and the folder of a run on one GPU."""
+    """Bodies that meet, with friction, bonds that break, a rigid and a driven one; or loaded ones;
+    or such that leave the region: the deck, and the folder of a run on one GPU."""
     # the plate is off the plane x = 0: where its middle is must not be rounding alone
-    deck = {"meeting": MEETING, "loaded": LOADED.replace("= -0.02,0.02,", "= -0.018,0.022,", 1)}
-    deck = deck[request.param]
+    deck = {"meeting": MEETING, "loaded": LOADED.replace("= -0.02,0.02,", "= -0.018,0.022,", 1),
+            "leaving": LEAVING}[request.param]  # fmt: skip
     folder = tmp_path_factory.mktemp(request.param)
     done = go(0, folder, gpu, *SHORT, deck=deck)
     assert done.returncode == 0, done.stderr
+    gone = arrays(sorted((folder / "out").glob("chk_*.h5"))[-1])["solid/fixed"] == 2
+    assert (5 < gone.sum() < 50) == (request.param == "leaving")
     return deck, folder / "out"
 
 
@@ -216,6 +222,21 @@ def test_bodies_that_meet_and_are_loaded_do_not_depend_on_gpus(n, m, gpu, met, t
         done = go(m, tmp_path, gpu, "--restart", "latest", *SHORT, deck=deck)
         assert done.returncode == 0, done.stderr
     equal_bodies(alone, tmp_path / "out")
+
+
+@needs_mpirun
+def test_what_leaves_a_gpu_is_what_leaves_the_cpu(gpu, tmp_path):
+    (tmp_path / "deck.nml").write_text(LEAVING)
+    done = start(0, "run", "deck.nml", "--backend", "cpu", "--out", "cpu", *SHORT, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    done = go(0, tmp_path, gpu, *SHORT, deck=LEAVING)
+    assert done.returncode == 0, done.stderr
+    for name, columns in (("energy", ("removed[kg]", "removed[J]", "contact[J]", "hourglass[J]")),
+                          ("gauges", ("edge:speed[m/s]",))):  # fmt: skip
+        one, other = (history(tmp_path / f / f"{name}.csv") for f in ("cpu", "out"))
+        for column in columns:
+            assert one[column].max() > 0
+            np.testing.assert_allclose(one[column], other[column], rtol=1e-9, atol=1e-12)
 
 
 PELTED = ("--set", "run.max_steps=40")
