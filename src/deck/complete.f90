@@ -103,6 +103,12 @@ contains
                 owner /= '')) return
         deck%groups(g)%bad = .true.
         deck%groups(g)%entries(e)%bad = .true.
+        if (deck%groups(g)%entries(e)%n > 1) then
+            call add_error(deck, deck%groups(g)%entries(e)%line, group_label(deck%groups(g))// &
+                "key 'model' expects one text, found "//to_text(deck%groups(g)%entries(e)%n)// &
+                " values: is a '=' missing behind the name of the next key?")
+            return
+        end if
         i = nearest(owner, pack(keys%owner, keys%group == deck%groups(g)%name))
         hint = ''
         if (i > 0) hint = '; did you mean '''//trim(nth_owner(keys, deck%groups(g)%name, i))//'''?'

@@ -75,6 +75,7 @@ BAD = [
         5,
         "no direction z",
     ),
+    swap("no_equals_of_model", "density=7850", "density 7850", 8, "one text", "a '=' missing"),
     whole("spin_nowhere", flat("spin=1,0,0"), 3, "turns about z alone"),
     whole("face_nowhere", flat("fix='z-'"), 3, "no face 'z-'", "out of fix"),
     swap(
