@@ -25,7 +25,7 @@ module brz_check
     use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
-    use brz_work, only: print_work, work_t
+    use brz_work, only: print_work, whole_step, work_t
     implicit none
     private
     public :: print_check, print_outline
@@ -106,10 +106,12 @@ contains
 
         write (output_unit, '(2a)') 'memory       ', memory_text(size_of)
         dt = min(case%run%dt_max, merge(size_of%dt_air, size_of%dt_solid, case%air%present))
-        steps = max(1.0_dp, anint((case%run%t_end - early%time)/dt))
         substeps = 1
-        if (case%air%present .and. size_of%particles > 0) &
+        if (case%air%present .and. size_of%particles > 0) then
+            dt = whole_step(dt, size_of%dt_solid, size_of%cells, size_of%particles)
             substeps = max(1.0_dp, real(ceiling(dt/size_of%dt_solid), dp))
+        end if
+        steps = max(1.0_dp, anint((case%run%t_end - early%time)/dt))
         write (output_unit, '(a, es10.3, 3a)') 'time step    ', dt, ' s at first, about ', &
             count_text(steps), ' steps at this rate (a blast or a fracture shortens it)'
         if (case%air%present .and. size_of%particles > 0) write (output_unit, '(a, es10.3, 5a)') &

@@ -14,6 +14,7 @@ module brz_time_step
     use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
     use brz_timer, only: lap, wall_seconds
+    use brz_work, only: whole_step
     implicit none
     private
     public :: advance, choose_time_step
@@ -88,6 +89,9 @@ contains
         if (particles_awake(sim%solid) > 0) &
             call check_floor(sim, solid_time_step(sim%solid), 'solid', err)
         if (failed(err)) return
+        if (sim%air%present .and. particles_awake(sim%solid) > 0) &
+            dt = whole_step(dt, sim%solid%dt_limit, real(product(int(sim%air%whole, int64)), dp), &
+                            real(particles_awake(sim%solid), dp))
         left = sim%case%run%t_end - sim%clock%time
         if (2*dt > left) then ! two even steps rather than a tiny last one
             dt = merge(left, left/2, dt >= left)

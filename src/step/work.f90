@@ -7,9 +7,11 @@ module brz_work
     use omp_lib, only: omp_get_max_threads
     implicit none
     private
-    public :: work_t, core_seconds, cell_seconds, particle_seconds, print_work
+    public :: work_t, core_seconds, cell_seconds, particle_seconds, print_work, whole_step
 
     real(dp), parameter :: cell_rate = 4e6_dp, particle_rate = 1.3e6_dp !! steps of one core [1/s]
+
+    real(dp), parameter :: most_ratio = 1e6_dp !! of steps beyond which a part of one is nothing
 
     type :: work_t
         real(dp) :: steps = 0 !! of the air, or of the bodies alone
@@ -42,6 +44,23 @@ contains
 
         particle_seconds = work%steps*work%substeps*work%of_body(b)/particle_rate
     end function particle_seconds
+
+    !> A step of the air that is a whole number of the bodies' own steps, or as it was, whichever
+    !> carries a scene on for less work: 2.2 steps of the bodies would have to be made as three.
+    pure real(dp) function whole_step(dt, dt_solid, cells, particles) result(step)
+        real(dp), intent(in) :: dt, dt_solid !! largest steps of the air and the bodies [s]
+        real(dp), intent(in) :: cells, particles !! of them all
+        real(dp) :: air, body, ratio
+
+        step = dt
+        ratio = dt/dt_solid
+        if (.not. ratio > 1 .or. ratio > most_ratio) return
+        air = cells/cell_rate
+        body = particles/particle_rate
+        if ((air + aint(ratio)*body)*ratio > (air + real(ceiling(ratio), dp)*body)*aint(ratio)) &
+            return
+        step = aint(ratio)*dt_solid*(1 - 4*epsilon(dt)) ! does not round to one step more
+    end function whole_step
 
     !> How long a run will take here, about.
     subroutine print_work(work)
