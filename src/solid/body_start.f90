@@ -84,21 +84,28 @@ contains
                 if (is_kept(solid%fixed(i), a)) solid%v(a, i) = 0
             end do
         end do
-        call judge_boxes(input, 'fix_box', holds(:input%n_fix_boxes), err)
-        call judge_boxes(input, 'roller_box', rolls(:input%n_rollers), err)
+        call judge_boxes(input, 'fix_box', shape%on_plane, input%fix_box, &
+                         holds(:input%n_fix_boxes), err)
+        call judge_boxes(input, 'roller_box', shape%on_plane, input%roller_box, &
+                         rolls(:input%n_rollers), err)
     end subroutine hold_body
 
-    !> A region that holds nothing is a mistake.
-    subroutine judge_boxes(input, key, holds, err)
+    !> A region that holds nothing is a mistake, but behind a plane of symmetry it holds the image.
+    subroutine judge_boxes(input, key, on_plane, box, holds, err)
         type(body_case_t), intent(in) :: input
         character(*), intent(in) :: key
+        logical, intent(in) :: on_plane(3) !! the body is cut by a plane of symmetry
+        real(dp), intent(in) :: box(:, :) !! (6, regions) [m]
         logical, intent(in) :: holds(:) !! of each region: a particle lies in it
         type(error_t), intent(inout) :: err
+        integer :: f
 
-        if (all(holds)) return
-        call raise(err, exit_deck, label('body', input%id, input%place)//key//' '// &
-                   to_text(findloc(holds, .false., dim=1))// &
-                   ' holds no particle; make it as thick as the spacing')
+        do f = 1, size(holds)
+            if (holds(f) .or. any(on_plane .and. .not. box(2:6:2, f) > 0)) cycle
+            call raise(err, exit_deck, label('body', input%id, input%place)//key//' '// &
+                       to_text(f)//' holds no particle; make it as thick as the spacing')
+            return
+        end do
     end subroutine judge_boxes
 
     !> Whether a place lies in a box x0, x1, y0, y1, z0, z1, in the directions that the scene has.
