@@ -47,13 +47,12 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
-        logical :: held(2, 3), here, holds(8), rolls(8), whole
+        logical :: held(2, 3), here, rolls(8), whole
         integer :: a, i, f
         real(dp) :: deep(3)
 
         held = .false.
         rolls = .false.
-        holds = .false.
         do f = 1, size(input%fix)
             call mark_faces(trim(input%fix(f)), shape, held)
         end do
@@ -61,13 +60,11 @@ contains
         if (input%fix_width > 0) deep = input%fix_width + 1e-6_dp*shape%spacing
         whole = any(input%fix == 'all')
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(a, f, here) &
-        !$omp reduction(.or.: rolls, holds)
+        !$omp reduction(.or.: rolls)
         do i = body%first, body%last
             here = whole
             do f = 1, input%n_fix_boxes
-                if (.not. in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)) cycle
-                holds(f) = .true.
-                here = .true.
+                here = here .or. in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)
             end do
             do a = 1, solid%dimension
                 if (held(1, a)) here = here .or. solid%x(a, i) < lowest(shape, a) + deep(a)
@@ -84,29 +81,24 @@ contains
                 if (is_kept(solid%fixed(i), a)) solid%v(a, i) = 0
             end do
         end do
-        call judge_boxes(input, 'fix_box', shape%on_plane, input%fix_box, &
-                         holds(:input%n_fix_boxes), err)
-        call judge_boxes(input, 'roller_box', shape%on_plane, input%roller_box, &
-                         rolls(:input%n_rollers), err)
+        call judge_rollers(input, shape%on_plane, rolls(:input%n_rollers), err)
     end subroutine hold_body
 
-    !> A region that holds nothing is a mistake, but behind a plane of symmetry it holds the image.
-    subroutine judge_boxes(input, key, on_plane, box, holds, err)
+    !> Rollers without a particle are a mistake, but behind a plane of symmetry they hold the image.
+    subroutine judge_rollers(input, on_plane, rolls, err)
         type(body_case_t), intent(in) :: input
-        character(*), intent(in) :: key
         logical, intent(in) :: on_plane(3) !! the body is cut by a plane of symmetry
-        real(dp), intent(in) :: box(:, :) !! (6, regions) [m]
-        logical, intent(in) :: holds(:) !! of each region: a particle lies in it
+        logical, intent(in) :: rolls(:) !! of each region: a particle lies in it
         type(error_t), intent(inout) :: err
         integer :: f
 
-        do f = 1, size(holds)
-            if (holds(f) .or. any(on_plane .and. .not. box(2:6:2, f) > 0)) cycle
-            call raise(err, exit_deck, label('body', input%id, input%place)//key//' '// &
+        do f = 1, size(rolls)
+            if (rolls(f) .or. any(on_plane .and. .not. input%roller_box(2:6:2, f) > 0)) cycle
+            call raise(err, exit_deck, label('body', input%id, input%place)//'roller_box '// &
                        to_text(f)//' holds no particle; make it as thick as the spacing')
             return
         end do
-    end subroutine judge_boxes
+    end subroutine judge_rollers
 
     !> Whether a place lies in a box x0, x1, y0, y1, z0, z1, in the directions that the scene has.
     pure logical function in_box(x, box, dimension)

@@ -65,7 +65,6 @@ BAD = [
     # what comes in
     swap("no_gas", "&output", "&inflow face='x-' /\n&output", 12, "what comes in?"),
     swap("no_room", "&output", "&solid region=0,1, 1,0, 0,1 /\n&output", 12, "region has no room"),
-    swap("held_nowhere", PLATE, PLATE + ", fix_box=5,6, 0,1, 0,1", 9, "fix_box 1 holds no"),
     whole("velocity_nowhere", flat("velocity=0,0,1"), 3, "no direction z", "velocity 0"),
     whole("pushed_nowhere", flat("fix='all', motion_time=0, motion_velocity=0,0,1"), 3, "on z;"),
     whole(

@@ -29,7 +29,7 @@ MET = """\
      material = 'm', formulation = 'rigid', velocity = 20, 0, 80 /
 &body id = 'rope', shape = 'box', box = -0.004,0.006, 0,0.002, 0.01,0.012, spacing = 1e-3,
      material = 'm', formulation = 'total_lagrangian', fix = 'x+',
-     motion_time = 0,1e-6,1, motion_velocity = 0,0,0, 1500,0,0, 1500,0,0 /
+     motion_time = 0,1e-6,1, motion_velocity = 0,0,0, 1500,0,300, 1500,0,300 /
 &interaction law = 'contact', friction = 0.3 /
 &gauge id = 'edge', body = 'plate', at = 0.0055,0.001,-0.001, quantity = 'speed' /
 &gauge id = 'nose', body = 'flier', at = 0.0075,0.001,0.0015, quantity = 'velocity_x' /
