@@ -22,9 +22,7 @@ from pathlib import Path
 
 import fprettify
 
-GOOD = (
-    Path(__file__).parents[1] / "build" / "log" / "formatted"
-)  # sums of texts that are as they should be
+GOOD = Path(__file__).parents[1] / "build/log/formatted"  # sums of texts that are as they should be
 CONTINUED = re.compile(r"^(?:[^'\"!]|'[^']*'|\"[^\"]*\")*&\s*(?:!.*)?$")
 TIGHT = re.compile(r",\.not\.")  # fprettify eats the blank before .not.
 
@@ -54,10 +52,9 @@ def formatted(text, name):
     return "\n".join(new) + "\n"
 
 
-def sum_of(text):
-    """The sum of a text, of this script and of the version of fprettify."""
-    parts = text, Path(__file__).read_text(encoding="utf-8"), version("fprettify")
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+def sum_of(text, judge):
+    """The sum of a text and of who judges it."""
+    return hashlib.sha256(f"{judge}\0{text}".encode()).hexdigest()
 
 
 def main():
@@ -66,15 +63,17 @@ def main():
     changed = 0
     good = set(GOOD.read_text(encoding="utf-8").split()) if GOOD.exists() else set()
     known = len(good)
+    judge = Path(__file__).read_text(encoding="utf-8") + version("fprettify")
     for name in sys.argv[1:]:
         if name == "--check":
             continue
         text = Path(name).read_text(encoding="utf-8")
-        if sum_of(text) in good:
+        key = sum_of(text, judge)
+        if key in good:
             continue
         better = formatted(text, name)
         if better == text:
-            good.add(sum_of(text))
+            good.add(key)
             continue
         changed += 1
         if check:
