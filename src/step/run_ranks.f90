@@ -8,8 +8,9 @@ module brz_run_ranks
     use brz_boxes, only: box_t, cells_of, common, cut_grid, most_boxes, widened
     use brz_case, only: case_t
     use brz_check_start, only: is_radial
+    use brz_cohesive_items, only: mark_glued, own_node, see_point
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int32
     use brz_ranks, only: ranks_t
     use brz_scene_size, only: scene_size_t
     use brz_solid_arrays, only: bytes_per_particle
@@ -161,11 +162,11 @@ contains
         call count_guests(case, size_of%boxes, solid, guests)
         do r = 0, n - 1
             write (output_unit, '(a, i5, a, i0, a)') '     process', r + 1, ': ', guests(r), &
-                ' particles in its window of the air, copies'
+                ' particles in its window of the air and a cell around, copies'
         end do
     end subroutine print_regions
 
-    !> Particles in the window of each process.
+    !> Particles in the window of each process and one layer of cells around.
     subroutine count_guests(case, boxes, solid, guests)
         type(case_t), intent(in) :: case
         type(box_t), intent(in) :: boxes(0:) !! (processes)
@@ -175,7 +176,8 @@ contains
         integer :: b, cell(3), i, r
 
         do r = 0, ubound(guests, 1)
-            windows(r) = widened(boxes(r), spread(layers_seen(case%coupling%spread), 1, 3))
+            windows(r) = widened(boxes(r), spread(layers_seen(case%coupling%spread) + 1, &
+                                                        1, 3))
             windows(r) = common(windows(r), box_t([1, 1, 1], case%air%cells))
         end do
         guests = 0
@@ -191,28 +193,56 @@ contains
         end do
     end subroutine count_guests
 
-    !> Particles in each region, and those of others that its lists may reach.
+    !> Particles in each region, and those of others that its lists may reach or its points of
+    !> interfaces see.
     subroutine count_in_regions(solid, region, own, ghosts)
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: region(:, :, 0:) !! (3, 2, regions) [m]
         integer, intent(out) :: own(0:), ghosts(0:) !! (regions)
         real(dp), allocatable :: want(:, :, :)
+        integer(int32) :: marked(solid%n, 0:ubound(region, 3)) !! 1: needed as a ghost
         integer :: b, home(solid%n), i, r
 
         call find_homes(solid, region, home)
         call find_lowest(solid)
         own = [(count(home == r), r=0, ubound(region, 3))]
-        ghosts = 0
+        marked = 0
         do b = 1, size(solid%bodies)
             want = wants_of(solid, b, region)
             do i = solid%bodies(b)%first, solid%bodies(b)%last
                 do r = 0, ubound(region, 3)
-                    if (r == home(i)) cycle
-                    if (is_needed(solid, want(:, :, r + 1), b, i)) ghosts(r) = ghosts(r) + 1
+                    if (is_needed(solid, want(:, :, r + 1), b, i)) marked(i, r) = 1
                 end do
             end do
         end do
+        if (solid%cohesive%present) call mark_seen(solid, home, marked)
+        ghosts = [(count(marked(:, r) == 1 .and. home /= r), r=0, ubound(region, 3))]
     end subroutine count_in_regions
+
+    !> Mark the particles that the points of each process see.
+    subroutine mark_seen(solid, home, marked)
+        type(solid_t), intent(inout) :: solid
+        integer, intent(in) :: home(:) !! (particles) process, from 0
+        integer(int32), intent(inout) :: marked(:, 0:) !! (particles, processes)
+        integer(int32) :: sent(size(marked))
+        integer :: i, p, r
+
+        sent = 0
+        associate (glue => solid%cohesive)
+            do i = 1, solid%n
+                call own_node(i, 1, home(i) + 1, solid%id, glue%row, glue%owner)
+            end do
+            do p = 1, glue%n
+                call see_point(p, 1, glue%first, glue%entry, glue%owner, glue%seen_by, glue%mine)
+            end do
+            do r = 0, ubound(marked, 2)
+                do i = 1, solid%n
+                    call mark_glued(i, 1, solid%n, r, solid%id, glue%row, glue%back_first, &
+                                    glue%back, glue%seen_by, sent, marked)
+                end do
+            end do
+        end associate
+    end subroutine mark_seen
 
     !> The region of each particle, and the boxes of what is in each.
     subroutine find_homes(solid, region, home)

@@ -117,22 +117,48 @@ contains
             ', the largest box over the mean ', &
             maxval(real(cells_of(sim%air%part%boxes), dp))/mean, ', ', waited(1), ' to ', &
             -waited(2), ' % of the time with messages'
+        if (sim%solid%present) call say(share_of_particles(sim))
     end subroutine print_share
 
     !> The same of the bodies.
     subroutine print_share_of_bodies(sim, waited)
         type(simulation_t), intent(in) :: sim
         real(dp), intent(inout) :: waited(2) !! % of the time, and the same negative
-        integer(int64) :: most(1)
+        character(80) :: text
 
-        most = sum(int(sim%solid%bodies%last - sim%solid%bodies%first + 1, int64))
-        call most_of_all(sim%ranks, most)
         call least_of_all(sim%ranks, waited)
-        write (output_unit, '(a, i0, a, f0.2, a, f0.1, a, f0.1, a)') 'processes  ', sim%ranks%n, &
-            ', the most particles over the mean ', &
-            real(most(1), dp)*sim%ranks%n/all_particles(sim%solid), ', ', waited(1), ' to ', &
-            -waited(2), ' % of the time with messages'
+        write (text, '(2(a, f0.1), a)') ', ', waited(1), ' to ', -waited(2), &
+            ' % of the time with messages'
+        call say(share_of_particles(sim)//trim(text))
     end subroutine print_share_of_bodies
+
+    !> How even the particles are, and the least and the most that a process has of others; all must
+    !> call.
+    function share_of_particles(sim) result(text)
+        type(simulation_t), intent(in) :: sim
+        character(:), allocatable :: text
+        character(120) :: line
+        integer(int64) :: most(5) !! own; of neighbours; copies: the most, and the least negative
+
+        associate (there => sim%solid%bodies)
+            most(1) = sum(int(there%last - there%first + 1, int64))
+            most(2) = sum(int(there%rim - there%last, int64))
+        end associate
+        most(3) = -most(2)
+        most(4:) = 0
+        associate (come => sim%coupling%part%in)
+            if (allocated(come%first)) most(4:) = (come%first(sim%ranks%n) - 1)*[1, -1]
+        end associate
+        call most_of_all(sim%ranks, most)
+        write (line, '(a, i0, a, f0.2, 2(a, i0), a)') 'processes  ', sim%ranks%n, &
+            ', the most particles over the mean ', &
+            real(most(1), dp)*sim%ranks%n/all_particles(sim%solid), ', and ', -most(3), ' to ', &
+            most(2), ' of neighbours'
+        text = trim(line)
+        if (most(4) == 0) return
+        write (line, '(2(a, i0), a)') ', ', -most(5), ' to ', most(4), ' copies for the air'
+        text = text//trim(line)
+    end function share_of_particles
 
     !> Wall-clock time and throughput.
     subroutine print_cost(sim, outputs)

@@ -184,7 +184,8 @@ def test_what_bodies_in_air_cannot_do_is_refused(deck, args, reason, tmp_path):
 
 
 def test_a_check_counts_the_window_and_what_is_in_it(tmp_path):
-    """Ten layers of cells beyond the box; three of six layers of particles lie in both windows."""
+    """Ten layers of cells beyond the box, and one more for copies; five of six layers of particles
+    lie in both."""
     (tmp_path / "deck.nml").write_text(
         "&run t_end = 1e-5 /\n"
         "&air box = 0, 0.16, 0, 0.16, 0, 0.32, cells = 16, 16, 32 /\n"
@@ -195,5 +196,5 @@ def test_a_check_counts_the_window_and_what_is_in_it(tmp_path):
     done = start(0, "run", "deck.nml", "--check", "--ranks", "2", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("4096 of its own, 2560 of neighbours") == 2
-    assert "process    1: 1440 particles in its window" in done.stdout
+    assert "process    1: 2400 particles in its window" in done.stdout
     assert "process    2: 2880 particles in its window" in done.stdout
