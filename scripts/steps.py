@@ -46,7 +46,7 @@ CHANGES += [
 CHANGES += [(r"type\((air|coupling)_t\)", r"type(gpu_\1_t)")]
 CHANGES += [(r"use brz_(lists|parcels|\w+_steps)\b", r"use brz_gpu_\1")]
 CHANGES += [("type.solid_t.", "type(seen_t)"), ("type.marks_t.", "type(gpu_marks_t)")]
-CHANGES += [("type.parcels_t.", "type(gpu_places_t)")]
+CHANGES += [("type.parcels_t.", "type(gpu_places_t)"), (r"\brows_t\b", "gpu_rows_t")]
 # what gpu_solid_t has as solid_t has it, for files of the solids
 ON_GPU = "n|wide|step_[dp]|x|x_ref|x_built|v|a|load|work|moved|grip|mass|energy|stress|pair"
 ON_GPU += "|fixed|id|owed"

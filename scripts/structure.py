@@ -13,9 +13,9 @@ sees to those of the rest), arguments 8, which kernels, items and what these cal
 take arrays.
 Twins have one name: what src/cpu does in x.f90, src/gpu does in gpu_x.f90 or cuda in x.CUF,
 and a file gpu_x.f90 is the twin of an x.f90; ALONE names what one backend has alone. Also: the
-licence line, the module name, `use` with `only`. Files and functions in Python, C and
-shell obey the sizes, too, and so do the Makefile and other files of code. Lines of *.md files have
-at most 120 columns, rows of tables excepted.
+licence line, the module name, `use` with `only`; no name of a type stands for two. Files and
+functions in Python, C and shell obey the sizes, too, and so do the Makefile, its recipes and other
+files of code. Lines of *.md files have at most 120 columns, rows of tables excepted.
 """
 
 import ast
@@ -33,8 +33,7 @@ PYTHON = ("scripts", "post", "tests", "comparisons")
 OTHERS = ("Makefile", "*.mk", "*.sh", "*.c", "*.ll", "*.html", "*.js", "*.css")
 # vector code of the CPU, whose kernels are cut in another way; what a GPU alone has to be told
 ALONE = {"cpu": "air_activity air_lines air_riemann air_split air_sweep coupling_paper"}
-ALONE["cpu"] += " solid_artificial solid_gradient_sums solid_lanes solid_leaving solid_pair_sums"
-ALONE["cpu"] += " solid_tilts"
+ALONE["cpu"] += " solid_artificial solid_gradient_sums solid_lanes solid_pair_sums solid_tilts"
 ALONE["gpu"] = "common peers coupling_copy solid_bodies solid_copy solid_layout solid_lists"
 ALONE["gpu"] += " solid_load"
 LICENCE = "SPDX-License-Identifier: MIT"
@@ -44,6 +43,9 @@ MODULE = re.compile(r"^\s*module\s+(?!procedure\b)(\w+)\s*$", re.I)
 BEGIN = re.compile(
     r"^\s*(?!end\b)(?:[\w(),=*: ]+?\s)??(subroutine|function)\s+(\w+)\s*(?:\(([^)]*)\))?", re.I
 )
+TYPE = re.compile(r"^\s*type\b(?:\s*,[^:]*::|\s*::|\s)\s*(\w+)\s*$", re.I)
+# of C and shell; of JavaScript
+OPENS = re.compile(r"(\w.*\) *)?\{$|(async )?function .*\{|const \w+ = .*=> \{$")
 END = re.compile(r"^\s*end\s*(?:subroutine|function)\b", re.I)
 INTERFACE = re.compile(r"^\s*(end\s+|abstract\s+)?interface\b", re.I)
 
@@ -78,13 +80,15 @@ class Source:
         self.marked = any(line.lstrip().startswith("!@cuf") for line in self.lines)
         self.statements = list(statements(text))
         self.plain = not any(s.lower() == "contains" for _, _, s in self.statements)
-        self.uses, self.modules, self.faults = {}, [], []
+        self.uses, self.modules, self.types, self.faults = {}, [], {}, []
         parts = self.name.parts
         self.layer = "main" if len(parts) == 2 else parts[1]
         self.in_src = parts[0] == "src"
         for first, _, statement in self.statements:
             if found := MODULE.match(statement):
                 self.modules.append(found[1].lower())
+            elif found := TYPE.match(statement):
+                self.types[found[1].lower()] = first
             elif found := USE.match(statement):
                 self.uses.setdefault(found[1].lower(), first)
                 if "only" not in found[2].lower() and found[1].lower() not in ("funit", "pfunit"):
@@ -160,6 +164,15 @@ def lone_twins(root):
             yield f"scripts/structure.py: {name} is not alone in src/{backend}"
 
 
+def homonyms(sources):
+    """Names of types that stand for two things."""
+    first = {}
+    for source in sources:
+        for name, line in source.types.items():
+            if (other := first.setdefault(name, source)) is not source:
+                yield f"{source.name}:{line}: {name} is a type of {other.name} already"
+
+
 def long_prose(root):
     """Lines of the pages that are too long and no rows of a table."""
     pages = [*root.glob("*.md"), *root.glob("docs/**/*.md"), *root.glob("tests/**/*.md")]
@@ -185,14 +198,18 @@ def long_python(root):
 
 
 def long_others(root):
-    """Files in other languages that are too long; of C and shell their functions."""
+    """Files in other languages that are too long, their functions, and recipes of make."""
     folders = [root.glob(f"{d}/**/{kind}") for d in (*PYTHON, "src", "cuda") for kind in OTHERS]
     for path in sorted({*(p for kind in OTHERS for p in root.glob(kind)), *chain(*folders)}):
-        lines, begin = path.read_text(encoding="utf-8").splitlines(), 0
+        lines, begin, recipe = path.read_text(encoding="utf-8").splitlines(), 0, 0
         if len(lines) > MAX_FILE:
             yield f"{path.relative_to(root)}:1: {len(lines)} lines; at most {MAX_FILE}"
         for number, line in enumerate(lines, 1):
-            if re.match(r"(\w.*\) *)?\{$", line):
+            recipe = recipe + 1 if line.startswith("\t") and path.suffix in ("", ".mk") else 0
+            if recipe == MAX_PROCEDURE + 1:
+                place = f"{path.relative_to(root)}:{number - MAX_PROCEDURE}"
+                yield f"{place}: a recipe of more than {MAX_PROCEDURE} lines"
+            if OPENS.match(line):
                 begin = number
             elif line.startswith("}") and begin:
                 if (n := number - begin + 1) > MAX_PROCEDURE:
@@ -212,6 +229,7 @@ def main():
             source.check_layers(owner)
     faults = [fault for source in sources for fault in source.faults]
     faults += [*long_prose(root), *long_python(root), *long_others(root), *lone_twins(root)]
+    faults += homonyms(sources)
     for path in sorted((root / "scripts").glob("*")) + sorted(root.glob("post/**/*.py")):
         if path.suffix in (".py", ".sh"):
             head = path.read_text(encoding="utf-8").splitlines()[:2]

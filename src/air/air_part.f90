@@ -6,18 +6,18 @@
 module brz_air_part
     use brz_air_boundary, only: bc_inside, bc_periodic
     use brz_air_grid, only: brick
-    use brz_boxes, only: box_t, cut_grid, widened
+    use brz_boxes, only: cells_t, cut_grid, widened
     use brz_cell_lists, only: places_in
     use brz_fetch, only: fetch_t, plan_fetch
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: ranks_t, several
     implicit none
     private
-    public :: part_t, take_part, box_of, layers_seen, window_of
+    public :: air_part_t, take_part, box_of, layers_seen, window_of
 
-    type :: part_t
+    type :: air_part_t
         type(ranks_t) :: ranks !! the processes that share the grid
-        type(box_t), allocatable :: boxes(:) !! (0:processes-1) cells of each
+        type(cells_t), allocatable :: boxes(:) !! (0:processes-1) cells of each
         type(fetch_t) :: halo !! the cells as near as a stencil reaches
         type(fetch_t) :: beside !! the cells next to the box
         type(fetch_t) :: bricks !! the bricks as near as a step reaches
@@ -27,7 +27,7 @@ module brz_air_part
         integer(int64), allocatable :: own(:) !! place of each brick of this process there
         real(rk), allocatable :: seen(:, :, :)
         !! (n_var, 0:7, points) conserved variables around the gauges, see fetch_around
-    end type part_t
+    end type air_part_t
 
 contains
 
@@ -40,8 +40,8 @@ contains
         integer, intent(in) :: n_var !! conserved variables
         integer, intent(in) :: near(3) !! bricks that a step reaches
         integer, intent(in) :: around !! layers of cells that the coupling sees, 0: none
-        type(part_t), intent(inout) :: part !! its processes are set
-        type(box_t) :: bricks(0:part%ranks%n - 1)
+        type(air_part_t), intent(inout) :: part !! its processes are set
+        type(cells_t) :: bricks(0:part%ranks%n - 1)
         logical :: periodic(3)
         integer :: r, all_bricks(3)
 
@@ -68,10 +68,10 @@ contains
 
         !> Plan to fetch the cells around the boxes of a grid.
         subroutine plan(boxes, grid, wide, numbers, fetch)
-            type(box_t), intent(in) :: boxes(0:)
+            type(cells_t), intent(in) :: boxes(0:)
             integer, intent(in) :: grid(3), wide(3), numbers
             type(fetch_t), intent(out) :: fetch
-            type(box_t) :: wanted(0:size(boxes) - 1)
+            type(cells_t) :: wanted(0:size(boxes) - 1)
             integer :: m
 
             do m = 0, size(boxes) - 1
@@ -96,8 +96,8 @@ contains
 
     !> The cells that the coupling of a process sees: its box and the layers around, not beyond the
     !> grid. A direction that is not cut is whole.
-    pure type(box_t) function window_of(part, rank, n, around) result(window)
-        type(part_t), intent(in) :: part
+    pure type(cells_t) function window_of(part, rank, n, around) result(window)
+        type(air_part_t), intent(in) :: part
         integer, intent(in) :: rank !! process
         integer, intent(in) :: n(3) !! cells of the whole grid
         integer, intent(in) :: around
@@ -108,7 +108,7 @@ contains
     end function window_of
 
     subroutine make_map(box, map)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer(int8), allocatable, intent(out) :: map(:, :, :)
 
         allocate (map(box%lo(1):box%hi(1), box%lo(2):box%hi(2), box%lo(3):box%hi(3)), source=0_int8)
@@ -116,14 +116,14 @@ contains
 
     !> The box of this process, and its boundary conditions.
     pure subroutine box_of(part, n, bc, box, inner)
-        type(part_t), intent(in) :: part
+        type(air_part_t), intent(in) :: part
         integer, intent(in) :: n(3) !! cells of the whole grid
         integer, intent(in) :: bc(2, 3) !! its boundary conditions
-        type(box_t), intent(out) :: box
+        type(cells_t), intent(out) :: box
         integer, intent(out) :: inner(2, 3)
         integer :: d
 
-        box = box_t([1, 1, 1], n)
+        box = cells_t([1, 1, 1], n)
         inner = bc
         if (.not. several(part%ranks)) return
         box = part%boxes(part%ranks%rank)

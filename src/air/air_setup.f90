@@ -8,9 +8,9 @@ module brz_air_setup
     use brz_air_state, only: air_t, brick, bc_periodic, bc_symmetry, cell_centre, &
         charge_report_t, n_ghost
     use brz_boundary_names, only: boundary_choices, boundary_names
-    use brz_boxes, only: box_t
+    use brz_boxes, only: cells_t
     use brz_case, only: case_t, charge_case_t, gas_case_t, label
-    use brz_charge_shape, only: filled_part, make_shape, shape_t
+    use brz_charge_shape, only: filled_part, make_shape, charge_shape_t
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_gas, only: to_conserved
     use brz_gas_box, only: second_gamma
@@ -39,7 +39,7 @@ contains
         type(air_t), intent(out) :: air
         type(error_t), intent(inout) :: err
         type(ranks_t), intent(in), optional :: ranks !! that share it
-        type(box_t), intent(in), optional :: boxes(0:) !! (processes) cells of each
+        type(cells_t), intent(in), optional :: boxes(0:) !! (processes) cells of each
         integer :: d, s, m
 
         air%present = case%air%present
@@ -224,7 +224,7 @@ contains
     subroutine share_grid(cells, air)
         integer, intent(in) :: cells(3)
         type(air_t), intent(inout) :: air
-        type(box_t) :: box
+        type(cells_t) :: box
 
         air%whole = cells
         air%outer = air%bc
@@ -267,7 +267,7 @@ contains
         logical, intent(in) :: own_gas !! it is of products, not of air
         type(charge_report_t), intent(out) :: report
         type(error_t), intent(inout) :: err
-        type(shape_t) :: shape
+        type(charge_shape_t) :: shape
         real(dp) :: share, filled, depth
         real(rk) :: hot(3)
         integer :: lo(3), hi(3)
@@ -301,7 +301,7 @@ contains
     !> Volume of the cells that a shape fills, on the whole grid: every process finds the same.
     subroutine measure(air, shape, lo, hi, filled)
         type(air_t), intent(in) :: air
-        type(shape_t), intent(in) :: shape
+        type(charge_shape_t), intent(in) :: shape
         integer, intent(in) :: lo(3), hi(3) !! range of cells of the grid to look at
         real(dp), intent(out) :: filled !! [m3]
         integer :: i, j, k
@@ -321,7 +321,7 @@ contains
     !> Fill a shape with gas of a density and energy (mix, do not replace).
     subroutine pour(air, shape, lo, hi, density)
         type(air_t), intent(inout) :: air
-        type(shape_t), intent(in) :: shape
+        type(charge_shape_t), intent(in) :: shape
         integer, intent(in) :: lo(3), hi(3) !! range of cells of the grid to look at
         real(rk), intent(in) :: density(3)
         !! mass, energy, mass of products, per volume [kg/m3, J/m3, kg/m3]
@@ -349,7 +349,7 @@ contains
     subroutine share_inside(air, charge, shape, share, err)
         type(air_t), intent(in) :: air
         type(charge_case_t), intent(in) :: charge
-        type(shape_t), intent(in) :: shape
+        type(charge_shape_t), intent(in) :: shape
         real(dp), intent(out) :: share
         type(error_t), intent(inout) :: err
         real(dp) :: plane, depth

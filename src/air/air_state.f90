@@ -3,7 +3,7 @@
 module brz_air_state
     use brz_air_boundary, only: bc_inside, bc_outflow, bc_periodic, bc_symmetry, bc_wall
     use brz_air_grid, only: brick, grid_t
-    use brz_air_part, only: part_t
+    use brz_air_part, only: air_part_t
     use brz_inflow, only: inflow_t
     use brz_kinds, only: dp, int8, int64, rk
     use brz_total_state, only: running_total_t
@@ -55,7 +55,7 @@ module brz_air_state
         real(dp) :: dx(3) = 1 !! cell sides [m]
         integer :: bc(2, 3) = bc_outflow !! (low/high, direction)
         integer :: outer(2, 3) = bc_outflow !! the same of the whole grid
-        type(part_t) :: part !! the processes that share the grid
+        type(air_part_t) :: part !! the processes that share the grid
         integer :: n_var = 5 !! conserved variables; 6 if a charge has a gas of its own
         type(scheme_t) :: scheme !! reconstruction, flux, gases
         integer :: n_stages = 3 !! of the Runge-Kutta method: 2 or 3

@@ -24,10 +24,10 @@ module brz_axial_remap
                           s_axial = 8, n_sums = 8 !! rows of sums, the last two of amounts
 
     !> Where to probe.
-    type :: probe_t
+    type :: sampling_t
         integer :: first(3) = 1, last(3) = 0 !! cells of the box of this process
         integer :: m = n_points !! points per direction
-    end type probe_t
+    end type sampling_t
 
 contains
 
@@ -41,7 +41,7 @@ contains
         type(air_t), intent(inout) :: air !! undisturbed
         real(dp), intent(out) :: off !! largest relative error of the sums of points
         logical, intent(out) :: ok !! no cell has lost its pressure
-        type(probe_t) :: probe
+        type(sampling_t) :: probe
         real(dp), allocatable :: sums(:, :)
         !! (8, cells) air, momentum, energy, products, radial and amount of axial momentum, over
         !! rest, per volume
@@ -74,7 +74,7 @@ contains
         type(frame_t), intent(in) :: frame
         real(dp), intent(in) :: part
         type(air_t), intent(in) :: air
-        type(probe_t), intent(out) :: probe
+        type(sampling_t), intent(out) :: probe
         real(dp) :: lo(3), hi(3), ends(2)
         integer :: first(3), last(3)
 
@@ -95,7 +95,7 @@ contains
         type(axial_t), intent(in) :: blast
         type(frame_t), intent(in) :: frame
         type(air_t), intent(in) :: air
-        type(probe_t), intent(in) :: probe
+        type(sampling_t), intent(in) :: probe
         real(dp), allocatable, intent(out) :: sums(:, :) !! (n_sums, cells)
         integer, allocatable, intent(out) :: at(:, :) !! (3, cells)
         integer, intent(out) :: n !! cells that the blast has reached

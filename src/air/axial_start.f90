@@ -5,7 +5,7 @@ module brz_axial_start
     use brz_axial_state, only: axial_input_t, axial_t, w_p, w_r, w_rho, w_z
     use brz_blast_start, only: charge_constants
     use brz_case, only: case_t, label
-    use brz_charge_shape, only: make_shape, shape_t
+    use brz_charge_shape, only: make_shape, charge_shape_t
     use brz_outlines, only: body_box
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp
@@ -71,7 +71,7 @@ contains
         type(frame_t), intent(in) :: frame
         type(axial_input_t), intent(out) :: input
         type(error_t), intent(inout) :: err
-        type(shape_t) :: shape
+        type(charge_shape_t) :: shape
 
         call make_shape(case%charges(1), spread(.true., 1, 3), 1.0_dp, shape, err)
         associate (charge => case%charges(1), air => case%air)

@@ -10,7 +10,7 @@ module brz_axial_step
     use brz_axial_products, only: gas_state
     use brz_axial_state, only: axial_t, margin_cells, v_energy, v_products, v_r, v_rho, v_z, &
         w_energy, w_p, w_part, w_r, w_rho, w_sound, w_z
-    use brz_axial_window, only: find_front, follow_front, window_t
+    use brz_axial_window, only: find_front, follow_front, axial_window_t
     use brz_kinds, only: dp
     implicit none
     private
@@ -30,7 +30,7 @@ contains
         type(axial_t), intent(inout) :: blast
         real(dp), intent(in) :: longest !! [s]
         logical, intent(out) :: ok
-        type(window_t) :: window
+        type(axial_window_t) :: window
         real(dp) :: dt
         integer :: attempt, lost
 
@@ -66,7 +66,7 @@ contains
     !> Courant's limit on the sum over both directions, shorter in the first steps.
     real(dp) function stable_step(blast, window) result(dt)
         type(axial_t), intent(in) :: blast
-        type(window_t), intent(in) :: window
+        type(axial_window_t), intent(in) :: window
         real(dp) :: fastest
         integer :: i, j
 
@@ -91,7 +91,7 @@ contains
     subroutine prepare_axial(blast, time, window)
         type(axial_t), intent(inout) :: blast
         real(dp), intent(in) :: time !! of the stage, for the detonation [s]
-        type(window_t), intent(in) :: window
+        type(axial_window_t), intent(in) :: window
         integer :: j
 
         !$omp parallel do if(window%wide)
@@ -137,7 +137,7 @@ contains
     !> a floor; between window and edge the states are those of rest since the last merging.
     subroutine fill_outside(blast, window)
         type(axial_t), intent(inout) :: blast
-        type(window_t), intent(in) :: window
+        type(axial_window_t), intent(in) :: window
         integer :: k
 
         if (.not. (blast%below >= 0 .and. window%low == blast%low)) return
@@ -151,7 +151,7 @@ contains
     !> that are lost, and their neighbours, do without slopes from now on.
     subroutine stage(blast, window, part, dt, lost)
         type(axial_t), intent(inout) :: blast !! prepared
-        type(window_t), intent(in) :: window
+        type(axial_window_t), intent(in) :: window
         real(dp), intent(in) :: part
         real(dp), intent(in) :: dt !! [s]
         integer, intent(out) :: lost !! cells

@@ -8,24 +8,24 @@ module brz_axial_window
     use brz_kinds, only: dp
     implicit none
     private
-    public :: window_t, find_front, follow_front
+    public :: axial_window_t, find_front, follow_front
 
     real(dp), parameter :: changed = 1e-6_dp !! change of pressure that tells a front, relative
     integer, parameter :: few_cells = 20000 !! not worth waking the other threads
     integer, parameter :: ahead = 5 !! cells that a step can carry something into
 
     !> Rows and columns that a step computes.
-    type :: window_t
+    type :: axial_window_t
         integer :: columns = 0, low = 0, high = 0
         logical :: wide = .false. !! worth waking the other threads
-    end type window_t
+    end type axial_window_t
 
 contains
 
     !> Find the last cell of the front in each row.
     subroutine find_front(blast, window)
         type(axial_t), intent(inout) :: blast !! prepared
-        type(window_t), intent(in) :: window
+        type(axial_window_t), intent(in) :: window
         integer :: i, j
 
         blast%reach = 0
@@ -49,7 +49,7 @@ contains
     !> longer fit between charge and floor.
     subroutine follow_front(blast, window, ok)
         type(axial_t), intent(inout) :: blast
-        type(window_t), intent(out) :: window
+        type(axial_window_t), intent(out) :: window
         logical, intent(out) :: ok
 
         ok = .true.
@@ -132,7 +132,7 @@ contains
     !> Rows and columns around the front; while it burns, around the charge as well.
     pure subroutine place_window(blast, window)
         type(axial_t), intent(in) :: blast
-        type(window_t), intent(out) :: window
+        type(axial_window_t), intent(out) :: window
         integer :: charge(3)
 
         charge = [blast%reach, blast%first, blast%last]
@@ -150,7 +150,7 @@ contains
     !> True where the plane must grow.
     pure logical function too_near(blast, window)
         type(axial_t), intent(in) :: blast
-        type(window_t), intent(in) :: window
+        type(axial_window_t), intent(in) :: window
 
         too_near = max(window%columns, window%high) > blast%n - margin_cells
         if (blast%below < 0 .or. blast%below > blast%n) &

@@ -8,18 +8,18 @@ module brz_charge_shape
     use brz_errors, only: error_t, exit_deck, raise
     implicit none
     private
-    public :: shape_t, make_shape, filled_part
+    public :: charge_shape_t, make_shape, filled_part
 
     integer, parameter :: shape_round = 1, shape_cylinder = 2, shape_box = 3
     integer, parameter :: n_sub = 10 !! points per direction inside a cell that the surface cuts
 
-    type :: shape_t
+    type :: charge_shape_t
         integer :: kind = shape_round
         integer :: axis = 3 !! of a cylinder
         logical :: active(3) = .true. !! directions that are modelled
         real(dp) :: at(3) = 0 !! centre [m]
         real(dp) :: half(3) = 0 !! half sides or radii; huge where the direction is not modelled [m]
-    end type shape_t
+    end type charge_shape_t
 
 contains
 
@@ -28,7 +28,7 @@ contains
         type(charge_case_t), intent(in) :: charge
         logical, intent(in) :: active(3) !! directions that are modelled
         real(dp), intent(in) :: depth !! product of the sides of the box in the others [m, m2]
-        type(shape_t), intent(out) :: shape
+        type(charge_shape_t), intent(out) :: shape
         type(error_t), intent(inout) :: err
         real(dp) :: rel(3), size
 
@@ -56,7 +56,7 @@ contains
 
     !> Volume (area, length) of a shape whose half sides are rel.
     pure real(dp) function unit_volume(shape, rel)
-        type(shape_t), intent(in) :: shape
+        type(charge_shape_t), intent(in) :: shape
         real(dp), intent(in) :: rel(3) !! half sides
         real(dp), parameter :: pi = acos(-1.0_dp)
         logical :: round(3)
@@ -69,7 +69,7 @@ contains
 
     !> Axes in which the section is a circle or a ball.
     pure function round_axes(shape) result(round)
-        type(shape_t), intent(in) :: shape
+        type(charge_shape_t), intent(in) :: shape
         logical :: round(3)
 
         round = shape%active .and. shape%kind /= shape_box
@@ -78,7 +78,7 @@ contains
 
     !> Part of a cell that the shape fills, by points inside it; 0 or 1 away from the surface.
     pure real(dp) function filled_part(shape, centre, side)
-        type(shape_t), intent(in) :: shape
+        type(charge_shape_t), intent(in) :: shape
         real(dp), intent(in) :: centre(3) !! of the cell [m]
         real(dp), intent(in) :: side(3) !! of the cell [m]
         real(dp) :: near(3), far(3), x(3)
@@ -105,7 +105,7 @@ contains
 
     !> True for a point in the shape, given by its distances from the centre along the axes.
     pure logical function inside(shape, x)
-        type(shape_t), intent(in) :: shape
+        type(charge_shape_t), intent(in) :: shape
         real(dp), intent(in) :: x(3) !! distances from the centre [m]
         logical :: round(3)
 

@@ -10,7 +10,7 @@ module brz_start_1d
     use brz_blast_remap, only: map_blast, outward
     use brz_blast_start, only: centred_input, free_radius
     use brz_case, only: case_t, label
-    use brz_charge_shape, only: make_shape, shape_t
+    use brz_charge_shape, only: make_shape, charge_shape_t
     use brz_early, only: along_arm, early_t, grid_totals, keep_row, next_due, watch_blast
     use brz_errors, only: error_t, exit_deck, exit_numerical, failed, raise
     use brz_kinds, only: dp
@@ -39,7 +39,7 @@ contains
         type(early_t), intent(inout) :: early
         type(error_t), intent(inout) :: err
         procedure(watch_blast), optional :: watch
-        type(shape_t) :: shape
+        type(charge_shape_t) :: shape
         type(blast1d_t) :: blast
         real(dp) :: limit, rest(6), radius, share(3), part
 

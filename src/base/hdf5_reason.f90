@@ -12,11 +12,11 @@ module brz_hdf5_reason
     integer, parameter :: longest = 400
 
     !> One entry of the error stack (H5E_error2_t).
-    type, bind(c) :: entry_t
+    type, bind(c) :: fault_t
         integer(c_int64_t) :: class, major, minor
         integer(c_int) :: line
         type(c_ptr) :: function, file, text
-    end type entry_t
+    end type fault_t
 
     interface
         integer(c_int) function h5ewalk2(stack, direction, visit, target) bind(c, name='H5Ewalk2')
@@ -56,7 +56,7 @@ contains
 
     integer(c_int) function visit(number, entry, target) bind(c, name='brz_hdf5_visit')
         integer(c_int), value :: number !! 0: the innermost
-        type(entry_t), intent(in) :: entry
+        type(fault_t), intent(in) :: entry
         type(c_ptr), value :: target
         character(c_char), pointer :: letters(:)
         integer :: i

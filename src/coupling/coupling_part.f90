@@ -6,19 +6,19 @@
 !> copies of all particles in it: its guests. So everything but what steps the bodies goes by cells,
 !> and what is beside the box is computed twice, from the same numbers.
 module brz_coupling_part
-    use brz_boxes, only: box_t
+    use brz_boxes, only: cells_t
     use brz_kinds, only: int32, int64, rk
     use brz_parcels, only: courier_t
     use brz_places, only: marks_t, parcels_t
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: part_t, introduce
+    public :: coupling_part_t, introduce
 
-    type :: part_t
-        type(box_t), allocatable :: boxes(:) !! (0:processes-1) cells of the grid that each has
-        type(box_t), allocatable :: windows(:) !! likewise that each sees
-        type(box_t), allocatable :: near(:) !! likewise windows and a layer around
+    type :: coupling_part_t
+        type(cells_t), allocatable :: boxes(:) !! (0:processes-1) cells of the grid that each has
+        type(cells_t), allocatable :: windows(:) !! likewise that each sees
+        type(cells_t), allocatable :: near(:) !! likewise windows and a layer around
         integer(int32), allocatable :: windows_at(:), boxes_at(:), near_at(:) !! as items have them
         integer(int64) :: rebuilds = -1 !! of the bodies' lists when guests were listed
         type(courier_t) :: parcels
@@ -34,7 +34,7 @@ module brz_coupling_part
         type(parcels_t) :: faces_out, faces_in
         type(parcels_t) :: debts_out, debts_in
         type(marks_t) :: marks
-    end type part_t
+    end type coupling_part_t
 
 contains
 

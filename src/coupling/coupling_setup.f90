@@ -5,7 +5,7 @@ module brz_coupling_setup
     use brz_air_walls, only: set_up_walls
     use brz_air_grid, only: grid_of
     use brz_air_part, only: window_of
-    use brz_boxes, only: cells_t => box_t
+    use brz_boxes, only: cells_t
     use brz_case, only: case_t
     use brz_cell_shells, only: make_shells
     use brz_coupling_guests, only: open_windows, see_window

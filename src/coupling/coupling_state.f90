@@ -11,7 +11,7 @@ module brz_coupling_state
     use brz_cell_shells, only: shells_t
     use brz_column_rules, only: side_of
     use brz_coupling_box, only: box_t
-    use brz_coupling_part, only: part_t
+    use brz_coupling_part, only: coupling_part_t
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_ranks, only: ranks_t
     use brz_solid_state, only: solid_t
@@ -61,7 +61,7 @@ module brz_coupling_state
         ! several processes: what this one sees of the bodies, and what it has to do with others
         type(solid_t), allocatable :: guests !! copies of the particles near the cells of the box
         type(solid_t) :: crowd !! their bodies
-        type(part_t) :: part
+        type(coupling_part_t) :: part
         ! particles by air cell
         integer(int32), allocatable :: cell_of(:) !! (particles) number of the air cell, 0: outside
         integer(int32), allocatable :: place_of(:) !! (particles) place of it in the wall list

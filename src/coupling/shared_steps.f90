@@ -2,7 +2,7 @@
 !> What several processes tell each other about the walls: the impulses of wall faces, and debts.
 !> scripts/steps.py writes the same for the GPU.
 module brz_shared_steps
-    use brz_boxes, only: asks_of, cells_t => box_t, common, widened
+    use brz_boxes, only: asks_of, cells_t, common, widened
     use brz_coupling_box, only: box_t
     use brz_coupling_state, only: coupling_t
     use brz_debt_steps, only: enter_debts, keep_own, size_debts, size_next

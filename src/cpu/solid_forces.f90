@@ -8,7 +8,7 @@ module brz_solid_forces
     use brz_kinds, only: dp, int64, real32, rk
     use brz_solid_bonds, only: add_bonded_forces
     use brz_solid_arrays, only: group_of
-    use brz_solid_lanes, only: centre_t, group_t, images_t, in_turn, most_images, place_body, &
+    use brz_solid_lanes, only: centre_t, lane_group_t, images_t, in_turn, most_images, place_body, &
         place_group, place_images
     use brz_pair_rows, only: mirror_row, mirror_tensor
     use brz_solid_mirror, only: mirrored, signs
@@ -25,11 +25,11 @@ module brz_solid_forces
     public :: force_pass, update_sizes
 
     !> What pass 1 left of particles, as their images have it.
-    type :: rows_t
+    type :: image_rows_t
         real(rk) :: pair(n_pair, most_images) = 0
         real(rk) :: held(n_held, most_images) = 0
         real(real32) :: k_axes(6, most_images) = 0
-    end type rows_t
+    end type image_rows_t
 
 contains
 
@@ -84,7 +84,7 @@ contains
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: dt
         integer, intent(in) :: k !! block
-        type(group_t) :: p
+        type(lane_group_t) :: p
         real(rk) :: f(n_terms)
         integer :: i, first
 
@@ -109,9 +109,9 @@ contains
     subroutine sum_group(solid, body, p)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(group_t), intent(inout) :: p
+        type(lane_group_t), intent(inout) :: p
         type(images_t) :: images
-        type(rows_t) :: rows
+        type(image_rows_t) :: rows
         integer(int64) :: k, last
         integer :: g
 
@@ -135,7 +135,7 @@ contains
     subroutine take_rows(solid, body, p)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(group_t), intent(inout) :: p
+        type(lane_group_t), intent(inout) :: p
         integer :: i, l
 
         p%held = body%tension_hold > 0 .and. any(body%normal > 0)
@@ -152,7 +152,7 @@ contains
     pure logical function some_pair_held(solid, body, p) result(yes)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(group_t), intent(in) :: p
+        type(lane_group_t), intent(in) :: p
         integer(int64) :: k
         integer :: g
 
@@ -173,9 +173,9 @@ contains
     !> round, a tilt changes sign.
     subroutine mirror_rows(solid, p, k, last, rows)
         type(solid_t), intent(in) :: solid
-        type(group_t), intent(in) :: p
+        type(lane_group_t), intent(in) :: p
         integer(int64), intent(in) :: k, last
-        type(rows_t), intent(inout) :: rows
+        type(image_rows_t), intent(inout) :: rows
         real(rk) :: s(3)
         integer(int64) :: e
         integer :: j, n

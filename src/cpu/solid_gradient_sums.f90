@@ -7,7 +7,7 @@ module brz_solid_gradient_sums
     use brz_gradient, only: moment_terms, outer_terms
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, rk
-    use brz_solid_lanes, only: body_kernel, group_t, kernel_t, pair_kernels
+    use brz_solid_lanes, only: body_kernel, lane_group_t, lane_kernel_t, pair_kernels
     use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, form_bending, form_total, lanes, n_sums
     use brz_tilted_arm, only: lifted_arm, ply_arm, tilted_arm
     implicit none
@@ -28,12 +28,12 @@ contains
     !> Add particles of a list to the sums. A total-Lagrangian body weighs its pairs by X_ij, and x
     !> takes the place of the reference position: the sums then lead to dx/dX.
     subroutine add_neighbours(p, x, v, x_ref, volume, h, list, sums)
-        type(group_t), intent(in) :: p
+        type(lane_group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
         real(rk), intent(inout) :: sums(lanes, n_sums)
-        type(group_t) :: q
+        type(lane_group_t) :: q
         integer :: kind
 
         if (p%formulation == form_total) then
@@ -59,7 +59,7 @@ contains
     !@variant sum_referred: referred
     subroutine sum_neighbours(kind, p, x, v, x_ref, volume, h, list, sums)
         integer, intent(in) :: kind !! of sums, known to the compiler
-        type(group_t), intent(in) :: p
+        type(lane_group_t), intent(in) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), volume(*), h(*)
         integer(int32), intent(in) :: list(*)
@@ -67,7 +67,7 @@ contains
         real(rk) :: acc(lanes, n_sums), r(3), dv(3), dx(3), y(3), m(n_moment), s(n_moment), w
         real(rk) :: n(3)
         real(rk) :: g(n_outer), a(n_outer), b(n_outer), f(n_outer)
-        type(kernel_t) :: q
+        type(lane_kernel_t) :: q
         integer :: k, l, j, t
 
         acc(:, :kind) = sums(:, :kind)

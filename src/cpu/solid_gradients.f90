@@ -18,7 +18,7 @@ module brz_solid_gradients
     use brz_solid_bonds, only: add_bonded_gradients
     use brz_solid_gradient_sums, only: add_neighbours
     use brz_solid_arrays, only: group_of
-    use brz_solid_lanes, only: group_t, images_t, in_turn, most_images, place_body, &
+    use brz_solid_lanes, only: lane_group_t, images_t, in_turn, most_images, place_body, &
                                place_group, place_images
     use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
                                form_total, form_uncorrected, held_affine, held_stiffness, &
@@ -82,7 +82,7 @@ contains
         type(body_t), intent(in) :: body
         real(dp), intent(in) :: dt
         integer, intent(in) :: k !! block
-        type(group_t) :: p
+        type(lane_group_t) :: p
         type(row_rules_t) :: rules
         real(rk) :: group(lanes, n_terms), sums(n_terms)
         type(pose_t) :: pose
@@ -118,7 +118,7 @@ contains
     pure subroutine tilt_group(solid, body, p)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(group_t), intent(inout) :: p
+        type(lane_group_t), intent(inout) :: p
         integer :: fails, i, l
 
         p%tilt = 0
@@ -137,7 +137,7 @@ contains
     pure subroutine find_drawn(solid, body, p)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(group_t), intent(inout) :: p
+        type(lane_group_t), intent(inout) :: p
         integer :: l
 
         p%drawn = .false.
@@ -151,7 +151,7 @@ contains
     subroutine sum_group(solid, body, p, sums)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(group_t), intent(inout) :: p
+        type(lane_group_t), intent(inout) :: p
         real(rk), intent(out) :: sums(lanes, n_terms)
         type(images_t) :: images
         integer(int64) :: k, last

@@ -15,8 +15,8 @@ module brz_solid_lanes
     use brz_tilted_arm, only: radial_normal
     implicit none
     private
-    public :: centre_t, group_t, place_body, place_group
-    public :: kernel_t, body_kernel, pair_kernels
+    public :: centre_t, lane_group_t, place_body, place_group
+    public :: lane_kernel_t, body_kernel, pair_kernels
     public :: images_t, place_images, most_images, in_turn
 
     integer, parameter :: most_images = 64 !! that are laid down at a time
@@ -34,7 +34,7 @@ module brz_solid_lanes
     end type centre_t
 
     !> The particles of a group. Where they are fewer than lanes, the last one is in all others.
-    type, extends(centre_t) :: group_t
+    type, extends(centre_t) :: lane_group_t
         integer :: last = 0 !! its last particle
         integer :: formulation = 0 !! of their body
         logical :: directional = .false. !! hourglass stiffness along axes
@@ -58,13 +58,13 @@ module brz_solid_lanes
         real(rk) :: own(lanes, n_held) = 0 !! the same, the hold
         real(rk) :: k_axes(lanes, 6) = 0 !! the same, where a body has a stiffness along axes
         real(rk) :: sums(lanes, n_terms) = 0 !! what pass 2 sums up
-    end type group_t
+    end type lane_group_t
 
     !> Kernel of the pairs of a neighbour with the members of a group.
-    type :: kernel_t
+    type :: lane_kernel_t
         real(rk) :: scale(lanes), half_over_h(lanes) !! see brz_kernel
         real(rk) :: h(lanes) !! smoothing length [m]
-    end type kernel_t
+    end type lane_kernel_t
 
     !> Mirror images of some particles, laid down as particles of their own.
     type :: images_t
@@ -82,7 +82,7 @@ contains
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: first
-        type(group_t), intent(inout) :: p
+        type(lane_group_t), intent(inout) :: p
         integer :: g, i, l
 
         g = group_of(body, first)
@@ -104,7 +104,7 @@ contains
     pure subroutine place_body(solid, body, p)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
-        type(group_t), intent(inout) :: p
+        type(lane_group_t), intent(inout) :: p
 
         p%scale = kernel_scale(body%h, solid%dimension)
         p%half_over_h = 1/(2*body%h)
@@ -123,8 +123,8 @@ contains
 
     !> Kernel of a body of constant smoothing length.
     pure subroutine body_kernel(p, q)
-        type(group_t), intent(in) :: p
-        type(kernel_t), intent(out) :: q
+        type(lane_group_t), intent(in) :: p
+        type(lane_kernel_t), intent(out) :: q
 
         q%scale = p%scale
         q%half_over_h = p%half_over_h
@@ -134,9 +134,9 @@ contains
     !> Kernel of the pairs of a neighbour in a body of variable smoothing length, as pair_kernel has
     !> it, in vector code.
     pure subroutine pair_kernels(p, h, q)
-        type(group_t), intent(in) :: p
+        type(lane_group_t), intent(in) :: p
         real(rk), intent(in) :: h !! of the neighbour [m]
-        type(kernel_t), intent(inout) :: q
+        type(lane_kernel_t), intent(inout) :: q
         integer :: l, t
 
         !GCC$ unroll 1

@@ -10,7 +10,7 @@ module brz_solid_pair_sums
     use brz_kinds, only: dp, int32, real32, rk
     use brz_pair_force, only: hourglass_axial, hourglass_stiff, hourglass_viscous, jump_speed, &
                               metric_square, most_bent, most_drawn, stress_force, viscous_force
-    use brz_solid_lanes, only: body_kernel, group_t, kernel_t, pair_kernels
+    use brz_solid_lanes, only: body_kernel, lane_group_t, lane_kernel_t, pair_kernels
     use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, form_bending, &
                                form_corrected_hourglass, form_total, held_affine, held_stiffness, &
                                held_whole, lanes, n_held, n_pair, n_terms, pair_affine, pair_zeta, &
@@ -39,7 +39,7 @@ contains
     !> Add the forces of the particles of a list to p%sums, by the loop that has just those of the
     !> body.
     subroutine add_pairs(p, x, v, x_ref, pair, h, list, k_axes, drawn)
-        type(group_t), intent(inout) :: p
+        type(lane_group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
@@ -74,7 +74,7 @@ contains
     !@variant sum_wide: wide
     subroutine sum_pairs(kind, p, x, v, x_ref, pair, h, list, k_axes, drawn)
         integer, intent(in) :: kind !! of forces, known to the compiler
-        type(group_t), intent(inout) :: p
+        type(lane_group_t), intent(inout) :: p
         real(dp), intent(in) :: x(3, *), x_ref(3, *)
         real(rk), intent(in) :: v(3, *), pair(n_pair, *), h(*)
         integer(int32), intent(in) :: list(*)
@@ -82,7 +82,7 @@ contains
         real(rk), intent(in), optional :: drawn(n_held, *)
         real(rk) :: acc(lanes, n_terms), r(3), dv(3), dx(3), own(n_pair), f(3), g(3), d(3), e(3)
         real(rk) :: w, u, y, r2, s2, vr, jump, heat, across(3)
-        type(kernel_t) :: q
+        type(lane_kernel_t) :: q
         integer :: k, l, j, n, t
 
         n = merge(at_stiff, n_terms, kind <= viscous_jump)
@@ -151,7 +151,7 @@ contains
 
     !> Normals at the neighbours of a list in a wall round an axis.
     subroutine find_normals(p, x_ref, list)
-        type(group_t), intent(inout) :: p
+        type(lane_group_t), intent(inout) :: p
         real(dp), intent(in) :: x_ref(3, *)
         integer(int32), intent(in) :: list(*)
         integer :: k
@@ -209,7 +209,7 @@ contains
     !@variant
     pure subroutine keep(kind, p, l, j, own, other, k_axes, drawn, r, dx, w, f)
         integer, intent(in) :: kind
-        type(group_t), intent(in) :: p
+        type(lane_group_t), intent(in) :: p
         integer, intent(in) :: l, j !! lane, neighbour
         real(rk), intent(in) :: own(n_pair), other(n_pair), r(3), dx(3), w
         real(real32), intent(in), optional :: k_axes(6, *)

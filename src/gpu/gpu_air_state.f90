@@ -9,7 +9,7 @@ module brz_gpu_air_state
     use brz_air_outside, only: keep_outside
     use brz_air_setup, only: reconstruction_names
     use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
-    use brz_boxes, only: box_t
+    use brz_boxes, only: cells_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, integers_t, reals_t
     use brz_device, only: allocate_buffer, clear_buffer, copy_out, &
         device_t, find_kernel, free_buffer, kernel_t, put_buffer
@@ -69,7 +69,7 @@ module brz_gpu_air_state
         type(doubles_t) :: leaving !! (faces of bricks, n_var, 2) what left since the start
         type(doubles_t) :: part !! a number for each column along z; sums of bricks
         type(kernel_t) :: faces, march, last, redo !! of the scheme
-        type(gpu_fetch_t) :: halo, beside !! as in part_t: states, marks of bad cells
+        type(gpu_fetch_t) :: halo, beside !! as in air_part_t: states, marks of bad cells
         type(gpu_common_t) :: common
         type(gpu_walls_t) :: walls
         type(gpu_bricks_t) :: bricks
@@ -147,10 +147,10 @@ contains
     end subroutine go_on
 
     !> Cells of the whole grid that the arrays of this process hold.
-    pure type(box_t) function box_of(air) result(box)
+    pure type(cells_t) function box_of(air) result(box)
         type(air_t), intent(in) :: air
 
-        box = box_t(air%before + 1 - air%g, air%before + air%n + air%g)
+        box = cells_t(air%before + 1 - air%g, air%before + air%n + air%g)
     end function box_of
 
     !> True where a boundary is a wall that needs the flux at walls.

@@ -2,20 +2,20 @@
 !> Windows of the air, and guests on their way there, between GPUs: see brz_gpu_guest_steps.
 module brz_gpu_coupling_guests
     use brz_air_state, only: air_t
-    use brz_boxes, only: cells_t => box_t
+    use brz_boxes, only: cells_t
     use brz_buffers, only: reals_t
     use brz_coupling_state, only: coupling_t
     use brz_device, only: clear_buffer, copy_in, reserve_buffer
     use brz_errors, only: error_t
     use brz_gpu_coupling_state, only: gpu_coupling_t, seen_t
     use brz_gpu_lists, only: put_list
-    use brz_gpu_parcels, only: rows_of, rows_t
+    use brz_gpu_parcels, only: rows_of, gpu_rows_t
     use brz_guest_items, only: always_near, block_at, blocks_of
     use brz_guest_launches, only: guest_kernels
     use brz_kinds, only: int64, int8
     use brz_places, only: parcels_t
     use brz_record_rules, only: w => words_of_real
-    use brz_solid_part, only: nobody => part_t
+    use brz_solid_part, only: solid_part_t
     implicit none
     private
     public :: open_gpu_windows, mark_blocks, send_guests
@@ -47,7 +47,7 @@ contains
             gpu%guests%step_p = 3
             call part%window%open(ranks, air%part%window, held, air%n_var, err)
             if (.not. any(gpu%box%wraps)) call map_blocks(gpu, held, err)
-            call part%parcels%open(ranks, nobody(out=parcels_t([integer ::], none), &
+            call part%parcels%open(ranks, solid_part_t(out=parcels_t([integer ::], none), &
                                    in=parcels_t([integer ::], none)), max(most, 1 + 6*w), err)
         end associate
     end subroutine open_gpu_windows
@@ -118,7 +118,7 @@ contains
         type(gpu_coupling_t), intent(inout) :: gpu
         logical, intent(in) :: all_of_it !! else what changes in a step
         type(error_t), intent(inout) :: err
-        type(rows_t) :: from(n_known), to(n_known)
+        type(gpu_rows_t) :: from(n_known), to(n_known)
         integer :: n
 
         n = merge(n_known, n_moving, all_of_it)
@@ -130,7 +130,7 @@ contains
     !> What of a particle its copies have.
     pure function rows_of_seen(p) result(rows)
         type(seen_t), intent(in) :: p
-        type(rows_t) :: rows(n_known)
+        type(gpu_rows_t) :: rows(n_known)
 
         rows = [rows_of(p%x, 2*p%wide), rows_of(p%v, p%wide*w), vectors(p%load), &
                 rows_of(p%fixed, 1), vectors(p%v_before), rows_of(p%mass, w), rows_of(p%id, 1)]
@@ -138,7 +138,7 @@ contains
     contains
 
         !> Rows of three numbers, or three columns.
-        pure type(rows_t) function vectors(x)
+        pure type(gpu_rows_t) function vectors(x)
             type(reals_t), intent(in) :: x
 
             vectors = rows_of(x, p%step_p*w, 3/p%step_p, p%n)

@@ -7,7 +7,7 @@
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: carrier_t
     use brz_coupling_state, only: coupling_known_t, coupling_t
-    use brz_boxes, only: box_t
+    use brz_boxes, only: cells_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
     use brz_device, only: allocate_buffer, copy_in, copy_out, put_buffer
     use brz_errors, only: error_t
@@ -60,9 +60,9 @@ module brz_gpu_coupling_state
         integer(int64) :: rebuilds = 0 !! how often their places have become others
     end type seen_t
 
-    !> What it has to do with those of other processes, as part_t has it, and its window.
-    type :: gpu_part_t
-        type(box_t), allocatable :: boxes(:), windows(:), near(:) !! (0:processes - 1)
+    !> What it has to do with those of other processes, as coupling_part_t has it, and its window.
+    type :: gpu_coupling_part_t
+        type(cells_t), allocatable :: boxes(:), windows(:), near(:) !! (0:processes - 1)
         type(integers_t) :: windows_at, boxes_at, near_at
         type(gpu_fetch_t) :: window !! gas and ledgers of others in the window
         integer(int64) :: rebuilds = -1
@@ -72,7 +72,7 @@ module brz_gpu_coupling_state
         type(integers_t) :: bodies_at, first_at, seat
         type(reals_t) :: loads
         type(gpu_places_t) :: faces_out, faces_in, debts_out, debts_in
-    end type gpu_part_t
+    end type gpu_coupling_part_t
 
     !> Names are those of coupling_t where there is such an array.
     type, extends(coupling_known_t) :: gpu_coupling_t
@@ -88,7 +88,7 @@ module brz_gpu_coupling_state
         type(buffer_t) :: carrier_there !! the same
         real(dp), allocatable :: shift(:, :) !! on the host
         type(gpu_exact_t) :: exact !! sums over one of them
-        type(gpu_part_t) :: part !! on several processes
+        type(gpu_coupling_part_t) :: part !! on several processes
         type(seen_t) :: guests !! as in coupling_t
         type(solid_t) :: crowd !! what the host knows of the bodies of the guests
         type(integers_t) :: cell_of, place_of, binned !! (particles) cell, its place, bins

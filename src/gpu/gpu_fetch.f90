@@ -4,7 +4,7 @@
 !> always works, and a kernel unpacks. Whoever has an error takes part with what there is, so that
 !> nobody waits for ever.
 module brz_gpu_fetch
-    use brz_boxes, only: box_t
+    use brz_boxes, only: cells_t
     use brz_buffers, only: buffer_t, bytes_t, from, integers_t, reals_t
     use brz_cell_lists, only: cell_list_t, list_cells
     use brz_device, only: allocate_buffer, pin, put_buffer
@@ -43,7 +43,7 @@ contains
         class(gpu_fetch_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks
         type(fetch_t), intent(in) :: plan
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer, intent(in) :: numbers !! of a cell, real(rk); 0: a byte
         type(error_t), intent(inout) :: err
         integer(int64) :: all(1, ranks%n, ranks%n), most, number(1, ranks%n)

@@ -13,17 +13,17 @@ module brz_gpu_parcels
     use brz_place_launches, only: place_kernels
     use brz_ranks, only: ranks_t, several
     use brz_record_rules, only: add_array, most_arrays, record_t
-    use brz_solid_part, only: part_t
+    use brz_solid_part, only: solid_part_t
     implicit none
     private
-    public :: gpu_parcels_t, rows_t, rows_of, carry_rows
+    public :: gpu_parcels_t, gpu_rows_t, rows_of, carry_rows
 
     !> An array of particles as words of 4 B: a row of some for each particle, in each column.
-    type :: rows_t
+    type :: gpu_rows_t
         type(integers_t) :: of
         integer :: words = 0, columns = 1
         integer(int64) :: stride = 0 !! words from a column to the next
-    end type rows_t
+    end type gpu_rows_t
 
     type :: gpu_parcels_t
         type(ranks_t) :: ranks
@@ -44,7 +44,7 @@ contains
     subroutine open (self, ranks, part, most, err)
         class(gpu_parcels_t), intent(inout) :: self
         type(ranks_t), intent(in) :: ranks
-        type(part_t), intent(in) :: part
+        type(solid_part_t), intent(in) :: part
         integer, intent(in) :: most !! words of 4 B of a particle in a message
         type(error_t), intent(inout) :: err
 
@@ -72,7 +72,7 @@ contains
     end subroutine announce
 
     !> An array of rows, or of columns of rows.
-    pure type(rows_t) function rows_of(array, words, columns, n) result(rows)
+    pure type(gpu_rows_t) function rows_of(array, words, columns, n) result(rows)
         class(buffer_t), intent(in) :: array
         integer, intent(in) :: words !! of a row
         integer, intent(in), optional :: columns, n !! n rows each
@@ -88,7 +88,7 @@ contains
     !> Bring the rows of ghosts in some arrays up to date.
     subroutine refresh(self, arrays, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(rows_t), intent(in) :: arrays(:)
+        type(gpu_rows_t), intent(in) :: arrays(:)
         type(error_t), intent(inout) :: err
 
         if (several(self%ranks)) call self%send(self%out, self%in, arrays, arrays, err)
@@ -116,7 +116,7 @@ contains
     subroutine send(self, out, in, from, to, err)
         class(gpu_parcels_t), intent(inout) :: self
         type(gpu_places_t), intent(in) :: out, in !! all processes have aimed `out`
-        type(rows_t), intent(in) :: from(:), to(:)
+        type(gpu_rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
         integer, dimension(0:self%ranks%n) :: comes, goes
         integer :: r, wide
@@ -178,7 +178,7 @@ contains
     subroutine carry(self, out, in, from, to, err)
         class(gpu_parcels_t), intent(in) :: self
         type(gpu_places_t), intent(in) :: out, in
-        type(rows_t), intent(in) :: from(:), to(:)
+        type(gpu_rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
         integer :: k
 
@@ -193,7 +193,7 @@ contains
     !> The rows of n listed particles of an array, to places in an array of such rows.
     subroutine carry_rows(n, from, from_place, to, to_place, err)
         integer, intent(in) :: n
-        type(rows_t), intent(in) :: from, to
+        type(gpu_rows_t), intent(in) :: from, to
         type(integers_t), intent(in) :: from_place, to_place
         type(error_t), intent(inout) :: err
 
@@ -205,14 +205,14 @@ contains
 
     !> Words of a record: an even number.
     pure integer function width_of(arrays) result(wide)
-        type(rows_t), intent(in) :: arrays(:)
+        type(gpu_rows_t), intent(in) :: arrays(:)
 
         wide = (sum(arrays%words*arrays%columns) + 1)/2*2
     end function width_of
 
     !> How records are made of some arrays, most_arrays at most.
     pure subroutine make_record(arrays, record, array)
-        type(rows_t), intent(in) :: arrays(:)
+        type(gpu_rows_t), intent(in) :: arrays(:)
         type(record_t), intent(out) :: record
         type(integers_t), intent(out) :: array(most_arrays)
         integer :: k
@@ -225,7 +225,7 @@ contains
 
     !> Rows of n listed particles, into their records.
     subroutine pick_rows(arrays, place, n, records, err)
-        type(rows_t), intent(in) :: arrays(:)
+        type(gpu_rows_t), intent(in) :: arrays(:)
         type(integers_t), intent(in) :: place
         integer, intent(in) :: n
         type(integers_t), intent(in) :: records
@@ -243,7 +243,7 @@ contains
     subroutine put_rows(records, place, n, arrays, err)
         type(integers_t), intent(in) :: records, place
         integer, intent(in) :: n
-        type(rows_t), intent(in) :: arrays(:)
+        type(gpu_rows_t), intent(in) :: arrays(:)
         type(error_t), intent(inout) :: err
         type(integers_t) :: a(most_arrays)
         type(record_t) :: record

@@ -20,7 +20,7 @@ module brz_gpu_places
 
     type :: gpu_marks_t
         type(integers_t) :: mark, sent, joined, ends, sums, pieces, asks !! as marks_t has them
-        type(integers_t) :: far !! as part_t has it
+        type(integers_t) :: far !! as solid_part_t has it
         type(doubles_t) :: region, wants !! small tables
         type(gpu_common_t) :: common !! for running sums
     end type gpu_marks_t

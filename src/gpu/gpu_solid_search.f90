@@ -8,7 +8,7 @@ module brz_gpu_solid_search
     use brz_drift_launches, only: drift_kernels
     use brz_errors, only: error_t, failed
     use brz_drift_items, only: drift_of
-    use brz_gpu_parcels, only: carry_rows, rows_of, rows_t
+    use brz_gpu_parcels, only: carry_rows, rows_of, gpu_rows_t
     use brz_gpu_solid_layout, only: grid_gpu_t
     use brz_gpu_solid_lists, only: lay_lists, move_lists
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, &
@@ -319,7 +319,7 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
-        type(rows_t) :: room, there
+        type(gpu_rows_t) :: room, there
         integer :: c, k, n
 
         n = body%last - body%first + 1

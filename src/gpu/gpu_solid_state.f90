@@ -12,7 +12,7 @@ module brz_gpu_solid_state
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_exact_sum, only: gpu_exact_t
     use brz_gpu_face_load, only: gpu_facets_t
-    use brz_gpu_parcels, only: gpu_parcels_t, rows_of, rows_t
+    use brz_gpu_parcels, only: gpu_parcels_t, rows_of, gpu_rows_t
     use brz_gpu_places, only: gpu_marks_t
     use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, &
         book_contact_heat, book_load, grid_gpu_t, &
@@ -136,8 +136,8 @@ module brz_gpu_solid_state
         type(gpu_exact_t) :: exact
         type(gpu_common_t) :: common
         integer :: n_record = 0, n_left = 0
-        type(rows_t) :: record(7) !! what a particle takes along to another process
-        type(rows_t) :: left(3) !! what pass 1 leaves for pass 2
+        type(gpu_rows_t) :: record(7) !! what a particle takes along to another process
+        type(gpu_rows_t) :: left(3) !! what pass 1 leaves for pass 2
         type(gpu_parcels_t) :: ghosts
     end type gpu_solid_t
 

@@ -20,16 +20,16 @@ module brz_host_calls
     integer, parameter :: to_tell = 6 !! other processes: votes, counts, parcels, greetings
     integer, parameter :: n_kinds = 6
 
-    type :: part_t
+    type :: share_t
         character(20) :: name = ''
         integer(int64) :: entered = 0
         integer(int64) :: calls(n_kinds) = 0, bytes(n_kinds) = 0
         real(dp) :: seconds = 0, inside(n_kinds) = 0 !! of it all, in each kind of call
-    end type part_t
+    end type share_t
 
     integer, parameter :: most_parts = 24
     logical, protected :: counting = .false.
-    type(part_t) :: parts(0:most_parts) !! the last one: what goes beyond the table
+    type(share_t) :: parts(0:most_parts) !! the last one: what goes beyond the table
     integer :: now = 0, n = 0
     real(dp) :: since = 0 !! wall clock when this part was entered [s]
     type(traffic_t) :: said !! when this part was entered

@@ -7,16 +7,16 @@ module brz_kernel_profile
     private
     public :: profiling, start_profile, book_launch, print_profile
 
-    type :: entry_t
+    type :: launches_t
         character(32) :: name = '' !! of the kernel
         integer(int64) :: launches = 0
         real(dp) :: seconds = 0
-    end type entry_t
+    end type launches_t
 
     integer, parameter :: most_kernels = 512
     logical, protected :: profiling = .false.
     integer :: n = 0
-    type(entry_t) :: table(most_kernels)
+    type(launches_t) :: table(most_kernels)
 
 contains
 
@@ -24,7 +24,7 @@ contains
     subroutine start_profile()
         profiling = .true.
         n = 0
-        table = entry_t()
+        table = launches_t()
     end subroutine start_profile
 
     !> One launch; kernels beyond the table are left out.
@@ -59,12 +59,13 @@ contains
             if (table(k)%seconds < 1e-3_dp*total) exit
             call print_row(unit, table(k), total)
         end do
-        call print_row(unit, entry_t('all', sum(table(:n)%launches), sum(table(:n)%seconds)), total)
+        call print_row(unit, launches_t('all', sum(table(:n)%launches), sum(table(:n)%seconds)), &
+            total)
     end subroutine print_profile
 
     subroutine print_row(unit, entry, total)
         integer, intent(in) :: unit
-        type(entry_t), intent(in) :: entry
+        type(launches_t), intent(in) :: entry
         real(dp), intent(in) :: total !! [s]
 
         write (unit, '(a, i11, f10.3, f10.1, f6.1, a)') entry%name, entry%launches, &

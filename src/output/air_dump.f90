@@ -27,14 +27,14 @@ module brz_air_dump
     public :: write_air_dump
 
     !> Fields of the interior cells.
-    type :: fields_t
+    type :: air_fields_t
         real(real32), allocatable :: density(:, :, :) !! [kg/m3]
         real(real32), allocatable :: pressure(:, :, :) !! [Pa]
         real(real32), allocatable :: overpressure(:, :, :) !! over the undisturbed air [Pa]
         real(real32), allocatable :: velocity(:, :, :, :) !! (3, ...) [m/s]
         integer(int8), allocatable :: solid(:, :, :)
         real(real32), allocatable :: products(:, :, :) !! mass fraction, if it is carried [-]
-    end type fields_t
+    end type air_fields_t
 
 contains
 
@@ -46,7 +46,7 @@ contains
         type(meta_t), intent(in) :: meta
         type(error_t), intent(inout) :: err
         type(h5_t) :: file
-        type(fields_t) :: fields
+        type(air_fields_t) :: fields
 
         call fill_fields(air, wall, fields)
         if (several(air%part%ranks)) then
@@ -71,7 +71,7 @@ contains
     subroutine put_fields(file, air, fields, err)
         type(h5_t), intent(in) :: file
         type(air_t), intent(in) :: air
-        type(fields_t), intent(in) :: fields
+        type(air_fields_t), intent(in) :: fields
         type(error_t), intent(inout) :: err
 
         call write_field(file, 'CellData/density', 'kg/m3', fields%density, err)
@@ -148,7 +148,7 @@ contains
     subroutine fill_fields(air, wall, fields)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
-        type(fields_t), intent(out) :: fields
+        type(air_fields_t), intent(out) :: fields
         integer :: i, j, k
         real(rk) :: u(5), w(5)
 

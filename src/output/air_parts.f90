@@ -5,7 +5,7 @@
 module brz_air_parts
     use brz_air_state, only: air_t, brick, n_ghost
     use brz_air_totals, only: counts_of_all, outflow_of_all, take_outflow
-    use brz_boxes, only: box_t, common, is_empty
+    use brz_boxes, only: cells_t, common, is_empty
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_files, only: file_exists, list_folder, name_len, remove_file, rename_file
     use brz_hdf5_array, only: h5_read, h5_shape, h5_write
@@ -95,7 +95,7 @@ contains
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
         type(h5_t) :: part
-        type(box_t), allocatable :: boxes(:)
+        type(cells_t), allocatable :: boxes(:)
         integer(int64) :: left(total_numbers, 6)
         integer :: r
 
@@ -109,7 +109,7 @@ contains
                 call h5_close(part, err)
             end do
         else
-            call read_common(file, box_t([1, 1, 1], air%whole), &
+            call read_common(file, cells_t([1, 1, 1], air%whole), &
                              merge(n_ghost, 0, air%whole > 1), air, err)
         end if
         call h5_read(file, 'air/outflow', air%outflow, err)
@@ -135,7 +135,7 @@ contains
     subroutine read_boxes(file, air, boxes, err)
         type(h5_t), intent(in) :: file
         type(air_t), intent(in) :: air
-        type(box_t), allocatable, intent(out) :: boxes(:)
+        type(cells_t), allocatable, intent(out) :: boxes(:)
         type(error_t), intent(inout) :: err
         integer(int64), allocatable :: there(:)
         integer, allocatable :: numbers(:, :)
@@ -147,27 +147,27 @@ contains
         call h5_read(file, boxes_name, numbers, err)
         allocate (boxes(size(numbers, 2)))
         do r = 1, size(boxes)
-            boxes(r) = box_t(numbers(1:3, r), numbers(4:6, r))
+            boxes(r) = cells_t(numbers(1:3, r), numbers(4:6, r))
             if (any(boxes(r)%lo < 1 .or. boxes(r)%hi > air%whole)) call raise(err, exit_io, &
                 file%path//": '"//boxes_name//"' is out of its range: Brisance did not write it")
         end do
     end subroutine read_boxes
 
     !> The box of this process.
-    pure type(box_t) function own_box(air)
+    pure type(cells_t) function own_box(air)
         type(air_t), intent(in) :: air
 
-        own_box = box_t(air%before + 1, air%before + air%n)
+        own_box = cells_t(air%before + 1, air%before + air%n)
     end function own_box
 
     !> Read the cells that a file and this process have in common.
     subroutine read_common(file, box, ghosts, air, err)
         type(h5_t), intent(in) :: file
-        type(box_t), intent(in) :: box !! of the file
+        type(cells_t), intent(in) :: box !! of the file
         integer, intent(in) :: ghosts(3) !! layers around it in the file
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
-        type(box_t) :: both
+        type(cells_t) :: both
         real(rk), allocatable :: u(:, :, :, :)
         integer(int8), allocatable :: reached(:, :, :)
         integer :: lo(3), hi(3), n(3)

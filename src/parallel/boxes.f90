@@ -7,12 +7,12 @@ module brz_boxes
     use brz_kinds, only: dp, int64
     implicit none
     private
-    public :: box_t, crowd_t, asks_of, common, widened, is_empty, cells_of, cut_grid, most_boxes
+    public :: cells_t, crowd_t, asks_of, common, widened, is_empty, cells_of, cut_grid, most_boxes
 
     !> Cells lo..hi of the whole grid, both included.
-    type :: box_t
+    type :: cells_t
         integer :: lo(3) = 1, hi(3) = 0
-    end type box_t
+    end type cells_t
 
     !> A body where the grid is cut: particles that fill a box.
     type :: crowd_t
@@ -28,8 +28,8 @@ contains
 
     !> Cells that lie in both of two boxes.
     elemental function common(a, b) result(both)
-        type(box_t), intent(in) :: a, b
-        type(box_t) :: both
+        type(cells_t), intent(in) :: a, b
+        type(cells_t) :: both
 
         both%lo = max(a%lo, b%lo)
         both%hi = min(a%hi, b%hi)
@@ -37,9 +37,9 @@ contains
 
     !> A box and some layers around it.
     pure function widened(box, layers) result(wide)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer, intent(in) :: layers(3)
-        type(box_t) :: wide
+        type(cells_t) :: wide
 
         wide%lo = box%lo - layers
         wide%hi = box%hi + layers
@@ -47,7 +47,7 @@ contains
 
     !> Boxes of cells as kernels are told them: lowest and highest cell.
     pure function asks_of(boxes) result(asks)
-        type(box_t), intent(in) :: boxes(:)
+        type(cells_t), intent(in) :: boxes(:)
         integer :: asks(6*size(boxes))
         integer :: r
 
@@ -55,14 +55,14 @@ contains
     end function asks_of
 
     elemental logical function is_empty(box)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
 
         is_empty = any(box%lo > box%hi)
     end function is_empty
 
     !> Number of cells.
     elemental integer(int64) function cells_of(box)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
 
         cells_of = product(max(int(box%hi - box%lo, int64) + 1, 0_int64))
     end function cells_of
@@ -80,23 +80,23 @@ contains
     pure subroutine cut_grid(n, brick, boxes, crowds)
         integer, intent(in) :: n(3) !! cells
         integer, intent(in) :: brick !! cells per side of a brick
-        type(box_t), intent(out) :: boxes(0:) !! (processes)
+        type(cells_t), intent(out) :: boxes(0:) !! (processes)
         type(crowd_t), intent(in), optional :: crowds(:)
 
         if (present(crowds)) then
-            call halve(box_t([1, 1, 1], n), brick, crowds, boxes)
+            call halve(cells_t([1, 1, 1], n), brick, crowds, boxes)
         else
-            call halve(box_t([1, 1, 1], n), brick, [crowd_t ::], boxes)
+            call halve(cells_t([1, 1, 1], n), brick, [crowd_t ::], boxes)
         end if
     end subroutine cut_grid
 
     !> Cut a box in two, in proportion to the processes on each side, until there is one process.
     pure recursive subroutine halve(box, brick, crowds, boxes)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer, intent(in) :: brick
         type(crowd_t), intent(in) :: crowds(:)
-        type(box_t), intent(out) :: boxes(0:)
-        type(box_t) :: half(2)
+        type(cells_t), intent(out) :: boxes(0:)
+        type(cells_t) :: half(2)
         integer :: below
 
         boxes(0) = box
@@ -110,13 +110,13 @@ contains
     !> that costs least: air and coupling wait each for the process that has most of it, and what is
     !> beside the cut is sent.
     pure subroutine choose_cut(box, brick, crowds, n, half, below)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer, intent(in) :: brick
         type(crowd_t), intent(in) :: crowds(:)
         integer, intent(in) :: n !! processes
-        type(box_t), intent(out) :: half(2)
+        type(cells_t), intent(out) :: half(2)
         integer, intent(out) :: below !! processes of the lower half
-        type(box_t) :: trial(2)
+        type(cells_t) :: trial(2)
         real(dp) :: cost, least
         integer :: d, h, k, m
 
@@ -147,10 +147,10 @@ contains
 
     !> Cut a box across direction d.
     pure subroutine cut_across(box, brick, d, n, half, below)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer, intent(in) :: brick, d
         integer, intent(in) :: n !! processes
-        type(box_t), intent(out) :: half(2)
+        type(cells_t), intent(out) :: half(2)
         integer, intent(out) :: below !! processes of the lower half
         integer :: bricks(3), across, layers
 
@@ -167,7 +167,7 @@ contains
     !> Particles of bodies in a box, about.
     pure real(dp) function crowd_of(crowds, box) result(n)
         type(crowd_t), intent(in) :: crowds(:)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         real(dp) :: share, wide
         integer :: d, k
 
@@ -186,7 +186,7 @@ contains
     !> The direction of the side that is `place`-th in length, 3 for the longest; of equal ones the
     !> last direction counts as longer.
     pure integer function side_of(box, place) result(direction)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer, intent(in) :: place
         integer :: d, length(3)
 

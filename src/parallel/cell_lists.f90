@@ -2,7 +2,7 @@
 !> What a fetch moves, as lists of places in an array and one parcel for each process: for those who
 !> pack and unpack elsewhere than on the host.
 module brz_cell_lists
-    use brz_boxes, only: box_t, cells_of
+    use brz_boxes, only: cells_t, cells_of
     use brz_fetch, only: fetch_t, parcel_t
     use brz_kinds, only: int64
     use brz_mail, only: mail_t, make_room
@@ -25,7 +25,7 @@ contains
     subroutine list_cells(ranks, plan, box, bytes, list)
         type(ranks_t), intent(in) :: ranks
         type(fetch_t), intent(in) :: plan
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer, intent(in) :: bytes !! of a cell
         type(cell_list_t), intent(out) :: list
         integer(int64) :: length(0:ranks%n - 1, 2)
@@ -39,7 +39,7 @@ contains
     !> again until its parcel is a whole number of units.
     subroutine list_parcels(parcels, box, bytes, place, length)
         type(parcel_t), intent(in) :: parcels(:)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer, intent(in) :: bytes !! of a cell
         integer(int64), allocatable, intent(out) :: place(:)
         integer(int64), intent(out) :: length(0:) !! (processes) bytes
@@ -62,7 +62,7 @@ contains
 
     !> Places of the cells of one box in an array that holds those of another.
     pure function places_in(whole, box) result(place)
-        type(box_t), intent(in) :: whole, box
+        type(cells_t), intent(in) :: whole, box
         integer(int64), allocatable :: place(:)
         integer(int64) :: n(2)
         integer :: i, j, k

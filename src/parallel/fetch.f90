@@ -6,7 +6,7 @@
 !> that is periodic: it goes on from the other end.
 module brz_fetch
     use, intrinsic :: iso_c_binding, only: c_int, c_loc, c_null_ptr, c_ptr
-    use brz_boxes, only: box_t, cells_of, common, is_empty
+    use brz_boxes, only: cells_t, cells_of, common, is_empty
     use brz_kinds, only: dp, int8, int64, rk
     use brz_mpi_library, only: mpi_double, mpi_float, mpi_irecv, mpi_isend, mpi_waitall
     use brz_ranks, only: ranks_t, several, traffic
@@ -21,13 +21,13 @@ module brz_fetch
     type :: parcel_t
         integer :: partner = 0
         integer :: image = 0 !! 0..26: how far the field is shifted around the grid
-        type(box_t) :: box !! as this process numbers the cells
+        type(cells_t) :: box !! as this process numbers the cells
         real(rk), allocatable :: numbers(:)
     end type parcel_t
 
     !> Who sends what to whom.
     type :: fetch_t
-        type(box_t) :: whole !! cells that the arrays of this process hold
+        type(cells_t) :: whole !! cells that the arrays of this process hold
         type(parcel_t), allocatable :: out(:), in(:)
         type(c_ptr), allocatable :: requests(:)
         integer(int64) :: bytes = 0 !! that this process sends each time
@@ -43,8 +43,8 @@ contains
     !> Find who sends what to whom, for fields of up to `numbers` numbers per cell.
     subroutine plan_fetch(ranks, owners, wanted, n, periodic, numbers, plan)
         type(ranks_t), intent(in) :: ranks
-        type(box_t), intent(in) :: owners(0:) !! (processes) the cells of each
-        type(box_t), intent(in) :: wanted(0:) !! (processes) what each wants, own cells or not
+        type(cells_t), intent(in) :: owners(0:) !! (processes) the cells of each
+        type(cells_t), intent(in) :: wanted(0:) !! (processes) what each wants, own cells or not
         integer, intent(in) :: n(3) !! cells of the whole grid
         logical, intent(in) :: periodic(3)
         integer, intent(in) :: numbers
@@ -77,7 +77,7 @@ contains
     subroutine add(parcels, partner, image, box, numbers)
         type(parcel_t), allocatable, intent(inout) :: parcels(:)
         integer, intent(in) :: partner, image
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer, intent(in) :: numbers !! per cell
         type(parcel_t) :: parcel
 
@@ -98,9 +98,9 @@ contains
     end function shift_of
 
     pure function moved(box, by) result(to)
-        type(box_t), intent(in) :: box
+        type(cells_t), intent(in) :: box
         integer, intent(in) :: by(3)
-        type(box_t) :: to
+        type(cells_t) :: to
 
         to%lo = box%lo + by
         to%hi = box%hi + by

@@ -11,7 +11,7 @@ module brz_face_load
     use brz_time_table, only: mean_over
     implicit none
     private
-    public :: loads_t, facets_t, history_t, lay_out, mean_pressures, pushes, find_places
+    public :: loads_t, facets_t, load_history_t, lay_out, mean_pressures, pushes, find_places
 
     !> Facets, those of a particle one after the other.
     !@mirror
@@ -34,15 +34,15 @@ module brz_face_load
     end type facets_t
 
     !> The history of one &load.
-    type :: history_t
+    type :: load_history_t
         real(dp), allocatable :: time(:), pressure(:) !! overpressure, or factors of `push` [s, Pa]
         integer :: body = 0 !! not 0: a push on all of a body
         real(dp) :: push(3) = 0 !! [m/s2]
         logical :: blast = .false. !! its facets have waves, and there is no history
-    end type history_t
+    end type load_history_t
 
     type :: loads_t
-        type(history_t), allocatable :: of(:) !! in the order of the deck
+        type(load_history_t), allocatable :: of(:) !! in the order of the deck
         type(facets_t) :: facets !! of all of them
         integer(int32), allocatable :: place(:) !! (particles) where the particle of a number lies;
                                                 !! negative: its ghost does; 0: elsewhere
@@ -95,7 +95,7 @@ contains
     end function pushes
 
     pure real(dp) function mean_of(history, time, dt) result(mean)
-        type(history_t), intent(in) :: history
+        type(load_history_t), intent(in) :: history
         real(dp), intent(in) :: time, dt !! [s]
 
         mean = mean_over(history%time, history%pressure, time, dt, .false.)

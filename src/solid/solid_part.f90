@@ -7,10 +7,10 @@ module brz_solid_part
     use brz_places, only: marks_t, parcels_t
     implicit none
     private
-    public :: part_t
+    public :: solid_part_t
 
     !> Regions fill all of space. Marks say who goes where.
-    type, extends(marks_t) :: part_t
+    type, extends(marks_t) :: solid_part_t
         real(dp), allocatable :: region(:, :, :) !! (3, 2, 0:processes-1) corners [m]
         real(dp), allocatable :: boxes(:, :, :, :)
         !! (3, 2, bodies, 0:processes-1) corners of `x_built`, see has_boxes [m]
@@ -26,5 +26,5 @@ module brz_solid_part
         type(parcels_t) :: out !! particles of this process that others have ghosts of
         type(parcels_t) :: in !! ghosts of this process
         type(mail_t) :: mail
-    end type part_t
+    end type solid_part_t
 end module brz_solid_part

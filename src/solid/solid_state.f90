@@ -13,7 +13,7 @@ module brz_solid_state
     use brz_material, only: material_t
     use brz_motion, only: motion_t
     use brz_ranks, only: ranks_t
-    use brz_solid_part, only: part_t
+    use brz_solid_part, only: solid_part_t
     use brz_rigid, only: rigid_t
     implicit none
     private
@@ -235,7 +235,7 @@ module brz_solid_state
     type :: solid_t
         logical :: present = .false.
         type(ranks_t) :: ranks !! the processes that share the particles
-        type(part_t) :: part !! what this one has to do with others
+        type(solid_part_t) :: part !! what this one has to do with others
         integer :: n = 0 !! particles, with the ghosts of those of other processes
         integer :: wide = 3 !! rows of x and v; on a GPU there are four
         integer :: step_d = 1, step_p = 3 !! distances in `load` of directions, of particles

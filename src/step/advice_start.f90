@@ -6,7 +6,7 @@ module brz_advice_start
     use brz_axial_start, only: axial_input, find_obstacles, frame_t, make_frame, obstacle_t
     use brz_axial_state, only: axial_input_t
     use brz_case, only: case_t
-    use brz_charge_shape, only: make_shape, shape_t
+    use brz_charge_shape, only: make_shape, charge_shape_t
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp, real32
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, nearest
@@ -28,7 +28,7 @@ contains
         type(case_t), intent(in) :: case
         real(dp), intent(in) :: seconds
         character(:), allocatable :: start
-        type(shape_t) :: shape
+        type(charge_shape_t) :: shape
         type(error_t) :: err
         real(dp) :: cells, dx(3), room, share
 
@@ -59,7 +59,7 @@ contains
     !> The start that a charge has room for, '' for none, and how far its front may run [m].
     subroutine find_start(case, shape, cell, start, room)
         type(case_t), intent(in) :: case
-        type(shape_t), intent(in) :: shape
+        type(charge_shape_t), intent(in) :: shape
         real(dp), intent(in) :: cell !! largest side of a cell [m]
         character(:), allocatable, intent(out) :: start
         real(dp), intent(out) :: room

@@ -19,7 +19,7 @@ module brz_ledger
     use brz_solid_totals, only: solid_totals_t
     implicit none
     private
-    public :: ledger_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
+    public :: balance_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
     public :: body_names, body_row, judge
 
     integer, parameter :: n_energy = 52, n_body = 14, n_interface = 3
@@ -58,7 +58,7 @@ module brz_ledger
                                 'broken[m2]', 'bond[J]', 'bond_heat[J]']
 
     !> Totals at one time.
-    type :: ledger_t
+    type :: balance_t
         real(dp) :: time = 0 !! [s]
         real(dp) :: gas(5) = 0 !! mass, momentum x, y, z, energy of the gas
         real(dp) :: gas_kinetic = 0 !! part of the gas energy [J]
@@ -84,7 +84,7 @@ module brz_ledger
         real(dp) :: energy_scale = 0, momentum_scale = 0 !! that errors are measured against
         real(dp) :: energy_error = 0, mass_error = 0, momentum_error = 0 !! relative
         real(dp) :: coupling_error = 0 !! what coupling loses over the work on the bodies
-    end type ledger_t
+    end type balance_t
 
     !> What the errors are measured against.
     type :: ledger_start_t
@@ -108,7 +108,7 @@ contains
         type(solid_t), intent(inout) :: solid !! its ledgers are brought up to date
         type(coupling_t), intent(inout) :: coupling !! its sums are brought up to date
         type(ledger_start_t), intent(inout) :: start
-        type(ledger_t), intent(out) :: ledger
+        type(balance_t), intent(out) :: ledger
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
         type(solid_totals_t) :: sums
         type(books_t) :: books
@@ -167,7 +167,7 @@ contains
     !> A momentum to measure errors against: that of sound through the whole mass of the air.
     pure real(dp) function momentum_scale(air, ledger)
         type(air_t), intent(in) :: air
-        type(ledger_t), intent(in) :: ledger
+        type(balance_t), intent(in) :: ledger
 
         momentum_scale = (ledger%gas(1) + ledger%outflow(1)) &
                          *sqrt(real(air%scheme%gamma*air%p_rest/air%rho_rest, dp))
@@ -175,7 +175,7 @@ contains
 
     !> The largest of the places and exchanges of energy [J].
     pure real(dp) function largest_term(ledger)
-        type(ledger_t), intent(in) :: ledger
+        type(balance_t), intent(in) :: ledger
 
         largest_term = maxval(abs([ledger%gas_kinetic, ledger%gas(5) - ledger%gas_kinetic, &
             ledger%kept(5), ledger%outflow(5), ledger%solid_kinetic, ledger%solid_internal, &
@@ -207,7 +207,7 @@ contains
         real(dp), intent(in) :: all(5) !! mass, momentum, energy of the air and what it gave away
         real(dp), intent(in) :: rounding !! energy of it [J]
         type(ledger_start_t), intent(inout) :: start
-        type(ledger_t), intent(inout) :: ledger
+        type(balance_t), intent(inout) :: ledger
         real(dp), parameter :: growth = 10
         real(dp) :: supply
 
@@ -226,7 +226,7 @@ contains
 
     !> Energy that the air lost to walls and the bodies did not gain [J].
     pure real(dp) function lost_in_coupling(ledger)
-        type(ledger_t), intent(in) :: ledger
+        type(balance_t), intent(in) :: ledger
 
         lost_in_coupling = ledger%air_work - ledger%reference_work - ledger%load_work
     end function lost_in_coupling
@@ -236,7 +236,7 @@ contains
     !> Gas, ledgers, debts, outflow and what the walls took must add up to what was there at the
     !> start, whatever happens in the scene; rounding of a million steps stays far below the bound.
     pure logical function is_balanced(ledger)
-        type(ledger_t), intent(in) :: ledger
+        type(balance_t), intent(in) :: ledger
         real(dp), parameter :: rounding = sqrt(real(epsilon(1.0_rk), dp))
 
         is_balanced = abs(ledger%mass_error) <= rounding .and. ledger%momentum_error <= rounding
@@ -244,7 +244,7 @@ contains
 
     !> The row that belongs to the `energy_columns`.
     pure function ledger_row(ledger) result(row)
-        type(ledger_t), intent(in) :: ledger
+        type(balance_t), intent(in) :: ledger
         real(dp) :: row(n_energy)
 
         row(1:4) = [ledger%time, ledger%gas_kinetic, ledger%gas(5) - ledger%gas_kinetic, &

@@ -17,7 +17,7 @@ module brz_material_driver
                             material_step_too_large
     use brz_material_report, only: material_report
     use brz_materials, only: make_material, start_point, update_material
-    use brz_point_table, only: columns_t, point_columns, point_row
+    use brz_point_table, only: slots_t, point_columns, point_row
     use brz_scanner, only: read_deck
     use brz_screen, only: say, show
     use brz_text, only: to_text
@@ -32,7 +32,7 @@ module brz_material_driver
         type(material_t) :: material
         type(point_t) :: point
         type(history_t) :: table
-        type(columns_t) :: columns
+        type(slots_t) :: columns
         real(dp) :: time = 0, start = 0 !! now, and when the segment began [s]
         real(dp) :: work(2) = 0 !! plastic work, work of damage so far [J/kg]
         real(dp) :: strain(6) = 0 !! integral of the rate of deformation, xx yy zz xy yz xz

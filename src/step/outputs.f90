@@ -18,7 +18,7 @@ module brz_outputs
     use brz_folder_lock, only: lock_folder
     use brz_kinds, only: dp
     use brz_ledger, only: body_names, body_row, energy_columns, is_balanced, ledger_row, &
-                          ledger_start_t, ledger_t, take_stock
+                          ledger_start_t, balance_t, take_stock
     use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, holds_histories, &
                                  prepare_folder
     use brz_progress, only: progress_line
@@ -225,7 +225,7 @@ contains
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(inout) :: outputs
         type(error_t), intent(inout) :: err
-        type(ledger_t) :: ledger
+        type(balance_t) :: ledger
 
         call take_stock(sim%clock%time, sim%backend, sim%air, sim%solid, sim%coupling, sim%start, &
                         ledger, err)

@@ -7,7 +7,7 @@ module brz_point_table
     use brz_materials, only: history_names
     implicit none
     private
-    public :: columns_t, point_columns, point_row
+    public :: slots_t, point_columns, point_row
 
     ! xx, yy, zz, yz, xz, xy in a table; xx, yy, zz, xy, yz, xz in a point
     integer, parameter :: order(6) = [1, 2, 3, 5, 6, 4]
@@ -20,18 +20,18 @@ module brz_point_table
     character(*), parameter :: strain_name = 'plastic_strain', temperature_name = 'temperature'
 
     !> Which history goes where.
-    type :: columns_t
+    type :: slots_t
         integer :: strain = 0, temperature = 0 !! slots; 0: the model has none
         integer :: n = 0
         integer :: own(n_hist) = 0 !! slots of the last n columns
-    end type columns_t
+    end type slots_t
 
 contains
 
     !> Names and units: those of every material, then the history of this one by name.
     subroutine point_columns(material, columns, names)
         type(material_t), intent(in) :: material
-        type(columns_t), intent(out) :: columns
+        type(slots_t), intent(out) :: columns
         character(48), allocatable, intent(out) :: names(:)
         character(32) :: history(n_hist)
         character(12) :: unit(n_hist)
@@ -61,7 +61,7 @@ contains
     !> One row. Plastic strain and temperature are 0 where the model has none.
     pure subroutine point_row(material, columns, point, passed, strain, row)
         type(material_t), intent(in) :: material
-        type(columns_t), intent(in) :: columns
+        type(slots_t), intent(in) :: columns
         type(point_t), intent(in) :: point
         real(dp), intent(in) :: passed(3) !! time [s], plastic work and work of damage so far [J/kg]
         real(dp), intent(in) :: strain(6) !! in the order of a point

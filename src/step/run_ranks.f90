@@ -5,7 +5,7 @@ module brz_run_ranks
     use brz_air_grid, only: brick
     use brz_air_part, only: layers_seen
     use brz_air_state, only: n_ghost
-    use brz_boxes, only: box_t, cells_of, common, cut_grid, most_boxes, widened
+    use brz_boxes, only: cells_t, cells_of, common, cut_grid, most_boxes, widened
     use brz_case, only: case_t
     use brz_check_start, only: is_radial
     use brz_cohesive_items, only: mark_glued, own_node, see_point
@@ -116,7 +116,7 @@ contains
         type(case_t), intent(in) :: case
         type(scene_size_t), intent(in) :: size_of
         integer, intent(in) :: n !! processes
-        type(box_t) :: boxes(0:n - 1), wide
+        type(cells_t) :: boxes(0:n - 1), wide
         real(dp) :: share, around
         integer :: r, layers(3)
 
@@ -128,7 +128,7 @@ contains
         write (output_unit, '(a, i0, a, f0.3, a)') 'processes    ', n, &
             ', the largest box over the mean ', maxval(real(cells_of(boxes), dp))*n/size_of%cells
         do r = 0, n - 1
-            wide = common(widened(boxes(r), layers), box_t([1, 1, 1], case%air%cells))
+            wide = common(widened(boxes(r), layers), cells_t([1, 1, 1], case%air%cells))
             share = real(cells_of(boxes(r)), dp)
             around = real(cells_of(wide), dp) - share
             write (output_unit, '(a, i5, a, 3(1x, i0, a, i0), a, i0, a, i0, a, f0.1, a)') &
@@ -169,16 +169,16 @@ contains
     !> Particles in the window of each process and one layer of cells around.
     subroutine count_guests(case, boxes, solid, guests)
         type(case_t), intent(in) :: case
-        type(box_t), intent(in) :: boxes(0:) !! (processes)
+        type(cells_t), intent(in) :: boxes(0:) !! (processes)
         type(solid_t), intent(in) :: solid
         integer, intent(out) :: guests(0:) !! (processes)
-        type(box_t) :: windows(0:ubound(guests, 1))
+        type(cells_t) :: windows(0:ubound(guests, 1))
         integer :: b, cell(3), i, r
 
         do r = 0, ubound(guests, 1)
             windows(r) = widened(boxes(r), spread(layers_seen(case%coupling%spread) + 1, &
                                                         1, 3))
-            windows(r) = common(windows(r), box_t([1, 1, 1], case%air%cells))
+            windows(r) = common(windows(r), cells_t([1, 1, 1], case%air%cells))
         end do
         guests = 0
         do b = 1, size(solid%bodies)

@@ -7,7 +7,7 @@ module brz_scene_size
     use brz_body_points, only: points_t
     use brz_body_shape, only: shape_t
     use brz_body_setup, only: outline_solid
-    use brz_boxes, only: box_t, crowd_t
+    use brz_boxes, only: cells_t, crowd_t
     use brz_case, only: air_case_t, case_t
     use brz_errors, only: error_t, exit_deck, exit_device, failed, raise
     use brz_kinds, only: dp, int64, real32, rk
@@ -33,7 +33,7 @@ module brz_scene_size
         real(dp) :: particles = 0 !! about
         real(dp), allocatable :: of_body(:) !! (bodies) particles
         type(crowd_t), allocatable :: crowds(:) !! (bodies) where these are in the air
-        type(box_t), allocatable :: boxes(:) !! (0:processes - 1) the air of each
+        type(cells_t), allocatable :: boxes(:) !! (0:processes - 1) the air of each
         real(dp) :: air_bytes = 0 !! with walls in it
         real(dp) :: solid_bytes = 0 !! with lists of neighbours
         real(dp) :: peak_bytes = 0 !! most that the program holds

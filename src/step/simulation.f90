@@ -5,7 +5,7 @@ module brz_simulation
     use brz_air_state, only: air_t
     use brz_backend, only: backend_t
     use brz_body_setup, only: set_up_solid
-    use brz_boxes, only: box_t
+    use brz_boxes, only: cells_t
     use brz_case, only: case_t
     use brz_clock, only: clock_t
     use brz_coupling_setup, only: set_up_coupling
@@ -32,7 +32,7 @@ module brz_simulation
     type :: simulation_t
         type(case_t) :: case
         type(ranks_t) :: ranks !! the processes that share the scene
-        type(box_t), allocatable :: boxes(:) !! the air of each, where there are several
+        type(cells_t), allocatable :: boxes(:) !! the air of each, where there are several
         type(air_t) :: air
         type(solid_t) :: solid
         type(coupling_t) :: coupling

@@ -9,7 +9,7 @@ module brz_summary
     use brz_host_calls, only: counting, print_calls
     use brz_kernel_profile, only: print_profile, profiling
     use brz_kinds, only: dp, int64
-    use brz_ledger, only: ledger_start_t, ledger_t, take_stock
+    use brz_ledger, only: ledger_start_t, balance_t, take_stock
     use brz_outputs, only: outputs_t
     use brz_gauge_summary, only: gauge_summary
     use brz_ranks, only: least_of_all, most_of_all, several, traffic
@@ -31,7 +31,7 @@ contains
         type(simulation_t), intent(inout) :: sim
         type(outputs_t), intent(in) :: outputs
         type(error_t), intent(inout) :: err
-        type(ledger_t) :: ledger
+        type(balance_t) :: ledger
         type(ledger_start_t) :: start
         character(:), allocatable :: text
 

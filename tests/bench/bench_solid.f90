@@ -26,21 +26,23 @@ program bench_solid
     implicit none
 
     !> A body and what its loops compute.
-    type :: scene_t
+    type :: bench_scene_t
         character(16) :: model = ''
         character(20) :: formulation = ''
         real(dp) :: smoothing = 1.3_dp !! h in spacings: 80 neighbours; 1.2: 56
         integer :: flops(2) = 0 !! per pair, in pass 1 and 2; besides a root each, a division in 2
-    end type scene_t
+    end type bench_scene_t
 
     integer, parameter :: gradients = 1, material = 2, forces = 3, list = 4, whole = 5, by_clock = 6
     integer, parameter :: n_part = 6
-    type(scene_t), parameter :: scenes(5) = [ &
-                                scene_t('johnson_cook', 'corrected_hourglass', 1.3_dp, [55, 132]), &
-                                scene_t('johnson_cook', 'corrected_hourglass', 1.2_dp, [55, 132]), &
-                                scene_t('linear_elastic', 'corrected', 1.2_dp, [55, 72]), &
-                                scene_t('linear_elastic', 'bending', 1.2_dp, [78, 138]), &
-                                scene_t('orthotropic_ply', 'bending', 1.2_dp, [78, 141])]
+    type(bench_scene_t), parameter :: scenes(5) = [ &
+                                bench_scene_t('johnson_cook', 'corrected_hourglass', 1.3_dp, &
+                                [55, 132]), &
+                                bench_scene_t('johnson_cook', 'corrected_hourglass', 1.2_dp, &
+                                [55, 132]), &
+                                bench_scene_t('linear_elastic', 'corrected', 1.2_dp, [55, 72]), &
+                                bench_scene_t('linear_elastic', 'bending', 1.2_dp, [78, 138]), &
+                                bench_scene_t('orthotropic_ply', 'bending', 1.2_dp, [78, 141])]
     type(floors_t) :: floors
     integer :: layers, steps, most, s, threads
 
@@ -72,7 +74,7 @@ contains
     end function argument
 
     subroutine measure(scene)
-        type(scene_t), intent(in) :: scene
+        type(bench_scene_t), intent(in) :: scene
         type(solid_t) :: solid
         type(error_t) :: err
         real(dp) :: best(n_part), dt
@@ -101,7 +103,7 @@ contains
 
     !> What these times mean: throughput, and each pass beside its floors.
     subroutine compare(scene, solid, best)
-        type(scene_t), intent(in) :: scene
+        type(bench_scene_t), intent(in) :: scene
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: best(n_part) !! per particle [s]
         real(dp) :: pairs, turns, bytes
@@ -182,7 +184,7 @@ contains
 
     !> A cube with a spacing of 1 mm that is sheared and turns.
     subroutine make_cube(scene, solid, err)
-        type(scene_t), intent(in) :: scene
+        type(bench_scene_t), intent(in) :: scene
         type(solid_t), intent(out) :: solid
         type(error_t), intent(inout) :: err
         type(case_t) :: case

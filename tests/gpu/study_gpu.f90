@@ -5,7 +5,7 @@
 !> usage: BRISANCE_PTX=bin/brisance.ptx study_gpu [cells in each direction ...]
 program study_gpu
     use, intrinsic :: iso_fortran_env, only: output_unit
-    use air_problems, only: judge_sedov, scheme_name, seen_t, set_up_sedov
+    use air_problems, only: judge_sedov, scheme_name, air_result_t, set_up_sedov
     use brz_air_setup, only: time_step_ramp
     use brz_air_state, only: air_ok, air_t
     use brz_device, only: device_t, free_all
@@ -39,7 +39,7 @@ contains
         integer, intent(in) :: n
         type(air_t) :: air
         type(gpu_air_t) :: gpu
-        type(seen_t) :: seen
+        type(air_result_t) :: seen
         real(dp) :: t, dt, start
         integer :: step
 

@@ -36,6 +36,8 @@ def structure(root):
 
 CUF = "    !@cuf attributes(host,device) &\n"
 LONG = "    subroutine s()\n" + "    continue\n" * 79 + "    end subroutine s\n"
+KERNEL = LONG.replace("    subroutine", "    attributes(global) subroutine", 1)
+KIND = "type, bind(c) :: x_t\n    end type x_t"
 MANY = "    subroutine s(a, b, c, d, &\n        e, f, g, h, i)\n    end subroutine s\n"
 RULES = [
     ({"air/a.f90": {}, "base/b.f90": {"use": "use brz_a, only: x"}}, "base must not use brz_a"),
@@ -47,6 +49,7 @@ RULES = [
     ({"base/a.f90": {"body": "! filler\n" * 400}}, "lines; at most 400"),
     ({"base/a.f90": {"use": "use brz_b"}, "base/b.f90": {}}, "use brz_b without only"),
     ({"odd/a.f90": {}}, "src/odd is no layer"),
+    ({"air/a.f90": {"use": KIND}, "gpu/b.f90": {"use": KIND}}, "b.f90:3: x_t is a type of src/air"),
     ({"cpu/solid_sums.f90": {}, "gpu/gpu_solid_totals.f90": {}}, "cpu: solid_sums has no twin"),
     ({"cpu/solid_sums.f90": {}, "gpu/gpu_solid_totals.f90": {}}, "gpu: solid_totals has no twin"),
     ({"cpu/air_sweep.f90": {}, "gpu/gpu_air_sweep.f90": {}}, "air_sweep is not alone in src/cpu"),
@@ -57,6 +60,12 @@ OTHERS = [
     ("Makefile", "# filler\n" * 401, "Makefile:1: 401 lines; at most 400"),
     ("scripts/a.sh", "f() {\n" + "true\n" * 79 + "}\n", "a.sh:1: a function of 81 lines"),
     ("tests/a.c", "int f(void)\n{\n" + ";\n" * 79 + "}\n", "a.c:2: a function of 81 lines"),
+    ("post/a.html", "function f() {  // x\n" + "g();\n" * 79 + "}\n", "a.html:1: a function of 81"),
+    ("post/a.html", "\n" * 401, "a.html:1: 401 lines; at most 400"),
+    ("Makefile", "all:\n" + "\ttrue\n" * 81, "Makefile:2: a recipe of more than 80 lines"),
+    ("cuda/a.CUF", "! filler\n" * 401, "a.CUF:1: 401 lines; at most 400"),
+    ("cuda/a.CUF", f"\n! {'x' * 99}\n", "a.CUF:2: 101 columns; at most 100"),
+    ("cuda/a.CUF", KERNEL, "a.CUF:1: s has 81 lines; at most 80"),
 ]
 
 

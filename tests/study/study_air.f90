@@ -4,7 +4,7 @@
 !> usage: study_air charts|stability|sedov
 program study_air
     use air_problems, only: balloon_box, entropy_wave, free_air_blast, n_schemes, scheme_name, &
-                            sedov, seen_t, sod, vortex
+                            sedov, air_result_t, sod, vortex
     use brz_kinds, only: dp
     use omp_lib, only: omp_set_num_threads
     implicit none
@@ -28,7 +28,7 @@ contains
 
     !> Error against seconds of one core.
     subroutine charts()
-        type(seen_t) :: seen
+        type(air_result_t) :: seen
         integer :: m, k
         integer, parameter :: sides(3) = [16, 24, 36]
 
@@ -57,7 +57,7 @@ contains
 
     !> The point blast with the default scheme of decks: some minutes.
     subroutine point_blast()
-        type(seen_t) :: seen
+        type(air_result_t) :: seen
         integer :: k
         integer, parameter :: sides(4) = [16, 32, 64, 128]
 
@@ -71,7 +71,7 @@ contains
     !> Balloons in a box of 16 x 16 x 16 cells: which Courant number, pressure ratio and scheme
     !> survives, with and without fallback.
     subroutine stability()
-        type(seen_t) :: seen
+        type(air_result_t) :: seen
         integer :: m, k, c, f
         real(dp), parameter :: cfl(5) = [0.5_dp, 1.0_dp, 1.6_dp, 2.4_dp, 3.2_dp]
         character(*), parameter :: verdict(3) = ['survived ', 'fell back', 'failed   ']
@@ -99,7 +99,7 @@ contains
     subroutine report(problem, m, cells, seen)
         character(*), intent(in) :: problem
         integer, intent(in) :: m, cells !! scheme, cells along a side
-        type(seen_t), intent(in) :: seen
+        type(air_result_t), intent(in) :: seen
 
         print '(4a, i0, 3(a, es10.3), 2(a, i0))', problem, ',', trim(scheme_name(m)), ',', cells, &
             ',', merge(seen%error, -1.0_dp, seen%status == 0), ',', seen%radius, ',', &

@@ -6,10 +6,10 @@
 program study_solid
     use solid_problems, only: cantilever, patch, planar_impact, plate, pulled_bar, spin, &
                               taylor_bar, zigzag
-    use solid_scenes, only: form_t, forms, seen_t
+    use solid_scenes, only: form_t, forms, solid_result_t
     use brz_kinds, only: dp
     use drawn_bodies, only: crack, elastic_bar, rebar, rebar_t, ring, ring_t
-    use taylor_bars, only: copper, particle_bar, shape_t
+    use taylor_bars, only: copper, particle_bar, remains_t
     use taylor_elements, only: element_bar
     implicit none
 
@@ -40,7 +40,7 @@ program study_solid
 contains
 
     subroutine stability()
-        type(seen_t) :: seen
+        type(solid_result_t) :: seen
         integer :: f
 
         if (first == 1) print '(a)', 'test,formulation,seen,quantity,value,energy error,'// &
@@ -81,7 +81,7 @@ contains
     !> Bodies that are drawn (drawn_bodies). A total Lagrangian body cannot part.
     subroutine drawn(form)
         type(form_t), intent(in) :: form
-        type(seen_t) :: seen
+        type(solid_result_t) :: seen
         type(rebar_t) :: bar
         type(ring_t) :: parts
         real(dp) :: found
@@ -90,7 +90,7 @@ contains
         call elastic_bar(form, 2e-3_dp, found, seen)
         seen%value = found - 1
         call report('elastic bar 1.8 %', 'stress error', form, seen, 0.05_dp)
-        seen = seen_t()
+        seen = solid_result_t()
         do across = 2, 5
             call rebar(across, 100.0_dp, 0.03_dp, changed(form, '')//whole(form), bar)
             if (abs(bar%stress - 1) > abs(seen%value)) seen%value = bar%stress - 1
@@ -99,14 +99,14 @@ contains
         end do
         call report('rebar of 2 to 5', 'stress error', form, seen, 0.02_dp)
         if (form%formulation == 'total_lagrangian') return
-        seen = seen_t()
+        seen = solid_result_t()
         call ring(changed(form, ''), 4, parts)
         seen%value = 1 - min(parts%through, 1.0_dp)
         seen%energy = parts%energy
         seen%ended = parts%ended
         if (parts%pieces > 1 .and. seen%value > 0.35_dp) seen%longest = 2 ! parted, and sound there
         call report('ring of 4340', 'sound where it parted', form, seen, 0.35_dp)
-        seen = seen_t()
+        seen = solid_result_t()
         call crack(changed(form, '(strip)'), seen%value, seen%ended)
         seen%value = seen%value - 1
         call report('notched strip', 'error of gf', form, seen, 0.15_dp)
@@ -136,7 +136,7 @@ contains
     subroutine report(test, quantity, form, seen, bound)
         character(*), intent(in) :: test, quantity
         type(form_t), intent(in) :: form
-        type(seen_t), intent(in) :: seen
+        type(solid_result_t), intent(in) :: seen
         real(dp), intent(in) :: bound !! of the value of a sound result
         character(10) :: word
 
@@ -148,7 +148,7 @@ contains
 
     character(10) function what_happened(test, seen, bound)
         character(*), intent(in) :: test
-        type(seen_t), intent(in) :: seen
+        type(solid_result_t), intent(in) :: seen
         real(dp), intent(in) :: bound !! of the value of a sound result
 
         if (index(test, 'Taylor bar') == 1) then
@@ -159,7 +159,7 @@ contains
     end function what_happened
 
     character(10) function verdict(seen, bound, longest, shortest)
-        type(seen_t), intent(in) :: seen
+        type(solid_result_t), intent(in) :: seen
         real(dp), intent(in) :: bound, longest, shortest
 
         if (seen%ended .or. .not. abs(seen%value) < huge(bound)) then
@@ -187,7 +187,7 @@ contains
     !> Error against seconds, resolution by resolution, of the formulations from 'paper' on.
     subroutine charts()
         integer, parameter :: across(3) = [3, 4, 6]
-        type(seen_t) :: seen
+        type(solid_result_t) :: seen
         integer :: f, k
 
         if (first == 1) print '(a)', 'test,formulation,resolution,seen,error,energy error,'// &
@@ -209,7 +209,7 @@ contains
     !> and laminates.
     subroutine plates()
         integer, parameter :: layers(4) = [2, 3, 5, 7]
-        type(seen_t) :: seen
+        type(solid_result_t) :: seen
         integer :: f, k, most
 
         do f = max(first, 2), last
@@ -242,12 +242,12 @@ contains
             form_t('bending, zeta 0.02', 'bending', zeta=0.02_dp), &
             form_t('total_lagrangian, zeta 0.02', 'total_lagrangian', zeta=0.02_dp)]
         type(form_t), parameter :: elements = form_t('finite elements')
-        type(shape_t) :: shape
-        type(seen_t) :: seen
+        type(remains_t) :: shape
+        type(solid_result_t) :: seen
         integer :: f, k
 
         do k = 3, 12, 3
-            seen = seen_t()
+            seen = solid_result_t()
             if (k <= 6) then
                 call element_bar(copper, k, 'johnson_cook', shape)
                 seen%energy = shape%error
@@ -267,7 +267,7 @@ contains
         type(form_t), intent(in) :: form
         integer, intent(in) :: across !! particles or elements per radius
         real(dp), intent(in) :: length, foot !! over the reference, less 1
-        type(seen_t), intent(inout) :: seen
+        type(solid_result_t), intent(inout) :: seen
 
         seen%value = length
         call point('Taylor bar, length', form, across, seen)
@@ -279,7 +279,7 @@ contains
         character(*), intent(in) :: test
         type(form_t), intent(in) :: form
         integer, intent(in) :: resolution
-        type(seen_t), intent(in) :: seen
+        type(solid_result_t), intent(in) :: seen
         character(12) :: word
 
         write (word, '(i0)') resolution

@@ -7,8 +7,8 @@
 program study_taylor
     use brz_kinds, only: dp
     use omp_lib, only: omp_set_num_threads
-    use solid_scenes, only: form_t, seen_t
-    use taylor_bars, only: bar_t, copper, particle_bar, shape_t, steel
+    use solid_scenes, only: form_t, solid_result_t
+    use taylor_bars, only: bar_t, copper, particle_bar, remains_t, steel
     use taylor_elements, only: element_bar
     implicit none
 
@@ -49,8 +49,8 @@ contains
 
     subroutine shapes(bar)
         type(bar_t), intent(in) :: bar
-        type(shape_t) :: shape
-        type(seen_t) :: seen
+        type(remains_t) :: shape
+        type(solid_result_t) :: seen
         integer :: f, k
 
         do k = 0, merge(2, -1, only(1) <= 0)
@@ -75,7 +75,7 @@ contains
         type(bar_t), intent(in) :: bar
         character(*), intent(in) :: method
         integer, intent(in) :: across
-        type(shape_t), intent(in) :: shape
+        type(remains_t), intent(in) :: shape
 
         print '(a,",""",a,""",",i0,3(",",f7.4),3(",",es10.2),",",f6.1,",",f6.3,",",f7.1)', &
             trim(bar%name), trim(method), across, shape%length, shape%foot, shape%bulge, &
@@ -84,8 +84,8 @@ contains
     end subroutine report
 
     subroutine profiles()
-        type(shape_t) :: shape
-        type(seen_t) :: seen
+        type(remains_t) :: shape
+        type(solid_result_t) :: seen
 
         print '(a)', 'method,radius mm,height mm'
         call element_bar(copper, 6, 'johnson_cook', shape)
@@ -98,7 +98,7 @@ contains
 
     subroutine outline(method, shape)
         character(*), intent(in) :: method
-        type(shape_t), intent(in) :: shape
+        type(remains_t), intent(in) :: shape
         integer :: k
 
         do k = 1, size(shape%profile, 2)

@@ -16,7 +16,7 @@ module air_problems
     use exact_riemann, only: riemann
     implicit none
     private
-    public :: scheme_name, choose_scheme, seen_t, n_schemes
+    public :: scheme_name, choose_scheme, air_result_t, n_schemes
     public :: sod, entropy_wave, vortex, sedov, balloon_tube, balloon_box, double_rarefaction, &
         free_air_blast
     public :: set_up_sedov, judge_sedov
@@ -28,14 +28,14 @@ module air_problems
     real(dp), parameter :: pi = acos(-1.0_dp)
 
     !> What a run has shown.
-    type :: seen_t
+    type :: air_result_t
         integer :: status = air_ok
         real(dp) :: error = 0 !! mean, relative where the text of the problem says so
         real(dp) :: radius = 0 !! of the shock, over the exact one, where there is one
         real(dp) :: seconds = 0 !! of one core
         integer(int64) :: cell_steps = 0
         integer(int64) :: fallback_faces = 0
-    end type seen_t
+    end type air_result_t
 
 contains
 
@@ -95,7 +95,7 @@ contains
         type(air_t), intent(inout) :: air
         real(dp), intent(in) :: cfl, t_end
         integer, intent(in) :: ramp !! first steps, over which the time step grows
-        type(seen_t), intent(inout) :: seen
+        type(air_result_t), intent(inout) :: seen
         type(wall_t) :: wall
         real(dp) :: t, dt, start, now
         integer :: step
@@ -121,7 +121,7 @@ contains
     !> Shock tube of Sod at t = 0.2: mean error of the density.
     subroutine sod(m, n, seen)
         integer, intent(in) :: m, n !! scheme, cells
-        type(seen_t), intent(out) :: seen
+        type(air_result_t), intent(out) :: seen
         real(dp), parameter :: left(3) = [1.0_dp, 0.0_dp, 1.0_dp]
         real(dp), parameter :: right(3) = [0.125_dp, 0.0_dp, 0.1_dp]
 
@@ -134,7 +134,7 @@ contains
         integer, intent(in) :: m, n !! scheme, cells
         real(dp), intent(in) :: ratio, cfl
         logical, intent(in) :: fallback
-        type(seen_t), intent(out) :: seen
+        type(air_result_t), intent(out) :: seen
         real(dp) :: left(3), right(3), state(3), p, u
 
         right = [1.2_dp, 0.0_dp, 1e5_dp]
@@ -149,7 +149,7 @@ contains
         integer, intent(in) :: m, n !! scheme, cells per side
         real(dp), intent(in) :: ratio, cfl
         logical, intent(in) :: fallback
-        type(seen_t), intent(out) :: seen
+        type(air_result_t), intent(out) :: seen
         type(air_t) :: air
         real(dp) :: state(3), p, u
 
@@ -166,7 +166,7 @@ contains
     !> error of the density.
     subroutine double_rarefaction(m, n, seen)
         integer, intent(in) :: m, n !! scheme, cells
-        type(seen_t), intent(out) :: seen
+        type(air_result_t), intent(out) :: seen
         real(dp) :: c
 
         c = sqrt(1.4_dp*1e5_dp/1.2_dp)
@@ -180,7 +180,7 @@ contains
         real(dp), intent(in) :: cfl, t
         real(dp), intent(in) :: gas(3, 2) !! density, velocity, pressure on the left, right
         logical, intent(in) :: fallback
-        type(seen_t), intent(out) :: seen
+        type(air_result_t), intent(out) :: seen
         type(air_t) :: air
         real(dp) :: exact(3), p, u, total
         integer :: i, side
@@ -204,7 +204,7 @@ contains
     !> Wave of density carried once through a periodic box: mean error of the density.
     subroutine entropy_wave(m, n, seen)
         integer, intent(in) :: m, n !! scheme, cells
-        type(seen_t), intent(out) :: seen
+        type(air_result_t), intent(out) :: seen
         type(air_t) :: air
         integer :: i
 
@@ -225,7 +225,7 @@ contains
     subroutine vortex(m, n, t, seen)
         integer, intent(in) :: m, n !! scheme, cells per side
         real(dp), intent(in) :: t
-        type(seen_t), intent(out) :: seen
+        type(air_result_t), intent(out) :: seen
         type(air_t) :: air
         integer :: i, j
         real(dp) :: w(5)
@@ -261,7 +261,7 @@ contains
     !> shock, and the radius of the shock.
     subroutine sedov(m, n, seen)
         integer, intent(in) :: m, n !! scheme, cells per side
-        type(seen_t), intent(out) :: seen
+        type(air_result_t), intent(out) :: seen
         type(air_t) :: air
 
         call set_up_sedov(m, n, air)
@@ -285,7 +285,7 @@ contains
     !> Error of the density and radius of the shock.
     subroutine judge_sedov(air, seen)
         type(air_t), intent(in) :: air
-        type(seen_t), intent(inout) :: seen
+        type(air_result_t), intent(inout) :: seen
         real(dp), allocatable :: p(:, :, :)
         real(dp) :: dx, w(5), s(3), total, r
         integer :: i, j, k, n
@@ -348,7 +348,7 @@ contains
     !> dimension with some 700 cells.
     subroutine free_air_blast(m, n, seen)
         integer, intent(in) :: m, n !! scheme, cells per side
-        type(seen_t), intent(out) :: seen
+        type(air_result_t), intent(out) :: seen
         type(air_t) :: air
         type(blast1d_t) :: blast
         real(dp) :: dx, volume, w(5), s(3), total

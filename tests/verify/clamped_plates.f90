@@ -6,7 +6,7 @@ module clamped_plates
     use brz_solid_state, only: is_held
     use brz_solid_totals, only: solid_totals, solid_totals_t
     use brz_time_step, only: advance
-    use scene_tools, only: open_scene, tools_scene_t => scene_t
+    use scene_tools, only: deck_scene_t, open_scene
     implicit none
     private
     public :: clamped_t, clamped_plate
@@ -26,7 +26,7 @@ contains
     subroutine clamped_plate(changes, found)
         character(*), intent(in) :: changes !! of the deck
         type(clamped_t), intent(out) :: found
-        type(tools_scene_t) :: scene
+        type(deck_scene_t) :: scene
         real(dp) :: w(3), t(3), time
 
         call open_scene('clamped_plate', changes, scene)
@@ -53,7 +53,7 @@ contains
 
     !> Of the middle, the particles nearest to the origin, against the clamp [m].
     real(dp) function deflection(scene)
-        type(tools_scene_t), intent(in) :: scene
+        type(deck_scene_t), intent(in) :: scene
         real(dp) :: away(scene%sim%solid%n)
         logical :: middle(scene%sim%solid%n)
         integer :: held
@@ -80,7 +80,7 @@ contains
     end subroutine top
 
     real(dp) function energy_error(scene) result(error)
-        type(tools_scene_t), intent(in) :: scene
+        type(deck_scene_t), intent(in) :: scene
         type(solid_totals_t) :: s
 
         call solid_totals(scene%sim%solid, 0, s)

@@ -9,8 +9,9 @@ module drawn_bodies
     use brz_solid_totals, only: solid_totals, solid_totals_t
     use brz_errors, only: failed
     use brz_time_step, only: advance_scene => advance
-    use scene_tools, only: open_scene, tools_scene_t => scene_t
-    use solid_scenes, only: advance, begin, choose, elastic, finish, form_t, scene_t, seen_t, total
+    use scene_tools, only: deck_scene_t, open_scene
+    use solid_scenes, only: advance, begin, choose, elastic, finish, form_t, solid_scene_t, &
+        solid_result_t, total
     implicit none
     private
     public :: elastic_bar, rebar_t, rebar, ring_t, ring, strip, crack
@@ -42,9 +43,9 @@ contains
         type(form_t), intent(in) :: form
         real(dp), intent(in) :: spacing !! [m]
         real(dp), intent(out) :: found
-        type(seen_t), intent(out) :: seen
+        type(solid_result_t), intent(out) :: seen
         real(dp), parameter :: half = 0.05_dp, last = 0.018_dp, time = 1e-3_dp
-        type(scene_t) :: s
+        type(solid_scene_t) :: s
         logical, allocatable :: middle(:)
         real(dp) :: strain
 
@@ -101,7 +102,7 @@ contains
         character(*), intent(in) :: changes !! of the deck
         type(rebar_t), intent(out) :: found
         real(dp), parameter :: half = 0.048_dp
-        type(tools_scene_t) :: scene
+        type(deck_scene_t) :: scene
         logical, allocatable :: middle(:)
         character(200) :: words
         real(dp) :: strain, start, d, from(2)
@@ -161,7 +162,7 @@ contains
         integer, intent(in) :: layers
         type(ring_t), intent(out) :: found
         real(dp), parameter :: speed = 600
-        type(tools_scene_t) :: scene
+        type(deck_scene_t) :: scene
         real(dp) :: start
         integer :: i
 
@@ -194,7 +195,7 @@ contains
         character(*), intent(in) :: changes !! of the deck
         real(dp), intent(out) :: peak, work
         real(dp), parameter :: half = 0.06_dp, notch = 0.02_dp
-        type(tools_scene_t) :: scene
+        type(deck_scene_t) :: scene
         type(solid_totals_t) :: t
         real(dp) :: start
         logical, allocatable :: far(:)
@@ -228,7 +229,7 @@ contains
         real(dp), intent(out) :: work
         logical, intent(out) :: ended !! with an error
         real(dp), parameter :: ligament = 0.012_dp, energy = 146.5_dp !! [m], [J/m2]
-        type(tools_scene_t) :: scene
+        type(deck_scene_t) :: scene
 
         call open_scene('notched_strip', changes, scene)
         associate (sim => scene%sim)

@@ -8,7 +8,7 @@ module layered_bodies
     use brz_solid_state, only: form_corrected_hourglass, pair_affine, solid_t
     use brz_solid_start, only: solid_time_step, start_solid
     use brz_solid_steps, only: solid_step
-    use solid_scenes, only: metal, noise, scene_t
+    use solid_scenes, only: metal, noise, solid_scene_t
     implicit none
     private
     public :: alike, carbon, block, sheet, pipe, strain, linear_field, take_steps, difference, &
@@ -26,7 +26,7 @@ contains
     subroutine block(sides, moduli, s)
         integer, intent(in) :: sides(3)
         real(dp), intent(in) :: moduli(9)
-        type(scene_t), intent(out) :: s
+        type(solid_scene_t), intent(out) :: s
 
         call metal(s%case, 'orthotropic_ply', [character(24) :: 'density', 'e1', 'e2', 'e3', &
                    'nu12', 'nu13', 'nu23', 'g12', 'g13', 'g23'], [1.0_dp, moduli])
@@ -46,7 +46,7 @@ contains
     subroutine sheet(sides, yield, s)
         integer, intent(in) :: sides(3)
         real(dp), intent(in) :: yield !! stress
-        type(scene_t), intent(out) :: s
+        type(solid_scene_t), intent(out) :: s
 
         call metal(s%case, 'bilinear_j2', [character(24) :: 'density', 'youngs_modulus', &
                    'poisson_ratio', 'yield_stress'], [1.0_dp, 1.0_dp, 0.0_dp, yield])
@@ -63,7 +63,7 @@ contains
         integer, intent(in) :: layers, length
         real(dp), intent(in) :: radius !! of the middle of the wall
         real(dp), intent(in) :: yield !! stress
-        type(scene_t), intent(out) :: s
+        type(solid_scene_t), intent(out) :: s
 
         call sheet([1, 1, 1], yield, s)
         if (length == 0) s%case%run%dimension = 2
@@ -78,7 +78,7 @@ contains
 
     !> Strain rates that particles see now: of plies, whose rows do not hold them, by their stress.
     subroutine strain(s, rate)
-        type(scene_t), intent(inout) :: s
+        type(solid_scene_t), intent(inout) :: s
         real(rk), allocatable, intent(out) :: rate(:, :) !! (6, n) xx, yy, zz, xy, yz, xz
         real(dp), parameter :: dt = 1e-14_dp
 
@@ -99,7 +99,7 @@ contains
     !> Largest error of the strain rates in a linear field, on the lattice of a scene that is set up
     !> here and then shaken.
     real(rk) function linear_field(s) result(worst)
-        type(scene_t), intent(inout) :: s
+        type(solid_scene_t), intent(inout) :: s
         real(rk), allocatable :: rate(:, :)
         real(rk) :: a(3, 3), e(6)
         integer :: i
@@ -119,7 +119,7 @@ contains
     end function linear_field
 
     subroutine take_steps(s, steps)
-        type(scene_t), intent(inout) :: s
+        type(solid_scene_t), intent(inout) :: s
         integer, intent(in) :: steps
         integer :: k
 
@@ -153,7 +153,7 @@ contains
     subroutine breathing(what, of_metal, s)
         integer, intent(in) :: what
         logical, intent(in) :: of_metal
-        type(scene_t), intent(out) :: s
+        type(solid_scene_t), intent(out) :: s
         integer :: i
 
         if (of_metal) then

@@ -10,17 +10,17 @@ module random_bodies
     use dice, only: dice_t
     implicit none
     private
-    public :: body_t, draw_bodies, move_bodies
+    public :: drawn_body_t, draw_bodies, move_bodies
 
     integer, parameter :: thrown = 1, swinging = 2, breathing = 3, broken = 4
 
-    type :: body_t
+    type :: drawn_body_t
         integer :: kind = thrown
         integer :: first = 1, last = 0 !! particles
         real(dp) :: centre(3) = 0, v(3) = 0, spin(3) = 0
         real(dp) :: rate = 0, frequency = 0 !! of breathing or swinging [1/s]
         real(dp) :: mass = 1, inertia = 1
-    end type body_t
+    end type drawn_body_t
 
 contains
 
@@ -30,7 +30,7 @@ contains
         real(dp), intent(in) :: rest, sound !! density and speed of sound of the gas at rest
         type(dice_t), intent(inout) :: random
         type(solid_t), intent(inout) :: solid
-        type(body_t), allocatable, intent(out) :: bodies(:)
+        type(drawn_body_t), allocatable, intent(out) :: bodies(:)
         real(dp), intent(out) :: speed !! [m/s]
         integer :: b, p
 
@@ -58,7 +58,7 @@ contains
         real(dp), intent(in) :: rest, sound !! density and speed of sound of the gas at rest
         type(dice_t), intent(inout) :: random
         type(solid_t), intent(inout) :: solid
-        type(body_t), intent(out) :: body
+        type(drawn_body_t), intent(out) :: body
         real(dp) :: across, angle, half(3), size(3), spacing, speed
         integer :: d
 
@@ -123,7 +123,7 @@ contains
         type(air_t), intent(in) :: air
         type(dice_t), intent(inout) :: random
         type(solid_t), intent(inout) :: solid
-        type(body_t), intent(inout) :: body
+        type(drawn_body_t), intent(inout) :: body
         integer :: d, p
 
         if (body%last < body%first) return
@@ -143,7 +143,7 @@ contains
     !> Velocities of the particles of all bodies but broken ones.
     subroutine drive(air, bodies, t, solid)
         type(air_t), intent(in) :: air
-        type(body_t), intent(in) :: bodies(:)
+        type(drawn_body_t), intent(in) :: bodies(:)
         real(dp), intent(in) :: t !! [s]
         type(solid_t), intent(inout) :: solid
         real(dp) :: out(3), v(3)
@@ -171,7 +171,7 @@ contains
     subroutine move_bodies(air, t, dt, bodies, solid)
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: t, dt !! [s]
-        type(body_t), intent(inout) :: bodies(:)
+        type(drawn_body_t), intent(inout) :: bodies(:)
         type(solid_t), intent(inout) :: solid
         real(dp) :: force(3), out(3), torque(3), turned(3), v(3)
         integer :: b, p

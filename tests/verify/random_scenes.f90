@@ -17,7 +17,7 @@ module random_scenes
     use brz_solid_state, only: solid_t
     use dice, only: dice_t
     use gas_tools, only: least_gas
-    use random_bodies, only: body_t, draw_bodies, move_bodies
+    use random_bodies, only: drawn_body_t, draw_bodies, move_bodies
     implicit none
     private
     public :: random_scene_t, run_random_scene
@@ -30,7 +30,7 @@ module random_scenes
         type(air_t) :: air
         type(solid_t) :: solid
         type(coupling_t) :: coupling
-        type(body_t), allocatable :: bodies(:)
+        type(drawn_body_t), allocatable :: bodies(:)
         character(200) :: what = '' !! it is
         character(100) :: fault = '' !! '' while there is none
         integer :: steps = 0

@@ -7,7 +7,7 @@ module scene_tools
     use brz_key, only: key_t
     use brz_key_table, only: all_keys
     use brz_kinds, only: dp
-    use brz_ledger, only: ledger_start_t, ledger_t, take_stock
+    use brz_ledger, only: ledger_start_t, balance_t, take_stock
     use brz_ranks, only: ranks_t
     use brz_scanner, only: read_deck
     use brz_simulation, only: set_up_simulation, simulation_t
@@ -16,19 +16,19 @@ module scene_tools
     use brz_time_step, only: advance
     implicit none
     private
-    public :: scene_t, open_scene, open_deck, step_scene, run_scene, body_of
+    public :: deck_scene_t, open_scene, open_deck, step_scene, run_scene, body_of
 
-    type :: scene_t
+    type :: deck_scene_t
         type(simulation_t) :: sim
         type(error_t) :: err
-        type(ledger_t) :: ledger !! after the last step
+        type(balance_t) :: ledger !! after the last step
         real(dp) :: momentum(3) = 0 !! of the bodies at the start [N s]
         real(dp) :: mass_error = 0, momentum_error = 0 !! of the air, the worst of all steps
         real(dp) :: stray = 0
         !! momentum of the bodies less what the air gave them, the worst of all steps [N s]
         real(dp) :: thrust = tiny(1.0_dp)
         !! mass of the bodies times the root mean square of their velocity, its largest [N s]
-    end type scene_t
+    end type deck_scene_t
 
 contains
 
@@ -36,7 +36,7 @@ contains
     subroutine open_scene(name, changes, scene, ranks)
         character(*), intent(in) :: name !! of the deck, without folder and ending
         character(*), intent(in) :: changes
-        type(scene_t), intent(out) :: scene
+        type(deck_scene_t), intent(out) :: scene
         type(ranks_t), intent(in), optional :: ranks !! the processes that share it
 
         call open_deck('tests/scenes/'//name//'.nml', changes, scene, ranks)
@@ -45,7 +45,7 @@ contains
     !> Set the scene of a deck up.
     subroutine open_deck(path, changes, scene, ranks)
         character(*), intent(in) :: path, changes
-        type(scene_t), intent(out) :: scene
+        type(deck_scene_t), intent(out) :: scene
         type(ranks_t), intent(in), optional :: ranks
         type(key_t), allocatable :: keys(:)
         type(deck_t) :: deck
@@ -66,7 +66,7 @@ contains
 
     !> One step, and the books.
     subroutine step_scene(scene)
-        type(scene_t), intent(inout) :: scene
+        type(deck_scene_t), intent(inout) :: scene
         type(solid_totals_t) :: sums
 
         associate (sim => scene%sim)
@@ -85,7 +85,7 @@ contains
 
     !> Step until a time, or to the end of the deck.
     subroutine run_scene(scene, until)
-        type(scene_t), intent(inout) :: scene
+        type(deck_scene_t), intent(inout) :: scene
         real(dp), intent(in), optional :: until !! [s]
         real(dp) :: t_end
 
@@ -98,7 +98,7 @@ contains
 
     !> Totals of the first body.
     type(solid_totals_t) function body_of(scene)
-        type(scene_t), intent(in) :: scene
+        type(deck_scene_t), intent(in) :: scene
 
         call solid_totals(scene%sim%solid, 1, body_of)
     end function body_of

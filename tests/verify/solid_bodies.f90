@@ -7,20 +7,21 @@ module solid_bodies
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
     use brz_solid_totals, only: solid_totals, solid_totals_t
-    use solid_scenes, only: advance, begin, choose, finish, form_t, metal, scene_t, seen_t
+    use solid_scenes, only: advance, begin, choose, finish, form_t, metal, solid_scene_t, &
+        solid_result_t
     implicit none
     private
-    public :: rings_t, rings, torn_t, torn_bar, hole, sound_pieces
+    public :: ring_form_t, rings, torn_t, torn_bar, hole, sound_pieces
 
     real(dp), parameter :: pi = acos(-1.0_dp)
 
-    type :: rings_t
+    type :: ring_form_t
         integer :: pieces = 0
         real(dp) :: rebound = 0 !! velocity of the centre of the ring after over that before
         real(dp) :: momentum = 0 !! change over that of one ring
         real(dp) :: energy = 0 !! error of the total over the energy at the start
         real(dp) :: apart = 0 !! least distance of the rings at the end, in spacings
-    end type rings_t
+    end type ring_form_t
 
     type :: torn_t
         real(dp) :: strain = 0, energy = 0 !! of the middle at failure, over the exact ones
@@ -37,9 +38,9 @@ contains
         type(form_t), intent(in) :: form
         real(dp), intent(in) :: speed
         integer, intent(in) :: across !! particles across a ring
-        type(rings_t), intent(out) :: found
-        type(seen_t), intent(out) :: seen
-        type(scene_t) :: s
+        type(ring_form_t), intent(out) :: found
+        type(solid_result_t), intent(out) :: seen
+        type(solid_scene_t) :: s
         type(solid_totals_t) :: t0, t1, left
         integer :: b
 
@@ -88,8 +89,8 @@ contains
         type(form_t), intent(in) :: form
         integer, intent(in) :: across !! particles per half thickness
         type(torn_t), intent(out) :: found
-        type(seen_t), intent(out) :: seen
-        type(scene_t) :: s
+        type(solid_result_t), intent(out) :: seen
+        type(solid_scene_t) :: s
         real(dp), parameter :: half = 0.02_dp, rate = 3e3_dp, a = 100e6_dp, b = 500e6_dp, &
                                last = 0.3_dp, shear = 26e9_dp, rho = 2700, sound = 5000
         real(dp) :: young, y, volume
@@ -141,8 +142,8 @@ contains
         real(dp), intent(in) :: cutoff !! least pressure [Pa]
         real(dp), intent(in) :: times(:) !! [s]
         real(dp), intent(out) :: holes(:)
-        type(seen_t), intent(out) :: seen
-        type(scene_t) :: s
+        type(solid_result_t), intent(out) :: seen
+        type(solid_scene_t) :: s
         integer, allocatable :: heap(:)
         integer :: k, outer
 

@@ -7,7 +7,7 @@ module solid_problems
     use brz_kinds, only: dp, rk
     use brz_solid_totals, only: solid_totals, solid_totals_t
     use solid_scenes, only: advance, begin, choose, elastic, finish, form_t, metal, noise, &
-                            scene_t, seen_t
+                            solid_scene_t, solid_result_t
     implicit none
     private
     public :: spin, cantilever, patch, zigzag, pulled_bar, planar_impact, plate, taylor_bar
@@ -20,8 +20,8 @@ contains
     subroutine spin(form, rate, turns, seen)
         type(form_t), intent(in) :: form
         real(dp), intent(in) :: rate, turns
-        type(seen_t), intent(out) :: seen
-        type(scene_t) :: s
+        type(solid_result_t), intent(out) :: seen
+        type(solid_scene_t) :: s
         type(solid_totals_t) :: t0, t1
 
         call elastic(s%case, 1100.0_dp, 17e6_dp, 0.45_dp)
@@ -43,8 +43,8 @@ contains
     subroutine cantilever(form, across, seen)
         type(form_t), intent(in) :: form
         integer, intent(in) :: across !! particles across
-        type(seen_t), intent(out) :: seen
-        type(scene_t) :: s
+        type(solid_result_t), intent(out) :: seen
+        type(solid_scene_t) :: s
         real(dp) :: d, y, y_old, zero
         integer :: i, tip, n
 
@@ -96,9 +96,9 @@ contains
     subroutine patch(form, stretch, seen, most)
         type(form_t), intent(in) :: form
         real(dp), intent(in) :: stretch
-        type(seen_t), intent(out) :: seen
+        type(solid_result_t), intent(out) :: seen
         real(dp), intent(out), optional :: most !! kinetic energy over that at the start
-        type(scene_t) :: s
+        type(solid_scene_t) :: s
         type(solid_totals_t) :: t0, t1
         real(rk) :: e, k, g, r(3)
         integer :: i
@@ -138,8 +138,8 @@ contains
     !> after a time of 20 spacings over sound speed.
     subroutine zigzag(form, seen)
         type(form_t), intent(in) :: form
-        type(seen_t), intent(out) :: seen
-        type(scene_t) :: s
+        type(solid_result_t), intent(out) :: seen
+        type(solid_scene_t) :: s
         type(solid_totals_t) :: t0, t1
         integer :: i
 
@@ -165,9 +165,9 @@ contains
     subroutine pulled_bar(form, strain, seen)
         type(form_t), intent(in) :: form
         real(dp), intent(in) :: strain !! about the largest in the middle
-        type(seen_t), intent(out) :: seen
-        type(seen_t) :: last
-        type(scene_t) :: s
+        type(solid_result_t), intent(out) :: seen
+        type(solid_result_t) :: last
+        type(solid_scene_t) :: s
         real(dp) :: worst, t_end
         integer :: i
 
@@ -199,8 +199,8 @@ contains
     subroutine planar_impact(form, spacing, seen)
         type(form_t), intent(in) :: form
         real(dp), intent(in) :: spacing !! [m]
-        type(seen_t), intent(out) :: seen
-        type(scene_t) :: s
+        type(solid_result_t), intent(out) :: seen
+        type(solid_scene_t) :: s
         real(dp), parameter :: us = 5328 + 1.338_dp*1000, up = 1000
         real(dp) :: front, p, most
         integer :: i, n
@@ -241,10 +241,10 @@ contains
     subroutine plate(form, layers, seen, plies, glued)
         type(form_t), intent(in) :: form
         integer, intent(in) :: layers
-        type(seen_t), intent(out) :: seen
+        type(solid_result_t), intent(out) :: seen
         integer, intent(in), optional :: plies
         logical, intent(in), optional :: glued
-        type(scene_t) :: s
+        type(solid_scene_t) :: s
         real(dp) :: w, w_old, exact, step, side, a, stretch(3)
         integer :: i, n
         real(dp), parameter :: omega(0:7) = [10.586_dp, 0.0_dp, 0.0_dp, 4.084_dp, 0.0_dp, &
@@ -344,8 +344,8 @@ contains
     subroutine taylor_bar(form, across, seen)
         type(form_t), intent(in) :: form
         integer, intent(in) :: across !! particles per radius
-        type(seen_t), intent(out) :: seen
-        type(scene_t) :: s
+        type(solid_result_t), intent(out) :: seen
+        type(solid_scene_t) :: s
         real(dp) :: length, foot, d
 
         call metal(s%case, 'johnson_cook', [character(24) :: 'density', 'shear_modulus', 'a', 'b', &

@@ -14,7 +14,8 @@ module solid_scenes
     use brz_solid_totals, only: solid_totals, solid_totals_t
     implicit none
     private
-    public :: form_t, seen_t, scene_t, forms, elastic, metal, choose, begin, advance, finish, total
+    public :: form_t, solid_result_t, solid_scene_t, forms, elastic, metal, choose, begin, &
+        advance, finish, total
     public :: noise
 
     !> A formulation as a deck would choose it.
@@ -29,21 +30,21 @@ module solid_scenes
     end type form_t
 
     !> What was seen.
-    type :: seen_t
+    type :: solid_result_t
         real(dp) :: value = 0 !! the number of the test
         real(dp) :: energy = 0 !! error of the total over the energy at the start
         real(dp) :: longest = 1, shortest = 1 !! distance of lattice neighbours over the spacing
         real(dp) :: seconds = 0 !! of one core
         real(dp) :: particle_steps = 0
         logical :: ended = .false. !! the program stopped with an error
-    end type seen_t
+    end type solid_result_t
 
-    type :: scene_t
+    type :: solid_scene_t
         type(case_t) :: case
         type(solid_t) :: solid
         type(error_t) :: err
         real(dp) :: time = 0, dt = 0, start = 0, energy = 0
-    end type scene_t
+    end type solid_scene_t
 
     type(form_t), parameter :: forms(10) = [ &
                                form_t('uncorrected', 'uncorrected'), &
@@ -112,7 +113,7 @@ contains
 
     !> Start the clock once the initial velocities are set.
     subroutine begin(s)
-        type(scene_t), intent(inout) :: s
+        type(solid_scene_t), intent(inout) :: s
 
         call start_solid(s%solid, s%err)
         s%energy = total(s%solid)
@@ -121,7 +122,7 @@ contains
     end subroutine begin
 
     subroutine advance(s, t_end)
-        type(scene_t), intent(inout) :: s
+        type(solid_scene_t), intent(inout) :: s
         real(dp), intent(in) :: t_end !! [s]
 
         do while (s%time < t_end .and. .not. failed(s%err))
@@ -133,8 +134,8 @@ contains
 
     !> What can be said of every scene at its end.
     subroutine finish(s, seen)
-        type(scene_t), intent(in) :: s
-        type(seen_t), intent(inout) :: seen
+        type(solid_scene_t), intent(in) :: s
+        type(solid_result_t), intent(inout) :: seen
         real(dp) :: scale, now
 
         call cpu_time(now)

@@ -7,10 +7,11 @@ module taylor_bars
     use brz_body_setup, only: set_up_solid
     use brz_kinds, only: dp
     use brz_solid_totals, only: solid_totals, solid_totals_t
-    use solid_scenes, only: advance, begin, choose, finish, form_t, metal, scene_t, seen_t
+    use solid_scenes, only: advance, begin, choose, finish, form_t, metal, solid_scene_t, &
+        solid_result_t
     implicit none
     private
-    public :: bar_t, shape_t, copper, steel, particle_bar, measure
+    public :: bar_t, remains_t, copper, steel, particle_bar, measure
 
     !> A bar and the constants of Johnson and Cook for its metal, in SI units.
     type :: bar_t
@@ -21,13 +22,13 @@ module taylor_bars
     end type bar_t
 
     !> What is left of it.
-    type :: shape_t
+    type :: remains_t
         real(dp) :: length = 0, foot = 0, bulge = 0 !! L/L0, D/D0, W(0.2 L0)/D0
         real(dp) :: viscous = 0, kinetic = 0, error = 0 !! energies over that of the start
         real(dp) :: hottest = 0, strain = 0 !! [K], largest plastic strain
         real(dp) :: seconds = 0
         real(dp), allocatable :: profile(:, :) !! (2, :) radius and height of the surface [m]
-    end type shape_t
+    end type remains_t
 
     !> OFHC copper: constants of Johnson & Cook 1983, equation of state of Steinberg; the bar of
     !> their experiment, 190 m/s.
@@ -45,9 +46,9 @@ contains
         type(bar_t), intent(in) :: bar
         type(form_t), intent(in) :: form
         integer, intent(in) :: across !! particles per radius
-        type(shape_t), intent(out) :: shape
-        type(seen_t), intent(out) :: seen
-        type(scene_t) :: s
+        type(remains_t), intent(out) :: shape
+        type(solid_result_t), intent(out) :: seen
+        type(solid_scene_t) :: s
         type(solid_totals_t) :: t
 
         call metal(s%case, 'johnson_cook', [character(24) :: 'density', 'shear_modulus', 'a', 'b', &
@@ -87,7 +88,7 @@ contains
 
     !> Layer by layer, R0 times the mean r/R of the particles within a spacing of the surface.
     subroutine outer_surface(s, bar, across, profile)
-        type(scene_t), intent(in) :: s
+        type(solid_scene_t), intent(in) :: s
         type(bar_t), intent(in) :: bar
         integer, intent(in) :: across
         real(dp), allocatable, intent(out) :: profile(:, :)
@@ -114,7 +115,7 @@ contains
     !> Length, foot and bulge from the profile, from the foot upwards.
     subroutine measure(bar, shape)
         type(bar_t), intent(in) :: bar
-        type(shape_t), intent(inout) :: shape
+        type(remains_t), intent(inout) :: shape
         real(dp) :: z
         integer :: k
 

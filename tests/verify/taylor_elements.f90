@@ -8,7 +8,7 @@
 !> Wall:    the nodes of the foot stay on it without friction, as on a plane of symmetry
 module taylor_elements
     use brz_kinds, only: dp
-    use taylor_bars, only: bar_t, measure, shape_t
+    use taylor_bars, only: bar_t, measure, remains_t
     implicit none
     private
     public :: element_bar
@@ -20,7 +20,7 @@ module taylor_elements
     !> Zerilli & Armstrong's copper: c0 + c2 sqrt(strain) exp((-c3 + c4 ln rate) T) [Pa], [1/K].
     real(dp), parameter :: za(4) = [65e6_dp, 890e6_dp, 0.0028_dp, 0.000115_dp]
 
-    type :: mesh_t
+    type :: elements_t
         integer :: across = 0, along = 0
         integer, allocatable :: nodes(:, :) !! (4, elements)
         real(dp), allocatable :: x(:, :), v(:, :), f(:, :), mass(:) !! (2, nodes) r, z
@@ -29,7 +29,7 @@ module taylor_elements
         real(dp), allocatable :: strain(:, :), hot(:, :) !! (4, elements) plastic strain, T [K]
         real(dp) :: viscous = 0 !! heat of the bulk viscosity [J]
         logical :: armstrong = .false.
-    end type mesh_t
+    end type elements_t
 
     !> An element as it stands: gradients d/dr, d/dz and N/r of its shapes at the Gauss points.
     type :: element_t
@@ -42,8 +42,8 @@ contains
         type(bar_t), intent(in) :: bar
         integer, intent(in) :: across !! elements per radius
         character(*), intent(in) :: law !! 'johnson_cook', 'zerilli_armstrong'
-        type(shape_t), intent(out) :: shape
-        type(mesh_t) :: mesh
+        type(remains_t), intent(out) :: shape
+        type(elements_t) :: mesh
         real(dp) :: time, dt, dt_next, start, now
         integer :: e
 
@@ -78,7 +78,7 @@ contains
     end subroutine element_bar
 
     real(dp) function kinetic(mesh)
-        type(mesh_t), intent(in) :: mesh
+        type(elements_t), intent(in) :: mesh
 
         kinetic = sum(mesh%mass*(mesh%v(1, :)**2 + mesh%v(2, :)**2))/2
     end function kinetic
@@ -86,7 +86,7 @@ contains
     subroutine make_mesh(bar, across, mesh)
         type(bar_t), intent(in) :: bar
         integer, intent(in) :: across
-        type(mesh_t), intent(out) :: mesh
+        type(elements_t), intent(out) :: mesh
         type(element_t) :: el
         integer :: i, j, k, n, ne
 
@@ -121,7 +121,7 @@ contains
 
     !> The axis and the wall.
     subroutine hold(mesh)
-        type(mesh_t), intent(inout) :: mesh
+        type(elements_t), intent(inout) :: mesh
 
         mesh%v(1, 1::mesh%across + 1) = 0
         mesh%v(2, :mesh%across + 1) = 0
@@ -163,7 +163,7 @@ contains
     !> it allows the next time step to be.
     subroutine step_element(bar, mesh, e, dt, dt_next)
         type(bar_t), intent(in) :: bar
-        type(mesh_t), intent(inout) :: mesh
+        type(elements_t), intent(inout) :: mesh
         integer, intent(in) :: e
         real(dp), intent(in) :: dt
         real(dp), intent(inout) :: dt_next
@@ -209,7 +209,7 @@ contains
     !> Deviator, plastic strain and temperature of a Gauss point; its divergence and its power.
     subroutine flow(bar, mesh, e, k, grad, dt, v, rate)
         type(bar_t), intent(in) :: bar
-        type(mesh_t), intent(inout) :: mesh
+        type(elements_t), intent(inout) :: mesh
         integer, intent(in) :: e, k
         real(dp), intent(in) :: grad(3, 4), dt, v(2, 4)
         real(dp), intent(out) :: rate(2)
@@ -291,7 +291,7 @@ contains
 
     !> The nodes of the surface, from the foot upwards.
     subroutine outline(mesh, profile)
-        type(mesh_t), intent(in) :: mesh
+        type(elements_t), intent(in) :: mesh
         real(dp), allocatable, intent(out) :: profile(:, :)
 
         profile = mesh%x(:, mesh%across + 1::mesh%across + 1)
