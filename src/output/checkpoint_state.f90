@@ -110,7 +110,8 @@ contains
         end do
     end subroutine carry_between
 
-    !> All fields of the particles that nothing else gives.
+    !> All fields of the particles that nothing else gives. Checkpoints up to November 2026 call one
+    !> of them `cut`.
     subroutine carry_fields(file, solid, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(inout), target :: solid
@@ -120,7 +121,11 @@ contains
 
         call fields_of(solid, fields)
         do k = 1, fields%n
-            if (fields%of(k)%kept) call carry_field(file, fields%of(k), solid%n, err)
+            if (.not. fields%of(k)%kept) cycle
+            if (fields%of(k)%name == 'limp' .and. .not. file%writing) then
+                if (h5_has(file, 'solid/cut')) fields%of(k)%name = 'cut'
+            end if
+            call carry_field(file, fields%of(k), solid%n, err)
         end do
     end subroutine carry_fields
 

@@ -127,7 +127,7 @@ contains
         call see(t, 'ply', s%ply, .true., in_tag, tag_ply)
         call see(t, 'support', s%support, .true., in_tag, tag_support)
         call see(t, 'fixed', s%fixed, .true., in_tag, tag_fixed)
-        call see(t, 'cut', s%limp, .true., in_tag, tag_limp) ! the name of old checkpoints
+        call see(t, 'limp', s%limp, .true., in_tag, tag_limp)
         call see(t, 'touch', s%links%touch, linked, in_tag, tag_touch)
         call see(t, 'contact_weight', s%links%weight, linked, in_tag, tag_weight)
         call see(t, 'bond', s%links%bond, linked, in_tag, tag_bond)
