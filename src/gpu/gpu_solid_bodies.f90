@@ -13,7 +13,7 @@ module brz_gpu_solid_bodies
     use brz_model_list, only: find_kernel_of
     use brz_row_items, only: rules_of
     use brz_solid_state, only: body_t, form_bending, form_corrected_hourglass, form_rigid, &
-        form_total, solid_t
+        form_total, is_gone, solid_t
     use brz_text, only: to_text
     implicit none
     private
@@ -103,6 +103,7 @@ contains
         params%lift = column%lift
         gpu%first = params%first
         gpu%last = params%last
+        gpu%gone = count(solid%fixed(gpu%first:gpu%last) == is_gone)
         gpu%rim = solid%bodies(b)%rim
         gpu%slices = (gpu%last - gpu%first)/slice_width + 1
         gpu%total = params%formulation == form_total

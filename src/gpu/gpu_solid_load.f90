@@ -1,17 +1,15 @@
 ! SPDX-License-Identifier: MIT
 !> Pressures on faces of bodies on the GPU: memory, and what brz_load_steps leaves to each backend.
 module brz_gpu_solid_load
-    use brz_device, only: allocate_buffer, clear_buffer
+    use brz_device, only: allocate_buffer, copy_in, copy_out
     use brz_errors, only: error_t
-    use brz_face_load, only: loads_t
-    use brz_facet_launches, only: facet_kernels
+    use brz_face_load, only: facets_t, loads_t
     use brz_gpu_face_load, only: put_facets
     use brz_gpu_solid_state, only: gpu_solid_t
-    use brz_kinds, only: dp, int64
-    use brz_tallies, only: tally_threads
+    use brz_kinds, only: int64
     implicit none
     private
-    public :: open_gpu_loads, see_carriers
+    public :: fetch_loaded, open_gpu_loads, put_loaded
 
 contains
 
@@ -28,17 +26,21 @@ contains
         call allocate_buffer(gpu%loads%place, 4_int64*size(loads%place), err)
     end subroutine open_gpu_loads
 
-    !> Number of a particle whose facets reach out of sight, else 0.
-    subroutine see_carriers(gpu, lost, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        real(dp), intent(inout) :: lost
+    !> Which loaded particles this process has.
+    subroutine fetch_loaded(gpu, facets, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(facets_t), intent(inout) :: facets
         type(error_t), intent(inout) :: err
 
-        call clear_buffer(gpu%sums_of_forces, err)
-        associate (f => gpu%loads%facets)
-            call facet_kernels%see_carrier(f%carriers, f%first, f%id, f%beside, &
-                gpu%loads%place, gpu%fixed, gpu%sums_of_forces, err)
-        end associate
-        lost = gpu%common%largest(gpu%sums_of_forces, tally_threads, err)
-    end subroutine see_carriers
+        call copy_out(gpu%loads%facets%owner, facets%owner, 4_int64*facets%carriers, err)
+    end subroutine fetch_loaded
+
+    !> Which process has each of them.
+    subroutine put_loaded(gpu, facets, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(facets_t), intent(in) :: facets
+        type(error_t), intent(inout) :: err
+
+        call copy_in(facets%owner, gpu%loads%facets%owner, 4_int64*facets%carriers, err)
+    end subroutine put_loaded
 end module brz_gpu_solid_load

@@ -238,8 +238,10 @@ contains
                 from(gpu%order, int(body%first, int64)), err)
             if (.not. solid%remove) return
             end = 0
-            call copy_out(from(body%start, int(real_cells, int64)), end, 4_int64, err)
-            body%gone = threads(1) - end(1)
+            if (body%rim == body%last) then ! else as they were before there were ghosts
+                call copy_out(from(body%start, int(real_cells, int64)), end, 4_int64, err)
+                body%gone = threads(1) - end(1)
+            end if
             call copy_in([body%first, body%last - body%gone], body%params, 8_int64, err)
         end associate
     end subroutine fill_cells

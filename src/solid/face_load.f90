@@ -19,6 +19,7 @@ module brz_face_load
         integer :: n = 0
         integer :: carriers = 0 !! particles that carry some
         integer(int32), allocatable :: first(:) !! (carriers + 1) first facet of each
+        integer(int32), allocatable :: owner(:) !! (carriers) process that has it, from 1
         integer(int32), allocatable :: id(:) !! (n) of the particle
         integer(int32), allocatable :: load(:) !! (n) in the order of the deck
         integer(int32), allocatable :: beside(:, :) !! (4, n) ids of the neighbours along the first
@@ -46,7 +47,6 @@ module brz_face_load
         type(facets_t) :: facets !! of all of them
         integer(int32), allocatable :: place(:) !! (particles) where the particle of a number lies;
                                                 !! negative: its ghost does; 0: elsewhere
-        integer :: lost = 0 !! number of a particle whose facets reach out of sight, 0: none
         integer :: rebuilds = -1 !! of the lists, when `place` was filled
         real(dp) :: step = huge(1.0_dp) !! that resolves the loads [s]
     end type loads_t

@@ -3,11 +3,11 @@
 !> what they do to a rigid body.
 module brz_facet_items
     use brz_friedlander, only: friedlander_impulse
-    use brz_kinds, only: dp, int32, rk
+    use brz_kinds, only: dp, int32, int64, rk
     use brz_solid_state, only: is_gone, is_held
     implicit none
     private
-    public :: place_particle, see_carrier, begin_load, load_carrier, sum_load
+    public :: place_particle, own_carrier, mark_beside, begin_load, load_carrier, sum_load
 
 contains
 
@@ -24,27 +24,45 @@ contains
         place(id(first - 1 + p)) = side*(first - 1 + p)
     end subroutine place_particle
 
-    !> Note a loaded particle whose neighbours are not all here, with ghosts.
+    !> Note whether this process has a loaded particle.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine see_carrier(c, first, id, beside, place, fixed, lost)
+    pure subroutine own_carrier(c, own, first, id, place, owner)
         integer, intent(in) :: c !! carriers of facets
-        integer(int32), intent(in) :: first(*), id(*), beside(4, *)
-        integer(int32), intent(in) :: place(*)
-        integer(int32), intent(in) :: fixed(*)
-        real(dp), intent(inout) :: lost !@most number of one of them
-        integer :: i, k, m
+        integer, intent(in) :: own !! number of this process, from 1
+        integer(int32), intent(in) :: first(*), id(*), place(*)
+        integer(int32), intent(inout) :: owner(*)
 
-        i = place(id(first(c)))
-        if (i <= 0) return
-        if (fixed(i) == is_gone) return
+        owner(c) = 0
+        if (place(id(first(c))) > 0) owner(c) = own
+    end subroutine own_carrier
+
+    !> Mark the particles of this process to which facets of another one span, however far they are.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine mark_beside(c, row, own, first, beside, owner, place, sent, mark)
+        integer, intent(in) :: c !! carriers of facets
+        integer, intent(in) :: row !! marks of a process
+        integer, intent(in) :: own !! number of this process, from 1
+        integer(int32), intent(in) :: first(*), beside(4, *), owner(*)
+        integer(int32), intent(in) :: place(*) !! of the particles of this process, else 0
+        integer(int32), intent(inout) :: sent(*) !! 1: marked before
+        integer(int32), intent(inout) :: mark(*)
+        integer(int64) :: at
+        integer :: k, m
+
+        if (owner(c) == own) return
         do k = first(c), first(c + 1) - 1
             do m = 1, 4
                 if (beside(m, k) == 0) cycle
-                if (place(beside(m, k)) == 0) lost = max(lost, real(id(first(c)), dp))
+                if (place(beside(m, k)) == 0) cycle
+                at = place(beside(m, k)) + (owner(c) - 1)*int(row, int64)
+                if (sent(at) == 1) cycle
+                mark(at) = 1
+                sent(at) = 1
             end do
         end do
-    end subroutine see_carrier
+    end subroutine mark_beside
 
     !> Begin the load of a particle by the push on its body.
     !@item

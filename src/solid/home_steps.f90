@@ -30,6 +30,7 @@ module brz_home_steps
     use brz_home_loops, only: each_mark_home, each_mark_near, each_note_outside
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least !@cpu
+    use brz_load_steps, only: mark_facets, note_carriers
     use brz_mail, only: tell_all
     use brz_mark_steps, only: begin_marks, count_marks, list_marks, place_pieces !@cpu
     use brz_places, only: parcels_t
@@ -189,6 +190,7 @@ contains
         integer(int64) :: all(2*size(anew), solid%ranks%n, solid%ranks%n)
 
         if (any(whole)) call note_owners(solid)
+        if (any(whole)) call note_carriers(solid)
         call find_lowest(solid)
         call find_boxes(solid)
         associate (n => size(anew), there => solid%bodies)
@@ -288,6 +290,7 @@ contains
                 end do
             end associate
         end do
+        call mark_facets(solid)
         call count_marks(solid%n, solid%bodies%first, solid%part%marks_t, number) !@cpu
         !@gpu call count_marks(gpu%n, gpu%bodies%first, gpu%part, number)
     end subroutine mark_ghosts

@@ -5,7 +5,7 @@ module brz_load_setup
     use brz_case, only: case_t, load_case_t, label
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_face_load, only: facets_t, find_places, lay_out
-    use brz_kinds, only: dp, rk
+    use brz_kinds, only: dp, int32, rk
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest, &
                                    nearest_ground, surface_blast
     use brz_patch, only: is_under
@@ -105,6 +105,7 @@ contains
         end do
         all%carriers = count(start > 0)
         allocate (all%first(all%carriers + 1))
+        allocate (all%owner(all%carriers), source=0_int32)
         all%first(all%carriers + 1) = all%n + 1
         at = 0
         do i = 1, most ! from numbers of facets to the places before those of a particle

@@ -4,15 +4,16 @@
 module brz_load_steps
     !@gpu use brz_device, only: clear_buffer, copy_in
     use brz_face_load, only: mean_pressures, pushes
-    use brz_facet_loops, only: each_begin_load, each_load_carrier, each_place_particle, &
-                               each_see_carrier, each_sum_load
-    !@gpu use brz_gpu_solid_load, only: see_carriers
+    use brz_facet_loops, only: each_begin_load, each_load_carrier, each_mark_beside, &
+                               each_own_carrier, each_place_particle, each_sum_load
+    !@gpu use brz_gpu_solid_load, only: fetch_loaded, put_loaded
     use brz_kinds, only: dp
+    use brz_load_part, only: tell_carriers
     use brz_ranks, only: several
     use brz_solid_state, only: form_rigid, solid_t
     implicit none
     private
-    public :: load_faces
+    public :: load_faces, mark_facets, note_carriers
 
 contains
 
@@ -54,32 +55,60 @@ contains
         end do
     end subroutine load_faces
 
-    !> Where particles and ghosts lie. A particle whose facets this process does not see as a whole
-    !> is noted: the run must end.
+    !> Where particles and ghosts lie.
     subroutine place_all(solid)
         type(solid_t), intent(inout) :: solid
-        real(dp) :: lost
         integer :: b
 
-        associate (place => solid%loads%place)
-            place = 0 !@cpu
-            !@gpu call clear_buffer(place)
-            do b = 1, size(solid%bodies)
-                associate (there => solid%bodies(b))
-                    call each_place_particle(there%last - there%first + 1, there%first, 1, &
-                                             solid%id, place)
-                    call each_place_particle(there%rim - there%last, there%last + 1, -1, solid%id, &
-                                             place)
-                end associate
-            end do
-            if (.not. several(solid%ranks)) return
-            lost = 0
-            !@gpu call see_carriers(gpu, lost)
-            associate (there => solid%loads%facets)
-                call each_see_carrier(there%carriers, there%first, there%id, there%beside, place, &
-                                      solid%fixed, lost) !@cpu
+        call place_own(solid)
+        do b = 1, size(solid%bodies)
+            associate (there => solid%bodies(b), place => solid%loads%place)
+                call each_place_particle(there%rim - there%last, there%last + 1, -1, solid%id, &
+                                         place)
             end associate
-        end associate
-        if (lost > 0) solid%loads%lost = nint(lost)
+        end do
     end subroutine place_all
+
+    !> Where the particles of this process lie.
+    subroutine place_own(solid)
+        type(solid_t), intent(inout) :: solid
+        integer :: b
+
+        solid%loads%place = 0 !@cpu
+        !@gpu call clear_buffer(gpu%loads%place)
+        do b = 1, size(solid%bodies)
+            associate (there => solid%bodies(b), place => solid%loads%place)
+                call each_place_particle(there%last - there%first + 1, there%first, 1, &
+                                         solid%id, place)
+            end associate
+        end do
+    end subroutine place_own
+
+    !> Particles may have changed processes: tell all who has those that carry facets.
+    subroutine note_carriers(solid)
+        type(solid_t), intent(inout) :: solid
+
+        if (.not. (allocated(solid%loads%of) .and. several(solid%ranks))) return
+        call place_own(solid)
+        associate (there => solid%loads%facets, place => solid%loads%place)
+            call each_own_carrier(there%carriers, solid%ranks%rank + 1, there%first, there%id, &
+                                  place, there%owner)
+        end associate
+        !@gpu call fetch_loaded(gpu, solid%loads%facets)
+        call tell_carriers(solid) !@host
+        !@gpu call put_loaded(gpu, solid%loads%facets)
+    end subroutine note_carriers
+
+    !> Mark the particles that others need for facets, of which they are the neighbours.
+    subroutine mark_facets(solid)
+        type(solid_t), intent(inout) :: solid
+
+        if (.not. allocated(solid%loads%of)) return
+        call place_own(solid) ! arrays may have been laid anew
+        associate (there => solid%loads%facets, place => solid%loads%place, part => solid%part)
+            call each_mark_beside(there%carriers, solid%n, solid%ranks%rank + 1, there%first, &
+                there%beside, there%owner, place, part%sent, part%mark)
+        end associate
+        solid%loads%rebuilds = -1 ! ghosts have no places now
+    end subroutine mark_facets
 end module brz_load_steps

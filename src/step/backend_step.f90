@@ -9,7 +9,7 @@ module brz_backend_step
     use brz_between_steps, only: book_between
     use brz_coupling_state, only: coupling_t
     use brz_device, only: measure_memory
-    use brz_errors, only: error_t, exit_numerical, failed, raise
+    use brz_errors, only: error_t, failed
     use brz_force_steps, only: book_impulse
     use brz_gpu_air_state, only: open_gpu_air
     use brz_gpu_air_steps, only: gpu_air_step => air_step
@@ -26,7 +26,6 @@ module brz_backend_step
     use brz_load_steps, only: load_faces
     use brz_solid_state, only: solid_t
     use brz_solid_steps, only: solid_step
-    use brz_text, only: to_text
     implicit none
     private
     public :: start_backend, let_gas_in, advance_air, limit_of_air, advance_solid
@@ -117,9 +116,6 @@ contains
             call book_gpu_between(backend%solid, solid, dt, err)
         else
             call load_faces(solid, dt)
-            if (solid%loads%lost > 0) call raise(err, exit_numerical, 'a loaded face is torn '// &
-                'further apart than processes look, at particle '//to_text(solid%loads%lost)// &
-                ': run this scene as one process')
             call book_impulse(solid, dt)
             call solid_step(solid, dt, err)
             call book_between(solid, dt)

@@ -12,7 +12,7 @@ from test_gpu import EMULATOR, stamp
 from test_ranks import AIR, MPIRUN, TOGETHER, equal_air, equal_bodies, needs_mpirun, start
 from test_ranks_bodies import MEETING
 from test_ranks_coupled import equal_runs, pelted
-from test_ranks_loads import LOADED
+from test_ranks_loads import LOADED, TORN
 from test_run import BRISANCE, arrays, history
 
 
@@ -222,6 +222,17 @@ def test_bodies_that_meet_and_are_loaded_do_not_depend_on_gpus(n, m, gpu, met, t
         done = go(m, tmp_path, gpu, "--restart", "latest", *SHORT, deck=deck)
         assert done.returncode == 0, done.stderr
     equal_bodies(alone, tmp_path / "out")
+
+
+@needs_mpirun
+def test_a_loaded_face_may_be_torn_on_gpus(gpu, tmp_path):
+    one, two = tmp_path / "one", tmp_path / "two"
+    for folder, n, m in [(one, 0, 0), (two, 2, 3)]:
+        folder.mkdir()
+        for k, more in [(n, ("--set", "run.max_steps=50")), (m, ("--restart", "latest"))]:
+            done = go(k, folder, gpu, *more, deck=TORN)
+            assert done.returncode == 0, done.stderr
+    equal_bodies(one / "out", two / "out")
 
 
 @needs_mpirun

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from test_ranks import equal_bodies, in_two, needs_mpirun, start
-from test_run import history
+from test_run import arrays, history
 
 # A blast on a plate at a plane of symmetry, a history on all sides of a block that
 # turns, a rigid body that is pressed and pushed, a bar that is driven and pressed where it is held.
@@ -61,6 +61,38 @@ def test_loaded_bodies_go_on_on_other_processes(n, m, alone, tmp_path):
     (tmp_path / "deck.nml").write_text(LOADED)
     in_two(n, m, 15, tmp_path)
     equal_bodies(alone, tmp_path / "out")
+
+
+# A loaded plate that flies apart: facets span between particles that are far from each other, some
+# of them removed.
+TORN = """\
+&run title = 'torn', t_end = 3e-4, energy_band = 10 /
+&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 1e5,
+     poisson_ratio = 0.3 /
+&body id = 'plate', box = -0.012,0.012, -0.01,0.01, 0,0.004, spacing = 2e-3, material = 'm',
+     spin = 0, 0, 4e4 /
+&solid region = -1, 0.05, -1, 1, -1, 1, leave = 'remove' /
+&load id = 'press', body = 'plate', faces = 'z+', 'x-', time = 0, 1e-4, 3e-4,
+     pressure = 0, 3e6, 0 /
+&gauge id = 'plate', body = 'plate', at = 0.011,0.009,0.003, quantity = 'speed' /
+&output dump_every = 1e-4, history_every = 0 /
+"""
+
+
+@needs_mpirun
+def test_a_loaded_face_may_be_torn_on_processes(tmp_path):
+    (tmp_path / "deck.nml").write_text(TORN)
+    done = start(0, "run", "deck.nml", "--out", "one", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    end = arrays(sorted((tmp_path / "one").glob("chk_*.h5"))[-1])
+    assert 10 < (end["solid/fixed"] == 2).sum() < 100
+    assert np.ptp(end["solid/x"][:, :2], axis=0).min() > 0.1
+    for n, m in [(4, 4), (2, 3)]:
+        folder = tmp_path / str(n)
+        folder.mkdir()
+        (folder / "deck.nml").write_text(TORN)
+        in_two(n, m, 50, folder)
+        equal_bodies(tmp_path / "one", folder / "out")
 
 
 # Three blocks that meet with friction, one of them rigid, one held; what each pair does, and what

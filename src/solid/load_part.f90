@@ -1,0 +1,22 @@
+! SPDX-License-Identifier: MIT
+!> Loaded faces on several processes: what all must be told.
+module brz_load_part
+    use brz_kinds, only: int32, int64
+    use brz_ranks, only: most_of_all
+    use brz_solid_state, only: solid_t
+    implicit none
+    private
+    public :: tell_carriers
+
+contains
+
+    !> Which process has each particle that carries facets: each knows its own, and 0 of all others.
+    subroutine tell_carriers(solid)
+        type(solid_t), intent(inout) :: solid
+        integer(int64), allocatable :: own(:)
+
+        own = solid%loads%facets%owner
+        call most_of_all(solid%ranks, own)
+        solid%loads%facets%owner = int(own, int32)
+    end subroutine tell_carriers
+end module brz_load_part
