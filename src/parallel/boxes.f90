@@ -68,32 +68,46 @@ contains
     end function cells_of
 
     !> Boxes that a grid can be cut into at most: none is thinner than a brick.
-    pure integer(int64) function most_boxes(n, brick)
+    pure integer(int64) function most_boxes(n, brick, uncut)
         integer, intent(in) :: n(3) !! cells
         integer, intent(in) :: brick !! cells per side of a brick
+        logical, intent(in), optional :: uncut(3) !! directions in which all boxes are whole
 
-        most_boxes = product(int(max(n/brick, 1), int64))
+        most_boxes = product(int(max(n/sides_of(n, brick, uncut), 1), int64))
     end function most_boxes
+
+    !> Least cells of a box along each direction.
+    pure function sides_of(n, brick, uncut) result(sides)
+        integer, intent(in) :: n(3) !! cells
+        integer, intent(in) :: brick
+        logical, intent(in), optional :: uncut(3)
+        integer :: sides(3)
+
+        sides = brick
+        if (.not. present(uncut)) return
+        where (uncut) sides = n
+    end function sides_of
 
     !> Cut a grid into boxes of cells as even as whole bricks allow; at most `most_boxes`. Where
     !> there are bodies in it, so that these are shared, too.
-    pure subroutine cut_grid(n, brick, boxes, crowds)
+    pure subroutine cut_grid(n, brick, boxes, crowds, uncut)
         integer, intent(in) :: n(3) !! cells
         integer, intent(in) :: brick !! cells per side of a brick
         type(cells_t), intent(out) :: boxes(0:) !! (processes)
         type(crowd_t), intent(in), optional :: crowds(:)
+        logical, intent(in), optional :: uncut(3) !! directions in which all boxes are whole
 
         if (present(crowds)) then
-            call halve(cells_t([1, 1, 1], n), brick, crowds, boxes)
+            call halve(cells_t([1, 1, 1], n), sides_of(n, brick, uncut), crowds, boxes)
         else
-            call halve(cells_t([1, 1, 1], n), brick, [crowd_t ::], boxes)
+            call halve(cells_t([1, 1, 1], n), sides_of(n, brick, uncut), [crowd_t ::], boxes)
         end if
     end subroutine cut_grid
 
     !> Cut a box in two, in proportion to the processes on each side, until there is one process.
-    pure recursive subroutine halve(box, brick, crowds, boxes)
+    pure recursive subroutine halve(box, sides, crowds, boxes)
         type(cells_t), intent(in) :: box
-        integer, intent(in) :: brick
+        integer, intent(in) :: sides(3) !! least cells of a box
         type(crowd_t), intent(in) :: crowds(:)
         type(cells_t), intent(out) :: boxes(0:)
         type(cells_t) :: half(2)
@@ -101,17 +115,17 @@ contains
 
         boxes(0) = box
         if (size(boxes) == 1) return
-        call choose_cut(box, brick, crowds, size(boxes), half, below)
-        call halve(half(1), brick, crowds, boxes(:below - 1))
-        call halve(half(2), brick, crowds, boxes(below:))
+        call choose_cut(box, sides, crowds, size(boxes), half, below)
+        call halve(half(1), sides, crowds, boxes(:below - 1))
+        call halve(half(2), sides, crowds, boxes(below:))
     end subroutine halve
 
     !> Cut a box across its longest side that can be cut. Where there are bodies, across the one
     !> that costs least: air and coupling wait each for the process that has most of it, and what is
     !> beside the cut is sent.
-    pure subroutine choose_cut(box, brick, crowds, n, half, below)
+    pure subroutine choose_cut(box, sides, crowds, n, half, below)
         type(cells_t), intent(in) :: box
-        integer, intent(in) :: brick
+        integer, intent(in) :: sides(3) !! least cells of a box
         type(crowd_t), intent(in) :: crowds(:)
         integer, intent(in) :: n !! processes
         type(cells_t), intent(out) :: half(2)
@@ -123,8 +137,8 @@ contains
         least = huge(least)
         do k = 3, 1, -1 ! from the longest side to the shortest
             d = side_of(box, k)
-            if (box%hi(d) - box%lo(d) + 1 < 2*brick) cycle
-            call cut_across(box, brick, d, n, trial, m)
+            if (box%hi(d) - box%lo(d) + 1 < 2*sides(d)) cycle
+            call cut_across(box, sides, d, n, trial, m)
             cost = greater(real(cells_of(trial), dp)) &
                 + particle_cost*greater([(crowd_of(crowds, trial(h)), h=1, 2)]) &
                 + face_cost*real(cells_of(box), dp)/(box%hi(d) - box%lo(d) + 1)
@@ -146,21 +160,21 @@ contains
     end subroutine choose_cut
 
     !> Cut a box across direction d.
-    pure subroutine cut_across(box, brick, d, n, half, below)
+    pure subroutine cut_across(box, sides, d, n, half, below)
         type(cells_t), intent(in) :: box
-        integer, intent(in) :: brick, d
+        integer, intent(in) :: sides(3), d
         integer, intent(in) :: n !! processes
         type(cells_t), intent(out) :: half(2)
         integer, intent(out) :: below !! processes of the lower half
         integer :: bricks(3), across, layers
 
-        bricks = max((box%hi - box%lo + 1)/brick, 1) ! the last one may be thicker
+        bricks = max((box%hi - box%lo + 1)/sides, 1) ! the last one may be thicker
         across = product(bricks)/bricks(d)
         layers = min(max(nint(real(bricks(d), dp)*(n/2)/n), 1), bricks(d) - 1)
         below = max(n/2, 1, n - (bricks(d) - layers)*across) ! no side gets more than it has bricks
         below = min(below, n - 1, layers*across)
         half = box
-        half(1)%hi(d) = box%lo(d) - 1 + layers*brick
+        half(1)%hi(d) = box%lo(d) - 1 + layers*sides(d)
         half(2)%lo(d) = half(1)%hi(d) + 1
     end subroutine cut_across
 

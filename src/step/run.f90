@@ -63,11 +63,8 @@ contains
         if (failed(err)) return
         if (.not. options%check) call listen_to_signals()
         if (is_radial(sim%case)) then
-            if (is_axial(sim%case)) then
-                call run_axial(options, sim%case, err)
-            else
-                call run_radial(options, sim%case, err)
-            end if
+            if (sim%ranks%rank == 0) call run_first(options, sim, err)
+            call agree(sim%ranks, err)
             return
         end if
         call size_scene(sim%case, size_of, err)
@@ -116,6 +113,21 @@ contains
         call agree(sim%ranks, closing)
         if (.not. failed(err)) err = closing
     end subroutine run_deck
+
+    !> The air along a line or in a plane takes seconds: the first process computes it alone.
+    subroutine run_first(options, sim, err)
+        type(options_t), intent(in) :: options
+        type(simulation_t), intent(in) :: sim
+        type(error_t), intent(inout) :: err
+
+        if (several(sim%ranks)) call say('processes    one of '//to_text(sim%ranks%n)// &
+            " computes a geometry = '"//trim(sim%case%air%geometry)//"'")
+        if (is_axial(sim%case)) then
+            call run_axial(options, sim%case, err)
+        else
+            call run_radial(options, sim%case, err)
+        end if
+    end subroutine run_first
 
     !> Bring the scene to where it is computed, and say what that takes on a GPU.
     subroutine start_computing(sim, err)

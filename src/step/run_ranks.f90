@@ -10,7 +10,7 @@ module brz_run_ranks
     use brz_check_start, only: is_radial
     use brz_cohesive_items, only: mark_glued, own_node, see_point
     use brz_errors, only: error_t, exit_deck, failed, raise
-    use brz_kinds, only: dp, int32
+    use brz_kinds, only: dp, int32, int64
     use brz_ranks, only: ranks_t
     use brz_scene_size, only: scene_size_t
     use brz_solid_arrays, only: bytes_per_particle
@@ -31,25 +31,25 @@ contains
         type(case_t), intent(in) :: case
         integer, intent(in) :: n !! processes
         type(error_t), intent(inout) :: err
-        character(:), allocatable :: what
+        integer(int64) :: most
 
-        if (n < 2 .or. failed(err)) return
-        if (is_radial(case)) then
-            what = "air along one line (geometry = '"//trim(case%air%geometry)//"')"
-        else if (size(case%bodies) > 0) then
-            what = missing_of_bodies(case)
-            if (what == '') deallocate (what)
-        end if
-        if (allocated(what)) then
-            call refuse(what, case, n, err)
-        else if (.not. case%air%present) then
-            return
-        else if (n > most_boxes(case%air%cells, brick)) then
+        if (n < 2 .or. failed(err) .or. .not. case%air%present) return
+        if (is_radial(case)) return ! the first one does it
+        most = most_boxes(case%air%cells, brick, uncut(case))
+        if (size(case%bodies) > 0 .and. case%coupling%scheme == 'paper') then
+            call raise(err, exit_deck, "this version does not have the coupling scheme='paper' "// &
+                       'on several processes ('//to_text(n)//' are wanted): run one, with '// &
+                       'OMP_NUM_THREADS threads'//trim(merge(', or --backend cpu', &
+                                                             '                  ', &
+                                                             case%run%backend == 'gpu')))
+        else if (n > most) then
             call raise(err, exit_deck, to_text(n)//' processes are too many for '// &
                        to_text(case%air%cells(1))//' x '//to_text(case%air%cells(2))//' x '// &
                        to_text(case%air%cells(3))//' cells of air: a box has at least '// &
-                       to_text(brick)//' cells in a direction; run '// &
-                       to_text(most_boxes(case%air%cells, brick))//' at most')
+                       to_text(brick)//' cells in a direction'// &
+                       trim(merge(', and with bodies no periodic one is cut', &
+                                  '                                        ', &
+                                  any(uncut(case))))//'; run '//to_text(most)//' at most')
         end if
     end subroutine refuse_on_ranks
 
@@ -70,46 +70,26 @@ contains
             '; set-up and output will be slow: mpirun --bind-to none gives it all cores'
     end subroutine note_cores
 
-    !> What of a scene with bodies is not distributed, '' for nothing.
-    function missing_of_bodies(case) result(what)
-        type(case_t), intent(in) :: case
-        character(:), allocatable :: what
-
-        what = ''
-        if (case%air%present .and. case%coupling%scheme == 'paper') &
-            what = "the coupling scheme='paper'"
-    end function missing_of_bodies
-
     !> A box of the air for each process.
     subroutine cut_air(case, n, size_of, err)
         type(case_t), intent(in) :: case
         integer, intent(in) :: n !! processes
         type(scene_size_t), intent(inout) :: size_of
-        type(error_t), intent(inout) :: err
-        integer :: d
+        type(error_t), intent(in) :: err
 
         if (failed(err) .or. .not. case%air%present) return
         allocate (size_of%boxes(0:n - 1))
-        call cut_grid(case%air%cells, brick, size_of%boxes, size_of%crowds)
-        do d = 1, merge(3, 0, size(case%bodies) > 0)
-            if (case%air%bc(1, d) == 'periodic' .and. &
-                any(size_of%boxes%hi(d) < case%air%cells(d))) call refuse( &
-                'bodies in air whose periodic direction '//to_text(d)//' is cut', case, n, err)
-        end do
+        call cut_grid(case%air%cells, brick, size_of%boxes, size_of%crowds, uncut(case))
     end subroutine cut_air
 
-    !> Say that several processes cannot do something.
-    subroutine refuse(what, case, n, err)
-        character(*), intent(in) :: what
+    !> Directions of the air that are not cut: with bodies in it those that are periodic, as the
+    !> window of a process has no cells beyond the ends of the grid.
+    pure function uncut(case)
         type(case_t), intent(in) :: case
-        integer, intent(in) :: n !! processes
-        type(error_t), intent(inout) :: err
+        logical :: uncut(3)
 
-        call raise(err, exit_deck, 'this version does not have '//what//' on several '// &
-                   'processes ('//to_text(n)//' are wanted): run one, with OMP_NUM_THREADS '// &
-                   'threads'//trim(merge(', or --backend cpu', '                  ', &
-                                         case%run%backend == 'gpu')))
-    end subroutine refuse
+        uncut = case%air%bc(1, :) == 'periodic' .and. size(case%bodies) > 0
+    end function uncut
 
     !> Print the box of each process, its memory and what it sends, without MPI.
     subroutine print_ranks(case, size_of, n)

@@ -61,20 +61,25 @@ def test_another_mpi_is_named():
 
 
 @needs_mpirun
-@pytest.mark.parametrize(
-    ("deck", "args", "reason"),
-    [
-        ("free_air.nml", [], "air along one line"),
-        ("reflection.nml", ["--set", "air.cells=11,11,21"], "2 at most"),
-    ],
-)
-def test_what_is_not_distributed_is_refused(deck, args, reason, tmp_path):
-    done = start(3, "run", ROOT / "inputs" / deck, "--out", tmp_path / "out", *args)
+def test_more_processes_than_boxes_are_refused(tmp_path):
+    done = start(3, "run", ROOT / "inputs/reflection.nml", "--out", tmp_path / "out",
+                 "--set", "air.cells=11,11,21")  # fmt: skip
     assert done.returncode == 2
-    last = done.stderr.splitlines()[-1]
-    assert reason in last
-    assert "run" in last
+    assert "run 2 at most" in done.stderr.splitlines()[-1]
     assert not (tmp_path / "out").exists()
+
+
+@needs_mpirun
+def test_the_first_computes_the_air_along_a_line(tmp_path):
+    for n in (0, 3):
+        done = start(n, "run", ROOT / "inputs/free_air.nml", "--out", tmp_path / str(n))
+        assert done.returncode == 0, done.stderr
+        assert ("one of 3 computes a geometry = 'spherical'" in done.stdout) == (n == 3)
+    for file in (tmp_path / "0").glob("*.csv"):
+        assert file.read_text() == (tmp_path / "3" / file.name).read_text()
+    done = start(3, "run", ROOT / "inputs/free_air.nml", "--out", tmp_path / "3")
+    assert done.returncode == 4
+    assert done.stderr.count("--replace") == 1
 
 
 def test_a_check_tells_what_processes_get():

@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
-from test_ranks import equal_air, needs_mpirun, start
+from test_ranks import equal_air, in_two, needs_mpirun, start
 from test_run import ROOT, arrays, history
 
 HEAD = """\
@@ -135,6 +135,39 @@ def test_bodies_in_air_do_not_depend_on_processes(seed, n, alone, tmp_path):
     equal_runs(alone[seed], tmp_path / "out")
 
 
+# Bodies that lie across the periodic ends of the air, which is cut in the other directions alone.
+BESIDE = {"0, 0.28,  0, 0.24,  0, 0.24, cells = 28, 24, 24": "0.06, 0.22,  0, 0.24,  0.05, 0.21, "
+          "cells = 16, 24, 16", "'symmetry', 'outflow', 'wall', 'outflow', 'outflow', 'outflow'":
+          "'periodic', 'periodic', 'wall', 'outflow', 'periodic', 'periodic'"}  # fmt: skip
+
+
+def wrapped():
+    deck = pelted(3)
+    for old, new in BESIDE.items():
+        assert old in deck
+        deck = deck.replace(old, new)
+    return deck.replace("at = 0.02, 0.03, 0.02", "at = 0.07, 0.03, 0.06")
+
+
+@needs_mpirun
+def test_bodies_across_periodic_ends_do_not_depend_on_processes(tmp_path):
+    for n in (0, 2, 3):
+        folder = tmp_path / str(n)
+        folder.mkdir()
+        (folder / "deck.nml").write_text(wrapped())
+        if n == 3:
+            in_two(3, 2, 25, folder)
+            continue
+        done = start(n, "run", "deck.nml", "--out", "out", cwd=folder)
+        assert done.returncode == 0, done.stderr
+    state = arrays(sorted((tmp_path / "0/out").glob("chk_*.h5"))[-1])
+    assert state["coupling/covered_total"] > 30
+    x = state["solid/x"]
+    assert ((x[:, 0] < 0.06) | (x[:, 0] > 0.22) | (x[:, 2] < 0.05)).sum() > 30
+    equal_runs(tmp_path / "0/out", tmp_path / "2/out")
+    equal_runs(tmp_path / "0/out", tmp_path / "3/out")
+
+
 @needs_mpirun
 @pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), (4, 2)])
 def test_bodies_in_air_go_on_on_other_processes(n, m, alone, tmp_path):
@@ -173,7 +206,7 @@ def test_scenes_of_bodies_in_air_give_the_same(name, tmp_path):
     ("deck", "args", "reason"),
     [
         ("inputs/demo.nml", ["--set", "coupling.scheme='paper'"], "the coupling scheme='paper'"),
-        ("tests/scenes/blown_disc.nml", [], "bodies in air whose periodic direction"),
+        ("tests/scenes/blown_disc.nml", [], "with bodies no periodic one is cut; run 1 at most"),
     ],
 )
 def test_what_bodies_in_air_cannot_do_is_refused(deck, args, reason, tmp_path):

@@ -11,7 +11,7 @@ import pytest
 from test_gpu import EMULATOR, stamp
 from test_ranks import AIR, MPIRUN, TOGETHER, equal_air, equal_bodies, needs_mpirun, start
 from test_ranks_bodies import MEETING
-from test_ranks_coupled import equal_runs, pelted
+from test_ranks_coupled import equal_runs, pelted, wrapped
 from test_ranks_loads import LOADED, TORN
 from test_run import BRISANCE, arrays, history
 
@@ -279,6 +279,15 @@ def test_bodies_in_air_do_not_depend_on_gpus(n, m, gpu, pelted_alone, tmp_path):
         done = go(m, tmp_path, gpu, "--restart", "latest", *PELTED, deck=pelted(2))
         assert done.returncode == 0, done.stderr
     equal_runs(pelted_alone, tmp_path / "out", () if m is None else ("air/outflow",))
+
+
+@needs_mpirun
+def test_bodies_across_periodic_ends_do_not_depend_on_gpus(gpu, tmp_path):
+    for n in (0, 3):
+        (tmp_path / str(n)).mkdir()
+        done = go(n, tmp_path / str(n), gpu, *PELTED, deck=wrapped())
+        assert done.returncode == 0, done.stderr
+    equal_runs(tmp_path / "0/out", tmp_path / "3/out")
 
 
 @needs_mpirun
