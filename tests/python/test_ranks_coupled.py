@@ -201,6 +201,23 @@ def test_scenes_of_bodies_in_air_give_the_same(name, tmp_path):
     equal_states(one, other)
 
 
+COARSE = ["air.cells=16,16,60", "body(plate).spacing=4.2e-3",
+          "run.t_end=2e-4", "output.dump_every=5e-5"]  # fmt: skip
+
+
+@needs_mpirun
+def test_the_demo_is_the_same_on_processes(tmp_path):
+    """Coarse, until the plate has got its blow."""
+    for n in (0, 2, 4):
+        done = start(n, "run", ROOT / "inputs/demo.nml", "--out", tmp_path / str(n),
+                     *(word for change in COARSE for word in ("--set", change)))  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        if n > 0:
+            equal_runs(tmp_path / "0", tmp_path / str(n))
+    gauges = history(tmp_path / "0/gauges.csv")
+    assert np.abs(gauges["mid_v:velocity_z[m/s]"]).max() > 5
+
+
 @needs_mpirun
 @pytest.mark.parametrize(
     ("deck", "args", "reason"),
