@@ -19,7 +19,7 @@ contains
 
     !> The charge in open air along the radius: its mass is per length of a cylinder, per area of a
     !> plane, both sides.
-    pure function radial_input(case) result(input)
+    function radial_input(case) result(input)
         type(case_t), intent(in) :: case
         type(blast1d_input_t) :: input
 
@@ -90,7 +90,7 @@ contains
 
     !> Distance from the charge to the nearest thing that a blast would feel: a body, a box of gas,
     !> a face of the air other than a plane of symmetry through the centre [m].
-    pure real(dp) function free_radius(case) result(radius)
+    real(dp) function free_radius(case) result(radius)
         type(case_t), intent(in) :: case
         real(dp) :: lo(3), hi(3), dx(3), depth
         logical :: active(3)

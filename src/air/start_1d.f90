@@ -25,7 +25,7 @@ module brz_start_1d
 contains
 
     !> Radius to which the shock may run [m].
-    pure real(dp) function free_way(case, cell)
+    real(dp) function free_way(case, cell)
         type(case_t), intent(in) :: case
         real(dp), intent(in) :: cell !! largest side of a cell [m]
 

@@ -3,7 +3,7 @@
 module brz_cylinder_outline
     use brz_case, only: body_case_t
     use brz_kinds, only: dp
-    use brz_outline, only: ball, outline_t
+    use brz_outline, only: away, ball, centred, outline_t
     use brz_text, only: to_text
     implicit none
     private
@@ -12,15 +12,9 @@ module brz_cylinder_outline
 contains
 
     pure type(outline_t) function cylinder()
-        cylinder%name = 'cylinder'
-        cylinder%needs = 'centre radius length axis'
-        cylinder%takes = 'inner_radius'
-        cylinder%fits = 'axis'
-        cylinder%round = .true.
-        cylinder%corners => corners
-        cylinder%holds => holds
-        cylinder%volume => volume
-        cylinder%fault => fault
+        cylinder = outline_t('cylinder', needs='centre radius length axis', takes='inner_radius', &
+                             fits='axis', round=.true., corners=corners, holds=holds, &
+                             volume=volume, fault=fault)
     end function cylinder
 
     pure subroutine fault(body, key, text)
@@ -42,22 +36,18 @@ contains
 
         half = body%radius
         half(index('xyz', body%axis)) = body%length/2
-        lo = body%centre - half
-        hi = body%centre + half
+        call centred(body, half, lo, hi)
     end subroutine corners
 
     pure logical function holds(body, dimension, x, margin)
         type(body_case_t), intent(in) :: body
         integer, intent(in) :: dimension
         real(dp), intent(in) :: x(3), margin !! [m]
-        real(dp) :: d(3)
+        real(dp) :: square
 
-        d = x - body%centre
-        d(dimension + 1:) = 0
-        d(index('xyz', body%axis)) = 0
-        holds = dot_product(d, d) <= (body%radius - margin)**2
-        if (body%inner_radius > 0) &
-            holds = holds .and. dot_product(d, d) >= (body%inner_radius + margin)**2
+        square = away(body, dimension, x, index('xyz', body%axis))
+        holds = square <= (body%radius - margin)**2
+        if (body%inner_radius > 0) holds = holds .and. square >= (body%inner_radius + margin)**2
     end function holds
 
     pure real(dp) function volume(body, dimension)

@@ -9,7 +9,7 @@ module brz_outline
     use brz_kinds, only: dp
     implicit none
     private
-    public :: outline_t, ball, has_key, needs_key, fits_along
+    public :: outline_t, ball, centred, away, has_key, needs_key, fits_along
 
     type :: outline_t
         character(12) :: name = ''
@@ -61,6 +61,30 @@ contains
         lo = body%lo
         hi = body%hi
     end subroutine box_around
+
+    !> Corners of the box around the centre of a body [m].
+    pure subroutine centred(body, half, lo, hi)
+        type(body_case_t), intent(in) :: body
+        real(dp), intent(in) :: half(3) !! sides [m]
+        real(dp), intent(out) :: lo(3), hi(3)
+
+        lo = body%centre - half
+        hi = body%centre + half
+    end subroutine centred
+
+    !> Square of the distance of a point from the centre of a body, or from its axis [m2].
+    pure real(dp) function away(body, dimension, x, axis)
+        type(body_case_t), intent(in) :: body
+        integer, intent(in) :: dimension !! directions beyond it do not count
+        real(dp), intent(in) :: x(3) !! [m]
+        integer, intent(in) :: axis !! direction, 0: there is none
+        real(dp) :: d(3)
+
+        d = x - body%centre
+        d(dimension + 1:) = 0
+        if (axis > 0) d(axis) = 0
+        away = dot_product(d, d)
+    end function away
 
     !> True for a key that a shape needs.
     pure logical function needs_key(outline, key)

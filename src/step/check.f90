@@ -317,7 +317,7 @@ contains
     end subroutine print_settings
 
     !> Layers of particles across the plies of a body.
-    pure real(dp) function layers_of(body) result(layers)
+    real(dp) function layers_of(body) result(layers)
         type(body_case_t), intent(in) :: body
         real(dp) :: lo(3), hi(3)
         integer :: a

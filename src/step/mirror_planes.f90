@@ -19,7 +19,7 @@ module brz_mirror_planes
 contains
 
     !> For x, y, z: is the scene its own image, and not yet run as a part?
-    pure function mirror_planes(case) result(plane)
+    function mirror_planes(case) result(plane)
         type(case_t), intent(in) :: case
         logical :: plane(3)
         integer :: a
@@ -64,7 +64,7 @@ contains
     end function air_is_even
 
     !> Every body has an image, itself or another.
-    pure logical function bodies_are_even(case, a) result(even)
+    logical function bodies_are_even(case, a) result(even)
         type(case_t), intent(in) :: case
         integer, intent(in) :: a
         integer :: b, c, m
@@ -88,7 +88,7 @@ contains
     end function bodies_are_even
 
     !> Is body p the image of q?
-    pure logical function is_image(p, q, a) result(image)
+    logical function is_image(p, q, a) result(image)
         type(body_case_t), intent(in) :: p, q
         integer, intent(in) :: a
         type(outline_t) :: outline
@@ -253,7 +253,7 @@ contains
     end function boxes_agree
 
     !> What presses on a body presses on both sides alike.
-    pure logical function loads_are_even(case, a) result(even)
+    logical function loads_are_even(case, a) result(even)
         type(case_t), intent(in) :: case
         integer, intent(in) :: a
         integer :: m

@@ -28,6 +28,26 @@ def start(n, *args, cwd=None, **more):
                           text=True, timeout=300, check=False)  # fmt: skip
 
 
+def go(n, deck, folder, *args, out="out"):
+    """A run of a deck in a folder that must end well."""
+    (folder / "deck.nml").write_text(deck)
+    done = start(n, "run", "deck.nml", "--out", out, *args, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return done
+
+
+# steel and something soft; a ball that meets what lies below z = 0
+MATERIALS = """\
+&material id = 's', preset = 'rebar' /
+&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 5e9,
+     poisson_ratio = 0.3 /
+"""
+BALL = """\
+&body id = 'ball', shape = 'sphere', centre = 0, 0, 0.0032, radius = 0.003, spacing = 1e-3,
+     material = 's', velocity = 60, 0, -300 /
+"""
+
+
 @needs_mpirun
 def test_the_first_of_them_speaks():
     done = start(3, "--version")
@@ -113,9 +133,7 @@ AIR = """\
 def alone(tmp_path_factory):
     """The folder of a run on one process."""
     folder = tmp_path_factory.mktemp("alone")
-    (folder / "deck.nml").write_text(AIR)
-    done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    go(0, AIR, folder)
     return folder / "out"
 
 
@@ -140,9 +158,7 @@ def equal_air(one, other):
 @needs_mpirun
 @pytest.mark.parametrize("n", [1, 2, 3, 4])
 def test_results_do_not_depend_on_processes(n, alone, tmp_path):
-    (tmp_path / "deck.nml").write_text(AIR)
-    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = go(n, AIR, tmp_path)
     assert done.stdout.count("results    out") == 1
     equal_results(alone, tmp_path / "out")
     if n < 2:

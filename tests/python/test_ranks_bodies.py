@@ -5,16 +5,12 @@ import re
 
 import numpy as np
 import pytest
-from test_ranks import equal_bodies, needs_mpirun, start
+from test_ranks import BALL, MATERIALS, equal_bodies, go, needs_mpirun, start
 from test_run import arrays, history
 
-MEETING = """\
+MEETING = f"""\
 &run title = 'meeting', t_end = 8e-6, symmetry = 'y', energy_band = 0.5 /
-&material id = 's', preset = 'rebar' /
-&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 5e9,
-     poisson_ratio = 0.3 /
-&body id = 'ball', shape = 'sphere', centre = 0, 0, 0.0032, radius = 0.003, spacing = 1e-3,
-     material = 's', velocity = 60, 0, -300 /
+{MATERIALS}{BALL}\
 &body id = 'plate', shape = 'box', box = -0.006,0.006, 0,0.006, -0.002,0, spacing = 1e-3,
      material = 'm' /
 &body id = 'glued', shape = 'box', box = 0.006,0.01, 0,0.004, -0.002,0, spacing = 1e-3,
@@ -31,11 +27,9 @@ MEETING = """\
 
 # Bodies that do not meet, some seconds: steel that is drawn until it fails beside two planes of
 # symmetry, a total-Lagrangian plate, one of variable smoothing length whose particles leave.
-BODIES = """\
+BODIES = f"""\
 &run title = 'bodies', t_end = 8e-6, symmetry = 'x', 'z', energy_band = 0.5 /
-&material id = 's', preset = 'rebar' /
-&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 5e9,
-     poisson_ratio = 0.3 /
+{MATERIALS}\
 &body id = 'bar', shape = 'box', box = 0,0.008, 0,0.005, 0,0.005, spacing = 1e-3, material = 's',
      fix = 'x+', motion_time = 0,1e-6,1, motion_velocity = 0,0,0, 900,10,30, 900,10,30 /
 &body id = 'plate', shape = 'box', box = 0,0.009, 0.03,0.032, 0,0.009, spacing = 1e-3,
@@ -62,9 +56,7 @@ def bodies_alone(tmp_path_factory):
     found = {}
     for name, deck in SCENES.items():
         folder = found[name] = tmp_path_factory.mktemp(name)
-        (folder / "deck.nml").write_text(deck)
-        done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
-        assert done.returncode == 0, done.stderr
+        done = go(0, deck, folder)
         assert ("they are taken out" in done.stderr) == (name == "apart")
     checkpoint = sorted((found["meeting"] / "out").glob("chk_*.h5"))[-1]
     bond = arrays(checkpoint)["solid/bond"]
@@ -79,9 +71,7 @@ def bodies_alone(tmp_path_factory):
 @pytest.mark.parametrize("name", SCENES)
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_bodies_do_not_depend_on_processes(n, name, bodies_alone, tmp_path):
-    (tmp_path / "deck.nml").write_text(SCENES[name])
-    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    done = go(n, SCENES[name], tmp_path)
     assert "the most particles over the mean" in done.stdout
     equal_bodies(bodies_alone[name], tmp_path / "out")
 

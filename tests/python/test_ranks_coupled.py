@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
-from test_ranks import equal_air, in_two, needs_mpirun, start
+from test_ranks import equal_air, go, in_two, needs_mpirun, start
 from test_run import ROOT, arrays, history
 
 HEAD = """\
@@ -56,9 +56,7 @@ def alone(tmp_path_factory):
     found = {}
     for seed in (1, 2):
         folder = tmp_path_factory.mktemp(f"pelted{seed}")
-        (folder / "deck.nml").write_text(pelted(seed))
-        done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
-        assert done.returncode == 0, done.stderr
+        go(0, pelted(seed), folder)
         state = arrays(sorted((folder / "out").glob("chk_*.h5"))[-1])
         assert state["coupling/covered_total"] > 30
         assert state["coupling/uncovered_total"] > 30
@@ -129,9 +127,7 @@ def equal_runs(one, other, sums=()):
 @needs_mpirun
 @pytest.mark.parametrize(("seed", "n"), itertools.product((1, 2), (2, 3, 4)))
 def test_bodies_in_air_do_not_depend_on_processes(seed, n, alone, tmp_path):
-    (tmp_path / "deck.nml").write_text(pelted(seed))
-    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    go(n, pelted(seed), tmp_path)
     equal_runs(alone[seed], tmp_path / "out")
 
 

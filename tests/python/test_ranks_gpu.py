@@ -9,7 +9,16 @@ import subprocess
 import numpy as np
 import pytest
 from test_gpu import EMULATOR, stamp
-from test_ranks import AIR, MPIRUN, TOGETHER, equal_air, equal_bodies, needs_mpirun, start
+from test_ranks import (
+    AIR,
+    MATERIALS,
+    MPIRUN,
+    TOGETHER,
+    equal_air,
+    equal_bodies,
+    needs_mpirun,
+    start,
+)
 from test_ranks_bodies import MEETING
 from test_ranks_coupled import equal_runs, pelted, wrapped
 from test_ranks_loads import LOADED, TORN
@@ -137,11 +146,9 @@ def test_the_cpu_is_taken_where_nothing_is_asked_for(gpu, tmp_path):
 # Bodies that do not meet: steel that is drawn until it fails beside two planes of symmetry, a
 # total-Lagrangian plate, a block of variable smoothing length, one with stiff hourglass forces that
 # are summed along its plies, one of plain gradients.
-APART = """\
+APART = f"""\
 &run title = 'apart', t_end = 2e-6, symmetry = 'x', 'z', energy_band = 0.5 /
-&material id = 's', preset = 'rebar' /
-&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 5e9,
-     poisson_ratio = 0.3 /
+{MATERIALS}\
 &material id = 'p', preset = 'cfrp_ud' /
 &body id = 'bar', shape = 'box', box = 0,0.008, 0,0.005, 0,0.005, spacing = 1e-3, material = 's',
      fix = 'x+', velocity = -900,10,30 /

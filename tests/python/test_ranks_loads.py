@@ -3,16 +3,14 @@
 
 import numpy as np
 import pytest
-from test_ranks import equal_bodies, in_two, needs_mpirun, start
+from test_ranks import MATERIALS, equal_bodies, go, in_two, needs_mpirun, start
 from test_run import arrays, history
 
 # A blast on a plate at a plane of symmetry, a history on all sides of a block that
 # turns, a rigid body that is pressed and pushed, a bar that is driven and pressed where it is held.
-LOADED = """\
+LOADED = f"""\
 &run title = 'loaded', t_end = 3e-5, symmetry = 'y', energy_band = 0.5 /
-&material id = 's', preset = 'rebar' /
-&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 5e9,
-     poisson_ratio = 0.3 /
+{MATERIALS}\
 &body id = 'plate', box = -0.02,0.02, -0.02,0.02, -0.004,0, spacing = 2e-3, material = 's',
      fix = 'sides' /
 &body id = 'block', box = 0.03,0.044, 0.03,0.042, 0.03,0.044, spacing = 2e-3, material = 'm',
@@ -37,9 +35,7 @@ LOADED = """\
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):
     folder = tmp_path_factory.mktemp("loaded")
-    (folder / "deck.nml").write_text(LOADED)
-    done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    go(0, LOADED, folder)
     bodies = history(folder / "out/bodies.csv")
     for name in ("plate", "block", "die", "bar"):
         assert np.abs(bodies[f"{name}:load_work[J]"]).max() > 0
@@ -49,9 +45,7 @@ def alone(tmp_path_factory):
 @needs_mpirun
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_loads_do_not_depend_on_processes(n, alone, tmp_path):
-    (tmp_path / "deck.nml").write_text(LOADED)
-    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    go(n, LOADED, tmp_path)
     equal_bodies(alone, tmp_path / "out")
 
 
@@ -129,9 +123,7 @@ MET = """\
 def met(tmp_path_factory):
     """Gauges of these blocks on one process, as text."""
     folder = tmp_path_factory.mktemp("met")
-    (folder / "deck.nml").write_text(MET)
-    done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
-    assert done.returncode == 0, done.stderr
+    go(0, MET, folder)
     gauges = history(folder / "out/gauges.csv")
     assert all(np.abs(gauges[name]).max() > 0 for name in gauges.dtype.names)
     return (folder / "out/gauges.csv").read_text()
@@ -140,9 +132,7 @@ def met(tmp_path_factory):
 @needs_mpirun
 @pytest.mark.parametrize("n", [1, 2, 4])
 def test_forces_on_bodies_do_not_depend_on_processes(n, met, tmp_path):
-    (tmp_path / "deck.nml").write_text(MET)
-    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
+    go(n, MET, tmp_path)
     assert (tmp_path / "out/gauges.csv").read_text() == met
 
 

@@ -8,16 +8,12 @@ import re
 import numpy as np
 import pytest
 from test_gpu import EMULATOR, stamp
-from test_ranks import equal_bodies, needs_mpirun, start
+from test_ranks import BALL, MATERIALS, equal_bodies, needs_mpirun, start
 from test_run import history
 
-MET = """\
+MET = f"""\
 &run title = 'met', t_end = 6.5e-6, symmetry = 'y', energy_band = 0.5 /
-&material id = 's', preset = 'rebar' /
-&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 5e9,
-     poisson_ratio = 0.3 /
-&body id = 'ball', shape = 'sphere', centre = 0, 0, 0.0032, radius = 0.003, spacing = 1e-3,
-     material = 's', velocity = 60, 0, -300 /
+{MATERIALS}{BALL}\
 &body id = 'plate', shape = 'box', box = -0.006,0.006, 0,0.006, -0.002,0, spacing = 1e-3,
      material = 'm', formulation = 'total_lagrangian' /
 &body id = 'side', shape = 'box', box = 0.006,0.009, 0,0.004, -0.002,0, spacing = 1e-3,
