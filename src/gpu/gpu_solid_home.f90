@@ -10,7 +10,7 @@ module brz_gpu_solid_home
     use brz_gpu_mark_steps, only: list_marks
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
-    use brz_gpu_solid_totals, only: extent_of_body, fetch_ledgers
+    use brz_gpu_solid_books, only: extent_of_body, fetch_ledgers
     use brz_home_launches, only: home_kernels
     use brz_kinds, only: dp, int64
     use brz_places, only: parcels_t

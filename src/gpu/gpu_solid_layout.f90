@@ -15,7 +15,6 @@
 module brz_gpu_solid_layout
     use brz_kinds, only: dp, rk
     use brz_link_layout, only: mask_unit, slice_width
-    use brz_particle_sums, only: n_sum
     use brz_row_items, only: row_rules_t
     use brz_solid_columns, only: at_accel, at_bulk, at_damage, at_energy, at_hist, at_mass, at_mu, &
         at_stress, at_wave, n_tag, tag_bond, tag_limp, tag_fault, tag_fixed, tag_id, tag_joined, &
@@ -31,7 +30,7 @@ module brz_gpu_solid_layout
     public :: book_viscous, book_friction, book_stiff, book_ahead, book_plastic, book_damage, &
               book_clamped, &
               book_force, book_early, book_contact_early, book_contact, book_contact_heat, &
-              book_rub, book_load, n_book, n_total
+              book_rub, book_load, n_book
     public :: at_heat, at_friction, at_drag, at_stiff, at_work, n_terms
     public :: pass_drawn, pass_deviation, pass_trace
     public :: flag_bad, flag_drawn, n_flag, slice_width, mask_unit, scan_chunk
@@ -51,7 +50,6 @@ module brz_gpu_solid_layout
     integer, parameter :: book_early = 15 !! heat of the half step to come, see ledger_t
     integer, parameter :: book_contact_early = 16 !! the same of contact
     integer, parameter :: n_book = 16
-    integer, parameter :: n_total = n_sum !! sums of the state of a body, see brz_particle_sums
 
     integer, parameter :: flag_bad = 1 !! a particle has an impossible state
     integer, parameter :: flag_drawn = 2 !! the hold acts on a particle

@@ -8,7 +8,7 @@ module brz_gpu_solid_motion
     use brz_gpu_solid_ghosts, only: refresh_rows
     use brz_gpu_solid_gradients, only: gradient_pass
     use brz_gpu_solid_state, only: gpu_solid_t, threads_of
-    use brz_gpu_solid_totals, only: add_held_impulse
+    use brz_gpu_solid_books, only: add_held_impulse
     use brz_kinds, only: dp
     use brz_motion_launches, only: motion_kernels
     use brz_solid_launches, only: solid_kernels

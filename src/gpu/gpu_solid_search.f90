@@ -13,7 +13,7 @@ module brz_gpu_solid_search
     use brz_gpu_solid_lists, only: lay_lists, move_lists
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, &
         threads_of
-    use brz_gpu_solid_totals, only: extent_of_body, forget_gone
+    use brz_gpu_solid_books, only: extent_of_body, forget_gone
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
     use brz_ranks, only: least_of_all, several, sum_of_all

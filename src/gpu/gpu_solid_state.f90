@@ -14,9 +14,9 @@ module brz_gpu_solid_state
     use brz_gpu_face_load, only: gpu_facets_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, gpu_rows_t
     use brz_gpu_places, only: gpu_marks_t
-    use brz_gpu_solid_layout, only: at_accel, at_energy, at_mass, at_mu, at_stress, &
+    use brz_gpu_solid_layout, only: at_accel, at_damage, at_energy, at_mass, at_mu, at_stress, &
         book_contact_heat, book_load, grid_gpu_t, &
-        n_book, n_flag, n_tag, n_terms, n_total, tag_bond, tag_fixed, tag_id, tag_joined, &
+        n_book, n_flag, n_tag, n_terms, tag_bond, tag_fixed, tag_id, tag_joined, &
         tag_touch, tag_weight
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t, n_press
@@ -33,7 +33,7 @@ module brz_gpu_solid_state
     public :: news_none, news_part, news_all
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
-    integer, parameter :: total_threads = 65536 !! partial sums of the totals of a body
+    integer, parameter :: total_threads = 65536 !! partial sums of the books of a body
     integer, parameter :: most_folded = 256 !! rows of partial results that the host adds up
     integer, parameter :: words_of_real = storage_size(1.0_rk)/32 !! of 4 B
     integer(int64), parameter :: bytes_of_real = 4*words_of_real
@@ -105,7 +105,7 @@ module brz_gpu_solid_state
     type :: gpu_solid_t
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
         logical :: stepped = .false. !! the GPU has made a step
-        logical :: summed = .false. !! `sums` and the ledgers are those of the present state
+        logical :: summed = .false. !! the ledgers are those of the present state
         logical :: settled = .true. !! bodies lie in the host arrays as they do here
         integer(int64) :: laid = 0 !! how often particles of several processes got other places
         logical :: linked = .false., bonded = .false. !! bodies meet; some are bonded
@@ -118,7 +118,6 @@ module brz_gpu_solid_state
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
-        real(dp), allocatable :: sums(:, :) !! (n_total, bodies) over the particles of each body
         type(doubles_t) :: place, reference, built, book, rate, region, partial, sums_of_forces
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
@@ -131,7 +130,8 @@ module brz_gpu_solid_state
         ! parts of these arrays as items have them, under the names of solid_t
         integer :: wide = 4, step_d = 0, step_p = 1
         type(doubles_t) :: x, x_ref, x_built, work, contact_heat
-        type(reals_t) :: v, v_before, volume, a, load, grip, mass, mu, energy, stress, pair, owed
+        type(reals_t) :: v, v_before, volume, a, load, grip, mass, mu, energy, damage, stress, pair
+        type(reals_t) :: owed
         type(integers_t) :: id, fixed, moved
         type(gpu_exact_t) :: exact
         type(gpu_common_t) :: common
@@ -164,9 +164,9 @@ contains
         call require(device, solid, gpu, err)
         if (failed(err)) return
         call gpu%exact%open(solid%ranks, err)
-        call gpu%common%open(most_folded*(n_total + n_book), err)
+        call gpu%common%open(most_folded*n_book, err)
         allocate (gpu%bodies(size(solid%bodies)), gpu%ledger(size(solid%bodies)), &
-                  gpu%reaction(3, size(solid%bodies)), gpu%sums(n_total, size(solid%bodies)))
+                  gpu%reaction(3, size(solid%bodies)))
         do b = 1, size(solid%bodies)
             gpu%bodies(b)%first = solid%bodies(b)%first
             gpu%bodies(b)%room = solid%n - solid%bodies(b)%first + 1
@@ -183,7 +183,7 @@ contains
         gpu%moved = from(gpu%flags, n_flag + 1_int64)
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)
-        call allocate_buffer(gpu%partial, 8_int64*total_threads*(n_total + n_book), err)
+        call allocate_buffer(gpu%partial, 8_int64*total_threads*n_book, err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
     end subroutine open_gpu_solid_memory
 
@@ -289,6 +289,7 @@ contains
         gpu%mass = column_of(gpu, at_mass)
         gpu%mu = column_of(gpu, at_mu)
         gpu%energy = column_of(gpu, at_energy)
+        gpu%damage = column_of(gpu, at_damage)
         gpu%stress = column_of(gpu, at_stress + 1)
         if (gpu%column%load > 0) gpu%load = column_of(gpu, gpu%column%load + 1)
         if (gpu%column%before > 0) gpu%v_before = column_of(gpu, gpu%column%before + 1)

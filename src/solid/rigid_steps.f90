@@ -9,7 +9,7 @@ module brz_rigid_steps
     use brz_drive, only: add_held_impulse !@cpu
     use brz_drive, only: begin_motion, book_drive, end_motion
     use brz_force_loops, only: each_sum_region
-    !@gpu use brz_gpu_solid_totals, only: add_held_impulse
+    !@gpu use brz_gpu_solid_books, only: add_held_impulse
     use brz_kinds, only: dp
     use brz_link_rows, only: glue_of, layout_of_pushes, nodes_of !@cpu
     use brz_motion, only: mean_velocity, velocity_of

@@ -2,11 +2,12 @@
 !> Totals of bodies from sums over their particles.
 module brz_solid_sums
     use brz_kinds, only: dp, rk
-    use brz_particle_sums, only: n_sum
     use brz_solid_state, only: solid_t
     implicit none
     private
     public :: totals_of_sums, solid_totals_t, n_sum, velocity_at_step
+
+    integer, parameter :: n_sum = 16 !! sums of brz_force_items over the state of a particle
 
     !> Of what is modelled (a half or a quarter where symmetry planes cut), at the time of the step.
     type :: solid_totals_t
@@ -29,7 +30,7 @@ contains
     subroutine totals_of_sums(solid, b, sums, totals)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
-        real(dp), intent(in) :: sums(n_sum) !! see add_particle
+        real(dp), intent(in) :: sums(n_sum) !! see sum_state
         type(solid_totals_t), intent(out) :: totals
         integer :: k
 

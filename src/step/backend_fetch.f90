@@ -17,12 +17,13 @@ module brz_backend_fetch
     use brz_gpu_debt_steps, only: gpu_ledger_totals => ledger_totals
     use brz_gpu_cohesive_part, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid
-    use brz_gpu_solid_totals, only: fetch_ledgers, gpu_solid_totals
+    use brz_gpu_solid_books, only: fetch_ledgers
+    use brz_gpu_total_steps, only: gpu_solid_totals => solid_totals
     use brz_kinds, only: dp, rk
     use brz_ranks, only: bits_of_all, several
     use brz_snapshots, only: snapshot_t
     use brz_solid_state, only: solid_t
-    use brz_solid_totals, only: solid_totals, solid_totals_t
+    use brz_total_steps, only: solid_totals, solid_totals_t
     implicit none
     private
     public :: stock_of_air, stock_of_books, stock_of_solid, stock_of_forces, stock_of_interfaces
@@ -69,6 +70,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (backend%bodies_on_gpu) then
+            call fetch_ledgers(backend%solid, solid, err)
             call gpu_solid_totals(backend%solid, solid, b, totals, err)
         else
             call solid_totals(solid, b, totals)

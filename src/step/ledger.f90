@@ -16,7 +16,7 @@ module brz_ledger
     use brz_kinds, only: dp, int64, rk
     use brz_solid_books, only: books_t, close_all_books, open_all_books
     use brz_solid_state, only: solid_t
-    use brz_solid_totals, only: solid_totals_t
+    use brz_total_steps, only: solid_totals_t
     implicit none
     private
     public :: balance_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row

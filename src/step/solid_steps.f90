@@ -10,7 +10,7 @@ module brz_solid_steps
     !@gpu use brz_gpu_solid_forces, only: force_pass
     !@gpu use brz_gpu_solid_gradients, only: gradient_pass
     !@gpu use brz_gpu_solid_motion, only: begin_step, book_first_half, end_support
-    !@gpu use brz_gpu_solid_totals, only: fetch_limit
+    !@gpu use brz_gpu_solid_books, only: fetch_limit
     use brz_host_calls, only: enter_part
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: drift_bodies, find_stale

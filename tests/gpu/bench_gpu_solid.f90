@@ -17,7 +17,7 @@ program bench_gpu_solid
     use brz_gpu_solid_gradients, only: fill_rows, find_gradients, gradient_pass, sum_moments, &
         update_material
     use brz_gpu_solid_steps, only: gpu_solid_step => solid_step
-    use brz_gpu_solid_totals, only: fetch_limit
+    use brz_gpu_solid_books, only: fetch_limit
     use brz_kinds, only: dp, int64, rk
     use brz_solid_state, only: solid_t
     use brz_solid_start, only: solid_time_step

@@ -11,7 +11,7 @@ module scene_tools
     use brz_ranks, only: ranks_t
     use brz_scanner, only: read_deck
     use brz_simulation, only: set_up_simulation, simulation_t
-    use brz_solid_totals, only: solid_totals, solid_totals_t
+    use brz_total_steps, only: solid_totals, solid_totals_t
     use brz_text, only: string_t
     use brz_time_step, only: advance
     implicit none

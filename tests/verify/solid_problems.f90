@@ -5,7 +5,7 @@ module solid_problems
     use brz_case, only: case_t
     use brz_errors, only: failed
     use brz_kinds, only: dp, rk
-    use brz_solid_totals, only: solid_totals, solid_totals_t
+    use brz_total_steps, only: solid_totals, solid_totals_t
     use solid_scenes, only: advance, begin, choose, elastic, finish, form_t, metal, noise, &
                             solid_scene_t, solid_result_t
     implicit none

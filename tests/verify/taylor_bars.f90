@@ -6,7 +6,7 @@
 module taylor_bars
     use brz_body_setup, only: set_up_solid
     use brz_kinds, only: dp
-    use brz_solid_totals, only: solid_totals, solid_totals_t
+    use brz_total_steps, only: solid_totals, solid_totals_t
     use solid_scenes, only: advance, begin, choose, finish, form_t, metal, solid_scene_t, &
         solid_result_t
     implicit none

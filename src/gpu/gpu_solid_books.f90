@@ -1,72 +1,50 @@
 ! SPDX-License-Identifier: MIT
-!> Numbers about all particles on the GPU: totals, ledgers, time step. Folded in a fixed order.
-module brz_gpu_solid_totals
+!> Numbers about all particles on the GPU: ledgers, extents, time step. Folded in a fixed order.
+module brz_gpu_solid_books
     use brz_artificial_stress, only: artificial_none
     use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer, copy_out
     use brz_errors, only: error_t, failed
-    use brz_exact_sum, only: exact_sums
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
-        book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book, n_total
+        book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book
     use brz_gpu_solid_state, only: book_of, gpu_solid_t, most_folded, sum_threads, total_threads
-    use brz_kinds, only: dp, int64, rk
+    use brz_kinds, only: dp, int64
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
-    use brz_solid_sums, only: solid_totals_t, totals_of_sums
     implicit none
     private
-    public :: add_held_impulse, extent_of_body, forget_gone, gpu_solid_totals, &
-        fetch_ledgers, fetch_limit
+    public :: add_held_impulse, extent_of_body, fetch_ledgers, fetch_limit, forget_gone
 
 contains
 
-    !> Totals of body b, or of all bodies with b = 0, as solid_totals has them.
-    subroutine gpu_solid_totals(gpu, solid, b, totals, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(inout) :: solid !! its ledgers are brought up to date
-        integer, intent(in) :: b
-        type(solid_totals_t), intent(out) :: totals
-        type(error_t), intent(inout) :: err
-        real(dp) :: sums(n_total, 1), total(n_total)
-
-        call fetch_ledgers(gpu, solid, err)
-        sums = reshape(sum(gpu%sums, dim=2), [n_total, 1])
-        if (b > 0) sums(:, 1) = gpu%sums(:, b)
-        call exact_sums(solid%ranks, sums, total)
-        call totals_of_sums(solid, b, total, totals)
-    end subroutine gpu_solid_totals
-
-    !> Sums of the state of body b, then of its columns of `book`.
-    subroutine sums_of_body(gpu, b, dt_last, sums, err)
+    !> Sums of the columns of `book` over body b.
+    subroutine sum_book(gpu, b, sums, err)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b
-        real(dp), intent(in) :: dt_last !! [s]
-        real(dp), intent(out) :: sums(n_total + n_book)
+        real(dp), intent(out) :: sums(n_book)
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(most_folded, size(sums))
+        real(dp) :: folded(most_folded, n_book)
 
-        call solid_kernels%solid_totals_of([total_threads, 1, 1], gpu%n, total_threads, &
-            gpu%bodies(b)%last, gpu%bodies(b)%params, real(dt_last/2, rk), gpu%region, gpu%place, &
-            gpu%motion, gpu%state, gpu%tag, gpu%book, gpu%partial, err)
+        call solid_kernels%solid_book_of([total_threads, n_book, 1], gpu%n, total_threads, &
+            gpu%bodies(b)%first, gpu%bodies(b)%last, gpu%book, gpu%partial, err)
         call gpu%common%fold(gpu%partial, total_threads, folded, err)
         sums = sum(folded, 1)
-    end subroutine sums_of_body
+    end subroutine sum_book
 
-    !> Bring the sums, the ledgers and the reactions of all bodies up to date.
+    !> Bring the ledgers and the reactions of all bodies up to date.
     subroutine fetch_ledgers(gpu, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        real(dp) :: sums(n_total + n_book)
+        real(dp) :: book(n_book)
         integer :: b
 
-        if (gpu%summed) return
+        if (gpu%summed .or. .not. gpu%stepped) return
         do b = 1, size(gpu%bodies)
-            call sums_of_body(gpu, b, solid%dt_last, sums, err)
+            call sum_book(gpu, b, book, err)
             if (failed(err)) return
-            gpu%sums(:, b) = sums(:n_total)
-            if (gpu%stepped) call fill_ledger(gpu, b, sums(n_total + 1:), solid)
+            call fill_ledger(gpu, b, book, solid)
         end do
         gpu%summed = .true.
     end subroutine fetch_ledgers
@@ -115,10 +93,10 @@ contains
         real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(inout) :: force(3) !! [N]
         type(error_t), intent(inout) :: err
-        real(dp) :: sums(n_total + n_book)
+        real(dp) :: book(n_book)
 
-        call sums_of_body(gpu, b, solid%dt_last, sums, err)
-        associate (impulse => sums(n_total + book_force + 1:n_total + book_force + 3))
+        call sum_book(gpu, b, book, err)
+        associate (impulse => book(book_force + 1:book_force + 3))
             solid%bodies(b)%reaction = solid%bodies(b)%reaction + impulse
             force = force + impulse/dt
         end associate
@@ -178,4 +156,4 @@ contains
         if (rate < huge(rate)) solid%dt_limit = 1/max(rate, tiny(rate))
         if (solid%cohesive%present) solid%dt_limit = min(solid%dt_limit, solid%cohesive%dt_limit)
     end subroutine fetch_limit
-end module brz_gpu_solid_totals
+end module brz_gpu_solid_books
