@@ -108,15 +108,20 @@ def take_shipped(args, why):
     print(f"{args.out}: taken from {shipped} ({why})")
 
 
-def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+def arguments(text):
+    """What the command line of a builder of GPU code says; text describes the builder."""
+    parser = argparse.ArgumentParser(description=text.splitlines()[0])
     parser.add_argument("--work", required=True, type=Path)
     parser.add_argument("--out", required=True, type=Path)
     parser.add_argument("--stamp", required=True)
     parser.add_argument("-D", dest="define", action="append", default=[])
     parser.add_argument("--no-fma", action="store_true", help="no contraction of a*b + c")
     parser.add_argument("sources", nargs="+", type=Path)
-    args = parser.parse_args()
+    return parser.parse_args()
+
+
+def main():
+    args = arguments(__doc__)
     try:
         if why := missing_tools():
             take_shipped(args, why)

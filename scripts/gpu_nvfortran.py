@@ -9,16 +9,15 @@ needs no device linker. It keeps the PTX, in which kernels are called module_ker
 their plain names, which the program looks for. NVFORTRAN names another compiler.
 """
 
-import argparse
 import os
 import re
 import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 from cuda_fortran import MODULE, in_order, kernels_of, marked
 from depend import scan
+from gpu_build import arguments
 
 FLAGS = ["-cuda", "-gpu=cc80,keepptx", "-cpp", "-O3"]
 
@@ -46,14 +45,7 @@ def plain_names(ptx, sources):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--work", required=True, type=Path)
-    parser.add_argument("--out", required=True, type=Path)
-    parser.add_argument("--stamp", required=True)
-    parser.add_argument("-D", dest="define", action="append", default=[])
-    parser.add_argument("--no-fma", action="store_true", help="no contraction of a*b + c")
-    parser.add_argument("sources", nargs="+", type=Path)
-    args = parser.parse_args()
+    args = arguments(__doc__)
     compiler = os.environ.get("NVFORTRAN", "nvfortran")
     if not shutil.which(compiler):
         sys.exit(f"gpu_nvfortran: {compiler} is not installed (NVIDIA HPC SDK)")

@@ -102,22 +102,29 @@ BLOWN = """&run t_end=4e-4 /
 WIND = "time [s],density,pressure,velocity_z\n0,1.2,1e5,0\n1e-4,1.2,1e5,0\n2e-4,3,2e5,-500\n"
 
 
-def test_what_comes_in_is_that_of_the_cpu_after_a_restart_too(deck):
-    (deck / "blown.nml").write_text(BLOWN, encoding="utf-8")
-    (deck / "wind.csv").write_text(WIND, encoding="utf-8")
+def equal_backends(deck, text, steps, names, near):
+    """A GPU has the tables of the CPU, after a restart from a few steps of the CPU, too. Returned
+    is the last of these tables."""
+    (deck / "scene.nml").write_text(text, encoding="utf-8")
     for backend in ("gpu", "cpu"):
-        done = run(deck, "blown.nml", "--backend", backend, "--out", backend)
+        done = run(deck, "scene.nml", "--backend", backend, "--out", backend)
         assert done.returncode == 0, done.stderr
         assert ("Emulated GPU" in done.stderr) == (backend == "gpu")
-    first = ("--set", "run.max_steps=33", "--out", "parts")
-    assert run(deck, "blown.nml", "--backend", "cpu", *first).returncode == 0
-    done = run(deck, "blown.nml", "--backend", "gpu", "--restart", "latest", "--out", "parts")
+    first = ("--set", f"run.max_steps={steps}", "--out", "parts")
+    assert run(deck, "scene.nml", "--backend", "cpu", *first).returncode == 0
+    done = run(deck, "scene.nml", "--backend", "gpu", "--restart", "latest", "--out", "parts")
     assert done.returncode == 0, done.stderr
-    for name in ("gauges", "energy"):
+    for name in names:
         whole, here, parts = (rows(deck / x / f"{name}.csv") for x in ("gpu", "cpu", "parts"))
         for a, b in zip(whole, here, strict=True):
-            assert a == pytest.approx(b, rel=1e-8, abs=1e-8)
-        assert parts[-1] == pytest.approx(whole[-1], rel=1e-8, abs=1e-8)
+            assert a == pytest.approx(b, rel=1e-8, abs=near)
+        assert parts[-1] == pytest.approx(whole[-1], rel=1e-8, abs=near)
+    return whole
+
+
+def test_what_comes_in_is_that_of_the_cpu_after_a_restart_too(deck):
+    (deck / "wind.csv").write_text(WIND, encoding="utf-8")
+    equal_backends(deck, BLOWN, 33, ("energy", "gauges"), 1e-8)
     gauges = list(zip(*rows(deck / "gpu" / "gauges.csv"), strict=True))
     assert min(max(abs(x) for x in column) for column in gauges[1:]) > 100  # both are reached
 
@@ -146,20 +153,7 @@ LOADED = """&run t_end=4e-6 /
 
 
 def test_loads_are_those_of_the_cpu_after_a_restart_too(deck):
-    (deck / "load.nml").write_text(LOADED, encoding="utf-8")
-    for backend in ("gpu", "cpu"):
-        done = run(deck, "load.nml", "--backend", backend, "--out", backend)
-        assert done.returncode == 0, done.stderr
-        assert ("Emulated GPU" in done.stderr) == (backend == "gpu")
-    first = ("--set", "run.max_steps=12", "--out", "parts")
-    assert run(deck, "load.nml", "--backend", "cpu", *first).returncode == 0
-    done = run(deck, "load.nml", "--backend", "gpu", "--restart", "latest", "--out", "parts")
-    assert done.returncode == 0, done.stderr
-    for name in ("bodies", "gauges"):
-        whole, here, parts = (rows(deck / x / f"{name}.csv") for x in ("gpu", "cpu", "parts"))
-        for a, b in zip(whole, here, strict=True):
-            assert a == pytest.approx(b, rel=1e-8, abs=1e-9)
-        assert parts[-1] == pytest.approx(whole[-1], rel=1e-8, abs=1e-9)
+    whole = equal_backends(deck, LOADED, 12, ("bodies", "gauges"), 1e-9)
     for column in zip(*whole, strict=True):  # none of the gauges has nothing to say
         assert max(abs(x) for x in column) > 1e-6
 
