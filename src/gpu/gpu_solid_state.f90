@@ -20,7 +20,7 @@ module brz_gpu_solid_state
         tag_touch, tag_weight
     use brz_kinds, only: dp, int64, rk
     use brz_link_layout, only: link_layout_t, n_press
-    use brz_move_level, only: move_levels
+    use brz_move_level, only: lost_level
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
     use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
     use brz_tallies, only: tally_threads
@@ -179,7 +179,7 @@ contains
         call gpu%ghosts%open(solid%ranks, solid%part, &
             max(sum(gpu%record%words*gpu%record%columns), &
                 sum(gpu%left%words) + 6*words_of_real), err)
-        call allocate_buffer(gpu%flags, 4_int64*(n_flag + move_levels*size(solid%bodies)), err)
+        call allocate_buffer(gpu%flags, 4_int64*(n_flag + lost_level*size(solid%bodies)), err)
         gpu%moved = from(gpu%flags, n_flag + 1_int64)
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)

@@ -4,7 +4,7 @@
 module brz_motion_items
     use brz_kernel, only: smoothing_length
     use brz_kinds, only: dp, int32, int64, rk
-    use brz_move_level, only: level_of, move_levels
+    use brz_move_level, only: level_of, lost_level
     use brz_rigid, only: cross
     use brz_rigid_pose, only: arm_at, place_point, pose_t, push_layout_t, spin_at, velocity_at
     use brz_solid_state, only: is_gone, is_held, n_pair, pair_spin, pair_volume
@@ -75,7 +75,7 @@ contains
         real(dp), intent(inout) :: x(wide, *)
         real(rk), intent(inout) :: v(wide, *)
         real(dp), intent(inout) :: work(*) !! of the load [J]
-        integer, intent(inout) :: moved(move_levels, *)
+        integer, intent(inout) :: moved(lost_level, *)
         real(dp) :: share
         integer :: i
 
@@ -99,7 +99,7 @@ contains
         real(dp), intent(in) :: dx, dy, dz !! drift of the body [m]
         integer(int32), intent(in) :: fixed(*)
         real(dp), intent(in) :: x(wide, *), built(wide, *)
-        integer, intent(inout) :: moved(move_levels, *) !! (bodies) 1: some particle is there
+        integer, intent(inout) :: moved(lost_level, *) !! (bodies) 1: some particle is there
         real(dp) :: e(3)
         integer :: i, level
 

@@ -8,7 +8,7 @@ module brz_motion_steps
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
     use brz_motion_loops, only: each_drift_particle, each_note_particle
-    use brz_move_level, only: move_levels
+    use brz_move_level, only: lost_level, move_levels
     use brz_solid_books, only: begin_kick, book_work !@cpu
     use brz_solid_state, only: form_rigid, form_total, solid_t
     implicit none
@@ -57,7 +57,7 @@ contains
     subroutine find_levels(solid, level)
         type(solid_t), intent(inout) :: solid
         integer(int64), intent(out) :: level(:) !! (bodies)
-        integer :: b, moved(move_levels, size(solid%bodies))
+        integer :: b, moved(lost_level, size(solid%bodies))
 
         moved = solid%moved !@cpu
         !@gpu moved = 0

@@ -2,14 +2,16 @@
 !> How far a particle has moved relative to its body since its list was built, in levels. Point
 !> physics.
 !>
-!> Level k says that it is between k and k + 1 units, the last one that the list has had its time.
+!> Level k says that it is between k and k + 1 units, that of `move_levels` that the list has had
+!> its time, and `lost_level` that its place is no number.
 module brz_move_level
     use brz_kinds, only: dp
     implicit none
     private
-    public :: move_levels, renewed_level, level_of
+    public :: move_levels, renewed_level, lost_level, level_of
 
     integer, parameter :: move_levels = 8
+    integer, parameter :: lost_level = move_levels + 1
     integer, parameter :: renewed_level = move_levels/2 !! from which a particle gets a new place
 
 contains
@@ -20,8 +22,10 @@ contains
         real(dp), intent(in) :: e2, unit !! e squared [m2], step of e [m]
         integer :: level
 
-        level = 0 ! also where e2 is no number: the check of the state tells it
-        if (e2 > (move_levels*unit)*(move_levels*unit)) then
+        level = 0
+        if (.not. e2 <= huge(e2)) then
+            level = lost_level
+        else if (e2 > (move_levels*unit)*(move_levels*unit)) then
             level = move_levels
         else if (e2 > 0) then
             level = min(int(sqrt(e2)/unit), move_levels - 1)

@@ -3,7 +3,7 @@
 module brz_solid_books
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp
-    use brz_move_level, only: move_levels
+    use brz_move_level, only: lost_level
     use brz_ranks, only: several
     use brz_solid_state, only: form_rigid, ledger_t, solid_t, worth_threads
     implicit none
@@ -52,7 +52,7 @@ contains
             if (size(solid%work) < n) deallocate (solid%work)
         end if
         if (.not. allocated(solid%work)) allocate (solid%work(n), source=0.0_dp)
-        if (.not. allocated(solid%moved)) allocate (solid%moved(move_levels, size(solid%bodies)))
+        if (.not. allocated(solid%moved)) allocate (solid%moved(lost_level, size(solid%bodies)))
         solid%moved = 0
     end subroutine begin_kick
 

@@ -2,12 +2,14 @@
 !> The end of a step: particles with an impossible state, in words, and what all processes know.
 module brz_solid_faults
     use brz_errors, only: error_t, exit_numerical, raise
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64
+    use brz_move_level, only: lost_level
     use brz_ranks, only: agree, several
     use brz_solid_state, only: solid_t
+    use brz_text, only: to_text
     implicit none
     private
-    public :: report_bad, agree_on_step
+    public :: report_bad, report_lost, agree_on_step
 
 contains
 
@@ -28,6 +30,21 @@ contains
             solid%steps, '; try a smaller cfl or another formulation for this body'
         call raise(err, exit_numerical, trim(text))
     end subroutine report_bad
+
+    !> Raise an error for a body with a particle whose place is no number; in all processes, as all
+    !> know the levels.
+    subroutine report_lost(solid, level, err)
+        type(solid_t), intent(in) :: solid
+        integer(int64), intent(in) :: level(:) !! (bodies) of motion, see brz_move_level
+        type(error_t), intent(inout) :: err
+        integer :: b
+
+        b = findloc(level == lost_level, .true., 1)
+        if (b > 0) call raise(err, exit_numerical, "a particle of body '"// &
+            trim(solid%bodies(b)%id)//"' has a place that is no number in solid step "// &
+            to_text(solid%steps)//'; try a smaller cfl or another formulation for this body, '// &
+            'and look at what loads it')
+    end subroutine report_lost
 
     !> All processes have the same limits of the time step, and an error that one of them has.
     subroutine agree_on_step(solid, err)

@@ -267,7 +267,7 @@ module brz_solid_state
         real(rk), allocatable :: grip(:, :) !! (3, n) force on what holds a particle at the step;
                                             !! only where a gauge asks for it [N]
         real(dp), allocatable :: work(:) !! (n) of the loads in a kick; heat of drag; else 0 [J]
-        integer, allocatable :: moved(:, :) !! (move_levels, bodies) 1: some particle has moved so
+        integer, allocatable :: moved(:, :) !! (lost_level, bodies) 1: some particle has moved so
                                             !! far since its list was built
         logical :: impulses = .false. !! a gauge asks for those of the load
         type(between_t), allocatable :: between(:) !! pairs of bodies that gauges ask for

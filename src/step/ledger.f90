@@ -217,6 +217,8 @@ contains
         ledger%energy_scale = start%energy
         if (start%energy > rounding .and. supply <= growth*start%supply) &
             ledger%energy_error = (ledger%total - start%total)/start%energy
+        if (.not. abs(ledger%total) <= huge(start%total)) & ! that is no number either
+            ledger%energy_error = ledger%total - ledger%total
         start%supply = supply
         if (start%work > 0) ledger%coupling_error = lost_in_coupling(ledger)/start%work
         if (start%mass > 0) ledger%mass_error = (all(1) - start%mass)/start%mass

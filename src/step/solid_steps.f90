@@ -15,11 +15,12 @@ module brz_solid_steps
     use brz_kinds, only: dp, int64
     use brz_list_drift, only: drift_bodies, find_stale
     use brz_motion_steps, only: find_levels, kick_bodies
+    use brz_move_level, only: lost_level
     use brz_ranks, only: most_of_all
     use brz_rigid_steps, only: balance_rigid, move_rigid, settle_drag, sum_pushes
     use brz_solid_bonds, only: break_bonds, push_rigid_bonds !@cpu
     use brz_solid_contact, only: contact_pass !@cpu
-    use brz_solid_faults, only: agree_on_step, report_bad
+    use brz_solid_faults, only: agree_on_step, report_bad, report_lost
     use brz_solid_forces, only: force_pass !@cpu
     use brz_solid_ghosts, only: refresh_bonds, refresh_motion, refresh_rows !@cpu
     use brz_solid_gradients, only: gradient_pass !@cpu
@@ -54,6 +55,8 @@ contains
         solid%steps = solid%steps + 1
         call find_levels(solid, level)
         call most_of_all(solid%ranks, level)
+        call report_lost(solid, level, err) !@host
+        if (any(level == lost_level)) return ! from all processes
         call find_stale(solid, int(level), stale, relink) !@host
         if (any(stale) .or. relink) then
             call enter_part('lists of bodies')

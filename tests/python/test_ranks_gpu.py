@@ -21,7 +21,7 @@ from test_ranks import (
 )
 from test_ranks_bodies import MEETING
 from test_ranks_coupled import equal_runs, pelted, wrapped
-from test_ranks_loads import LOADED, TORN
+from test_ranks_loads import LOADED, LOST, TORN
 from test_run import BRISANCE, arrays, history
 
 
@@ -240,6 +240,14 @@ def test_a_loaded_face_may_be_torn_on_gpus(gpu, tmp_path):
             done = go(k, folder, gpu, *more, deck=TORN)
             assert done.returncode == 0, done.stderr
     equal_bodies(one / "out", two / "out")
+
+
+@needs_mpirun
+@pytest.mark.parametrize("n", [0, 3])
+def test_a_place_that_is_no_number_ends_all_gpus(n, gpu, tmp_path):
+    done = go(n, tmp_path, gpu, deck=LOST)
+    assert done.returncode == 3
+    assert done.stderr.count("particle of body 'bar' has a place that is no number") == 1
 
 
 @needs_mpirun

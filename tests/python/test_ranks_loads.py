@@ -89,6 +89,29 @@ def test_a_loaded_face_may_be_torn_on_processes(tmp_path):
         equal_bodies(tmp_path / "one", folder / "out")
 
 
+LOST = """\
+&run t_end = 1e-4 /
+&material id = 'm', model = 'linear_elastic', density = 1200, youngs_modulus = 1e9,
+     poisson_ratio = 0.3 /
+&body id = 'bar', box = 0,0.06, 0,0.004, 0,0.004, spacing = 2e-3, material = 'm' /
+&load body = 'bar', faces = 'x+', time = 0, 2e-5, 3e-5, pressure = 0, 0, 1e250 /
+&output checkpoint_every = 5e-6 /
+"""
+
+
+@needs_mpirun
+@pytest.mark.parametrize("n", [0, 3])
+def test_a_place_that_is_no_number_ends_all(n, tmp_path):
+    """At one end of a bar; what was before is in a checkpoint."""
+    (tmp_path / "deck.nml").write_text(LOST)
+    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 3
+    assert done.stderr.count("particle of body 'bar' has a place that is no number") == 1
+    done = start(2, "run", "deck.nml", "--out", "out", "--restart", "latest", "--set",
+                 "run.t_end=1.9e-5", cwd=tmp_path)  # fmt: skip
+    assert done.returncode == 0, done.stderr
+
+
 # Three blocks that meet with friction, one of them rigid, one held; what each pair does, and what
 # holds and loads them.
 MET = """\
