@@ -11,7 +11,7 @@ module brz_air_walls
     use brz_lists, only: at_least, running_sum
     use brz_scheme, only: reach_of
     use brz_wall_items, only: images_along
-    use brz_wall_loops, only: each_count_faces, each_enter_wall, each_image_wall, each_list_faces
+    use brz_wall_loops, only: each_count_faces, each_image_wall, each_list_faces, each_set_wall
     implicit none
     private
     public :: set_up_walls, build_walls, list_cuts, image_of
@@ -63,7 +63,7 @@ contains
         n = size(cell)
         wall%n_cells = n
         wall%index = 0
-        call each_enter_wall(n, grid, cell, wall%solid, wall%index)
+        call each_set_wall(n, grid, 1, cell, wall%solid, wall%index)
         do d = 1, 3
             call each_image_wall(images_along(grid, d), d, grid, wall%solid, wall%index)
         end do

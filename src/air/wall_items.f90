@@ -8,43 +8,28 @@ module brz_wall_items
     use brz_kinds, only: int32, int64, int8
     implicit none
     private
-    public :: clear_wall, enter_wall, image_wall, count_faces, list_faces, images_along
+    public :: set_wall, image_wall, count_faces, list_faces, images_along
 
     integer, parameter :: layers = 3 !! of ghosts that stencils reach
 
 contains
 
-    !> Take a solid cell out of the maps.
+    !> Enter a solid cell in the maps, or take it out.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine clear_wall(c, grid, cell, solid, cell_of)
+    pure subroutine set_wall(c, grid, is, cell, solid, cell_of)
         integer, intent(in) :: c !! solid cells
         type(grid_t), intent(in) :: grid
+        integer, intent(in) :: is !! 1: enter it, 0: take it out
         integer(int32), intent(in) :: cell(*) !! their numbers
         integer(int8), intent(inout) :: solid(*)
         integer, intent(inout) :: cell_of(*)
         integer(int64) :: at
 
         at = place_at(grid, cell(c))
-        solid(at) = 0
-        cell_of(at) = 0
-    end subroutine clear_wall
-
-    !> Enter a solid cell in the maps.
-    !@item
-    !@cuf attributes(host,device) &
-    pure subroutine enter_wall(c, grid, cell, solid, cell_of)
-        integer, intent(in) :: c !! solid cells
-        type(grid_t), intent(in) :: grid
-        integer(int32), intent(in) :: cell(*) !! their numbers
-        integer(int8), intent(inout) :: solid(*)
-        integer, intent(inout) :: cell_of(*)
-        integer(int64) :: at
-
-        at = place_at(grid, cell(c))
-        solid(at) = 1
-        cell_of(at) = c
-    end subroutine enter_wall
+        solid(at) = int(is, int8)
+        cell_of(at) = is*c
+    end subroutine set_wall
 
     !> Place of a cell, from its number.
     !@cuf attributes(host,device) &

@@ -6,13 +6,14 @@
 !> the last line of every command. The first failure is kept, and told when the command has ended.
 module brz_screen
     use, intrinsic :: iso_c_binding, only: c_int, c_null_char
-    use, intrinsic :: iso_fortran_env, only: output_unit
+    use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
     use brz_descriptor, only: c_close, c_open, write_all
     use brz_errors, only: error_t, exit_io, raise
     use brz_system_reason, only: system_reason
+    use brz_text, only: string_t
     implicit none
     private
-    public :: say, show, check_screen, hold_standard_units
+    public :: say, show, warn, check_screen, hold_standard_units
 
     integer(c_int), parameter :: standard_output = 1, standard_error = 2
     integer(c_int), parameter :: to_read_and_write = 2 !! flag of open in Linux
@@ -31,6 +32,16 @@ contains
         end do
         if (descriptor >= 0) descriptor = c_close(descriptor)
     end subroutine hold_standard_units
+
+    !> Print lines on the error unit.
+    subroutine warn(lines)
+        type(string_t), intent(in) :: lines(:)
+        integer :: i
+
+        do i = 1, size(lines)
+            write (error_unit, '(a)') lines(i)%s
+        end do
+    end subroutine warn
 
     !> Print a line.
     subroutine say(line)

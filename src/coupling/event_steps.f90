@@ -23,8 +23,8 @@ module brz_event_steps
     use brz_shared_steps, only: list_shared_faces
     use brz_solid_state, only: solid_t
     use brz_wall_items, only: images_along
-    use brz_wall_loops, only: each_clear_wall, each_count_faces, each_enter_wall, &
-        each_image_wall, each_list_faces
+    use brz_wall_loops, only: each_count_faces, each_image_wall, each_list_faces, &
+        each_set_wall
     implicit none
     private
     public :: put_up_walls, move_on, look_at_particles, fill_bins
@@ -133,12 +133,12 @@ contains
         integer :: d, n
 
         call at_least(c%cell, 0)
-        call each_clear_wall(c%wall%n_cells, c%box%grid, c%cell, c%wall%solid, c%wall%index)
+        call each_set_wall(c%wall%n_cells, c%box%grid, 0, c%cell, c%wall%solid, c%wall%index)
         n = c%wall%n_cells + c%n_covered - c%n_uncovered
         call list_kind_of(c, int(is_solid), n)
         call swap(c%cell, c%listed)
         c%wall%n_cells = n
-        call each_enter_wall(n, c%box%grid, c%cell, c%wall%solid, c%wall%index)
+        call each_set_wall(n, c%box%grid, 1, c%cell, c%wall%solid, c%wall%index)
         do d = 1, 3
             call each_image_wall(images_along(c%box%grid, d), d, c%box%grid, c%wall%solid, &
                                  c%wall%index)

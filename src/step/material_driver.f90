@@ -19,7 +19,7 @@ module brz_material_driver
     use brz_materials, only: make_material, start_point, update_material
     use brz_point_table, only: slots_t, point_columns, point_row
     use brz_scanner, only: read_deck
-    use brz_screen, only: say, show
+    use brz_screen, only: say, show, warn
     use brz_text, only: to_text
     use brz_stress_control, only: controlled_step, stress_control_t
     implicit none
@@ -80,14 +80,11 @@ contains
         type(error_t), intent(inout) :: err
         type(key_t), allocatable :: keys(:)
         type(deck_t) :: deck
-        integer :: i
 
         call all_keys(keys)
         call read_deck(options%deck, keys, options%overrides, deck, err)
         call build_point(deck, keys, case, err)
-        do i = 1, size(case%warnings)
-            write (error_unit, '(a)') case%warnings(i)%s
-        end do
+        call warn(case%warnings)
     end subroutine read_point
 
     !> What the material is, and how long its path.

@@ -28,7 +28,7 @@ module brz_run
     use brz_scanner, only: read_deck
     use brz_scene_size, only: refuse_too_large, scene_size_t, size_scene, too_large_to_look
     use brz_setup_progress, only: begin_setup, end_setup
-    use brz_screen, only: say
+    use brz_screen, only: say, warn
     use brz_signals, only: checkpoint_asked, listen_to_signals, look_for_stop_file, stop_asked
     use brz_simulation, only: set_up_simulation, simulation_t
     use brz_summary, only: print_summary
@@ -169,14 +169,11 @@ contains
         type(error_t), intent(inout) :: err
         type(key_t), allocatable :: keys(:)
         type(deck_t) :: deck
-        integer :: i
 
         call all_keys(keys)
         call read_deck(options%deck, keys, options%overrides, deck, err)
         call build_case(deck, keys, sim%case, err)
-        do i = 1, size(sim%case%warnings)
-            write (error_unit, '(a)') sim%case%warnings(i)%s
-        end do
+        call warn(sim%case%warnings)
     end subroutine read_scene
 
     !> Choose where to compute.

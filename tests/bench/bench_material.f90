@@ -17,6 +17,7 @@ program bench_material
     use brz_scanner, only: read_deck_text
     use brz_text, only: string_t
     use omp_lib, only: omp_get_wtime
+    use brz_bench_floors, only: argument
     implicit none
 
     integer, parameter :: points = 256, chunk = 20
@@ -59,15 +60,6 @@ program bench_material
     call measure('orthotropic_ply, anderson', ply//", pressure='anderson'")
 
 contains
-
-    integer function argument(k, default)
-        integer, intent(in) :: k, default
-        character(20) :: text
-
-        argument = default
-        call get_command_argument(k, text)
-        if (len_trim(text) > 0) read (text, *) argument
-    end function argument
 
     subroutine measure(label, text)
         character(*), intent(in) :: label, text !! text: keys as a deck has them

@@ -9,7 +9,7 @@
 !> Flops are counted in the sources: +, -, *, min, max, a choice are one each, division and root
 !> apart. What a particle moves to and from memory is every array that a pass reads or writes, once.
 program bench_solid
-    use brz_bench_floors, only: core_time, floors_t, measure_floors
+    use brz_bench_floors, only: argument, core_time, floors_t, measure_floors
     use brz_body_setup, only: set_up_solid
     use brz_case, only: case_t, material_case_t
     use brz_errors, only: error_t, failed
@@ -63,15 +63,6 @@ program bench_solid
     end do
 
 contains
-
-    integer function argument(k, default)
-        integer, intent(in) :: k, default
-        character(20) :: text
-
-        argument = default
-        call get_command_argument(k, text)
-        if (len_trim(text) > 0) read (text, *) argument
-    end function argument
 
     subroutine measure(scene)
         type(bench_scene_t), intent(in) :: scene

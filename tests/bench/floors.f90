@@ -6,7 +6,7 @@ module brz_bench_floors
     use omp_lib, only: omp_get_max_threads
     implicit none
     private
-    public :: floors_t, measure_floors, core_time
+    public :: argument, floors_t, measure_floors, core_time
 
     !> What the machine can do.
     type :: floors_t
@@ -14,6 +14,16 @@ module brz_bench_floors
     end type floors_t
 
 contains
+
+    !> A whole number of the command line.
+    integer function argument(k, default)
+        integer, intent(in) :: k, default
+        character(20) :: text
+
+        argument = default
+        call get_command_argument(k, text)
+        if (len_trim(text) > 0) read (text, *) argument
+    end function argument
 
     !> Bandwidth, multiply-adds and divisions per second of core time, with all threads at it.
     subroutine measure_floors(floors)
