@@ -149,8 +149,10 @@ def write(path, lines):
 def main():
     folder = Path(sys.argv[1])
     models = sorted(m for m in map(model_of, map(Path, sys.argv[2:])) if m)
-    if len({code for code, *_ in models}) < len(models):
-        sys.exit("models.py: two material models have the same code")
+    codes = {code for code, *_ in models}
+    if len(codes) < len(models):
+        free = next(c for c in range(1, len(models) + 1) if c not in codes)
+        sys.exit(f"models.py: two material models have the same code; {free} is free")
     write(folder / "model_list.f90", listed(models))
     write(folder / "model_kernels.CUF", kernels(models))
 

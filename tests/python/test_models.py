@@ -47,7 +47,7 @@ def test_a_file_is_a_model_on_both_backends(tmp_path):
 def test_a_code_stands_for_one_model(tmp_path):
     done = written(tmp_path, ("twig", 2, "1"), ("leaf", 2, "1"))
     assert done.returncode != 0
-    assert "the same code" in done.stderr
+    assert "the same code; 1 is free" in done.stderr
 
 
 def test_slots_must_be_known(tmp_path):
