@@ -1,11 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> Copies of this process: to go on computing while a copy, which has the memory as it was, writes.
 !>
-!> POSIX fork: the two share their memory until one of them changes it. The copy has one thread, and
-!> must not touch the GPU.
+!> POSIX fork: the two share their memory until one of them changes it. The copy must not touch the
+!> GPU.
 module brz_process
     use, intrinsic :: iso_c_binding, only: c_int
-    use omp_lib, only: omp_set_num_threads
+    use omp_lib, only: omp_pause_resource_all, omp_pause_soft, omp_set_num_threads
     implicit none
     private
     public :: copy_process, leave_process, has_ended
@@ -30,9 +30,15 @@ module brz_process
 contains
 
     !> Copy the process: 0 in the copy, the number of the copy in the process, -1 if there is none.
-    integer function copy_process() result(number)
+    !> Threads are not copied, so all but this one end before, and each process starts its own
+    !> where it needs some; where they cannot end the copy has one.
+    integer function copy_process(threads) result(number)
+        integer, intent(in) :: threads !! that the copy may use
+        logical :: ended
+
+        ended = omp_pause_resource_all(omp_pause_soft) == 0
         number = c_fork()
-        if (number == 0) call omp_set_num_threads(1) ! the other threads are not copied
+        if (number == 0) call omp_set_num_threads(merge(threads, 1, ended))
     end function copy_process
 
     !> End a copy at once: files that the process had open stay as they are.

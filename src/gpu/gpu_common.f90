@@ -4,21 +4,27 @@
 module brz_gpu_common
     use brz_buffers, only: doubles_t, from, integers_t
     use brz_common_launches, only: common_kernels
-    use brz_device, only: allocate_buffer, clear_buffer, copy_out, reserve_buffer
+    use brz_device, only: allocate_buffer, clear_buffer, copy_out, copy_within, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: scan_chunk
     use brz_kinds, only: dp, int64
     implicit none
     private
-    public :: gpu_common_t
+    public :: gpu_common_t, picked_t
 
     integer, parameter :: first_fold = 32768, last_fold = 1024 !! of the largest number
+
+    !> What is marked, so that the threads of a warp all have work.
+    type :: picked_t
+        type(integers_t) :: before !! (n + 1) marks before each place, and behind them all
+        type(integers_t) :: list !! the places that are marked, in their order
+    end type picked_t
 
     type :: gpu_common_t
         type(integers_t) :: levels !! of running sums
         type(doubles_t) :: part, folded !! partial results
     contains
-        procedure :: open, running_sum, fold, largest
+        procedure :: open, running_sum, pick, fold, largest
     end type gpu_common_t
 
 contains
@@ -67,6 +73,23 @@ contains
         call copy_out(from(x, n + 1_int64), word, 4_int64, err)
         total = word(1)
     end subroutine running_sum
+
+    !> List which of n marks are set, 1 and not 0; how many these are is brought to the host if asked
+    !> for.
+    subroutine pick(self, mark, n, picked, err, total)
+        class(gpu_common_t), intent(inout) :: self
+        type(integers_t), intent(in) :: mark !! (n)
+        integer, intent(in) :: n
+        type(picked_t), intent(inout) :: picked
+        type(error_t), intent(inout) :: err
+        integer, intent(out), optional :: total
+
+        call reserve_buffer(picked%before, 4_int64*(n + 1), err)
+        call reserve_buffer(picked%list, 4_int64*n, err)
+        call copy_within(mark, picked%before, 4_int64*n, err)
+        call self%running_sum(picked%before, n, err, total)
+        call common_kernels%list_marked([n, 1, 1], n, picked%before, picked%list, err)
+    end subroutine pick
 
     pure integer function chunks(n)
         integer, intent(in) :: n

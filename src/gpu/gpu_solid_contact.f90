@@ -2,10 +2,10 @@
 !> Contact and bonds between bodies on the GPU: launches over the bodies that are awake.
 module brz_gpu_solid_contact
     use brz_bond_launches, only: bond_kernels
-    use brz_buffers, only: integers_t
+    use brz_buffers, only: doubles_t, from, integers_t
     use brz_cohesive_launches, only: cohesive_kernels
     use brz_contact_launches, only: contact_kernels
-    use brz_device, only: clear_buffer, reserve_buffer, side_by_side
+    use brz_device, only: clear_buffer, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_ghosts, only: refresh_motion, refresh_press
     use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub
@@ -28,9 +28,10 @@ contains
         if (.not. gpu%bonded) return
         call list_linked(gpu, err)
         associate (l => gpu%links)
-            call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%n, l%n_linked, l%linked, &
-                l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%volume, gpu%mass, l%bond, &
-                l%slice, l%count, l%list, gpu%row, gpu%grad, gpu%k_axes, gpu%held, err)
+            call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%n, l%n_linked, &
+                l%linked%list, l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%volume, &
+                gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, gpu%grad, gpu%k_axes, &
+                gpu%held, err)
         end associate
     end subroutine add_bond_moments
 
@@ -55,30 +56,56 @@ contains
             if (range(1, n) == 0) range(1, n) = gpu%bodies(b)%first
             range(2, n) = gpu%bodies(b)%last
         end do
-        if (any(range /= gpu%links%awake)) gpu%links%n_linked = -1
+        if (any(range /= gpu%links%awake)) gpu%links%listed = .false.
         gpu%links%awake = range
     end subroutine note_awake
 
-    !> List the particles that have links with what they may be bonded to, of bodies that are awake,
-    !> so that no thread waits for others beside it; unless they are those of the last step.
+    !> List the particles of awake bodies that may touch others, and those that may be bonded to
+    !> others, so that no thread waits for those beside it; unless they are those of the last step.
     subroutine list_linked(gpu, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
         integer :: k
 
         associate (l => gpu%links)
-            if (l%n_linked >= 0) return
-            call reserve_buffer(l%mark, 4_int64*(gpu%n + 1), err)
-            call reserve_buffer(l%linked, 4_int64*gpu%n, err)
+            if (l%listed) return
+            l%listed = .true.
+            call list_touching(gpu, l%awake(:, :count(l%awake(1, :) > 0)), err)
+            if (.not. gpu%bonded) return
             call clear_buffer(l%mark, err)
             do k = 1, count(l%awake(1, :) > 0)
                 call tie_kernels%mark_linked(l%awake(2, k) - l%awake(1, k) + 1, l%awake(1, k), &
                     l%lay, l%ends, l%table, l%row, l%slice, l%count, l%list, l%mark, err)
             end do
-            call gpu%common%running_sum(l%mark, gpu%n, err, l%n_linked)
-            call tie_kernels%list_linked(gpu%n, l%mark, l%linked, err)
+            call gpu%common%pick(l%mark, gpu%n, l%linked, err, l%n_linked)
         end associate
     end subroutine list_linked
+
+    !> List the particles of some ranges that may touch others.
+    subroutine list_touching(gpu, ranges, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        integer, intent(in) :: ranges(:, :) !! (2, ranges) first and last particle
+        type(error_t), intent(inout) :: err
+        integer :: k
+
+        associate (l => gpu%links)
+            call reserve_buffer(l%mark, 4_int64*gpu%n, err)
+            call clear_buffer(l%mark, err)
+            do k = 1, size(ranges, 2)
+                call tie_kernels%mark_touching(ranges(2, k) - ranges(1, k) + 1, ranges(1, k), &
+                                               links_that_touch(gpu), l%mark, err)
+            end do
+            call gpu%common%pick(l%mark, gpu%n, l%touching, err, l%n_touching)
+        end associate
+    end subroutine list_touching
+
+    !> How many links a particle has along which contact may act.
+    pure type(integers_t) function links_that_touch(gpu) result(number)
+        type(gpu_solid_t), intent(in) :: gpu
+
+        number = gpu%links%count
+        if (.not. gpu%links%frees) number = gpu%links%loose
+    end function links_that_touch
 
     !> Break the bonds of particles whose traction on the bond exceeds its strength.
     subroutine break_bonds(gpu, solid, err)
@@ -103,34 +130,24 @@ contains
         type(solid_t), intent(in) :: solid
         real(dp), intent(in) :: dt !! step just made [s]
         type(error_t), intent(inout) :: err
-        integer :: b, k
-        type(integers_t) :: touching
+        integer :: k
 
         if (.not. gpu%linked) return
+        call list_linked(gpu, err)
         associate (l => gpu%links, glue => gpu%cohesive)
-            touching = l%count ! links along which contact may act
-            if (.not. l%frees) touching = l%loose
-            do k = 1, count(l%awake(1, :) > 0)
-                call contact_kernels%press_links(l%awake(2, k) - l%awake(1, k) + 1, l%awake(1, k), &
-                    l%lay, real(dt, rk), l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, &
-                    l%weight, l%touch, l%bond, l%joined, l%row, l%slice, touching, l%list, &
-                    gpu%energy, book_of(gpu, book_contact_heat), l%press, err)
-            end do
+            call press(gpu, real(dt, rk), err)
             call refresh_press(gpu, err)
-            do b = 1, size(gpu%bodies) ! who pushes few is done while another pushes many
-                if (gpu%bodies(b)%asleep) cycle
-                call side_by_side(b)
-                associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
-                    call contact_kernels%push_links(last - first + 1, first, gpu%n, l%lay, dt, &
-                        l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, &
-                        gpu%pair, l%press, l%bond, l%joined, l%row, l%slice, touching, l%list, &
-                        gpu%energy, book_of(gpu, book_contact), &
-                        book_of(gpu, book_contact_early), book_of(gpu, book_contact_heat), &
-                        book_of(gpu, book_rub), gpu%rate, gpu%extra, err)
-                end associate
+            call clear_buffer(gpu%extra, err)
+            do k = 1, count(l%awake(1, :) > 0)
+                call forget(book_of(gpu, book_contact), l%awake(:, k), err)
+                call forget(book_of(gpu, book_contact_early), l%awake(:, k), err)
             end do
-            call side_by_side(0)
-            if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%n, l%lay, &
+            call contact_kernels%push_links(l%n_touching, l%touching%list, gpu%n, l%lay, dt, &
+                l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, gpu%pair, &
+                l%press, l%bond, l%joined, l%row, l%slice, links_that_touch(gpu), l%list, &
+                gpu%energy, book_of(gpu, book_contact), book_of(gpu, book_contact_early), &
+                book_of(gpu, book_contact_heat), book_of(gpu, book_rub), gpu%rate, gpu%extra, err)
+            if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked%list, gpu%n, l%lay, &
                 l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
                 gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
             if (solid%cohesive%present) call cohesive_kernels%add_pull(glue%nodes, gpu%n, &
@@ -138,18 +155,40 @@ contains
         end associate
     end subroutine contact_pass
 
-    !> Pressures of contact at the present positions, of ghosts as well.
+    !> What the books hold of a range of particles becomes 0.
+    subroutine forget(book, range, err)
+        type(doubles_t), intent(in) :: book
+        integer, intent(in) :: range(2)
+        type(error_t), intent(inout) :: err
+
+        call clear_buffer(from(book, int(range(1), int64)), err, &
+                          8_int64*(range(2) - range(1) + 1))
+    end subroutine forget
+
+    !> Pressures of contact of the particles that are listed.
+    subroutine press(gpu, dt, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        real(rk), intent(in) :: dt !! step just made, 0: none [s]
+        type(error_t), intent(inout) :: err
+
+        associate (l => gpu%links)
+            call contact_kernels%press_links(l%n_touching, l%touching%list, l%lay, dt, l%ends, &
+                l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, l%touch, l%bond, l%joined, &
+                l%row, l%slice, links_that_touch(gpu), l%list, gpu%energy, &
+                book_of(gpu, book_contact_heat), l%press, err)
+        end associate
+    end subroutine press
+
+    !> Pressures of contact at the present positions, of sleepers and ghosts as well.
     subroutine find_press(gpu, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
         call refresh_motion(gpu, solid, err)
-        associate (l => gpu%links)
-            call contact_kernels%press_links(gpu%n, 1, l%lay, 0.0_rk, l%ends, l%table, l%cell, &
-                gpu%x, gpu%v, gpu%mass, l%weight, l%touch, l%bond, l%joined, l%row, l%slice, &
-                l%count, l%list, gpu%energy, book_of(gpu, book_contact_heat), l%press, err)
-        end associate
+        call list_touching(gpu, reshape([1, gpu%n], [2, 1]), err)
+        gpu%links%listed = .false.
+        call press(gpu, 0.0_rk, err)
         call refresh_press(gpu, err)
     end subroutine find_press
 end module brz_gpu_solid_contact

@@ -72,7 +72,7 @@ contains
         if (any(gpu%bodies%news /= news_all)) call link_part(gpu, solid, fits, err)
         if (.not. fits) call link_all(gpu, solid, err)
         gpu%bodies%news = news_none
-        gpu%links%n_linked = -1
+        gpu%links%listed = .false.
         associate (l => gpu%links)
             if (.not. l%frees) call tie_kernels%count_loose(gpu%n, l%lay, l%ends, l%table, &
                 l%bond, l%joined, l%row, l%slice, l%count, l%list, l%loose, err)
@@ -92,10 +92,10 @@ contains
 
         call clear_buffer(gpu%links%met, err)
         call clear_buffer(gpu%links%count, err)
-        call visit_bodies(gpu, solid, 0, 0, err)
+        call visit_bodies(gpu, solid, 0, .false., err)
         call lay_lists(gpu%links, gpu%common, gpu%links%count, 0, 4, gpu%links%slices, err)
         call clear_buffer(gpu%links%count, err)
-        call visit_bodies(gpu, solid, 1, 0, err)
+        call visit_bodies(gpu, solid, 1, .false., err)
     end subroutine link_all
 
     !> Links near new places, and of stale pairs of bodies. Lists that no longer have room go behind
@@ -115,13 +115,13 @@ contains
         call side_by_side(0)
         associate (links => gpu%links)
             call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
-            call visit_bodies(gpu, solid, 2, 1, err)
+            call visit_bodies(gpu, solid, 2, .true., err)
             call clear_buffer(gpu%chosen, err)
             filled = links%filled
             call move_lists(links, links%count, gpu%chosen, fits, err)
             if (.not. fits .or. links%filled == filled) return
             call tie_kernels%drop_links(gpu%n, gpu%chosen, links%count, err)
-            call visit_bodies(gpu, solid, 1, 1, err)
+            call visit_bodies(gpu, solid, 1, .true., err)
         end associate
     end subroutine link_part
 
@@ -179,22 +179,24 @@ contains
     subroutine visit_bodies(gpu, solid, keep, some, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: keep, some !! see solid_link_search
+        integer, intent(in) :: keep !! see solid_link_search
+        logical, intent(in) :: some
         type(error_t), intent(inout) :: err
         integer :: a, b
 
+        if (some) call gpu%common%pick(gpu%chosen, gpu%n, gpu%picked, err)
         do a = 1, size(gpu%bodies)
             call side_by_side(a)
             do b = 1, size(gpu%bodies)
                 if (.not. may_link(solid, a, b)) cycle
                 associate (body => gpu%bodies(a), other => gpu%bodies(b), &
                            shift => solid%links%drift(:, a, b))
-                    call solid_kernels%solid_link_search(threads_of(body), keep, some, body%first, &
-                        body%last - body%gone, links_reach(solid, a, b), shift(1), shift(2), &
-                        shift(3), &
-                        other%grid, from(gpu%links%box, 6*b - 5_int64), other%code, other%start, &
-                        gpu%order, gpu%built, gpu%chosen, gpu%links%slice, gpu%links%width, &
-                        gpu%links%count, gpu%links%list, &
+                    call solid_kernels%solid_link_search(threads_of(body), keep, &
+                        merge(1, 0, some), body%first, body%last - body%gone, &
+                        links_reach(solid, a, b), shift(1), shift(2), shift(3), other%grid, &
+                        from(gpu%links%box, 6*b - 5_int64), other%code, other%start, &
+                        gpu%order, gpu%built, gpu%picked%before, gpu%picked%list, &
+                        gpu%links%slice, gpu%links%width, gpu%links%count, gpu%links%list, &
                         from(gpu%links%met, a + size(gpu%bodies)*(b - 1_int64)), err)
                 end associate
             end do

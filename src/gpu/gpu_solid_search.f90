@@ -346,10 +346,10 @@ contains
         type(doubles_t), intent(in) :: place
         type(error_t), intent(inout) :: err
 
-        call search(gpu, body, place, 0, 0, err)
+        call search(gpu, body, place, 0, .false., err)
         call lay_lists(body, gpu%common, gpu%count, body%spare, 8, 0, err)
         call reserve_buffer(body%pairs, body%list%bytes, err)
-        call search(gpu, body, place, 1, 0, err)
+        call search(gpu, body, place, 1, .false., err)
     end subroutine list_body
 
     !> The chosen lists. Lists that no longer have room go behind all others.
@@ -359,27 +359,33 @@ contains
         type(doubles_t), intent(in) :: place
         logical, intent(out) :: fits !! else there is no room behind them, and no list is right
         type(error_t), intent(inout) :: err
+        integer :: filled
 
         fits = body%width%bytes > 0
         if (.not. fits) return
-        call search(gpu, body, place, 2, 1, err)
+        call search(gpu, body, place, 2, .true., err)
         call clear_buffer(from(gpu%chosen, int(body%first, int64)), err, &
                           4_int64*(body%last - body%first + 1)) ! others have chosen, too
+        filled = body%filled
         call move_lists(body, gpu%count, gpu%chosen, fits, err)
-        if (fits) call search(gpu, body, place, 1, 1, err)
+        if (fits .and. body%filled > filled) call search(gpu, body, place, 1, .true., err)
     end subroutine list_part
 
     !> Look for the neighbours of a body: keep 0 counts them, 1 lists them, 2 those for which there
-    !> is room; some 1: of the particles that are chosen.
+    !> is room; of all its particles, or of the chosen ones.
     subroutine search(gpu, body, place, keep, some, err)
-        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_solid_t), intent(inout) :: gpu
         type(gpu_solid_body_t), intent(in) :: body
         type(doubles_t), intent(in) :: place
-        integer, intent(in) :: keep, some
+        integer, intent(in) :: keep
+        logical, intent(in) :: some
         type(error_t), intent(inout) :: err
+        integer :: n
 
-        call solid_kernels%solid_search(threads_of(body), keep, some, body%last - body%gone, &
-            body%grid, body%code, body%start, gpu%order, place, gpu%chosen, body%slice, &
-            body%width, gpu%count, body%list, err)
+        n = body%last - body%first + 1
+        if (some) call gpu%common%pick(from(gpu%chosen, int(body%first, int64)), n, gpu%picked, err)
+        call solid_kernels%solid_search(threads_of(body), keep, merge(n, 0, some), &
+            body%last - body%gone, body%grid, body%code, body%start, gpu%order, place, &
+            gpu%picked%before, gpu%picked%list, body%slice, body%width, gpu%count, body%list, err)
     end subroutine search
 end module brz_gpu_solid_search

@@ -9,7 +9,7 @@ module brz_gpu_solid_state
         reserve_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_cohesive_state, only: gpu_cohesive_t
-    use brz_gpu_common, only: gpu_common_t
+    use brz_gpu_common, only: gpu_common_t, picked_t
     use brz_gpu_exact_sum, only: gpu_exact_t
     use brz_gpu_face_load, only: gpu_facets_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, gpu_rows_t
@@ -80,9 +80,11 @@ module brz_gpu_solid_state
         type(doubles_t) :: box !! (3, 2, bodies) corners of `built` [m]
         type(integers_t) :: row !! `count`: not read here
         type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good
-        type(integers_t) :: linked, mark !! particles of awake bodies that have links
-        integer, allocatable :: awake(:, :) !! (2, bodies) ranges of these, see note_awake
-        integer :: n_linked = -1 !! how many, -1: to be listed anew
+        integer, allocatable :: awake(:, :) !! (2, bodies) ranges of particles, see note_awake
+        type(picked_t) :: linked, touching !! of these, what may be bonded; may be in contact
+        integer :: n_linked = 0, n_touching = 0 !! how many
+        logical :: listed = .false. !! they are those of the links and bodies of now
+        type(integers_t) :: mark
         type(reals_t) :: cell, press
     end type gpu_links_t
 
@@ -125,6 +127,7 @@ module brz_gpu_solid_state
         type(integers_t) :: acting !! (n) how many `pairs` a particle has
         type(integers_t) :: seat !! every place
         type(integers_t) :: chosen !! 1: particles whose lists are built anew
+        type(picked_t) :: picked !! they
         type(gpu_marks_t) :: part !! who goes where: brz_gpu_home_steps
         type(buffer_t) :: k_axes
         ! parts of these arrays as items have them, under the names of solid_t

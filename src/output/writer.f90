@@ -17,6 +17,7 @@ module brz_writer
     public :: writer_t, writers_t, has_room, begin_writing, end_writing, hear_writer
 
     integer, parameter :: most_writers = 16
+    integer, parameter :: at_once = 4 !! writers that share the cores: about as many work together
     integer, parameter, public :: no_dump = -1
 
     type :: writer_t
@@ -57,7 +58,7 @@ contains
         writer%begin = wall_seconds()
         writer%copy = 0
         flush (error_unit) ! or the copy would say again what waits there
-        if (apart) writer%copy = copy_process()
+        if (apart) writer%copy = copy_process(max(1, (omp_get_num_procs() - 1)/at_once))
         here = writer%copy <= 0
         if (here) return
         writers%n = writers%n + 1

@@ -154,13 +154,13 @@ contains
             *spring_loss(last, real(touch, rk), dt, now, before)
     end subroutine press_particle
 
-    !> The same of each particle that has links; its energy and heat.
+    !> The same of each particle that may touch; its energy and heat.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine press_links(k, first, lay, dt, ends, table, cell, x, v, mass, weight, touch, &
+    pure subroutine press_links(k, touching, lay, dt, ends, table, cell, x, v, mass, weight, touch, &
                                 bond, joined, row, slice, count, list, energy, heat, press)
-        integer, intent(in) :: k !! particles
-        integer, intent(in) :: first !! the first of them
+        integer, intent(in) :: k !! particles that may touch
+        integer(int32), intent(in) :: touching(*) !! they
         type(link_layout_t), intent(in) :: lay
         real(rk), intent(in) :: dt !! [s]
         integer(int32), intent(in) :: ends(*)
@@ -175,14 +175,11 @@ contains
         real(dp), intent(inout) :: heat(*) !! of contact, of each particle [J]
         real(rk), intent(inout) :: press(n_press, *) !! see links_t
         real(rk) :: lost
-        integer :: i, n, r
-        integer(int64) :: at
+        integer :: i
 
-        i = first - 1 + k
-        call links_of(lay, i, row, slice, count, r, n, at)
-        if (n == 0) return
+        i = touching(k)
         call press_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, bond, joined, row, &
-                            slice, count, list, touch(i), press(1, r), lost)
+                            slice, count, list, touch(i), press(1, i), lost)
         energy(i) = energy(i) + lost/mass(i)
         heat(i) = heat(i) + lost
     end subroutine press_links
@@ -341,11 +338,12 @@ contains
     !> Forces of contact, heat, the books, and what time step the links bear.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine push_links(k, first, particles, lay, dt, ends, table, cell, x, v, mass, &
+    pure subroutine push_links(k, touching, particles, lay, dt, ends, table, cell, x, v, mass, &
                                weight, stress, pair, press, bond, joined, row, slice, count, &
                                list, energy, held, early, heat, rub, rate, extra)
-        integer, intent(in) :: k !! particles
-        integer, intent(in) :: first, particles !! the first of them; all
+        integer, intent(in) :: k !! particles that may touch
+        integer(int32), intent(in) :: touching(*) !! they
+        integer, intent(in) :: particles !! all
         type(link_layout_t), intent(in) :: lay
         real(dp), intent(in) :: dt !! [s]
         integer(int32), intent(in) :: ends(*)
@@ -362,17 +360,9 @@ contains
         real(rk), intent(inout) :: extra(particles, *) !! n_terms columns, what pass 2 starts from
         real(rk) :: f(n_terms), gain
         real(dp) :: kept(n_kept), limit
-        integer :: i, n, r, t
-        integer(int64) :: at
+        integer :: i, t
 
-        i = first - 1 + k
-        do t = 1, n_terms
-            extra(i, t) = 0
-        end do
-        held(i) = 0
-        early(i) = 0
-        call links_of(lay, i, row, slice, count, r, n, at)
-        if (n == 0) return
+        i = touching(k)
         limit = huge(limit)
         call push_particle(i, lay, dt, ends, table, cell, x, v, mass, weight, stress, pair, &
                            press, bond, joined, row, slice, count, list, f, kept, gain, limit)

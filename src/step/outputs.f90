@@ -12,6 +12,7 @@ module brz_outputs
     use brz_gauge_quantities, only: from_impulse
     use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, &
                           gauges_need_state, gauges_t, early_gauge_row, set_up_gauges
+    use brz_host_calls, only: enter_part
     use brz_history, only: append_row, close_history, cut_history, flush_history, history_t, &
                            open_history
     use brz_files, only: is_folder
@@ -195,14 +196,19 @@ contains
         call hear_writers(sim, outputs%saves, outputs%saves%writers%n, err)
         if (failed(err)) return
         last = sim%clock%time >= sim%case%run%t_end
-        if (tick(sim%clock%history, sim%clock%time) .or. last) &
+        if (tick(sim%clock%history, sim%clock%time) .or. last) then
+            call enter_part('histories')
             call write_histories(sim, outputs, err)
+        end if
         if (failed(err)) return
-        if (tick(sim%clock%dump, sim%clock%time) .or. last) &
+        if (tick(sim%clock%dump, sim%clock%time) .or. last) then
+            call enter_part('dumps')
             call save_dump(sim, outputs%saves, last, err)
+        end if
         if (failed(err)) return
-        if (tick(sim%clock%checkpoint, sim%clock%time)) &
-            call save_checkpoint(sim, outputs, err, beside=on_gpu(sim))
+        if (.not. tick(sim%clock%checkpoint, sim%clock%time)) return
+        call enter_part('checkpoints')
+        call save_checkpoint(sim, outputs, err, beside=on_gpu(sim))
     end subroutine write_due
 
     !> Forces on whole bodies, for gauges.

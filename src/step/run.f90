@@ -217,6 +217,7 @@ contains
             if (failed(err)) exit
             call enter_part('output')
             call write_due(sim, outputs, err)
+            call enter_part('output', go_on=.true.)
             if (wall_seconds() >= next_report) then
                 call report(sim, outputs, err)
                 next_report = wall_seconds() + sim%case%output%report_every
