@@ -4,27 +4,21 @@
 module brz_gpu_common
     use brz_buffers, only: doubles_t, from, integers_t
     use brz_common_launches, only: common_kernels
-    use brz_device, only: allocate_buffer, clear_buffer, copy_out, copy_within, reserve_buffer
+    use brz_device, only: allocate_buffer, clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: scan_chunk
+    use brz_gpu_solid_layout, only: pick_chunk, scan_chunk
     use brz_kinds, only: dp, int64
     implicit none
     private
-    public :: gpu_common_t, picked_t
+    public :: gpu_common_t, pick
 
     integer, parameter :: first_fold = 32768, last_fold = 1024 !! of the largest number
-
-    !> What is marked, so that the threads of a warp all have work.
-    type :: picked_t
-        type(integers_t) :: before !! (n + 1) marks before each place, and behind them all
-        type(integers_t) :: list !! the places that are marked, in their order
-    end type picked_t
 
     type :: gpu_common_t
         type(integers_t) :: levels !! of running sums
         type(doubles_t) :: part, folded !! partial results
     contains
-        procedure :: open, running_sum, pick, fold, largest
+        procedure :: open, running_sum, fold, largest
     end type gpu_common_t
 
 contains
@@ -74,21 +68,17 @@ contains
         total = word(1)
     end subroutine running_sum
 
-    !> List which of n marks are set, 1 and not 0; how many these are is brought to the host if asked
-    !> for.
-    subroutine pick(self, mark, n, picked, err, total)
-        class(gpu_common_t), intent(inout) :: self
+    !> List which of n marks are set, 1 and not 0, as numbers from `before` + 1, in any order; their
+    !> number is added to `found`.
+    subroutine pick(mark, before, n, list, found, err)
         type(integers_t), intent(in) :: mark !! (n)
-        integer, intent(in) :: n
-        type(picked_t), intent(inout) :: picked
+        integer, intent(in) :: before, n
+        type(integers_t), intent(in) :: list !! (n)
+        type(integers_t), intent(in) :: found !! (1)
         type(error_t), intent(inout) :: err
-        integer, intent(out), optional :: total
 
-        call reserve_buffer(picked%before, 4_int64*(n + 1), err)
-        call reserve_buffer(picked%list, 4_int64*n, err)
-        call copy_within(mark, picked%before, 4_int64*n, err)
-        call self%running_sum(picked%before, n, err, total)
-        call common_kernels%list_marked([n, 1, 1], n, picked%before, picked%list, err)
+        call common_kernels%pick_marked([(n - 1)/pick_chunk + 1, 1, 1], n, before, mark, found, &
+                                        list, err)
     end subroutine pick
 
     pure integer function chunks(n)

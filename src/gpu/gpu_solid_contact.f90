@@ -5,8 +5,9 @@ module brz_gpu_solid_contact
     use brz_buffers, only: doubles_t, from, integers_t
     use brz_cohesive_launches, only: cohesive_kernels
     use brz_contact_launches, only: contact_kernels
-    use brz_device, only: clear_buffer, reserve_buffer
+    use brz_device, only: clear_buffer, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
+    use brz_gpu_common, only: pick
     use brz_gpu_solid_ghosts, only: refresh_motion, refresh_press
     use brz_gpu_solid_layout, only: book_contact, book_contact_early, book_contact_heat, book_rub
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
@@ -29,7 +30,7 @@ contains
         call list_linked(gpu, err)
         associate (l => gpu%links)
             call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%n, l%n_linked, &
-                l%linked%list, l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%volume, &
+                l%linked, l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%volume, &
                 gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, gpu%grad, gpu%k_axes, &
                 gpu%held, err)
         end associate
@@ -77,7 +78,7 @@ contains
                 call tie_kernels%mark_linked(l%awake(2, k) - l%awake(1, k) + 1, l%awake(1, k), &
                     l%lay, l%ends, l%table, l%row, l%slice, l%count, l%list, l%mark, err)
             end do
-            call gpu%common%pick(l%mark, gpu%n, l%linked, err, l%n_linked)
+            call list_marked(gpu, l%linked, l%n_linked, err)
         end associate
     end subroutine list_linked
 
@@ -95,9 +96,25 @@ contains
                 call tie_kernels%mark_touching(ranges(2, k) - ranges(1, k) + 1, ranges(1, k), &
                                                links_that_touch(gpu), l%mark, err)
             end do
-            call gpu%common%pick(l%mark, gpu%n, l%touching, err, l%n_touching)
+            call list_marked(gpu, l%touching, l%n_touching, err)
         end associate
     end subroutine list_touching
+
+    !> List the particles that are marked.
+    subroutine list_marked(gpu, list, n, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(integers_t), intent(inout) :: list
+        integer, intent(out) :: n !! how many
+        type(error_t), intent(inout) :: err
+        integer :: word(1)
+
+        call reserve_buffer(list, 4_int64*gpu%n, err)
+        call clear_buffer(gpu%links%found, err)
+        call pick(gpu%links%mark, 0, gpu%n, list, gpu%links%found, err)
+        word = 0
+        call copy_out(gpu%links%found, word, 4_int64, err)
+        n = word(1)
+    end subroutine list_marked
 
     !> How many links a particle has along which contact may act.
     pure type(integers_t) function links_that_touch(gpu) result(number)
@@ -142,12 +159,12 @@ contains
                 call forget(book_of(gpu, book_contact), l%awake(:, k), err)
                 call forget(book_of(gpu, book_contact_early), l%awake(:, k), err)
             end do
-            call contact_kernels%push_links(l%n_touching, l%touching%list, gpu%n, l%lay, dt, &
+            call contact_kernels%push_links(l%n_touching, l%touching, gpu%n, l%lay, dt, &
                 l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, gpu%pair, &
                 l%press, l%bond, l%joined, l%row, l%slice, links_that_touch(gpu), l%list, &
                 gpu%energy, book_of(gpu, book_contact), book_of(gpu, book_contact_early), &
                 book_of(gpu, book_contact_heat), book_of(gpu, book_rub), gpu%rate, gpu%extra, err)
-            if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked%list, gpu%n, l%lay, &
+            if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%n, l%lay, &
                 l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
                 gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
             if (solid%cohesive%present) call cohesive_kernels%add_pull(glue%nodes, gpu%n, &
@@ -172,7 +189,7 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (l => gpu%links)
-            call contact_kernels%press_links(l%n_touching, l%touching%list, l%lay, dt, l%ends, &
+            call contact_kernels%press_links(l%n_touching, l%touching, l%lay, dt, l%ends, &
                 l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, l%touch, l%bond, l%joined, &
                 l%row, l%slice, links_that_touch(gpu), l%list, gpu%energy, &
                 book_of(gpu, book_contact_heat), l%press, err)

@@ -7,7 +7,7 @@ module brz_gpu_solid_links
         put_buffer, reserve_buffer, side_by_side
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: slice_width
-    use brz_gpu_solid_lists, only: lay_lists, move_lists
+    use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
     use brz_gpu_solid_state, only: bytes_of_real, gpu_solid_t, news_all, news_none, news_part, &
         threads_of
     use brz_kinds, only: dp, int64, rk
@@ -42,6 +42,7 @@ contains
             call fix_layout(link_layout_t(size(solid%bodies), solid%dimension, &
                 merge(1, 0, gpu%column%owed > 0), 0, gpu%n, 0, 0, 0, 0, 0, &
                 real(solid%depth, rk)), links%lay)
+            call allocate_buffer(links%found, 4_int64, err)
             call allocate_buffer(links%met, 4_int64*size(solid%bodies)**2, err)
             call allocate_buffer(links%box, 48_int64*size(solid%bodies), err)
             allocate (links%awake(2, size(solid%bodies)), source=0)
@@ -184,9 +185,10 @@ contains
         type(error_t), intent(inout) :: err
         integer :: a, b
 
-        if (some) call gpu%common%pick(gpu%chosen, gpu%n, gpu%picked, err)
+        if (some) call clear_buffer(gpu%found, err)
         do a = 1, size(gpu%bodies)
             call side_by_side(a)
+            if (some) call pick_chosen(gpu, a, err)
             do b = 1, size(gpu%bodies)
                 if (.not. may_link(solid, a, b)) cycle
                 associate (body => gpu%bodies(a), other => gpu%bodies(b), &
@@ -195,7 +197,8 @@ contains
                         merge(1, 0, some), body%first, body%last - body%gone, &
                         links_reach(solid, a, b), shift(1), shift(2), shift(3), other%grid, &
                         from(gpu%links%box, 6*b - 5_int64), other%code, other%start, &
-                        gpu%order, gpu%built, gpu%picked%before, gpu%picked%list, &
+                        gpu%sorted, gpu%built, from(gpu%found, int(a, int64)), &
+                        from(gpu%picked, int(body%first, int64)), &
                         gpu%links%slice, gpu%links%width, gpu%links%count, gpu%links%list, &
                         from(gpu%links%met, a + size(gpu%bodies)*(b - 1_int64)), err)
                 end associate

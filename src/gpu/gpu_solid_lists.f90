@@ -5,14 +5,14 @@ module brz_gpu_solid_lists
     use brz_buffers, only: from, integers_t
     use brz_device, only: copy_out, copy_within, reserve_buffer
     use brz_errors, only: error_t
-    use brz_gpu_common, only: gpu_common_t
+    use brz_gpu_common, only: gpu_common_t, pick
     use brz_gpu_solid_layout, only: slice_width
-    use brz_gpu_solid_state, only: lists_t
+    use brz_gpu_solid_state, only: gpu_solid_t, lists_t
     use brz_kinds, only: int64
     use brz_solid_launches, only: solid_kernels
     implicit none
     private
-    public :: lay_lists, move_lists
+    public :: lay_lists, move_lists, pick_chosen
 
 contains
 
@@ -56,4 +56,17 @@ contains
         fits = 4_int64*slice_width*(end(1) + 1_int64) <= lists%list%bytes
         if (fits) lists%filled = end(1)
     end subroutine move_lists
+
+    !> List the particles of body b that are chosen, so that the threads of a warp all have work;
+    !> none of them is counted yet.
+    subroutine pick_chosen(gpu, b, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: b
+        type(error_t), intent(inout) :: err
+
+        associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
+            call pick(from(gpu%chosen, int(first, int64)), first - 1, last - first + 1, &
+                      from(gpu%picked, int(first, int64)), from(gpu%found, int(b, int64)), err)
+        end associate
+    end subroutine pick_chosen
 end module brz_gpu_solid_lists

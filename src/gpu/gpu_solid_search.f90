@@ -10,7 +10,7 @@ module brz_gpu_solid_search
     use brz_drift_items, only: drift_of
     use brz_gpu_parcels, only: carry_rows, rows_of, gpu_rows_t
     use brz_gpu_solid_layout, only: grid_gpu_t
-    use brz_gpu_solid_lists, only: lay_lists, move_lists
+    use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, &
         threads_of
     use brz_gpu_solid_books, only: extent_of_body, forget_gone
@@ -47,8 +47,8 @@ contains
             if (.not. body%rigid) then
                 call order_body(gpu, solid, b, place, reach_of_lists(solid, b), err, cells)
                 fits = .false.
-                if (cells%in_part) call list_part(gpu, body, place, fits, err)
-                if (.not. fits) call list_body(gpu, body, place, err)
+                if (cells%in_part) call list_part(gpu, b, place, fits, err)
+                if (.not. fits) call list_body(gpu, b, place, err)
             end if
             if (gpu%linked .and. (body%rigid .or. body%total)) call order_body(gpu, solid, b, &
                 gpu%built, 2*real(solid%bodies(b)%h, dp) + solid%skin, err)
@@ -62,11 +62,8 @@ contains
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(error_t), intent(inout) :: err
-        integer :: cells
 
-        call fill_cells(gpu, solid, b, gpu%built, cell_of_groups(solid, b), cells, err)
-        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 0, &
-                                       gpu%bodies(b)%start, gpu%id, gpu%order, err)
+        call fill_cells(gpu, solid, b, gpu%built, cell_of_groups(solid, b), 0, err)
         if (failed(err)) return
         call reorder(gpu, gpu%bodies(b), err)
     end subroutine sort_body
@@ -195,30 +192,27 @@ contains
         real(dp), intent(in) :: reach !! side of a cell [m]
         type(error_t), intent(inout) :: err
         type(kept_cells_t), intent(inout), optional :: kept
-        integer :: cells
 
-        call fill_cells(gpu, solid, b, place, reach, cells, err, kept)
+        call fill_cells(gpu, solid, b, place, reach, 1, err, kept)
         if (failed(err)) return
-        call common_kernels%sort_cells([cells, 1, 1], cells, gpu%bodies(b)%first, 1, &
-                                       gpu%bodies(b)%start, gpu%id, gpu%order, err)
         call forget_gone(gpu, solid, b, err)
     end subroutine order_body
 
-    !> The same but for the order within a cell. What has left the region is put behind all cells,
-    !> into as many as these, by its numbers.
-    subroutine fill_cells(gpu, solid, b, place, reach, cells, err, kept)
+    !> The same by other cells; within a cell in the order of their places, or numbers. What has left
+    !> the region is put behind all cells, into as many as these, by its numbers.
+    subroutine fill_cells(gpu, solid, b, place, reach, by_number, err, kept)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         real(dp), intent(in) :: reach !! side of a cell [m]
-        integer, intent(out) :: cells !! along the curve
+        integer, intent(in) :: by_number !! 0: in the order of places
         type(error_t), intent(inout) :: err
         type(kept_cells_t), intent(inout), optional :: kept
-        integer :: end(1), real_cells, threads(3)
+        type(integers_t) :: binned
+        integer :: cells, end(1), real_cells, threads(3)
         logical :: laid
 
-        cells = 1
         laid = .false. ! by unmark_cells, but that ghosts may have come since
         if (present(kept)) laid = kept%in_part .and. .not. several(solid%ranks)
         if (.not. laid) call lay_cells(gpu, solid, b, place, reach, err, kept)
@@ -226,6 +220,7 @@ contains
         real_cells = ubound(solid%search%start, 1)
         cells = merge(2, 1, solid%remove)*real_cells
         associate (body => gpu%bodies(b), number => solid%bodies(b)%number)
+            binned = from(gpu%picked, int(body%first, int64)) ! which is free here
             call reserve_buffer(body%start, 4_int64*(cells + 2), err)
             call clear_buffer(body%start, err, 4_int64*(cells + 1))
             threads = [body%rim - body%first + 1, 1, 1]
@@ -235,7 +230,9 @@ contains
             ! here a cell stands one place further behind its end than a bin does
             call common_kernels%bin_fill(threads, threads(1), body%first - 1, &
                 from(gpu%cell, int(body%first, int64)), from(gpu%bodies(b)%start, 0_int64), &
-                from(gpu%order, int(body%first, int64)), err)
+                binned, err)
+            call solid_kernels%order_cells(threads, body%grid, by_number, gpu%cell, body%start, &
+                gpu%id, place, binned, gpu%order, gpu%sorted, err)
             if (.not. solid%remove) return
             end = 0
             if (body%rim == body%last) then ! else as they were before there were ghosts
@@ -339,53 +336,59 @@ contains
         end do
     end subroutine reorder
 
-    !> The lists of a body whose particles are in the cells.
-    subroutine list_body(gpu, body, place, err)
+    !> The lists of body b, whose particles are in the cells.
+    subroutine list_body(gpu, b, place, err)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(gpu_solid_body_t), intent(inout) :: body
+        integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         type(error_t), intent(inout) :: err
 
-        call search(gpu, body, place, 0, .false., err)
-        call lay_lists(body, gpu%common, gpu%count, body%spare, 8, 0, err)
-        call reserve_buffer(body%pairs, body%list%bytes, err)
-        call search(gpu, body, place, 1, .false., err)
+        call search(gpu, b, place, 0, .false., err)
+        associate (body => gpu%bodies(b))
+            call lay_lists(body, gpu%common, gpu%count, body%spare, 8, 0, err)
+            call reserve_buffer(body%pairs, body%list%bytes, err)
+        end associate
+        call search(gpu, b, place, 1, .false., err)
     end subroutine list_body
 
     !> The chosen lists. Lists that no longer have room go behind all others.
-    subroutine list_part(gpu, body, place, fits, err)
+    subroutine list_part(gpu, b, place, fits, err)
         type(gpu_solid_t), intent(inout) :: gpu
-        type(gpu_solid_body_t), intent(inout) :: body
+        integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         logical, intent(out) :: fits !! else there is no room behind them, and no list is right
         type(error_t), intent(inout) :: err
         integer :: filled
 
-        fits = body%width%bytes > 0
-        if (.not. fits) return
-        call search(gpu, body, place, 2, .true., err)
-        call clear_buffer(from(gpu%chosen, int(body%first, int64)), err, &
-                          4_int64*(body%last - body%first + 1)) ! others have chosen, too
-        filled = body%filled
-        call move_lists(body, gpu%count, gpu%chosen, fits, err)
-        if (fits .and. body%filled > filled) call search(gpu, body, place, 1, .true., err)
+        associate (body => gpu%bodies(b))
+            fits = body%width%bytes > 0
+            if (.not. fits) return
+            call search(gpu, b, place, 2, .true., err)
+            call clear_buffer(from(gpu%chosen, int(body%first, int64)), err, &
+                              4_int64*(body%last - body%first + 1)) ! others have chosen, too
+            filled = body%filled
+            call move_lists(body, gpu%count, gpu%chosen, fits, err)
+            if (fits .and. body%filled > filled) call search(gpu, b, place, 1, .true., err)
+        end associate
     end subroutine list_part
 
-    !> Look for the neighbours of a body: keep 0 counts them, 1 lists them, 2 those for which there
+    !> Look for the neighbours of body b: keep 0 counts them, 1 lists them, 2 those for which there
     !> is room; of all its particles, or of the chosen ones.
-    subroutine search(gpu, body, place, keep, some, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(gpu_solid_body_t), intent(in) :: body
+    subroutine search(gpu, b, place, keep, some, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         integer, intent(in) :: keep
         logical, intent(in) :: some
         type(error_t), intent(inout) :: err
-        integer :: n
 
-        n = body%last - body%first + 1
-        if (some) call gpu%common%pick(from(gpu%chosen, int(body%first, int64)), n, gpu%picked, err)
-        call solid_kernels%solid_search(threads_of(body), keep, merge(n, 0, some), &
-            body%last - body%gone, body%grid, body%code, body%start, gpu%order, place, &
-            gpu%picked%before, gpu%picked%list, body%slice, body%width, gpu%count, body%list, err)
+        if (some) call clear_buffer(gpu%found, err)
+        if (some) call pick_chosen(gpu, b, err)
+        associate (body => gpu%bodies(b))
+            call solid_kernels%solid_search(threads_of(body), keep, merge(1, 0, some), &
+                body%last - body%gone, body%grid, body%code, body%start, gpu%sorted, place, &
+                from(gpu%found, int(b, int64)), from(gpu%picked, int(body%first, int64)), &
+                body%slice, body%width, gpu%count, body%list, err)
+        end associate
     end subroutine search
 end module brz_gpu_solid_search

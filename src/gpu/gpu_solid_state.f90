@@ -9,7 +9,7 @@ module brz_gpu_solid_state
         reserve_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_cohesive_state, only: gpu_cohesive_t
-    use brz_gpu_common, only: gpu_common_t, picked_t
+    use brz_gpu_common, only: gpu_common_t
     use brz_gpu_exact_sum, only: gpu_exact_t
     use brz_gpu_face_load, only: gpu_facets_t
     use brz_gpu_parcels, only: gpu_parcels_t, rows_of, gpu_rows_t
@@ -81,10 +81,10 @@ module brz_gpu_solid_state
         type(integers_t) :: row !! `count`: not read here
         type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good
         integer, allocatable :: awake(:, :) !! (2, bodies) ranges of particles, see note_awake
-        type(picked_t) :: linked, touching !! of these, what may be bonded; may be in contact
+        type(integers_t) :: linked, touching !! of these, what may be bonded; may be in contact
         integer :: n_linked = 0, n_touching = 0 !! how many
         logical :: listed = .false. !! they are those of the links and bodies of now
-        type(integers_t) :: mark
+        type(integers_t) :: mark, found !! to list them
         type(reals_t) :: cell, press
     end type gpu_links_t
 
@@ -120,6 +120,7 @@ module brz_gpu_solid_state
         type(gpu_solid_body_t), allocatable :: bodies(:)
         type(ledger_t), allocatable :: ledger(:) !! of the bodies when the GPU took over
         real(dp), allocatable :: reaction(:, :) !! (3, bodies) likewise
+        type(doubles_t) :: sorted !! positions that lists are built for, cell by cell: order_cells
         type(doubles_t) :: place, reference, built, book, rate, region, partial, sums_of_forces
         type(reals_t) :: motion, state, row, grad, held, axes, extra
         type(reals_t) :: near, far !! place and reference as pairs read them, see pack_places
@@ -127,7 +128,7 @@ module brz_gpu_solid_state
         type(integers_t) :: acting !! (n) how many `pairs` a particle has
         type(integers_t) :: seat !! every place
         type(integers_t) :: chosen !! 1: particles whose lists are built anew
-        type(picked_t) :: picked !! they
+        type(integers_t) :: picked, found !! they, from where a body begins; how many of each
         type(gpu_marks_t) :: part !! who goes where: brz_gpu_home_steps
         type(buffer_t) :: k_axes
         ! parts of these arrays as items have them, under the names of solid_t
@@ -185,6 +186,7 @@ contains
         call allocate_buffer(gpu%flags, 4_int64*(n_flag + lost_level*size(solid%bodies)), err)
         gpu%moved = from(gpu%flags, n_flag + 1_int64)
         call allocate_buffer(gpu%region, 48_int64, err)
+        call allocate_buffer(gpu%found, 4_int64*size(gpu%bodies), err)
         call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)
         call allocate_buffer(gpu%partial, 8_int64*total_threads*n_book, err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
@@ -236,6 +238,8 @@ contains
         call visit(gpu%cell, 1, 1, passes)
         call visit(gpu%order, 1, 1, passes)
         call visit(gpu%chosen, 1, 1, passes)
+        call visit(gpu%picked, 1, 1, passes)
+        call visit(gpu%sorted, 8, 1, passes)
         if (.not. gpu%linked) return
         call visit(gpu%links%press, n_press*w, 1, stays)
         call visit(gpu%extra, w, n_terms, passes)

@@ -49,16 +49,20 @@ contains
     !> Decide who writes: a copy of this process, or where that is not wanted or not possible this
     !> one. A copy is put in the list, which must have room. Who finds `here` true writes, and calls
     !> end_writing.
-    subroutine begin_writing(writers, writer, apart, here)
+    subroutine begin_writing(writers, writer, apart, here, last)
         type(writers_t), intent(inout) :: writers
         type(writer_t), intent(inout) :: writer !! with what it writes, for messages
         logical, intent(in) :: apart !! by a copy of the process
         logical, intent(out) :: here
+        logical, intent(in), optional :: last !! nothing else goes on: the copy may use all cores
+        integer :: cores
 
         writer%begin = wall_seconds()
         writer%copy = 0
         flush (error_unit) ! or the copy would say again what waits there
-        if (apart) writer%copy = copy_process(max(1, (omp_get_num_procs() - 1)/at_once))
+        cores = (omp_get_num_procs() - 1)/at_once
+        if (present(last)) cores = merge(omp_get_num_procs(), cores, last)
+        if (apart) writer%copy = copy_process(max(1, cores))
         here = writer%copy <= 0
         if (here) return
         writers%n = writers%n + 1

@@ -86,13 +86,14 @@ contains
 
     !> Decide who writes, and bring the state to the host there. A copy of this process has it from
     !> a snapshot: what this one has on its host stays as it is, and no page is copied for it.
-    subroutine begin(sim, saves, writer, beside, here, err)
+    subroutine begin(sim, saves, writer, beside, here, err, last)
         type(simulation_t), intent(inout) :: sim
         type(saves_t), intent(inout) :: saves
         type(writer_t), intent(inout) :: writer
         logical, intent(in) :: beside !! a copy shall write
         logical, intent(out) :: here !! this process writes, or it is the copy that does
         type(error_t), intent(inout) :: err
+        logical, intent(in), optional :: last !! see begin_writing
         type(snapshot_t) :: snapshot
         real(dp) :: mark
 
@@ -105,7 +106,7 @@ contains
         call agree(sim%ranks, err)
         call lap(mark, saves%fetching)
         if (failed(err)) return
-        call begin_writing(saves%writers, writer, beside, here)
+        call begin_writing(saves%writers, writer, beside, here, last)
         call lap(mark, saves%copying)
         if (snapshot%room == 0 .or. .not. here) return
         if (writer%copy == 0) call use_snapshot(snapshot) ! else no copy could be made
@@ -114,8 +115,8 @@ contains
         call use_snapshot(snapshot)
     end subroutine begin
 
-    !> Write a dump; where a GPU computes, beside the run, but the last one: all threads are free
-    !> then.
+    !> Write a dump; where a GPU computes, beside the run, and the last one beside the checkpoint
+    !> that follows.
     subroutine save_dump(sim, saves, last, err)
         type(simulation_t), intent(inout) :: sim
         type(saves_t), intent(inout) :: saves
@@ -128,11 +129,11 @@ contains
         mark = wall_seconds()
         call make_room(sim, saves, err)
         call lap(mark, saves%writing)
-        beside = on_gpu(sim) .and. .not. last
+        beside = on_gpu(sim)
         writer%what = 'the dump of t = '//to_text(sim%clock%time)//' s'
         writer%dump = sim%clock%dump_number
         writer%time = sim%clock%time
-        call begin(sim, saves, writer, beside, here, err)
+        call begin(sim, saves, writer, beside, here, err, last)
         mark = wall_seconds()
         if (here) then
             call write_dump_files(saves%dumps, sim%case, sim%clock, sim%air, &
