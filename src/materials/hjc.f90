@@ -302,21 +302,23 @@ contains
     end subroutine crack_point
 
     !> Damage with that of cracks, wave speeds, and whether the point is beyond the curve of crushed
-    !> material.
+    !> material. Waves of shear are faster where it is spread out, as it has less mass, unless
+    !> nothing of its strength is left there.
     !@cuf attributes(host,device) &
     pure subroutine finish(material, mu, stiffest, point, status)
         type(material_t), intent(in) :: material
         real(rk), intent(in) :: mu, stiffest !! compression; slope of the pressure [Pa]
         type(point_t), intent(inout) :: point !! its damage: without that of cracks in
         integer, intent(out) :: status
+        real(rk) :: spread
 
+        spread = max(1 + mu, merge(1.0_rk, 0.5_rk, point%damage >= 1))
         if (material%par(p_ft) > 0) then
             point%hist(h_damage) = point%damage
             point%damage = point%damage + (1 - point%damage)*point%hist(h_tension)
         end if
         point%c_bulk = sqrt(stiffest/material%density)
-        point%c_wave = sqrt((stiffest + 4*material%par(p_shear)/(3*max(1 + mu, 0.5_rk))) &
-                            /material%density)
+        point%c_wave = sqrt((stiffest + 4*material%par(p_shear)/(3*spread))/material%density)
         status = material_ok
         if (mu > material%par(p_mu_lock) + densest*(1 + material%par(p_mu_lock))) &
             status = material_clamped

@@ -136,20 +136,22 @@ contains
                         /(max(terms%a_slope, material%bulk/4)*material%density*(1 + before%mu))
     end subroutine fail_step
 
-    !> Wave speeds; never below half of the unloaded one, which acts again when a cut-off ends.
+    !> Wave speeds; never below half of the unloaded one, which acts again when a cut-off ends. Those
+    !> of shear are faster where a material is spread out, as it has less mass, unless it has failed.
     !@cuf attributes(host,device) &
     pure subroutine wave_speeds(material, terms, p, point)
         type(material_t), intent(in) :: material
         type(eos_terms_t), intent(in) :: terms
         real(rk), intent(in) :: p
         type(point_t), intent(inout) :: point
-        real(rk) :: k, ratio
+        real(rk) :: k, ratio, spread
 
         ratio = 1 + point%mu
+        spread = max(ratio, merge(1.0_rk, 0.5_rk, point%damage >= 1))
         k = terms%a_slope + terms%b_slope*material%density*point%energy + terms%b*p/ratio**2
         k = max(k, material%bulk/4)
         point%c_bulk = sqrt(k/material%density)
-        point%c_wave = sqrt((k + 4*material%shear/(3*max(ratio, 0.5_rk)))/material%density)
+        point%c_wave = sqrt((k + 4*material%shear/(3*spread))/material%density)
     end subroutine wave_speeds
 
     !> One pass of Newton's method for a falling function, kept inside its bracket by bisection.

@@ -18,7 +18,7 @@ module brz_orthotropic_ply
     use brz_ply_axes, only: axes_matrix, axes_of_matrix, axes_spin, turn_ply
     use brz_ply_failure, only: derive_softening, fail, total_damage
     use brz_ply_keys, only: ply_keys
-    use brz_ply_stress, only: carried_stress, retain_bulk, n_modes, fibre_tension, &
+    use brz_ply_stress, only: carried_stress, intact_parts, retain_bulk, n_modes, fibre_tension, &
                               fibre_compression, matrix_cracking, matrix_crushing, &
                               delamination, p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, &
                               p_nu23, p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, p_yc, p_zt, &
@@ -27,7 +27,8 @@ module brz_orthotropic_ply
                               p_inverse, p_eos
     implicit none
     private
-    public :: orthotropic_ply, describe_orthotropic_ply, update_orthotropic_ply, ply_axes
+    public :: orthotropic_ply, describe_orthotropic_ply, update_orthotropic_ply, ply_axes, &
+        wave_stiffness
 
     integer, parameter :: orthotropic_ply = 3 !! code of the model
     character(*), parameter :: name = 'orthotropic_ply'
@@ -211,7 +212,8 @@ contains
         point%damage = total_damage(damage)
         if (.not. point%damage > 0) loss = 0
         if (debris(material, mu)) call forget(mu, e1)
-        call add_excess(material, mu, dv, work*v_mid, damage, s1, point, status)
+        call add_excess(material, mu, dv, work*v_mid, &
+                        wave_stiffness(material%par, mu, e1, damage), s1, point, status)
         if (status > 0) return
         call rotate_voigt(last, s1)
         do i = 1, 6
@@ -270,29 +272,52 @@ contains
         strain(3) = -log(1 + mu)
     end subroutine forget
 
+    !> Stiffness that the fastest wave in a ply meets [Pa].
+    !>
+    !> Waves are faster where a ply is spread out, as it has less mass, but by what it still resists
+    !> there: what is broken and open resists nothing before it is closed again.
+    !@cuf attributes(host,device) &
+    pure function wave_stiffness(par, mu, strain, damage) result(stiffness)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: mu, strain(6), damage(n_modes)
+        real(rk) :: stiffness
+        real(rk) :: along(3), crushed, pull(3), push(3), shear(3)
+        integer :: i
+
+        along(1) = par(p_c11)
+        along(2) = par(p_c22)
+        along(3) = par(p_c33)
+        crushed = 1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))
+        stiffness = max(along(1), along(2), along(3)) + crushed*par(p_rubble)
+        stiffness = stiffness/max(1 + mu, 1.0_rk)
+        call intact_parts(par, damage, pull, push, shear)
+        do i = 1, 3
+            stiffness = max(stiffness, along(i)*merge(pull(i), push(i), strain(i) > 0) &
+                            /max(1 + mu, 0.5_rk))
+        end do
+    end function wave_stiffness
+
     !> New compression, energy and wave speeds; the excess of a shock pressure over the linear law.
     !>
     !> The excess p_EOS(mu, e) - K' ln(1 + mu) acts in compression only.
-    !> Waves are faster where a ply that still resists is spread out, as it has less mass; debris
-    !> resists nothing before it is closed again, which takes it several steps.
     !@cuf attributes(host,device) &
-    pure subroutine add_excess(material, mu, dv, work, damage, s, point, status)
+    pure subroutine add_excess(material, mu, dv, work, stiffness, s, point, status)
         type(material_t), intent(in) :: material
         real(rk), intent(in) :: mu !! compression at the end of the step
         real(rk), intent(in) :: dv, work !! change of volume [m3/kg], stress work [J/kg]
-        real(rk), intent(in) :: damage(n_modes)
+        real(rk), intent(in) :: stiffness !! of its fastest wave [Pa]
         real(rk), intent(inout) :: s(6) !! stress in the axes of the ply [Pa]
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
-        real(rk) :: a, b, slope, b_slope, p_old, p, energy, stiffest, crushed, warm
+        real(rk) :: a, b, slope, b_slope, p_old, p, energy, unloaded, warm
         logical :: clamped, ok
 
         status = material_ok
         energy = point%energy + work
         slope = 0
-        stiffest = max(material%par(p_c11), material%par(p_c22), material%par(p_c33))
         if (int(material%par(p_pressure)) == pressure_anderson) then
-            warm = warming_range(material%par(p_eos), material%density*point%energy, stiffest)
+            unloaded = max(material%par(p_c11), material%par(p_c22), material%par(p_c33))
+            warm = warming_range(material%par(p_eos), material%density*point%energy, unloaded)
             call hugoniot_excess(material%par(p_eos), point%mu, warm, a, b, slope, b_slope, clamped)
             p_old = a + b*material%density*point%energy
             call hugoniot_excess(material%par(p_eos), mu, warm, a, b, slope, b_slope, clamped)
@@ -308,10 +333,7 @@ contains
         end if
         point%mu = mu
         point%energy = energy
-        crushed = 1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))
-        stiffest = stiffest + crushed*material%par(p_rubble)
-        if (.not. debris(material, mu)) stiffest = stiffest/max(1 + mu, 0.5_rk)
-        point%c_wave = sqrt((stiffest + max(slope, 0.0_rk))/material%density)
+        point%c_wave = sqrt((stiffness + max(slope, 0.0_rk))/material%density)
         point%c_bulk = sqrt((material%par(p_bulk) + max(slope, 0.0_rk))/material%density)
     end subroutine add_excess
 

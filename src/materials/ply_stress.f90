@@ -9,7 +9,7 @@ module brz_ply_stress
     use brz_material, only: n_par
     implicit none
     private
-    public :: ply_stress, carried_stress, retain_bulk
+    public :: ply_stress, carried_stress, intact_parts, retain_bulk
 
     integer, parameter, public :: n_modes = 5
     integer, parameter, public :: fibre_tension = 1, fibre_compression = 2, matrix_cracking = 3, &
