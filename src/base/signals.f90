@@ -10,8 +10,6 @@
 module brz_signals
     use, intrinsic :: iso_c_binding, only: c_funloc, c_funptr, c_int, c_intptr_t, c_null_funptr
     use brz_files, only: file_exists, is_folder, remove_file
-    use brz_kinds, only: dp
-    use brz_timer, only: wall_seconds
     implicit none
     private
     public :: listen_to_signals, checkpoint_asked, stop_asked, look_for_stop_file, stop_name
@@ -27,8 +25,6 @@ module brz_signals
     logical, volatile, save :: want_checkpoint = .false.
     integer(c_int), volatile, save :: want_stop = 0
     logical, save :: told = .false. !! of a folder in the place of a stop file
-    real(dp), save :: next_look = 0 !! for a stop file, wall clock [s]
-    real(dp), parameter :: look_every = 0.1_dp !! [s] a look may take as long as a step of a GPU
 
     interface
         type(c_funptr) function c_signal(number, handler) bind(c, name='signal')
@@ -109,8 +105,7 @@ contains
         end select
     end function stop_name
 
-    !> True if there is a stop file. It is removed, so that a restart does not stop at once. Looks
-    !> at the first call, then ten times a second.
+    !> True if there is a stop file. It is removed, so that a restart does not stop at once.
     logical function look_for_stop_file(folder, job, note) result(found)
         character(*), intent(in) :: folder !! of the output
         character(*), intent(in) :: job
@@ -120,8 +115,6 @@ contains
 
         note = ''
         found = .false.
-        if (wall_seconds() < next_look) return
-        next_look = wall_seconds() + look_every
         do i = 1, 2
             path = trim(job)//'.stop'
             if (i == 2) path = trim(folder)//'/'//path

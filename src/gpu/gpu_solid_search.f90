@@ -198,8 +198,8 @@ contains
         call forget_gone(gpu, solid, b, err)
     end subroutine order_body
 
-    !> The same by other cells; within a cell in the order of their places, or numbers. What has left
-    !> the region is put behind all cells, into as many as these, by its numbers.
+    !> The same by other cells; within a cell in the order of their places, or numbers. What has
+    !> left the region is put behind all cells, into as many as these, by its numbers.
     subroutine fill_cells(gpu, solid, b, place, reach, by_number, err, kept)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid

@@ -136,8 +136,9 @@ contains
                         /(max(terms%a_slope, material%bulk/4)*material%density*(1 + before%mu))
     end subroutine fail_step
 
-    !> Wave speeds; never below half of the unloaded one, which acts again when a cut-off ends. Those
-    !> of shear are faster where a material is spread out, as it has less mass, unless it has failed.
+    !> Wave speeds; never below half of the unloaded one, which acts again when a cut-off ends.
+    !> Where a material is spread out it has less mass, and waves of shear are faster, unless it has
+    !> failed.
     !@cuf attributes(host,device) &
     pure subroutine wave_speeds(material, terms, p, point)
         type(material_t), intent(in) :: material

@@ -18,7 +18,7 @@ module brz_orthotropic_ply
     use brz_ply_axes, only: axes_matrix, axes_of_matrix, axes_spin, turn_ply
     use brz_ply_failure, only: derive_softening, fail, total_damage
     use brz_ply_keys, only: ply_keys
-    use brz_ply_stress, only: carried_stress, intact_parts, retain_bulk, n_modes, fibre_tension, &
+    use brz_ply_stress, only: carried_stress, retain_bulk, wave_stiffness, n_modes, fibre_tension, &
                               fibre_compression, matrix_cracking, matrix_crushing, &
                               delamination, p_density, p_e1, p_e2, p_e3, p_nu12, p_nu13, &
                               p_nu23, p_g12, p_g13, p_g23, p_xt, p_xc, p_yt, p_yc, p_zt, &
@@ -27,8 +27,7 @@ module brz_orthotropic_ply
                               p_inverse, p_eos
     implicit none
     private
-    public :: orthotropic_ply, describe_orthotropic_ply, update_orthotropic_ply, ply_axes, &
-        wave_stiffness
+    public :: orthotropic_ply, describe_orthotropic_ply, update_orthotropic_ply, ply_axes
 
     integer, parameter :: orthotropic_ply = 3 !! code of the model
     character(*), parameter :: name = 'orthotropic_ply'
@@ -271,31 +270,6 @@ contains
         end do
         strain(3) = -log(1 + mu)
     end subroutine forget
-
-    !> Stiffness that the fastest wave in a ply meets [Pa].
-    !>
-    !> Waves are faster where a ply is spread out, as it has less mass, but by what it still resists
-    !> there: what is broken and open resists nothing before it is closed again.
-    !@cuf attributes(host,device) &
-    pure function wave_stiffness(par, mu, strain, damage) result(stiffness)
-        real(rk), intent(in) :: par(n_par)
-        real(rk), intent(in) :: mu, strain(6), damage(n_modes)
-        real(rk) :: stiffness
-        real(rk) :: along(3), crushed, pull(3), push(3), shear(3)
-        integer :: i
-
-        along(1) = par(p_c11)
-        along(2) = par(p_c22)
-        along(3) = par(p_c33)
-        crushed = 1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))
-        stiffness = max(along(1), along(2), along(3)) + crushed*par(p_rubble)
-        stiffness = stiffness/max(1 + mu, 1.0_rk)
-        call intact_parts(par, damage, pull, push, shear)
-        do i = 1, 3
-            stiffness = max(stiffness, along(i)*merge(pull(i), push(i), strain(i) > 0) &
-                            /max(1 + mu, 0.5_rk))
-        end do
-    end function wave_stiffness
 
     !> New compression, energy and wave speeds; the excess of a shock pressure over the linear law.
     !>

@@ -9,7 +9,7 @@ module brz_ply_stress
     use brz_material, only: n_par
     implicit none
     private
-    public :: ply_stress, carried_stress, intact_parts, retain_bulk
+    public :: ply_stress, carried_stress, retain_bulk, wave_stiffness
 
     integer, parameter, public :: n_modes = 5
     integer, parameter, public :: fibre_tension = 1, fibre_compression = 2, matrix_cracking = 3, &
@@ -91,6 +91,31 @@ contains
         stress(2) = stress(2) - pressure
         stress(3) = stress(3) - pressure
     end subroutine retain_bulk
+
+    !> Stiffness that the fastest wave in a ply meets [Pa].
+    !>
+    !> Waves are faster where a ply is spread out, as it has less mass, but by what it still resists
+    !> there: what is broken and open resists nothing before it is closed again.
+    !@cuf attributes(host,device) &
+    pure function wave_stiffness(par, mu, strain, damage) result(stiffness)
+        real(rk), intent(in) :: par(n_par)
+        real(rk), intent(in) :: mu, strain(6), damage(n_modes)
+        real(rk) :: stiffness
+        real(rk) :: along(3), crushed, pull(3), push(3), shear(3)
+        integer :: i
+
+        along(1) = par(p_c11)
+        along(2) = par(p_c22)
+        along(3) = par(p_c33)
+        crushed = 1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))
+        stiffness = max(along(1), along(2), along(3)) + crushed*par(p_rubble)
+        stiffness = stiffness/max(1 + mu, 1.0_rk)
+        call intact_parts(par, damage, pull, push, shear)
+        do i = 1, 3
+            stiffness = max(stiffness, along(i)*merge(pull(i), push(i), strain(i) > 0) &
+                            /max(1 + mu, 0.5_rk))
+        end do
+    end function wave_stiffness
 
     !> Stress of the undamaged ply.
     !@cuf attributes(host,device) &

@@ -157,8 +157,8 @@ contains
     !> The same of each particle that may touch; its energy and heat.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine press_links(k, touching, lay, dt, ends, table, cell, x, v, mass, weight, touch, &
-                                bond, joined, row, slice, count, list, energy, heat, press)
+    pure subroutine press_links(k, touching, lay, dt, ends, table, cell, x, v, mass, weight, &
+                                touch, bond, joined, row, slice, count, list, energy, heat, press)
         integer, intent(in) :: k !! particles that may touch
         integer(int32), intent(in) :: touching(*) !! they
         type(link_layout_t), intent(in) :: lay
