@@ -5,10 +5,11 @@ module brz_gpu_lists
     use brz_common_launches, only: common_kernels
     use brz_device, only: clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
     use brz_errors, only: error_t, failed
+    use brz_kinds, only: int64
     implicit none
     private
-    public :: at_least, clear_list, clear_map, clear_reals, copy_first, put_list, read_first, &
-        room_of, swap, count_in_bins, put_in_bins
+    public :: at_least, clear_list, clear_map, clear_reals, copy_first, put_changed, put_list, &
+        read_first, room_of, swap, count_in_bins, put_in_bins
 
     !> Make room for n entries, or n columns of some rows; what was there is lost where it grows.
     interface at_least
@@ -93,6 +94,23 @@ contains
         call at_least(to, size(from), err)
         call copy_in(from, to, bytes_each(to)*size(from), err)
     end subroutine put_list
+
+    !> A small table of the host, unless the GPU has the same one: no kernel writes into it.
+    subroutine put_changed(table, was, to, err)
+        integer, intent(in) :: table(:) !! as words of 4 B
+        integer, allocatable, intent(inout) :: was(:) !! what the GPU has
+        class(buffer_t), intent(inout) :: to
+        type(error_t), intent(inout) :: err
+
+        if (allocated(was)) then
+            if (size(was) == size(table)) then
+                if (all(was == table)) return
+            end if
+        end if
+        call reserve_buffer(to, 4_int64*size(table), err)
+        call copy_in(table, to, 4_int64*size(table), err)
+        was = table
+    end subroutine put_changed
 
     !> Bring the first n entries to the host; 0 where the GPU fails.
     subroutine read_first(n, from, to, err)

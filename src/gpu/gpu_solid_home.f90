@@ -6,7 +6,7 @@ module brz_gpu_solid_home
     use brz_device, only: clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t
     use brz_ghost_wants, only: has_boxes, tell_boxes
-    use brz_gpu_lists, only: put_list
+    use brz_gpu_lists, only: put_changed, put_list
     use brz_gpu_mark_steps, only: list_marks
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
@@ -18,8 +18,8 @@ module brz_gpu_solid_home
     use brz_solid_state, only: form_total, solid_t
     implicit none
     private
-    public :: close_books, find_boxes, find_lowest, homes_of, list_leaving, put_table, send_away, &
-        settle_places
+    public :: close_books, find_boxes, find_lowest, homes_of, list_leaving, put_region, put_table, &
+        send_away, settle_places
 
 contains
 
@@ -67,6 +67,15 @@ contains
         end do
         call tell_boxes(solid%ranks, box, solid%part%boxes)
     end subroutine find_boxes
+
+    !> The regions of all processes, where they are others than the GPU has.
+    subroutine put_region(gpu, region, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        real(dp), intent(in) :: region(:, :, :) !! (3, 2, processes) corners [m]
+        type(error_t), intent(inout) :: err
+
+        call put_changed(transfer(region, [0]), gpu%part%region_there, gpu%part%region, err)
+    end subroutine put_region
 
     !> A small table, into a buffer with room for it.
     subroutine put_table(x, n, buffer, err)
@@ -139,7 +148,8 @@ contains
 
         do b = 1, size(gpu%bodies)
             associate (body => gpu%bodies(b))
-                call copy_in([body%first, body%last - body%gone], body%params, 8_int64, err)
+                call put_changed([body%first, body%last - body%gone], body%ends_there, &
+                                 body%params, err)
                 body%slices = (body%last - body%first)/slice_width + 1
                 call reserve_buffer(body%slice, 4_int64*(body%slices + 1), err)
                 associate (end => body%first + body%room - 1)
@@ -152,7 +162,7 @@ contains
                 end associate
             end associate
         end do
-        if (solid%links%present) call copy_in(gpu%bodies%first + gpu%bodies%room - 1, &
-                                              gpu%links%ends, 4_int64*size(gpu%bodies), err)
+        if (solid%links%present) call put_changed(gpu%bodies%first + gpu%bodies%room - 1, &
+                                                  gpu%links%ends_there, gpu%links%ends, err)
     end subroutine settle_places
 end module brz_gpu_solid_home

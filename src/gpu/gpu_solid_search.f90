@@ -7,6 +7,7 @@ module brz_gpu_solid_search
     use brz_device, only: clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
     use brz_drift_launches, only: drift_kernels
     use brz_errors, only: error_t, failed
+    use brz_gpu_lists, only: put_changed
     use brz_drift_items, only: drift_of
     use brz_gpu_parcels, only: carry_rows, rows_of, gpu_rows_t
     use brz_gpu_solid_layout, only: grid_gpu_t
@@ -239,7 +240,7 @@ contains
                 call copy_out(from(body%start, int(real_cells, int64)), end, 4_int64, err)
                 body%gone = threads(1) - end(1)
             end if
-            call copy_in([body%first, body%last - body%gone], body%params, 8_int64, err)
+            call put_changed([body%first, body%last - body%gone], body%ends_there, body%params, err)
         end associate
     end subroutine fill_cells
 
@@ -281,9 +282,15 @@ contains
         grid%mirror = merge(1, 0, solid%mirror)
         grid%lo = solid%search%lo
         grid%size = solid%search%size
-        call copy_in(grid, gpu%bodies(b)%grid, int(storage_size(grid)/8, int64), err)
-        call reserve_buffer(gpu%bodies(b)%code, 12_int64*grid%stride, err)
-        call copy_in(solid%search%code, gpu%bodies(b)%code, 4_int64*3*grid%stride, err)
+        associate (body => gpu%bodies(b))
+            call put_changed(transfer(grid, [0]), body%grid_there, body%grid, err)
+            if (allocated(body%code_there)) then
+                if (all(body%code_there == [grid%cells, grid%stride])) return
+            end if
+            body%code_there = [grid%cells, grid%stride]
+            call reserve_buffer(body%code, 12_int64*grid%stride, err)
+            call copy_in(solid%search%code, body%code, 12_int64*grid%stride, err)
+        end associate
     end subroutine lay_cells
 
     !> Corners of body b at its positions `built`.

@@ -66,6 +66,8 @@ module brz_gpu_solid_state
         type(integers_t) :: pairs !! those of its list that act, see solid_moments
         type(buffer_t) :: grid !! cells of its list, and of the search for links with it
         type(integers_t) :: code, start !! of these, see grid_gpu_t; end of each cell in `order`
+        integer, allocatable :: ends_there(:), grid_there(:), code_there(:)
+        !! what the GPU has: first and last particle, words of `grid`; what `code` was made for
         type(integers_t) :: marked !! cells of particles with new places: 1
         integer :: news = news_all !! what of its list is new since links were built
         type(kernel_t) :: moments, update, forces !! those that suit the body
@@ -77,6 +79,7 @@ module brz_gpu_solid_state
         logical :: breaks = .true., frees = .true. !! bonds may break; or what ties may let go
         type(buffer_t) :: table, touch, weight
         type(integers_t) :: ends, count, met, bond, joined
+        integer, allocatable :: ends_there(:) !! what the GPU has of them
         type(doubles_t) :: box !! (3, 2, bodies) corners of `built` [m]
         type(integers_t) :: row !! `count`: not read here
         type(integers_t) :: loose !! `count`, but 0 of particles that are tied for good

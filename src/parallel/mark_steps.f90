@@ -2,6 +2,7 @@
 !> Places that are marked for other processes, a row of marks for each process, and lists of them.
 !> scripts/steps.py writes the same for the GPU, where the host hears how many there are.
 module brz_mark_steps
+    !@gpu use brz_gpu_lists, only: put_changed
     use brz_kinds, only: int64
     use brz_lists, only: at_least, clear_list, put_list, read_first, running_sum, swap
     use brz_place_loops, only: each_give_place, each_join_place, each_list_marked
@@ -43,7 +44,8 @@ contains
         call running_sum(marks%mark, n*size(number, 2))
         at = [((first(b) + r*n, b=1, size(first)), r=0, size(number, 2) - 1), &
               n*size(number, 2) + 1]
-        call put_list(at, marks%ends)
+        call put_list(at, marks%ends) !@cpu
+        !@gpu call put_changed(at, marks%ends_there, marks%ends)
         call at_least(marks%sums, size(at))
         call each_pick_integer(size(at), marks%ends, marks%mark, marks%sums)
         call read_first(size(at), marks%sums, at)

@@ -25,7 +25,8 @@ module brz_home_steps
     !@gpu use brz_gpu_mark_steps, only: begin_marks, count_marks, join_lists, list_marks
     !@gpu use brz_gpu_mark_steps, only: place_pieces
     !@gpu use brz_gpu_solid_home, only: close_books, find_boxes, find_lowest, homes_of
-    !@gpu use brz_gpu_solid_home, only: list_leaving, put_table, send_away, settle_places
+    !@gpu use brz_gpu_solid_home, only: list_leaving, put_region, put_table, send_away
+    !@gpu use brz_gpu_solid_home, only: settle_places
     !@gpu use brz_gpu_solid_state, only: lay_arrays
     use brz_home_loops, only: each_mark_home, each_mark_near, each_note_outside
     use brz_kinds, only: dp, int64
@@ -95,7 +96,7 @@ contains
 
         if (.not. any(stale .and. .not. whole)) return
         solid%part%far = 0
-        !@gpu call put_table(solid%part%region, size(solid%part%region), gpu%part%region)
+        !@gpu call put_region(gpu, solid%part%region)
         !@gpu call at_least(gpu%part%far, 2)
         !@gpu call clear_list(2, gpu%part%far)
         do b = 1, size(stale)
@@ -146,7 +147,7 @@ contains
 
         call begin_marks(solid%n, solid%ranks%n, solid%part%marks_t) !@cpu
         !@gpu call begin_marks(gpu%n, solid%ranks%n, gpu%part)
-        !@gpu call put_table(solid%part%region, size(solid%part%region), gpu%part%region)
+        !@gpu call put_region(gpu, solid%part%region)
         do b = 1, size(which)
             if (.not. which(b)) cycle
             associate (there => solid%bodies(b), part => solid%part)
