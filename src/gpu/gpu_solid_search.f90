@@ -7,13 +7,12 @@ module brz_gpu_solid_search
     use brz_device, only: clear_buffer, copy_in, copy_out, copy_within, reserve_buffer
     use brz_drift_launches, only: drift_kernels
     use brz_errors, only: error_t, failed
-    use brz_gpu_lists, only: put_changed
     use brz_drift_items, only: drift_of
+    use brz_gpu_lists, only: put_changed
     use brz_gpu_parcels, only: carry_rows, rows_of, gpu_rows_t
     use brz_gpu_solid_layout, only: grid_gpu_t
     use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
-    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, &
-        threads_of
+    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, threads_of
     use brz_gpu_solid_books, only: extent_of_body, forget_gone
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
