@@ -3,7 +3,7 @@
 !> largest terms and then to add up their limbs, see brz_exact_sum. Limbs are whole numbers.
 module brz_gpu_exact_sum
     use, intrinsic :: ieee_arithmetic, only: ieee_positive_inf, ieee_value
-    use brz_buffers, only: doubles_t, from
+    use brz_buffers, only: doubles_t
     use brz_common_launches, only: common_kernels
     use brz_device, only: allocate_buffer, copy_in, copy_out
     use brz_errors, only: error_t
@@ -58,11 +58,8 @@ contains
                             reshape(sum(nint(folded, int64), 1), [limbs, n]), self%total(:n))
             return
         end if
-        do r = 1, n
-            call common_kernels%largest([rows, 1, 1], tally_threads, rows, &
-                from(self%sums, (r - 1_int64)*tally_threads + 1), &
-                from(self%common%folded, (r - 1_int64)*rows + 1), err)
-        end do
+        call common_kernels%largest([rows, n, 1], tally_threads, rows, self%sums, &
+                                    self%common%folded, err)
         folded = 0
         call copy_out(self%common%folded, folded, 8_int64*rows*n, err)
         do r = 1, n

@@ -30,19 +30,24 @@ contains
     subroutine totals_of_sums(solid, b, sums, totals)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
-        real(dp), intent(in) :: sums(n_sum) !! see sum_state
+        real(dp), intent(in) :: sums(:, :) !! (n_sum, bodies) see sum_state
         type(solid_totals_t), intent(out) :: totals
+        real(dp) :: all(n_sum)
         integer :: k
 
-        totals%mass = sums(1)
-        totals%centre = sums(2:4)/max(sums(1), tiny(1.0_dp))
-        totals%momentum = sums(5:7)
-        totals%angular = sums(8:10)
-        totals%kinetic = sums(11)
-        totals%internal = sums(12)
-        totals%outside = sums(14)
-        totals%removed = sums(15:16)
-        totals%damage = sums(13)/max(sums(1), tiny(1.0_dp))
+        all = 0
+        do k = 1, size(solid%bodies)
+            if (b == 0 .or. b == k) all = all + sums(:, k)
+        end do
+        totals%mass = all(1)
+        totals%centre = all(2:4)/max(all(1), tiny(1.0_dp))
+        totals%momentum = all(5:7)
+        totals%angular = all(8:10)
+        totals%kinetic = all(11)
+        totals%internal = all(12)
+        totals%outside = all(14)
+        totals%removed = all(15:16)
+        totals%damage = all(13)/max(all(1), tiny(1.0_dp))
         do k = 1, size(solid%bodies) ! the turning of the particles of rigid bodies
             if (b /= 0 .and. b /= k) cycle
             associate (r => solid%bodies(k)%rigid)

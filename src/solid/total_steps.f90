@@ -9,30 +9,35 @@ module brz_total_steps
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: solid_totals, solid_totals_t
+    public :: solid_totals, sums_of_bodies, solid_totals_t
 
 contains
 
-    !> Totals of body b, or with b = 0 of all bodies, which are added in their order. Ledgers must
-    !> be up to date. All processes must call.
+    !> Totals of body b, or with b = 0 of all bodies. Ledgers must be up to date. All processes must
+    !> call.
     subroutine solid_totals(solid, b, totals)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
         type(solid_totals_t), intent(out) :: totals
-        real(dp) :: all_of_them(n_sum), sums(n_sum)
+        real(dp) :: sums(n_sum, size(solid%bodies))
+
+        call sums_of_bodies(solid, sums)
+        call totals_of_sums(solid, b, sums, totals) !@host
+    end subroutine solid_totals
+
+    !> Sums over the particles of each body. All processes must call.
+    subroutine sums_of_bodies(solid, sums)
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(out) :: sums(:, :) !! (n_sum, bodies) see sum_state
         integer :: k
 
-        all_of_them = 0
         do k = 1, size(solid%bodies)
-            if (b /= 0 .and. b /= k) cycle
             associate (there => solid%bodies(k))
                 call each_sum_state(there%last - there%first + 1, solid%ranks, there%first, &
                     solid%wide, solid%step_d, solid%step_p, real(solid%dt_last/2, rk), &
                     solid%region, solid%x, solid%v, solid%mass, solid%a, solid%energy, &
-                    solid%damage, solid%fixed, sums) !@gpu solid%region => gpu%region
+                    solid%damage, solid%fixed, sums(:, k)) !@gpu solid%region => gpu%region
             end associate
-            all_of_them = all_of_them + sums
         end do
-        call totals_of_sums(solid, b, all_of_them, totals) !@host
-    end subroutine solid_totals
+    end subroutine sums_of_bodies
 end module brz_total_steps

@@ -18,15 +18,15 @@ module brz_backend_fetch
     use brz_gpu_cohesive_part, only: fetch_gpu_points
     use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid
     use brz_gpu_solid_books, only: fetch_ledgers
-    use brz_gpu_total_steps, only: gpu_solid_totals => solid_totals
+    use brz_gpu_total_steps, only: gpu_sums_of_bodies => sums_of_bodies
     use brz_kinds, only: dp, rk
     use brz_ranks, only: bits_of_all, several
     use brz_snapshots, only: snapshot_t
     use brz_solid_state, only: solid_t
-    use brz_total_steps, only: solid_totals, solid_totals_t
+    use brz_total_steps, only: sums_of_bodies
     implicit none
     private
-    public :: stock_of_air, stock_of_books, stock_of_solid, stock_of_forces, stock_of_interfaces
+    public :: stock_of_air, stock_of_books, stock_of_bodies, stock_of_forces, stock_of_interfaces
     public :: fetch_sums, fetch_state, take_snapshot, fetch_followed, fetch_around
 
 contains
@@ -61,21 +61,19 @@ contains
         end if
     end subroutine stock_of_air
 
-    !> Totals of body b, or of all with b = 0; the ledgers of the bodies are brought up to date.
-    subroutine stock_of_solid(backend, solid, b, totals, err)
+    !> Sums over the particles of each body.
+    subroutine stock_of_bodies(backend, solid, sums, err)
         type(backend_t), intent(inout) :: backend
-        type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: b
-        type(solid_totals_t), intent(out) :: totals
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(out) :: sums(:, :) !! (n_sum, bodies) see sum_state
         type(error_t), intent(inout) :: err
 
         if (backend%bodies_on_gpu) then
-            call fetch_ledgers(backend%solid, solid, err)
-            call gpu_solid_totals(backend%solid, solid, b, totals, err)
+            call gpu_sums_of_bodies(backend%solid, solid, sums, err)
         else
-            call solid_totals(solid, b, totals)
+            call sums_of_bodies(solid, sums)
         end if
-    end subroutine stock_of_solid
+    end subroutine stock_of_bodies
 
     !> Bring the books of the particles of this process up to date, before those of all are opened.
     subroutine stock_of_books(backend, solid, err)

@@ -7,7 +7,7 @@ module brz_ledger
     use brz_air_totals, only: counts_of_all, outflow_of_all
     use brz_backend, only: backend_t
     use brz_backend_fetch, only: stock_of_air, stock_of_books, stock_of_interfaces, &
-        stock_of_solid
+        stock_of_bodies
     use brz_cohesive_setup, only: interface_name
     use brz_cohesive_state, only: cohesive_totals
     use brz_coupling_state, only: coupling_books_t, coupling_t
@@ -16,7 +16,7 @@ module brz_ledger
     use brz_kinds, only: dp, int64, rk
     use brz_solid_books, only: books_t, close_all_books, open_all_books
     use brz_solid_state, only: solid_t
-    use brz_total_steps, only: solid_totals_t
+    use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
     implicit none
     private
     public :: balance_t, ledger_start_t, take_stock, is_balanced, energy_columns, ledger_row
@@ -84,6 +84,7 @@ module brz_ledger
         real(dp) :: energy_scale = 0, momentum_scale = 0 !! that errors are measured against
         real(dp) :: energy_error = 0, mass_error = 0, momentum_error = 0 !! relative
         real(dp) :: coupling_error = 0 !! what coupling loses over the work on the bodies
+        real(dp), allocatable :: of_bodies(:, :) !! (n_sum, bodies) sums over particles
     end type balance_t
 
     !> What the errors are measured against.
@@ -128,7 +129,9 @@ contains
         if (solid%present) then
             call stock_of_books(backend, solid, err)
             call open_all_books(solid, books)
-            call stock_of_solid(backend, solid, 0, sums, err)
+            allocate (ledger%of_bodies(n_sum, size(solid%bodies)))
+            call stock_of_bodies(backend, solid, ledger%of_bodies, err)
+            call totals_of_sums(solid, 0, ledger%of_bodies, sums)
             ledger%solid_kinetic = sums%kinetic
             ledger%solid_internal = sums%internal
             ledger%outside = sums%outside
@@ -296,8 +299,8 @@ contains
     end function interfaces_of
 
     !> The row that belongs to the columns of bodies.csv.
-    subroutine body_row(time, backend, solid, row, err)
-        real(dp), intent(in) :: time !! [s]
+    subroutine body_row(ledger, backend, solid, row, err)
+        type(balance_t), intent(in) :: ledger !! of the present state
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(inout) :: solid
         real(dp), intent(out) :: row(:) !! (1 + n_body bodies + n_interface interfaces)
@@ -307,11 +310,11 @@ contains
         real(dp) :: sums(4)
         integer :: b, first
 
-        row(1) = time
+        row(1) = ledger%time
         call stock_of_books(backend, solid, err)
         call open_all_books(solid, books)
         do b = 1, size(solid%bodies)
-            call stock_of_solid(backend, solid, b, t, err)
+            call totals_of_sums(solid, b, ledger%of_bodies, t)
             row(2 + n_body*(b - 1):1 + n_body*b) = &
                 [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, t%damage, &
                  solid%bodies(b)%ledger%load, solid%bodies(b)%reaction]
