@@ -30,15 +30,13 @@ contains
     subroutine totals_of_sums(solid, b, sums, totals)
         type(solid_t), intent(in) :: solid
         integer, intent(in) :: b
-        real(dp), intent(in) :: sums(:, :) !! (n_sum, bodies) see sum_state
+        real(dp), intent(in) :: sums(n_sum, size(solid%bodies)) !! see sum_state
         type(solid_totals_t), intent(out) :: totals
         real(dp) :: all(n_sum)
         integer :: k
 
-        all = 0
-        do k = 1, size(solid%bodies)
-            if (b == 0 .or. b == k) all = all + sums(:, k)
-        end do
+        if (b == 0) all = sum(sums, 2) ! body by body
+        if (b > 0) all = sums(:, b)
         totals%mass = all(1)
         totals%centre = all(2:4)/max(all(1), tiny(1.0_dp))
         totals%momentum = all(5:7)

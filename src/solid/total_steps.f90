@@ -28,7 +28,7 @@ contains
     !> Sums over the particles of each body. All processes must call.
     subroutine sums_of_bodies(solid, sums)
         type(solid_t), intent(in) :: solid
-        real(dp), intent(out) :: sums(:, :) !! (n_sum, bodies) see sum_state
+        real(dp), intent(out) :: sums(n_sum, size(solid%bodies)) !! see sum_state
         integer :: k
 
         do k = 1, size(solid%bodies)
