@@ -7,7 +7,7 @@ module brz_tallies
     private
     public :: tally_threads, tally_exactly
 
-    integer, parameter :: tally_threads = 16384
+    integer, parameter :: tally_threads = 4096
 
 contains
 

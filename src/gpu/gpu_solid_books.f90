@@ -5,18 +5,37 @@ module brz_gpu_solid_books
     use brz_buffers, only: doubles_t, from
     use brz_device, only: clear_buffer, copy_out
     use brz_errors, only: error_t, failed
+    use brz_exact_sum, only: exact_sums
+    use brz_force_items, only: n_sum
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
         book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book
     use brz_gpu_solid_state, only: book_of, gpu_solid_t, most_folded, sum_threads, total_threads
-    use brz_kinds, only: dp, int64
+    use brz_kinds, only: dp, int64, rk
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: add_held_impulse, extent_of_body, fetch_ledgers, fetch_limit, forget_gone
+    public :: add_held_impulse, extent_of_body, fetch_ledgers, fetch_limit, forget_gone, &
+        sum_state_of
 
 contains
+
+    !> Sums of the state of body b, of all processes.
+    subroutine sum_state_of(gpu, solid, b, sums, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: b
+        real(dp), intent(out) :: sums(n_sum) !! see sum_state
+        type(error_t), intent(inout) :: err
+        real(dp) :: folded(most_folded, n_sum)
+
+        call solid_kernels%solid_state_of([total_threads, 1, 1], gpu%n, total_threads, &
+            gpu%bodies(b)%first, gpu%bodies(b)%last, real(solid%dt_last/2, rk), gpu%region, &
+            gpu%place, gpu%motion, gpu%state, gpu%tag, gpu%partial, err)
+        call gpu%common%fold(gpu%partial, total_threads, folded, err)
+        call exact_sums(solid%ranks, reshape(sum(folded, 1), [n_sum, 1]), sums)
+    end subroutine sum_state_of
 
     !> Sums of the columns of `book` over body b.
     subroutine sum_book(gpu, b, sums, err)

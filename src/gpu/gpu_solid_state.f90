@@ -9,6 +9,7 @@ module brz_gpu_solid_state
         reserve_buffer
     use brz_errors, only: error_t, exit_device, failed, raise
     use brz_gpu_cohesive_state, only: gpu_cohesive_t
+    use brz_force_items, only: n_sum
     use brz_gpu_common, only: gpu_common_t
     use brz_gpu_exact_sum, only: gpu_exact_t
     use brz_gpu_face_load, only: gpu_facets_t
@@ -171,7 +172,7 @@ contains
         call require(device, solid, gpu, err)
         if (failed(err)) return
         call gpu%exact%open(solid%ranks, err)
-        call gpu%common%open(most_folded*n_book, err)
+        call gpu%common%open(most_folded*max(n_book, n_sum), err)
         allocate (gpu%bodies(size(solid%bodies)), gpu%ledger(size(solid%bodies)), &
                   gpu%reaction(3, size(solid%bodies)))
         do b = 1, size(solid%bodies)
@@ -191,7 +192,7 @@ contains
         call allocate_buffer(gpu%region, 48_int64, err)
         call allocate_buffer(gpu%found, 4_int64*size(gpu%bodies), err)
         call allocate_buffer(gpu%sums_of_forces, 32_int64*tally_threads, err)
-        call allocate_buffer(gpu%partial, 8_int64*total_threads*n_book, err)
+        call allocate_buffer(gpu%partial, 8_int64*total_threads*max(n_book, n_sum), err)
         call copy_in(solid%region, gpu%region, 48_int64, err)
     end subroutine open_gpu_solid_memory
 

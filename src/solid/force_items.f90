@@ -6,7 +6,9 @@ module brz_force_items
     use brz_support, only: is_driven, is_kept
     implicit none
     private
-    public :: sum_forces, sum_momentum, sum_region, sum_state
+    public :: sum_forces, sum_momentum, sum_region, sum_state, n_sum
+
+    integer, parameter :: n_sum = 16 !! sums of sum_state
 
 contains
 

@@ -1,13 +1,12 @@
 ! SPDX-License-Identifier: MIT
 !> Totals of bodies from sums over their particles.
 module brz_solid_sums
+    use brz_force_items, only: n_sum
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: solid_t
     implicit none
     private
     public :: totals_of_sums, solid_totals_t, n_sum, velocity_at_step
-
-    integer, parameter :: n_sum = 16 !! sums of brz_force_items over the state of a particle
 
     !> Of what is modelled (a half or a quarter where symmetry planes cut), at the time of the step.
     type :: solid_totals_t
