@@ -68,7 +68,7 @@ contains
         total = word(1)
     end subroutine running_sum
 
-    !> List which of n marks are set, 1 and not 0, as numbers from `before` + 1, in any order; their
+    !> List which of n marks are above 0, as numbers from `before` + 1, in any order; their
     !> number is added to `found`.
     subroutine pick(mark, before, n, list, found, err)
         type(integers_t), intent(in) :: mark !! (n)

@@ -71,46 +71,36 @@ contains
         associate (l => gpu%links)
             if (l%listed) return
             l%listed = .true.
-            call list_touching(gpu, l%awake(:, :count(l%awake(1, :) > 0)), err)
-            if (.not. gpu%bonded) return
-            call clear_buffer(l%mark, err)
-            do k = 1, count(l%awake(1, :) > 0)
-                call tie_kernels%mark_linked(l%awake(2, k) - l%awake(1, k) + 1, l%awake(1, k), &
-                    l%lay, l%ends, l%table, l%row, l%slice, l%count, l%list, l%mark, err)
-            end do
-            call list_marked(gpu, l%linked, l%n_linked, err)
+            associate (awake => l%awake(:, :count(l%awake(1, :) > 0)))
+                call list_marked(gpu, links_that_touch(gpu), awake, l%touching, l%n_touching, err)
+                if (.not. gpu%bonded) return
+                call reserve_buffer(l%mark, 4_int64*gpu%n, err)
+                call clear_buffer(l%mark, err)
+                do k = 1, size(awake, 2)
+                    call tie_kernels%mark_linked(awake(2, k) - awake(1, k) + 1, awake(1, k), &
+                        l%lay, l%ends, l%table, l%row, l%slice, l%count, l%list, l%mark, err)
+                end do
+                call list_marked(gpu, l%mark, awake, l%linked, l%n_linked, err)
+            end associate
         end associate
     end subroutine list_linked
 
-    !> List the particles of some ranges that may touch others.
-    subroutine list_touching(gpu, ranges, err)
-        type(gpu_solid_t), intent(inout) :: gpu
+    !> List the particles of some ranges that are marked.
+    subroutine list_marked(gpu, mark, ranges, list, n, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(integers_t), intent(in) :: mark !! (particles)
         integer, intent(in) :: ranges(:, :) !! (2, ranges) first and last particle
-        type(error_t), intent(inout) :: err
-        integer :: k
-
-        associate (l => gpu%links)
-            call reserve_buffer(l%mark, 4_int64*gpu%n, err)
-            call clear_buffer(l%mark, err)
-            do k = 1, size(ranges, 2)
-                call tie_kernels%mark_touching(ranges(2, k) - ranges(1, k) + 1, ranges(1, k), &
-                                               links_that_touch(gpu), l%mark, err)
-            end do
-            call list_marked(gpu, l%touching, l%n_touching, err)
-        end associate
-    end subroutine list_touching
-
-    !> List the particles that are marked.
-    subroutine list_marked(gpu, list, n, err)
-        type(gpu_solid_t), intent(inout) :: gpu
         type(integers_t), intent(inout) :: list
         integer, intent(out) :: n !! how many
         type(error_t), intent(inout) :: err
-        integer :: word(1)
+        integer :: k, word(1)
 
         call reserve_buffer(list, 4_int64*gpu%n, err)
         call clear_buffer(gpu%links%found, err)
-        call pick(gpu%links%mark, 0, gpu%n, list, gpu%links%found, err)
+        do k = 1, size(ranges, 2)
+            call pick(from(mark, int(ranges(1, k), int64)), ranges(1, k) - 1, &
+                      ranges(2, k) - ranges(1, k) + 1, list, gpu%links%found, err)
+        end do
         word = 0
         call copy_out(gpu%links%found, word, 4_int64, err)
         n = word(1)
@@ -203,7 +193,8 @@ contains
         type(error_t), intent(inout) :: err
 
         call refresh_motion(gpu, solid, err)
-        call list_touching(gpu, reshape([1, gpu%n], [2, 1]), err)
+        call list_marked(gpu, links_that_touch(gpu), reshape([1, gpu%n], [2, 1]), &
+                         gpu%links%touching, gpu%links%n_touching, err)
         gpu%links%listed = .false.
         call press(gpu, 0.0_rk, err)
         call refresh_press(gpu, err)

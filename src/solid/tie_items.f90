@@ -9,7 +9,7 @@ module brz_tie_items
     use brz_link_layout, only: link_layout_t, links_of, mask_unit
     implicit none
     private
-    public :: count_loose, drop_links, mark_linked, mark_touching
+    public :: count_loose, drop_links, mark_linked
 
 contains
 
@@ -50,18 +50,6 @@ contains
             end if
         end do
     end subroutine mark_linked
-
-    !> Mark a particle that has links along which contact may act.
-    !@item
-    !@cuf attributes(host,device) &
-    pure subroutine mark_touching(p, first, count, mark)
-        integer, intent(in) :: p !! particles
-        integer, intent(in) :: first !! the first of them
-        integer(int32), intent(in) :: count(*) !! of these links
-        integer(int32), intent(inout) :: mark(*) !! 1: it has
-
-        if (count(first - 1 + p) > 0) mark(first - 1 + p) = 1
-    end subroutine mark_touching
 
     !> Number of links of a particle, or 0 where all of them are tied: it then has no contact.
     !@item

@@ -23,6 +23,7 @@ module brz_backend_fetch
     use brz_ranks, only: bits_of_all, several
     use brz_snapshots, only: snapshot_t
     use brz_solid_state, only: solid_t
+    use brz_solid_sums, only: n_sum
     use brz_total_steps, only: sums_of_bodies
     implicit none
     private
@@ -65,7 +66,7 @@ contains
     subroutine stock_of_bodies(backend, solid, sums, err)
         type(backend_t), intent(inout) :: backend
         type(solid_t), intent(in) :: solid
-        real(dp), intent(out) :: sums(:, :) !! (n_sum, bodies) see sum_state
+        real(dp), intent(out) :: sums(n_sum, size(solid%bodies)) !! see sum_state
         type(error_t), intent(inout) :: err
 
         if (backend%bodies_on_gpu) then
