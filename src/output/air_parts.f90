@@ -3,17 +3,16 @@
 !> own, `chk_001230.part003.h5`, and the checkpoint itself says which boxes there are. Any number of
 !> processes can go on from it, and several from the checkpoint of one.
 module brz_air_parts
+    use brz_air_books, only: air_books_t, carry_books, keep_in_air, look_at_all_air
     use brz_air_state, only: air_t, brick, n_ghost
-    use brz_air_totals, only: counts_of_all, outflow_of_all, take_outflow
     use brz_boxes, only: cells_t, common, is_empty
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_files, only: file_exists, list_folder, name_len, remove_file, rename_file
     use brz_hdf5_array, only: h5_read, h5_shape, h5_write
     use brz_hdf5_box, only: h5_read_box
     use brz_hdf5_file, only: h5_close, h5_create, h5_has, h5_open, h5_plain, h5_t
-    use brz_kinds, only: dp, int8, int64, rk
-    use brz_ranks, only: agree, sum_of_all
-    use brz_running_total, only: total_numbers
+    use brz_kinds, only: int8, int64, rk
+    use brz_ranks, only: agree
     use brz_seal, only: check_seal
     use brz_text, only: to_text
     implicit none
@@ -56,17 +55,10 @@ contains
         type(h5_t), intent(in) :: file !! open in the first process alone
         type(air_t), intent(in) :: air
         type(error_t), intent(inout) :: err
-        real(dp) :: outflow(5), products
-        integer(int64) :: faces, cells
+        type(air_books_t) :: books
         integer :: boxes(6, size(air%part%boxes)), r
-        integer(int64) :: left(total_numbers, 6)
 
-        do r = 1, 6
-            left(:, r) = air%left(r)%limb
-            call sum_of_all(air%part%ranks, left(:, r))
-        end do
-        call outflow_of_all(air, outflow, products)
-        call counts_of_all(air, faces, cells)
+        books = look_at_all_air(air)
         if (air%part%ranks%rank > 0) return
         do r = 1, size(boxes, 2)
             associate (box => air%part%boxes(r - 1))
@@ -74,11 +66,7 @@ contains
             end associate
         end do
         call h5_write(file, boxes_name, boxes, err)
-        call h5_write(file, 'air/left', left, err)
-        call h5_write(file, 'air/outflow', outflow, err)
-        call h5_write(file, 'air/outflow_products', products, err)
-        call h5_write(file, 'air/fallback_faces', faces, err)
-        call h5_write(file, 'air/held_cells', cells, err)
+        call carry_books(file, books, err)
     end subroutine write_boxes
 
     !> True if a checkpoint holds its air in parts.
@@ -96,7 +84,7 @@ contains
         type(error_t), intent(inout) :: err
         type(h5_t) :: part
         type(cells_t), allocatable :: boxes(:)
-        integer(int64) :: left(total_numbers, 6)
+        type(air_books_t) :: books
         integer :: r
 
         if (is_in_parts(file)) then
@@ -112,23 +100,9 @@ contains
             call read_common(file, cells_t([1, 1, 1], air%whole), &
                              merge(n_ghost, 0, air%whole > 1), air, err)
         end if
-        call h5_read(file, 'air/outflow', air%outflow, err)
-        call h5_read(file, 'air/outflow_products', air%outflow_products, err)
-        call h5_read(file, 'air/fallback_faces', air%fallback_faces, err)
-        call h5_read(file, 'air/held_cells', air%held_cells, err)
-        left = 0
-        call h5_read(file, 'air/left', left, err)
-        do r = 1, 6
-            air%left(r)%limb = merge(left(:, r), 0_int64, air%part%ranks%rank == 0)
-        end do
-        if (air%part%ranks%rank == 0) then ! the first keeps what all have counted
-            call take_outflow(air)
-            return
-        end if
-        air%outflow = 0
-        air%outflow_products = 0
-        air%fallback_faces = 0
-        air%held_cells = 0
+        call carry_books(file, books, err)
+        if (air%part%ranks%rank > 0) books = air_books_t() ! the first keeps what all have counted
+        call keep_in_air(books, air)
     end subroutine read_air_boxes
 
     !> The boxes of a checkpoint in parts, which must be a cut of the same grid.

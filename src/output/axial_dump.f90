@@ -5,12 +5,13 @@ module brz_axial_dump
     use brz_axial_start, only: frame_t
     use brz_axial_state, only: axial_t, w_p, w_part, w_r, w_rho, w_z
     use brz_errors, only: error_t
+    use brz_gas_fields, only: gas_fields, gas_values_t, make_values, set_values, write_values
     use brz_hdf5_array, only: h5_write
     use brz_hdf5_attribute, only: h5_put
     use brz_hdf5_file, only: h5_t
-    use brz_kinds, only: dp, int8, real32
+    use brz_kinds, only: dp, int8
     use brz_meta, only: meta_t
-    use brz_vtkhdf, only: begin_dump, end_dump, root, write_field
+    use brz_vtkhdf, only: begin_dump, end_dump, root
     implicit none
     private
     public :: write_axial_dump
@@ -57,29 +58,22 @@ contains
         type(frame_t), intent(in) :: frame
         integer, intent(in) :: cells(3)
         type(error_t), intent(inout) :: err
-        real(real32), allocatable :: scalar(:, :, :, :), velocity(:, :, :, :)
-        integer(int8), allocatable :: solid(:, :, :)
+        type(gas_values_t) :: fields(size(gas_fields))
         integer :: i, j, at(3)
+        real(dp) :: v(3)
 
-        allocate (scalar(cells(1), cells(2), cells(3), 4))
-        allocate (velocity(3, cells(1), cells(2), cells(3)), source=0.0_real32)
-        allocate (solid(cells(1), cells(2), cells(3)), source=0_int8)
+        call make_values(cells, fields)
+        v = 0
         do j = blast%low, blast%n
             do i = 1, blast%n
                 at([frame%across, frame%axis]) = [i, 1, j - blast%low + 1]
                 associate (w => blast%w(i, :, j))
-                    scalar(at(1), at(2), at(3), :) = real([w(w_rho), w(w_p), &
-                        w(w_p) - blast%input%pressure, w(w_part)], real32)
-                    velocity([frame%across(1), frame%axis], at(1), at(2), at(3)) = &
-                        real(w([w_r, w_z]), real32)
+                    v([frame%across(1), frame%axis]) = w([w_r, w_z])
+                    call set_values(fields, at, [w(w_rho), v, w(w_p)], blast%input%pressure, &
+                                    0_int8, w(w_part))
                 end associate
             end do
         end do
-        call write_field(file, 'CellData/density', 'kg/m3', scalar(:, :, :, 1), err)
-        call write_field(file, 'CellData/pressure', 'Pa', scalar(:, :, :, 2), err)
-        call write_field(file, 'CellData/overpressure', 'Pa', scalar(:, :, :, 3), err)
-        call write_field(file, 'CellData/velocity', 'm/s', velocity, err)
-        call write_field(file, 'CellData/solid', '-', solid, err)
-        call write_field(file, 'CellData/products', '-', scalar(:, :, :, 4), err)
+        call write_values(file, fields, err)
     end subroutine put_fields
 end module brz_axial_dump

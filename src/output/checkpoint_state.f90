@@ -6,8 +6,8 @@
 !> before they are read, so their shapes are checked against the file.
 module brz_checkpoint_state
     use, intrinsic :: iso_c_binding, only: c_f_pointer
+    use brz_air_books, only: air_books_t, carry_books, keep_in_air, look_at_air
     use brz_air_state, only: air_t
-    use brz_air_totals, only: take_outflow
     use brz_carry, only: carry
     use brz_clock, only: clock_t, resume_clock
     use brz_coupling_state, only: coupling_t
@@ -16,7 +16,6 @@ module brz_checkpoint_state
     use brz_hdf5_file, only: h5_has, h5_t
     use brz_motion, only: motion_t
     use brz_kinds, only: dp, int16, int32, int64, int8, real32, real64
-    use brz_running_total, only: total_numbers
     use brz_solid_fields, only: field_t, fields_of, fields_t, is_double, is_integer, &
         is_short, is_single
     use brz_solid_state, only: kept_cells_t, ledger_t, solid_t
@@ -46,25 +45,13 @@ contains
         type(h5_t), intent(in) :: file
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
-        integer(int64) :: left(total_numbers, 6)
-        integer :: c
+        type(air_books_t) :: books
 
         call carry(file, 'air/u', air%u, err)
         call carry(file, 'air/reached', air%reached, err)
-        call carry(file, 'air/outflow', air%outflow, err)
-        call carry(file, 'air/outflow_products', air%outflow_products, err)
-        do c = 1, 6
-            left(:, c) = air%left(c)%limb
-        end do
-        call carry(file, 'air/left', left, err)
-        if (.not. (file%writing .or. failed(err))) then
-            do c = 1, 6
-                air%left(c)%limb = left(:, c)
-            end do
-            call take_outflow(air)
-        end if
-        call carry(file, 'air/fallback_faces', air%fallback_faces, err)
-        call carry(file, 'air/held_cells', air%held_cells, err)
+        books = look_at_air(air)
+        call carry_books(file, books, err)
+        if (.not. (file%writing .or. failed(err))) call keep_in_air(books, air)
     end subroutine carry_air
 
     subroutine carry_solid(file, solid, err)
