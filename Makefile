@@ -168,7 +168,7 @@ emulated: $(B)/tests/gpu/run $(EMULATOR) ## run the tests of the GPU with the em
 	@mkdir -p build/log
 	@echo '// $(STAMP)' > build/gpu/emulated.ptx
 	LD_LIBRARY_PATH=$(dir $(EMULATOR)) BRISANCE_PTX=build/gpu/emulated.ptx $(B)/tests/gpu/run $(PF_XML) build/log/emulated.xml $(ARGS)
-$(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%.o,$(wildcard tests/gpu/gpu_*.f90)) $(LIB)
+$(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%.o,$(wildcard tests/gpu/gpu_*.f90) $(FLOORS)) $(LIB)
 	@mkdir -p $(@D)
 	$(call say,link $@)
 	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)

@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> The state of a blast in one dimension at a radius.
 module brz_blast1d_profile
+    use brz_bisection, only: count_up_to
     use brz_blast1d_state, only: blast1d_t
     use brz_kinds, only: dp
     implicit none
@@ -16,18 +17,10 @@ contains
         real(dp), intent(in) :: radius !! [m]
         real(dp), intent(out) :: state(3)
         real(dp) :: part
-        integer :: lo, hi, mid
+        integer :: lo, hi
 
-        lo = 0
-        hi = blast%n + 1
-        do while (hi - lo > 1)
-            mid = (lo + hi)/2
-            if (blast%x(mid) > radius) then
-                hi = mid
-            else
-                lo = mid
-            end if
-        end do
+        lo = count_up_to(blast%x(1:blast%n), radius)
+        hi = lo + 1
         part = min((radius - blast%x(lo))/(blast%x(hi) - blast%x(lo)), 1.0_dp)
         state = blast%state(:3, lo) + part*(blast%state(:3, hi) - blast%state(:3, lo))
         if (lo /= blast%n_in) return

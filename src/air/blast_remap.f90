@@ -10,6 +10,7 @@
 !> No sum depends on the order of the directions: x, y and z get the same bits.
 module brz_blast_remap
     use brz_air_state, only: air_t, bc_symmetry
+    use brz_bisection, only: count_up_to
     use brz_blast1d_state, only: blast1d_t, whole_angle
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, rk
@@ -109,19 +110,8 @@ contains
     pure integer function ring_at(rings, radius)
         type(rings_t), intent(in) :: rings
         real(dp), intent(in) :: radius !! [m]
-        integer :: lo, hi, mid
 
-        lo = 0
-        hi = rings%n + 1
-        do while (hi - lo > 1)
-            mid = (lo + hi)/2
-            if (rings%edge(mid) > radius) then
-                hi = mid
-            else
-                lo = mid
-            end if
-        end do
-        ring_at = hi
+        ring_at = 1 + count_up_to(rings%edge(1:rings%n), radius)
     end function ring_at
 
     !> How many points lie in each ring.

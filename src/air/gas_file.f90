@@ -7,6 +7,7 @@
 !> rows, of which a cell takes the mean over some points. Of any other table a cell takes the
 !> nearest point. What no file covers stays as it is.
 module brz_gas_file
+    use brz_bisection, only: count_up_to
     use brz_case, only: gas_case_t, label
     use brz_csv_table, only: read_columns
     use brz_errors, only: error_t, exit_deck, failed, raise
@@ -267,7 +268,7 @@ contains
         real(dp), intent(out) :: q(6)
         logical, intent(out) :: hit
         real(dp) :: at, t, w(5), speed
-        integer :: high, low, middle
+        integer :: high, low
 
         if (table%axis == 4) then
             at = max(norm2(arm), table%at(1, 1))
@@ -278,16 +279,8 @@ contains
             hit = at >= row(1) .and. at <= row(n)
             q = 0
             if (.not. hit) return
-            low = 1
-            high = n
-            do while (high - low > 1)
-                middle = (low + high)/2
-                if (row(middle) <= at) then
-                    low = middle
-                else
-                    high = middle
-                end if
-            end do
+            low = 1 + count_up_to(row(2:n - 1), at)
+            high = low + 1
             t = (at - row(low))/(row(high) - row(low))
         end associate
         w = (1 - t)*table%w(:, low) + t*table%w(:, high)

@@ -18,7 +18,7 @@ module brz_hdf5_array
                     h5t_string
     implicit none
     private
-    public :: h5_write, h5_read, h5_shape
+    public :: h5_write, h5_read, h5_shape, h5_make
 
     integer(int64), parameter :: worth_packing = 256 !! elements
 
@@ -79,7 +79,7 @@ contains
         integer, intent(in) :: width !! of an element, 0: not to be packed [bytes]
         type(error_t), intent(inout) :: err
         integer(int64) :: chunk(size(extents)), dims(size(extents))
-        integer(hid_t) :: space, create, link, set
+        integer(hid_t) :: space, create, set
         integer :: status, closed
         logical :: packs
 
@@ -99,10 +99,9 @@ contains
             call h5pset_shuffle_f(create, status)
             call h5pset_deflate_f(create, deflate_level, status)
         end if
-        call h5pcreate_f(h5p_link_create_f, link, status)
-        call h5pset_create_inter_group_f(link, 1, status)
-        call h5dcreate_f(file%id, name, type, space, set, status, dcpl_id=create, lcpl_id=link)
-        if (status == 0) then
+        call h5_make(file, name, type, space, create, set, err)
+        if (set >= 0) then
+            status = 0
             if (packs) then
                 call write_chunks(set, data, dims, chunk, width, status)
             else if (product(dims) > 0) then
@@ -111,13 +110,30 @@ contains
             if (status /= 0) call h5_fail(file, "cannot write '"//name//"'", err)
             call h5dclose_f(set, closed)
             if (closed /= 0) call h5_fail(file, "cannot write '"//name//"'", err)
-        else
-            call h5_fail(file, "cannot make '"//name//"'", err)
         end if
-        call h5pclose_f(link, status)
         call h5pclose_f(create, status)
         call h5sclose_f(space, status)
     end subroutine write_elements
+
+    !> Make an array, with the groups in its name.
+    subroutine h5_make(file, name, type, space, create, set, err)
+        type(h5_t), intent(in) :: file
+        character(*), intent(in) :: name
+        integer(hid_t), intent(in) :: type, space, create !! of an element, its shape, how it lies
+        integer(hid_t), intent(out) :: set !! open; -1 where an error is raised
+        type(error_t), intent(inout) :: err
+        integer(hid_t) :: link
+        integer :: status, closed
+
+        call h5pcreate_f(h5p_link_create_f, link, status)
+        call h5pset_create_inter_group_f(link, 1, status)
+        call h5dcreate_f(file%id, name, type, space, set, status, dcpl_id=create, lcpl_id=link)
+        if (status /= 0) then
+            call h5_fail(file, "cannot make '"//name//"'", err)
+            set = -1
+        end if
+        call h5pclose_f(link, closed)
+    end subroutine h5_make
 
     !> Read an array of known shape to `data`.
     subroutine read_elements(file, name, data, extents, type, err)

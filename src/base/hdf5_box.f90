@@ -7,12 +7,12 @@ module brz_hdf5_box
     use, intrinsic :: ieee_arithmetic, only: ieee_is_finite
     use, intrinsic :: iso_c_binding, only: c_loc, c_ptr
     use brz_errors, only: error_t, exit_io, failed, raise
-    use brz_hdf5_array, only: h5_shape
+    use brz_hdf5_array, only: h5_make, h5_shape
     use brz_hdf5_file, only: h5_fail, h5_t
     use brz_kinds, only: int8, int64, real32, real64
-    use hdf5, only: hid_t, hsize_t, h5dclose_f, h5dcreate_f, h5dget_space_f, h5dopen_f, h5dread_f, &
+    use hdf5, only: hid_t, hsize_t, h5dclose_f, h5dget_space_f, h5dopen_f, h5dread_f, &
                     h5kind_to_type, h5_integer_kind, h5_real_kind, h5p_dataset_create_f, &
-                    h5p_link_create_f, h5pclose_f, h5pcreate_f, h5pset_create_inter_group_f, &
+                    h5pclose_f, h5pcreate_f, &
                     h5pset_virtual_f, h5s_select_set_f, h5sclose_f, h5screate_simple_f, &
                     h5sselect_all_f, h5sselect_hyperslab_f
     implicit none
@@ -118,7 +118,7 @@ contains
         integer, intent(in) :: dims(:) !! in Fortran order
         type(h5_piece_t), intent(in) :: pieces(:)
         type(error_t), intent(inout) :: err
-        integer(hid_t) :: create, link, set, space, type, part
+        integer(hid_t) :: create, set, space, type, part
         integer :: i, status
 
         if (failed(err)) return
@@ -137,15 +137,8 @@ contains
             end associate
         end do
         call h5sselect_all_f(space, status)
-        call h5pcreate_f(h5p_link_create_f, link, status)
-        call h5pset_create_inter_group_f(link, 1, status)
-        call h5dcreate_f(file%id, name, type, space, set, status, dcpl_id=create, lcpl_id=link)
-        if (status == 0) then
-            call h5dclose_f(set, status)
-        else
-            call h5_fail(file, "cannot make '"//name//"'", err)
-        end if
-        call h5pclose_f(link, status)
+        call h5_make(file, name, type, space, create, set, err)
+        if (set >= 0) call h5dclose_f(set, status)
         call h5pclose_f(create, status)
         call h5sclose_f(space, status)
     end subroutine h5_virtual

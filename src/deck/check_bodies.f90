@@ -14,7 +14,7 @@ module brz_check_bodies
     use brz_text, only: nearest, to_text
     implicit none
     private
-    public :: check_bodies, reference_hint
+    public :: check_bodies, miss_body, reference_hint
 
     character(*), parameter :: axes = 'xyz'
 
@@ -74,6 +74,17 @@ contains
                       trim(body%material)//"'"// &
                       reference_hint(trim(body%material), case%materials%id))
     end subroutine find_material
+
+    !> Complain that a key names a body that is not there.
+    subroutine miss_body(deck, g, case, key, id)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        character(*), intent(in) :: key, id
+
+        call complain(deck, g, key, "there is no &body with id='"//trim(id)//"'"// &
+                      reference_hint(trim(id), case%bodies%id))
+    end subroutine miss_body
 
     !> '; did you mean ...' or the ids that exist.
     pure function reference_hint(id, ids) result(text)
@@ -297,8 +308,7 @@ contains
                 if (id == '') exit
                 i = findloc(means(id, case%bodies%id), .true., 1)
                 if (i == 0) then
-                    call complain(deck, g, 'cuts', "there is no &body with id='"//trim(id)//"'"// &
-                                  reference_hint(trim(id), case%bodies%id))
+                    call miss_body(deck, g, case, 'cuts', id)
                 else if (means(id, case%bodies(k)%id) .or. &
                          any(means(case%bodies(i)%cuts, case%bodies(k)%id))) then
                     call complain(deck, g, 'cuts', "the bodies '"//trim(case%bodies(k)%id)// &

@@ -3,7 +3,7 @@
 module brz_check_gauges
     use brz_case, only: case_t, gauge_case_t
     use brz_check_air, only: box_text, point_text
-    use brz_check_bodies, only: reference_hint
+    use brz_check_bodies, only: miss_body
     use brz_outlines, only: body_box
     use brz_check_start, only: is_axial, is_radial
     use brz_deck, only: complain, deck_t, find_group, may_be_misspelt
@@ -48,8 +48,7 @@ contains
             if (case%bodies(i)%id == gauge%body) gauge%body_index = i
             if (gauge%body_index > 0) return
         end do
-        call complain(deck, g, 'body', "there is no &body with id='"//trim(gauge%body)//"'"// &
-                      reference_hint(trim(gauge%body), case%bodies%id))
+        call miss_body(deck, g, case, 'body', gauge%body)
     end subroutine find_body
 
     !> The other body of a force between two.
@@ -65,8 +64,7 @@ contains
             call complain(deck, g, 'with', "with belongs to quantity='contact_x' or "// &
                           "'impulse_x', ...; take it out")
         else if (gauge%with_index == 0) then
-            call complain(deck, g, 'with', "there is no &body with id='"//trim(gauge%with)//"'"// &
-                          reference_hint(trim(gauge%with), case%bodies%id))
+            call miss_body(deck, g, case, 'with', gauge%with)
         else if (gauge%with_index == gauge%body_index) then
             call complain(deck, g, 'with', 'a body does nothing to itself; name another one')
         end if

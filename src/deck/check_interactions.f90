@@ -2,7 +2,7 @@
 !> Interactions between bodies: their values, and the bodies that they name.
 module brz_check_interactions
     use brz_case, only: case_t, interaction_case_t, means, name_len
-    use brz_check_bodies, only: reference_hint
+    use brz_check_bodies, only: miss_body
     use brz_deck, only: add_warning, complain, deck_t, group_label, place
     use brz_get, only: get, get_boxes, is_given
     implicit none
@@ -67,9 +67,7 @@ contains
         do i = 1, n
             if (id(i) == '*') cycle
             call find_range(case, id(i), interaction%body(i), interaction%last(i))
-            if (interaction%body(i) == 0) call complain(deck, g, 'bodies', &
-                "there is no &body with id='"//trim(id(i))//"'"// &
-                reference_hint(trim(id(i)), case%bodies%id))
+            if (interaction%body(i) == 0) call miss_body(deck, g, case, 'bodies', id(i))
         end do
         if (n == 2 .and. id(1) == id(2) .and. index(id(1), '*') == 0) &
             call complain(deck, g, 'bodies', &

@@ -2,7 +2,7 @@
 !> Loads: their keys, their values, and the bodies that they name.
 module brz_check_loads
     use brz_case, only: case_t, load_case_t, name_len
-    use brz_check_bodies, only: reference_hint
+    use brz_check_bodies, only: miss_body
     use brz_csv_table, only: read_columns
     use brz_deck, only: complain, deck_t, group_label, place
     use brz_errors, only: error_t, failed
@@ -100,9 +100,8 @@ contains
         body = ''
         call get(deck%groups(g), 'body', body)
         load%body = findloc(case%bodies%id, body, 1)
-        if (load%body == 0 .and. is_usable(deck%groups(g), 'body')) call complain(deck, g, 'body', &
-            "there is no &body with id='"//trim(body)//"'"//reference_hint(trim(body), &
-                                                                          case%bodies%id))
+        if (load%body == 0 .and. is_usable(deck%groups(g), 'body')) &
+            call miss_body(deck, g, case, 'body', body)
         faces = ''
         call get(deck%groups(g), 'faces', faces, n)
         load%faces = [(any(faces == names(i)), i=1, size(names))]

@@ -2,7 +2,7 @@
 !> Motions of regions of bodies: their keys, their values, and the bodies that they name.
 module brz_check_motions
     use brz_case, only: body_case_t, case_t, max_motion, name_len, region_case_t
-    use brz_check_bodies, only: reference_hint
+    use brz_check_bodies, only: miss_body
     use brz_deck, only: complain, deck_t, group_label, place
     use brz_get, only: get, get_boxes, get_list, is_usable
     use brz_key, only: key_t, kind_text, required
@@ -53,9 +53,8 @@ contains
             body = ''
             call get(deck%groups(g), 'body', body)
             b = findloc(case%bodies%id, body, 1)
-            if (b == 0 .and. is_usable(deck%groups(g), 'body')) call complain(deck, g, 'body', &
-                "there is no &body with id='"//trim(body)//"'"//reference_hint(trim(body), &
-                                                                              case%bodies%id))
+            if (b == 0 .and. is_usable(deck%groups(g), 'body')) &
+                call miss_body(deck, g, case, 'body', body)
             call fill(deck, g, region)
             if (b == 0) cycle
             call check_body(deck, g, case, case%bodies(b))

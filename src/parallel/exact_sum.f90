@@ -14,7 +14,7 @@ module brz_exact_sum
     implicit none
     private
     public :: exact_sums, exact_sum
-    public :: limbs, scale_t, widen, open_sums, add_terms, close_sums
+    public :: limbs, bits, scale_t, widen, open_sums, add_terms, close_sums, carry_limbs
 
     integer, parameter :: bits = 31, limbs = 3
     integer(int64), parameter :: nothing = -5000 !! exponent where all terms are zero
@@ -148,18 +148,27 @@ contains
     pure real(dp) function number_of(sums, top) result(total)
         integer(int64), intent(in) :: sums(limbs)
         integer, intent(in) :: top !! exponent of the largest term
-        integer(int64) :: limb(limbs), carry
+        integer(int64) :: limb(limbs)
         integer :: k
 
         limb = sums
-        do k = limbs, 2, -1 ! one way only to write the number: limbs from 0 to 2^31 - 1
-            carry = shifta(limb(k), bits)
-            limb(k) = limb(k) - shiftl(carry, bits)
-            limb(k - 1) = limb(k - 1) + carry
-        end do
+        call carry_limbs(limb)
         total = 0
         do k = limbs, 1, -1
             total = total + scaled(real(limb(k), dp), top - bits*k)
         end do
     end function number_of
+
+    !> Bring limbs into the one way to write a number: from 0 to 2^31 - 1, but for the first.
+    pure subroutine carry_limbs(limb)
+        integer(int64), intent(inout) :: limb(:)
+        integer(int64) :: carry
+        integer :: k
+
+        do k = size(limb), 2, -1
+            carry = shifta(limb(k), bits)
+            limb(k) = limb(k) - shiftl(carry, bits)
+            limb(k - 1) = limb(k - 1) + carry
+        end do
+    end subroutine carry_limbs
 end module brz_exact_sum

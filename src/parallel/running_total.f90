@@ -4,14 +4,13 @@
 !> when the run begins, and one limb more.
 module brz_running_total
     use, intrinsic :: ieee_arithmetic, only: ieee_quiet_nan, ieee_value
+    use brz_exact_sum, only: bits, carry_limbs
     use brz_kinds, only: dp, int64
     use brz_ranks, only: ranks_t, sum_of_all
     use brz_total_state, only: limbs, room, running_total_t, total_numbers
     implicit none
     private
     public :: running_total_t, begin_total, add_to_total, value_of, value_of_all, total_numbers
-
-    integer, parameter :: bits = 31
 
 contains
 
@@ -32,7 +31,6 @@ contains
         type(running_total_t), intent(inout) :: total
         real(dp), intent(in) :: x
         real(dp) :: rest, whole
-        integer(int64) :: carry
         integer :: k
 
         if (.not. abs(x) < scale(1.0_dp, total%top)) then
@@ -45,25 +43,17 @@ contains
             total%limb(k) = total%limb(k) + int(whole, int64)
             rest = (rest - whole)*2.0_dp**bits
         end do
-        do k = limbs, 2, -1
-            carry = shifta(total%limb(k), bits)
-            total%limb(k) = total%limb(k) - shiftl(carry, bits)
-            total%limb(k - 1) = total%limb(k - 1) + carry
-        end do
+        call carry_limbs(total%limb(1:))
     end subroutine add_to_total
 
     !> The total as a number; no number if a term was none.
     real(dp) function value_of(total)
         type(running_total_t), intent(in) :: total
-        integer(int64) :: limb(0:limbs), carry
+        integer(int64) :: limb(0:limbs)
         integer :: k
 
         limb = total%limb
-        do k = limbs, 2, -1
-            carry = shifta(limb(k), bits)
-            limb(k) = limb(k) - shiftl(carry, bits)
-            limb(k - 1) = limb(k - 1) + carry
-        end do
+        call carry_limbs(limb(1:))
         value_of = 0
         do k = limbs, 1, -1
             value_of = value_of + scale(real(limb(k), dp), total%top - bits*k)

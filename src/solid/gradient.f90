@@ -12,7 +12,7 @@ module brz_gradient
     implicit none
     private
     public :: moment_terms, outer_terms, correction, midstep_gradient, shear_limiter, &
-              stable_step, total_gradient, piola, weakest_of
+              stable_step, total_gradient, piola, invert_supported
     public :: limiter_none, limiter_balsara, limiter_compression, limiter_slope
 
     ! of the artificial viscosity; the last one is one of pairs, jump_speed of brz_pair_force
@@ -75,11 +75,24 @@ contains
         real(rk), intent(in) :: m(6) !! moment matrix, xx, yy, zz, xy, yz, xz
         real(rk), intent(out) :: b(3, 3)
         integer, intent(out) :: weak !! 1 where a direction is unsupported, else 0
-        real(rk) :: a(3, 3), norm, weakest
+        real(rk) :: a(3, 3)
+
+        call to_matrix(m, a)
+        call invert_supported(dimension, a, b, weak)
+        if (weak == 1) call tamed_inverse(weakest_of(dimension), a, b)
+    end subroutine correction
+
+    !> Inverse of a moment matrix, and whether its neighbours support every direction.
+    !@cuf attributes(host,device) &
+    pure subroutine invert_supported(dimension, a, b, weak)
+        integer, intent(in) :: dimension
+        real(rk), intent(in) :: a(3, 3)
+        real(rk), intent(out) :: b(3, 3)
+        integer, intent(out) :: weak !! 1 where a direction is unsupported, else 0
+        real(rk) :: norm
         logical :: ok
         integer :: i, j
 
-        call to_matrix(m, a)
         call inverse3(a, b, ok)
         norm = 0
         do j = 1, 3
@@ -87,12 +100,9 @@ contains
                 norm = norm + b(i, j)*b(i, j)
             end do
         end do
-        weakest = weakest_of(dimension)
-        weak = 0
-        if (ok .and. norm <= 1/weakest**2) return
         weak = 1
-        call tamed_inverse(weakest, a, b)
-    end subroutine correction
+        if (ok .and. norm <= 1/weakest_of(dimension)**2) weak = 0
+    end subroutine invert_supported
 
     !> Smallest eigenvalue of M that is inverted in full.
     !@cuf attributes(host,device) &

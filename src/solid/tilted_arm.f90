@@ -18,8 +18,7 @@
 !>
 !> Source: docs/solid.md section 4
 module brz_tilted_arm
-    use brz_algebra, only: inverse3
-    use brz_gradient, only: weakest_of
+    use brz_gradient, only: invert_supported
     use brz_kinds, only: dp, rk
     use brz_pair_force, only: most_bent, overstretched
     implicit none
@@ -175,8 +174,7 @@ contains
         real(rk), intent(in) :: m(9) !! column by column
         real(rk), intent(out) :: b(3, 3)
         integer, intent(out) :: weak !! 1 where a direction is unsupported, else 0
-        real(rk) :: a(3, 3), norm
-        logical :: ok
+        real(rk) :: a(3, 3)
         integer :: i, j
 
         do j = 1, 3
@@ -184,16 +182,8 @@ contains
                 a(i, j) = m(i + 3*(j - 1))
             end do
         end do
-        call inverse3(a, b, ok)
-        norm = 0
-        do j = 1, 3
-            do i = 1, 3
-                norm = norm + b(i, j)*b(i, j)
-            end do
-        end do
-        weak = 0
-        if (ok .and. norm <= 1/weakest_of(dimension)**2) return
-        weak = 1
+        call invert_supported(dimension, a, b, weak)
+        if (weak == 0) return
         do j = 1, 3
             do i = 1, 3
                 b(i, j) = 0

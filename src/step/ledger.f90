@@ -12,7 +12,7 @@ module brz_ledger
     use brz_cohesive_state, only: cohesive_totals
     use brz_coupling_state, only: coupling_books_t, coupling_t
     use brz_coupling_totals, only: books_of_all
-    use brz_errors, only: error_t
+    use brz_errors, only: error_t, failed
     use brz_kinds, only: dp, int64, rk
     use brz_solid_books, only: books_t, close_all_books, open_all_books
     use brz_solid_state, only: solid_t
@@ -84,7 +84,7 @@ module brz_ledger
         real(dp) :: energy_scale = 0, momentum_scale = 0 !! that errors are measured against
         real(dp) :: energy_error = 0, mass_error = 0, momentum_error = 0 !! relative
         real(dp) :: coupling_error = 0 !! what coupling loses over the work on the bodies
-        real(dp), allocatable :: of_bodies(:, :) !! (n_sum, bodies) sums over particles
+        real(dp), allocatable :: bodies(:, :) !! (n_body, bodies) see body_columns
     end type balance_t
 
     !> What the errors are measured against.
@@ -111,13 +111,12 @@ contains
         type(ledger_start_t), intent(inout) :: start
         type(balance_t), intent(out) :: ledger
         type(error_t), intent(inout) :: err !! exit_device where the GPU fails
-        type(solid_totals_t) :: sums
-        type(books_t) :: books
         type(coupling_books_t) :: taken
-        real(dp) :: all(5), area(2)
+        real(dp) :: all(5), mass
         integer(int64) :: faces, cells
 
         ledger%time = time
+        mass = 0
         if (air%present) then
             call stock_of_air(backend, air, coupling, ledger%gas, ledger%kept, &
                               ledger%gas_kinetic, ledger%products, err)
@@ -126,31 +125,7 @@ contains
             ledger%fallback_faces = real(faces, dp)
             ledger%held_cells = real(cells, dp)
         end if
-        if (solid%present) then
-            call stock_of_books(backend, solid, err)
-            call open_all_books(solid, books)
-            allocate (ledger%of_bodies(n_sum, size(solid%bodies)))
-            call stock_of_bodies(backend, solid, ledger%of_bodies, err)
-            call totals_of_sums(solid, 0, ledger%of_bodies, sums)
-            ledger%solid_kinetic = sums%kinetic
-            ledger%solid_internal = sums%internal
-            ledger%outside = sums%outside
-            ledger%removed = sums%removed
-            ledger%hourglass = sums%hourglass
-            ledger%artificial = sums%artificial
-            ledger%hourglass_heat = sum(solid%bodies%ledger%hourglass_heat)
-            ledger%viscous = sum(solid%bodies%ledger%viscous)
-            ledger%plastic = sum(solid%bodies%ledger%plastic)
-            ledger%damage = sum(solid%bodies%ledger%damage)
-            ledger%contact = [sums%contact, sum(solid%bodies%ledger%contact_heat), &
-                              sum(solid%bodies%ledger%friction)]
-            call stock_of_interfaces(backend, solid, err)
-            call cohesive_totals(solid%cohesive, 0, ledger%bond(1), ledger%bond(2), &
-                                 area(1), area(2))
-            ledger%drive = sum(solid%bodies%ledger%drive)
-            ledger%load_work = sum(solid%bodies%ledger%load)
-            call close_all_books(solid, books)
-        end if
+        if (solid%present) call stock_of_solid(backend, solid, ledger, mass, err)
         if (coupling%present) call books_of_all(solid%ranks, coupling, taken)
         ledger%air_work = taken%work
         ledger%reference_work = taken%work_reference
@@ -164,8 +139,51 @@ contains
         ledger%momentum_scale = momentum_scale(air, ledger)
         if (.not. start%known) start = ledger_start_t(.true., ledger%total, all(1), all(2:4), &
                                                       supply=largest_term(ledger))
-        call judge(all, rounding_energy(solid, sums%mass), start, ledger)
+        call judge(all, rounding_energy(solid, mass), start, ledger)
     end subroutine take_stock
+
+    !> The bodies and what is between them, by the books of all processes.
+    subroutine stock_of_solid(backend, solid, ledger, mass, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
+        type(balance_t), intent(inout) :: ledger
+        real(dp), intent(out) :: mass !! of all bodies [kg]
+        type(error_t), intent(inout) :: err
+        type(solid_totals_t) :: sums, t
+        type(books_t) :: books
+        real(dp) :: of_bodies(n_sum, size(solid%bodies)), area(2)
+        integer :: b
+
+        call stock_of_books(backend, solid, err)
+        call open_all_books(solid, books)
+        call stock_of_bodies(backend, solid, of_bodies, err)
+        call totals_of_sums(solid, 0, of_bodies, sums)
+        mass = sums%mass
+        ledger%solid_kinetic = sums%kinetic
+        ledger%solid_internal = sums%internal
+        ledger%outside = sums%outside
+        ledger%removed = sums%removed
+        ledger%hourglass = sums%hourglass
+        ledger%artificial = sums%artificial
+        ledger%hourglass_heat = sum(solid%bodies%ledger%hourglass_heat)
+        ledger%viscous = sum(solid%bodies%ledger%viscous)
+        ledger%plastic = sum(solid%bodies%ledger%plastic)
+        ledger%damage = sum(solid%bodies%ledger%damage)
+        ledger%contact = [sums%contact, sum(solid%bodies%ledger%contact_heat), &
+                          sum(solid%bodies%ledger%friction)]
+        ledger%drive = sum(solid%bodies%ledger%drive)
+        ledger%load_work = sum(solid%bodies%ledger%load)
+        allocate (ledger%bodies(n_body, size(solid%bodies)))
+        do b = 1, size(solid%bodies)
+            if (failed(err)) exit
+            call totals_of_sums(solid, b, of_bodies, t)
+            ledger%bodies(:, b) = [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, &
+                                   t%damage, solid%bodies(b)%ledger%load, solid%bodies(b)%reaction]
+        end do
+        call close_all_books(solid, books)
+        call stock_of_interfaces(backend, solid, err)
+        call cohesive_totals(solid%cohesive, 0, ledger%bond(1), ledger%bond(2), area(1), area(2))
+    end subroutine stock_of_solid
 
     !> A momentum to measure errors against: that of sound through the whole mass of the air.
     pure real(dp) function momentum_scale(air, ledger)
@@ -299,32 +317,20 @@ contains
     end function interfaces_of
 
     !> The row that belongs to the columns of bodies.csv.
-    subroutine body_row(ledger, backend, solid, row, err)
+    pure subroutine body_row(ledger, solid, row)
         type(balance_t), intent(in) :: ledger !! of the present state
-        type(backend_t), intent(inout) :: backend
-        type(solid_t), intent(inout) :: solid
+        type(solid_t), intent(in) :: solid
         real(dp), intent(out) :: row(:) !! (1 + n_body bodies + n_interface interfaces)
-        type(error_t), intent(inout) :: err
-        type(solid_totals_t) :: t
-        type(books_t) :: books
         real(dp) :: sums(4)
-        integer :: b, first
+        integer :: first, k
 
+        first = 1 + size(ledger%bodies)
         row(1) = ledger%time
-        call stock_of_books(backend, solid, err)
-        call open_all_books(solid, books)
-        do b = 1, size(solid%bodies)
-            call totals_of_sums(solid, b, ledger%of_bodies, t)
-            row(2 + n_body*(b - 1):1 + n_body*b) = &
-                [t%mass, t%centre, t%momentum/t%mass, t%kinetic, t%internal, t%damage, &
-                 solid%bodies(b)%ledger%load, solid%bodies(b)%reaction]
-        end do
-        call close_all_books(solid, books)
-        call stock_of_interfaces(backend, solid, err)
-        do b = 1, interfaces_of(solid)
-            call cohesive_totals(solid%cohesive, b, sums(1), sums(2), sums(3), sums(4))
-            first = 1 + n_body*size(solid%bodies) + n_interface*(b - 1)
+        row(2:first) = reshape(ledger%bodies, [size(ledger%bodies)])
+        do k = 1, interfaces_of(solid)
+            call cohesive_totals(solid%cohesive, k, sums(1), sums(2), sums(3), sums(4))
             row(first + 1:first + n_interface) = [sums(3), sums(1), sums(2)]
+            first = first + n_interface
         end do
     end subroutine body_row
 end module brz_ledger

@@ -240,7 +240,7 @@ contains
         outputs%energy_error = ledger%energy_error
         call append_row(outputs%energy, ledger_row(ledger), err)
         if (sim%solid%present) then
-            call body_row(ledger, sim%backend, sim%solid, outputs%body_values, err)
+            call body_row(ledger, sim%solid, outputs%body_values)
             call append_row(outputs%bodies, outputs%body_values, err)
         end if
         if (outputs%gauges%n > 0) then

@@ -13,17 +13,28 @@ module brz_bench_floors
         real(dp) :: bytes = 0, flops = 0, divisions = 0 !! per second of core time
     end type floors_t
 
+    !> A number of the command line.
+    interface argument
+        module procedure whole_argument, real_argument
+    end interface argument
+
 contains
 
-    !> A whole number of the command line.
-    integer function argument(k, default)
+    integer function whole_argument(k, default)
         integer, intent(in) :: k, default
+
+        whole_argument = nint(real_argument(k, real(default, dp)))
+    end function whole_argument
+
+    real(dp) function real_argument(k, default)
+        integer, intent(in) :: k
+        real(dp), intent(in) :: default
         character(20) :: text
 
-        argument = default
+        real_argument = default
         call get_command_argument(k, text)
-        if (len_trim(text) > 0) read (text, *) argument
-    end function argument
+        if (len_trim(text) > 0) read (text, *) real_argument
+    end function real_argument
 
     !> Bandwidth, multiply-adds and divisions per second of core time, with all threads at it.
     subroutine measure_floors(floors)

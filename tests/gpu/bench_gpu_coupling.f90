@@ -10,6 +10,7 @@ program bench_gpu_coupling
     use, intrinsic :: iso_fortran_env, only: output_unit
     use brz_air_setup, only: make_grid
     use brz_air_state, only: air_t, set_scale
+    use brz_bench_floors, only: argument
     use brz_carrier_motion, only: read_carriers
     use brz_cell_shells, only: make_shells
     use brz_coupling_setup, only: make_box
@@ -55,15 +56,6 @@ program bench_gpu_coupling
     end if
 
 contains
-
-    integer function argument(k, default)
-        integer, intent(in) :: k, default
-        character(20) :: text
-
-        argument = default
-        call get_command_argument(k, text)
-        if (len_trim(text) > 0) read (text, *) argument
-    end function argument
 
     !> The plate lies across z in the middle of a box that is wider by a third.
     subroutine set_up()

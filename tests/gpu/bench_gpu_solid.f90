@@ -7,6 +7,7 @@
 !> number, see below.
 program bench_gpu_solid
     use, intrinsic :: iso_fortran_env, only: output_unit
+    use brz_bench_floors, only: argument
     use brz_device, only: copy_out, device_t, free_all, wait_for_device
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_copy, only: open_gpu_solid
@@ -42,20 +43,10 @@ program bench_gpu_solid
         call measure(cases(3))
     end if
     do a = 3, command_argument_count()
-        call measure(cases(nint(argument(a, 1.0_dp))))
+        call measure(cases(argument(a, 1)))
     end do
 
 contains
-
-    real(dp) function argument(k, default)
-        integer, intent(in) :: k
-        real(dp), intent(in) :: default
-        character(20) :: text
-
-        argument = default
-        call get_command_argument(k, text)
-        if (len_trim(text) > 0) read (text, *) argument
-    end function argument
 
     !> One case: set up, time the parts, time whole steps.
     subroutine measure(what)
