@@ -39,6 +39,7 @@ contains
             call check_aspect(deck, g, case, case%bodies(k))
             call check_lattice(deck, g, case, case%bodies(k))
             call check_gaps(deck, g, case, case%bodies(k))
+            call check_cover(deck, g, case, case%bodies(k))
             do i = 1, case%bodies(k)%n_rollers
                 if (index('xyz', case%bodies(k)%roller_axis(i)) > case%run%dimension) &
                     call complain(deck, g, 'roller_axis', 'the scene has no direction '// &
@@ -279,6 +280,34 @@ contains
                          'cells of air of '//to_text(cell)//' m: gas appears inside it, and '// &
                          'energy with it; use at most 0.9 of a cell, better half of one')
     end subroutine check_gaps
+
+    !> A cell that holds a particle is solid as a whole: to the gas, what is smaller is as large.
+    !> What is thin along one axis alone has the right face.
+    subroutine check_cover(deck, g, case, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        type(body_case_t), intent(in) :: body
+        real(dp) :: lo(3), hi(3), cell(3), low(3), high(3)
+        integer :: d, k
+
+        d = case%run%dimension
+        if (.not. case%air%present .or. body%shape == 'bars' .or. body%file /= '') return
+        if (d == 1 .or. deck%groups(find_group(deck, 'air'))%bad) return
+        call body_box(body, lo, hi)
+        where (case%run%symmetry .and. lo <= 0) lo = -hi
+        cell = (case%air%hi - case%air%lo)/case%air%cells
+        if (count(hi(:d) - lo(:d) < (1 - slack)*cell(:d)) < 2) return
+        do k = 1, size(case%bodies) ! what lies in another one meets no gas
+            if (case%bodies(k)%id == body%id) cycle
+            call body_box(case%bodies(k), low, high)
+            if (all(lo(:d) >= low(:d) .and. hi(:d) <= high(:d))) return
+        end do
+        call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                         'it is smaller than a cell of the air, '//to_text(maxval(cell(:d)))// &
+                         ' m: the gas sees and pushes whole cells, a body as large as these; '// &
+                         'use cells of a third of the body at most')
+    end subroutine check_cover
 
     !> The file must be there. What it holds is not known yet: its box is all of space.
     subroutine check_file(deck, g, dimension, body)

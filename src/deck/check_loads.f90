@@ -4,7 +4,7 @@ module brz_check_loads
     use brz_case, only: case_t, load_case_t, name_len
     use brz_check_bodies, only: miss_body
     use brz_csv_table, only: read_columns
-    use brz_deck, only: complain, deck_t, group_label, place
+    use brz_deck, only: complain, deck_t, place
     use brz_errors, only: error_t, failed
     use brz_get, only: get, get_list, get_path, is_given, is_usable
     use brz_key, only: key_t, kind_text, required
@@ -82,7 +82,7 @@ contains
             call check_keys(deck, g, case%loads(k))
             call check_planes(deck, g, case, case%loads(k))
             call check_faces(deck, g, case, case%loads(k))
-            if (case%air%present) call complain(deck, g, 'body', group_label(deck%groups(g))// &
+            if (case%air%present) call complain(deck, g, 'body', &
                 'is for scenes without air, and this one has &air; take one of them out')
         end do
     end subroutine check_loads

@@ -3,7 +3,7 @@
 module brz_check_motions
     use brz_case, only: body_case_t, case_t, max_motion, name_len, region_case_t
     use brz_check_bodies, only: miss_body
-    use brz_deck, only: complain, deck_t, group_label, place
+    use brz_deck, only: complain, deck_t, place
     use brz_get, only: get, get_boxes, get_list, is_usable
     use brz_key, only: key_t, kind_text, required
     use brz_kinds, only: dp
@@ -104,7 +104,7 @@ contains
         type(case_t), intent(in) :: case
         type(body_case_t), intent(in) :: body
 
-        if (case%air%present) call complain(deck, g, 'body', group_label(deck%groups(g))// &
+        if (case%air%present) call complain(deck, g, 'body', &
             "is for scenes without air; in air drive what is held of a body by its motion_time")
         if (body%formulation == 'rigid') call complain(deck, g, 'body', 'regions of a rigid '// &
             'body cannot move apart; drive it by its motion_time and motion_velocity')

@@ -56,6 +56,13 @@ WARNINGS = {
         "case.nml:4: warning: &body id='p': its particles, 0.02 m apart, leave gaps for cells of "
         "air of 0.02 m: gas appears inside it, and energy with it; use at most 0.9 of a cell",
     ),
+    "a_body_that_is_smaller_than_a_cell": (
+        AIR
+        + STEEL
+        + "&body id='p', box=0.1,0.115, 0.1,0.115, 0.1,0.3, spacing=0.005, material='s' /\n",
+        "case.nml:4: warning: &body id='p': it is smaller than a cell of the air, 0.02 m: the gas "
+        "sees and pushes whole cells",
+    ),
     "one_particle_across_a_bar": (
         "&run t_end=1e-4 /\n"
         + STEEL

@@ -326,10 +326,17 @@ def test_a_push_stays_in_what_is_modelled(tmp_path):
         assert done.returncode == 2 and "make that component 0" in done.stderr
 
 
-def test_a_load_wants_no_air(tmp_path):
+@pytest.mark.parametrize("group", ["load", "motion"])
+def test_a_load_or_a_motion_wants_no_air(group, tmp_path):
     deck = "&run t_end=1e-6 /\n&air box=-1,1,-1,1,-1,1, cells=4,4,4 /\n"
-    deck += BLOCK.format(dx=1e-3, form="auto") + "&load body='b', faces='z-', pressure=1 /\n"
+    deck += BLOCK.format(dx=1e-3, form="auto")
+    deck += {
+        "load": "&load id='k', body='b', faces='z-', pressure=1 /\n",
+        "motion": "&motion id='k', body='b', box=-1,1,-1,1,-1,1, velocity=1,0,0 /\n",
+    }[group]
     (tmp_path / "bad.nml").write_text(deck)
     done = subprocess.run([BRISANCE, "run", "bad.nml"], cwd=tmp_path, capture_output=True,
                           text=True)  # fmt: skip
-    assert done.returncode == 2 and "for scenes without air" in done.stderr
+    assert done.returncode == 2
+    assert f": &{group} id='k': is for scenes without air" in done.stderr
+    assert done.stderr.count(f"&{group} id='k'") == 1  # it is named once

@@ -136,3 +136,43 @@ def test_the_gas_pushes_rigid_bodies_on_after_a_restart(tmp_path):
     run(tmp_path, "--out", "parts", "--set", "run.max_steps=31")
     run(tmp_path, "--out", "parts", *steps, "--restart", "latest")
     assert state(tmp_path / "parts", 0) == state(tmp_path / "whole", 0)
+
+
+# glue that is pulled, a region and a rigid body that are driven, one that strikes, one that sticks
+ELSEWHERE = """\
+&run t_end=1e-4, dimension=2 /
+&material id='m', model='linear_elastic', density=1000, youngs_modulus=1e9, poisson_ratio=0.3 /
+&body id='a', box=0,0.01, 0,0.005, 0,1, spacing=0.001, material='m', fix='y-' /
+&body id='b', box=0,0.01, 0.005,0.01, 0,1, spacing=0.001, material='m' /
+&body id='ram', box=0.0102,0.0152, 0,0.004, 0,1, spacing=0.001, material='m',
+      formulation='rigid', motion_time=0,1e-6, motion_velocity=0,0,0, -60,0,0 /
+&body id='flyer', box=-0.0055,-0.0005, 0.001,0.009, 0,1, spacing=0.001, material='m',
+      velocity=50,4,0 /
+&motion id='lift', body='b', box=0,0.01, 0.009,0.01, 0,1, axes='y', velocity=0,4,0 /
+&load body='b', faces='x+', time=0,1e-5, pressure=1e6,0 /
+&interaction law='contact', friction=0.3 /
+&interaction bodies='a','b', law='cohesive', tensile_strength=1e6, shear_strength=2e6,
+  gi=30, gii=60 /
+&gauge id='grip', body='b', motion='lift', quantity='reaction_y' /
+&gauge id='rest', body='a', quantity='reaction_y' /
+&gauge id='ram', body='ram', quantity='reaction_x' /
+&gauge id='met', body='a', with='ram', quantity='contact_x' /
+&gauge id='sum', body='a', with='ram', quantity='impulse_x' /
+&gauge id='rub', body='flyer', with='b', quantity='contact_y' /
+&gauge id='all', body='b', quantity='impulse_x' /
+&output history_every=0 /
+"""
+
+
+@pytest.mark.parametrize("last", [3, 27, 48, 70])
+def test_a_new_folder_goes_on_with_the_rows_of_the_whole(last, tmp_path):
+    """Histories of forces, impulses and interfaces begin behind the checkpoint as they went on."""
+    (tmp_path / "scene.nml").write_text(ELSEWHERE)
+    assert run(tmp_path, "--out", "whole", "--set", "run.max_steps=80")[0] == 0
+    run(tmp_path, "--out", "first", "--set", f"run.max_steps={last}")
+    begin = "--restart", f"first/chk_{last:06}.h5"
+    code, words = run(tmp_path, "--out", "more", "--set", "run.max_steps=80", *begin)
+    assert code == 0, words
+    for name, text in tables(tmp_path / "whole").items():
+        lines = text.splitlines(keepends=True)
+        assert (tmp_path / "more" / name).read_bytes() == b"".join([lines[0], *lines[last + 2 :]])
