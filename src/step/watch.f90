@@ -29,7 +29,12 @@ contains
             sim%intact = .true.
             call raise(err, exit_numerical, text)
         else if (sim%case%solid%leave == 'remove') then
-            write (error_unit, '(a)') text//'; they are taken out (removed[kg] in energy.csv)'
+            if (sim%clock%cycle == 0) then
+                text = text//'; what is outside from the start stays, and later ones are taken out'
+            else
+                text = text//'; they are taken out'
+            end if
+            write (error_unit, '(a)') text//' (removed[kg] in energy.csv)'
         else
             write (error_unit, '(a)') text//'; they fly on and feel no air (outside[kg] in '// &
                 'energy.csv)'

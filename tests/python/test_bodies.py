@@ -266,3 +266,10 @@ def test_what_leaves_can_be_taken_out(tmp_path):
         )
         run("run", "chip.nml", "--out", f"half{steps}", "--restart", "latest", cwd=tmp_path)
         assert tables(tmp_path / f"half{steps}") == tables(out)
+
+
+def test_what_is_outside_from_the_start_stays(tmp_path):
+    deck = CHIP.replace("region=-0.009,0.006", "region=-0.009,0.002")
+    (tmp_path / "chip.nml").write_text(deck)
+    done = run("run", "chip.nml", "--set", "run.max_steps=1", cwd=tmp_path)
+    assert "outside from the start stays, and later ones are taken out" in done.stderr
