@@ -98,7 +98,7 @@ contains
         field = cells*air%n_var*bytes_of_real
         ends = int(gpu%grid%lines, int64)*air%n_var
         call require(device, 4*field + merge(7, 1, held)*cells + 4*ends*bytes_of_real, err)
-        call gpu%common%open(1, err)
+        call gpu%common%open(1, 1, err)
         scheme = trim(reconstruction_names(air%scheme%reconstruction))// &
             merge('_hllc ', '_split', air%scheme%flux == hllc)
         call find_kernel('faces_'//trim(scheme), gpu%faces, err)
@@ -228,14 +228,12 @@ contains
 
     !> Refresh the host's conserved variables in a list of cells, of which those of others are left.
     subroutine fetch_cells(gpu, cell, air, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(gpu_air_t), intent(inout) :: gpu
         integer, intent(in) :: cell(:, :) !! (3, n) indices in the box of this process
         type(air_t), intent(inout) :: air
         type(error_t), intent(inout) :: err
         integer(int64), allocatable :: place(:)
         real(rk), allocatable :: values(:, :)
-        type(buffer_t) :: place_at
-        type(reals_t) :: values_at
         integer :: at(3, size(cell, 2)), c, n
 
         n = 0
@@ -246,13 +244,10 @@ contains
         if (gpu%fetched .or. n == 0) return
         place = [(place_of(gpu%grid, at(1, c), at(2, c), at(3, c)), c=1, n)]
         allocate (values(n, air%n_var), source=0.0_rk)
-        call put_buffer(place, place_at, 8_int64*n, err)
-        call allocate_buffer(values_at, size(values)*bytes_of_real, err)
-        call place_kernels%pick_reals(n, n, air%n_var, 1, gpu%grid%apart, place_at, gpu%u, &
-                                      values_at, err)
-        call copy_out(values_at, values, size(values)*bytes_of_real, err)
-        call free_buffer(place_at)
-        call free_buffer(values_at)
+        call gpu%common%ask(place, 8_int64*n, size(values)*bytes_of_real, err)
+        call place_kernels%pick_reals(n, n, air%n_var, 1, gpu%grid%apart, gpu%common%asked, &
+                                      gpu%u, reals_t(gpu%common%told), err)
+        call copy_out(gpu%common%told, values, size(values)*bytes_of_real, err)
         if (failed(err)) return
         do c = 1, n
             air%u(at(1, c), at(2, c), at(3, c), :) = values(c, :)
@@ -261,27 +256,22 @@ contains
 
     !> Refresh the host's map of solid cells in some places, and keep the velocities of these.
     subroutine fetch_walls(gpu, cell, wall, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(gpu_air_t), intent(inout) :: gpu
         integer, intent(in) :: cell(:, :) !! (3, n) indices, ghosts among them
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
         integer(int64), allocatable :: place(:)
         integer, allocatable :: held(:)
         real(rk), allocatable :: row(:, :)
-        type(buffer_t) :: place_at
-        type(reals_t) :: row_at
         integer :: c, n
 
         n = size(cell, 2)
         place = [(place_of(gpu%grid, cell(1, c), cell(2, c), cell(3, c)), c=1, n)]
         allocate (row(4, n), source=0.0_rk)
-        call put_buffer(place, place_at, 8_int64*n, err)
-        call allocate_buffer(row_at, size(row)*bytes_of_real, err)
-        call face_kernels%see_wall(n, place_at, gpu%walls%solid, gpu%walls%index, &
-                                        gpu%walls%v, row_at, err)
-        call copy_out(row_at, row, size(row)*bytes_of_real, err)
-        call free_buffer(place_at)
-        call free_buffer(row_at)
+        call gpu%common%ask(place, 8_int64*n, size(row)*bytes_of_real, err)
+        call face_kernels%see_wall(n, gpu%common%asked, gpu%walls%solid, gpu%walls%index, &
+                                   gpu%walls%v, reals_t(gpu%common%told), err)
+        call copy_out(gpu%common%told, row, size(row)*bytes_of_real, err)
         if (failed(err)) return
         do c = 1, n
             wall%solid(cell(1, c), cell(2, c), cell(3, c)) = int(row(1, c), int8)

@@ -2,9 +2,9 @@
 !> What air, solids and coupling do alike on the GPU: running sums, and sums and largest numbers in
 !> a fixed order.
 module brz_gpu_common
-    use brz_buffers, only: doubles_t, from, integers_t
+    use brz_buffers, only: buffer_t, doubles_t, from, integers_t
     use brz_common_launches, only: common_kernels
-    use brz_device, only: allocate_buffer, clear_buffer, copy_out, reserve_buffer
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
     use brz_gpu_solid_layout, only: pick_chunk, scan_chunk
     use brz_kinds, only: dp, int64
@@ -13,24 +13,41 @@ module brz_gpu_common
     public :: gpu_common_t, pick
 
     integer, parameter :: first_fold = 32768, last_fold = 1024 !! of the largest number
+    integer, parameter :: most_rows = 8192 !! partial results that are folded at once
+    integer, parameter :: rows_between = 2048
+    integer, parameter :: rows_left = 32 !! for the host
 
     type :: gpu_common_t
         type(integers_t) :: levels !! of running sums
         type(doubles_t) :: part, folded !! partial results
+        type(buffer_t) :: asked, told !! what the host looks up, and the answer
     contains
-        procedure :: open, running_sum, fold, largest
+        procedure :: open, ask, running_sum, fold, read_sums, extent, largest
     end type gpu_common_t
 
 contains
 
-    subroutine open (self, numbers, err)
+    subroutine open (self, columns, sets, err)
         class(gpu_common_t), intent(inout) :: self
-        integer, intent(in) :: numbers !! most that a fold leaves for the host
+        integer, intent(in) :: columns !! most that are folded; of more than most_rows: 16
+        integer, intent(in) :: sets !! of columns that are folded before the host reads them
         type(error_t), intent(inout) :: err
 
         call allocate_buffer(self%part, 8_int64*first_fold, err)
-        call allocate_buffer(self%folded, 8_int64*max(numbers, last_fold), err)
+        call allocate_buffer(self%folded, 8_int64*max(rows_left*columns*sets, last_fold), err)
     end subroutine open
+
+    !> Hand over which places or particles the host looks up, with room for what it is told.
+    subroutine ask(self, what, bytes, answer, err)
+        class(gpu_common_t), intent(inout) :: self
+        type(*), intent(in), target, contiguous :: what(..)
+        integer(int64), intent(in) :: bytes, answer !! of the question, of the answer
+        type(error_t), intent(inout) :: err
+
+        call reserve_buffer(self%asked, bytes, err)
+        call reserve_buffer(self%told, answer, err)
+        call copy_in(what, self%asked, bytes, err)
+    end subroutine ask
 
     !> Every one of n integers becomes the sum of those before it; one more, behind them, becomes
     !> the sum of all and is brought to the host if asked for.
@@ -40,8 +57,8 @@ contains
         integer, intent(in) :: n
         type(error_t), intent(inout) :: err
         integer, intent(out), optional :: total
-        type(integers_t) :: level(0:4)
-        integer :: length(0:4), l, last, word(1)
+        type(integers_t) :: level(0:5)
+        integer :: length(0:5), l, last, word(1)
 
         call clear_buffer(from(x, n + 1_int64), err, 4_int64)
         length(0) = n + 1
@@ -87,21 +104,53 @@ contains
         chunks = (n - 1)/scan_chunk + 1
     end function chunks
 
-    !> Sums over the m rows of `part`, column by column, in a fixed order: a few are left, which the
-    !> caller adds up.
-    subroutine fold(self, part, m, folded, err)
+    !> Sums over the m rows of `part`, column by column, in a fixed order: what is left waits in a
+    !> set for read_sums.
+    subroutine fold(self, part, m, columns, set, err)
         class(gpu_common_t), intent(in) :: self
         type(doubles_t), intent(in) :: part !! (m, columns)
-        integer, intent(in) :: m
-        real(dp), intent(out), contiguous :: folded(:, :) !! (rows that are left, columns)
+        integer, intent(in) :: m, columns
+        integer, intent(in) :: set !! from 1
         type(error_t), intent(inout) :: err
-        integer :: left(2)
+        type(doubles_t) :: to
 
-        left = shape(folded)
-        call common_kernels%fold_columns([left(1), left(2), 1], m, left(1), part, self%folded, err)
+        to = from(self%folded, rows_left*columns*(set - 1_int64) + 1)
+        if (m > most_rows) then
+            call common_kernels%fold_columns([rows_between, columns, 1], m, rows_between, part, &
+                                             self%part, err)
+            call common_kernels%fold_columns([rows_left, columns, 1], rows_between, rows_left, &
+                                             self%part, to, err)
+        else
+            call common_kernels%fold_columns([rows_left, columns, 1], m, rows_left, part, to, err)
+        end if
+    end subroutine fold
+
+    !> The sums of the sets that wait.
+    subroutine read_sums(self, sums, err)
+        class(gpu_common_t), intent(in) :: self
+        real(dp), intent(out), contiguous :: sums(:, :) !! (columns, sets)
+        type(error_t), intent(inout) :: err
+        real(dp) :: folded(rows_left, size(sums, 1), size(sums, 2))
+
         folded = 0
         call copy_out(self%folded, folded, 8_int64*size(folded), err)
-    end subroutine fold
+        sums = sum(folded, 1)
+    end subroutine read_sums
+
+    !> Corners of the box that holds m boxes [m].
+    subroutine extent(self, part, m, box, err)
+        class(gpu_common_t), intent(in) :: self
+        type(doubles_t), intent(in) :: part !! (m, 6) minus the low corners, the high ones
+        integer, intent(in) :: m
+        real(dp), intent(out) :: box(3, 2)
+        type(error_t), intent(inout) :: err
+        real(dp) :: folded(rows_left, 6)
+
+        call common_kernels%most_of_columns([rows_left, 6, 1], m, rows_left, part, self%folded, err)
+        folded = 0
+        call copy_out(self%folded, folded, 8_int64*size(folded), err)
+        box = reshape([-maxval(folded(:, :3), 1), maxval(folded(:, 4:), 1)], [3, 2])
+    end subroutine extent
 
     !> The largest of n numbers and 0; huge if one of them is no number, or if the GPU fails.
     real(dp) function largest(self, x, n, err)

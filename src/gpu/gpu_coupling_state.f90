@@ -124,7 +124,7 @@ contains
         gpu%rebuilds = -1
         gpu%n_debts = 0 ! see put_debts
         gpu%bodies = size(coupling%carrier)
-        call gpu%common%open(1, err)
+        call gpu%common%open(1, 1, err)
         call put_buffer(coupling%shells, gpu%shells, storage_size(coupling%shells)/8_int64, err)
         call allocate_buffer(gpu%mark, int(gpu%box%cells, int64), err)
         call allocate_buffer(gpu%slot, 4_int64*gpu%box%cells, err)

@@ -17,7 +17,7 @@ module brz_gpu_exact_sum
     public :: gpu_exact_t
 
     integer, parameter :: most = 18 !! sums of an item
-    integer, parameter :: rows = 32 !! partial results that are left for the host
+    integer, parameter :: rows = 32 !! largest terms of each that are left for the host
 
     type :: gpu_exact_t
         type(ranks_t) :: ranks
@@ -38,7 +38,7 @@ contains
         type(error_t), intent(inout) :: err
 
         self%ranks = ranks
-        call self%common%open(rows*limbs*most, err)
+        call self%common%open(limbs*most, 1, err)
         call allocate_buffer(self%sums, 8_int64*tally_threads*limbs*most, err)
         call allocate_buffer(self%up, 16_int64*most, err)
     end subroutine open
@@ -49,13 +49,14 @@ contains
         class(gpu_exact_t), intent(inout) :: self
         integer, intent(in) :: pass, n
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(rows, limbs*n), largest(n), up(2, n)
+        real(dp) :: folded(rows, n), largest(n), sums(limbs*n, 1), up(2, n)
         integer :: r
 
         if (pass == 1) then
-            call self%common%fold(self%sums, tally_threads, folded, err)
+            call self%common%fold(self%sums, tally_threads, limbs*n, 1, err)
+            call self%common%read_sums(sums, err)
             call close_sums(self%ranks, self%scales(:n), &
-                            reshape(sum(nint(folded, int64), 1), [limbs, n]), self%total(:n))
+                            reshape(nint(sums, int64), [limbs, n]), self%total(:n))
             return
         end if
         call common_kernels%largest([rows, n, 1], tally_threads, rows, self%sums, &

@@ -3,67 +3,72 @@
 module brz_gpu_solid_books
     use brz_artificial_stress, only: artificial_none
     use brz_buffers, only: doubles_t, from
-    use brz_device, only: clear_buffer, copy_out
+    use brz_device, only: clear_buffer
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
     use brz_force_items, only: n_sum
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
         book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book
-    use brz_gpu_solid_state, only: book_of, gpu_solid_t, most_folded, sum_threads, total_threads
+    use brz_gpu_solid_state, only: book_of, gpu_solid_t, sum_threads, total_threads
     use brz_kinds, only: dp, int64, rk
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     implicit none
     private
     public :: add_held_impulse, extent_of_body, fetch_ledgers, fetch_limit, forget_gone, &
-        sum_state_of
+        sum_states
 
 contains
 
-    !> Sums of the state of body b, of all processes.
-    subroutine sum_state_of(gpu, solid, b, sums, err)
+    !> Sums of the state of each body, of all processes.
+    subroutine sum_states(gpu, solid, sums, err)
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: b
-        real(dp), intent(out) :: sums(n_sum) !! see sum_state
+        real(dp), intent(out) :: sums(n_sum, size(gpu%bodies)) !! see sum_state
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(most_folded, n_sum)
+        real(dp) :: own(n_sum, size(gpu%bodies))
+        integer :: b
 
-        call solid_kernels%solid_state_of([total_threads, 1, 1], gpu%n, total_threads, &
-            gpu%bodies(b)%first, gpu%bodies(b)%last, real(solid%dt_last/2, rk), gpu%region, &
-            gpu%place, gpu%motion, gpu%state, gpu%tag, gpu%partial, err)
-        call gpu%common%fold(gpu%partial, total_threads, folded, err)
-        call exact_sums(solid%ranks, reshape(sum(folded, 1), [n_sum, 1]), sums)
-    end subroutine sum_state_of
+        do b = 1, size(gpu%bodies)
+            call solid_kernels%solid_state_of([total_threads, 1, 1], gpu%n, total_threads, &
+                gpu%bodies(b)%first, gpu%bodies(b)%last, real(solid%dt_last/2, rk), gpu%region, &
+                gpu%place, gpu%motion, gpu%state, gpu%tag, gpu%partial, err)
+            call gpu%common%fold(gpu%partial, total_threads, n_sum, b, err)
+        end do
+        call gpu%common%read_sums(own, err)
+        do b = 1, size(gpu%bodies)
+            call exact_sums(solid%ranks, own(:, b:b), sums(:, b))
+        end do
+    end subroutine sum_states
 
-    !> Sums of the columns of `book` over body b.
-    subroutine sum_book(gpu, b, sums, err)
+    !> Fold the columns of `book` over body b.
+    subroutine fold_book(gpu, b, set, err)
         type(gpu_solid_t), intent(in) :: gpu
-        integer, intent(in) :: b
-        real(dp), intent(out) :: sums(n_book)
+        integer, intent(in) :: b, set !! body, and where its sums wait
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(most_folded, n_book)
 
         call solid_kernels%solid_book_of([total_threads, n_book, 1], gpu%n, total_threads, &
             gpu%bodies(b)%first, gpu%bodies(b)%last, gpu%book, gpu%partial, err)
-        call gpu%common%fold(gpu%partial, total_threads, folded, err)
-        sums = sum(folded, 1)
-    end subroutine sum_book
+        call gpu%common%fold(gpu%partial, total_threads, n_book, set, err)
+    end subroutine fold_book
 
     !> Bring the ledgers and the reactions of all bodies up to date.
     subroutine fetch_ledgers(gpu, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        real(dp) :: book(n_book)
+        real(dp) :: books(n_book, size(gpu%bodies))
         integer :: b
 
         if (gpu%summed .or. .not. gpu%stepped) return
         do b = 1, size(gpu%bodies)
-            call sum_book(gpu, b, book, err)
-            if (failed(err)) return
-            call fill_ledger(gpu, b, book, solid)
+            call fold_book(gpu, b, b, err)
+        end do
+        call gpu%common%read_sums(books, err)
+        if (failed(err)) return
+        do b = 1, size(gpu%bodies)
+            call fill_ledger(gpu, b, books(:, b), solid)
         end do
         gpu%summed = .true.
     end subroutine fetch_ledgers
@@ -112,10 +117,11 @@ contains
         real(dp), intent(in) :: dt !! step just made [s]
         real(dp), intent(inout) :: force(3) !! [N]
         type(error_t), intent(inout) :: err
-        real(dp) :: book(n_book)
+        real(dp) :: book(n_book, 1)
 
-        call sum_book(gpu, b, book, err)
-        associate (impulse => book(book_force + 1:book_force + 3))
+        call fold_book(gpu, b, 1, err)
+        call gpu%common%read_sums(book, err)
+        associate (impulse => book(book_force + 1:book_force + 3, 1))
             solid%bodies(b)%reaction = solid%bodies(b)%reaction + impulse
             force = force + impulse/dt
         end associate
@@ -129,15 +135,12 @@ contains
         type(doubles_t), intent(in) :: place
         real(dp), intent(out) :: box(3, 2) !! [m]
         type(error_t), intent(inout) :: err
-        real(dp) :: part(sum_threads, 6)
 
         associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
             call solid_kernels%solid_extent([sum_threads, 1, 1], first, last, sum_threads, &
                                             gpu%fixed, place, gpu%partial, err)
         end associate
-        part = 0
-        call copy_out(gpu%partial, part, 8_int64*size(part), err)
-        box = reshape([minval(part(:, 1:3), 1), maxval(part(:, 4:6), 1)], [3, 2])
+        call gpu%common%extent(gpu%partial, sum_threads, box, err)
     end subroutine extent_of_body
 
     !> What is gone from body b, its last particles, limits no time step, and the books of the last

@@ -17,6 +17,7 @@ module brz_gpu_solid_copy
         open_gpu_solid_memory, tags_of, threads_of
     use brz_kinds, only: dp, int32, int64, rk
     use brz_materials, only: unloaded_speed
+    use brz_particle_order, only: find_place
     use brz_snapshots, only: snapshot_t
     use brz_solid_arrays, only: cut_blocks, number_groups
     use brz_solid_fields, only: field_t, fields_of, fields_t, in_motion, in_place, in_state, &
@@ -210,28 +211,33 @@ contains
         integer(int32), intent(in) :: id(:) !! numbers of particles
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        type(integers_t) :: id_at
-        type(doubles_t) :: values_at
         real(dp) :: values(12, size(id))
         integer :: b, i, k
 
         if (gpu%fetched .or. size(id) == 0) return
         call settle_bodies(gpu, solid, err)
-        call put_buffer(id, id_at, 4_int64*size(id), err)
-        call allocate_buffer(values_at, 8_int64*size(values), err)
+        call gpu%common%ask(id, 4_int64*size(id), 8_int64*size(values), err)
         do b = 1, size(gpu%bodies)
             associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
                 call solid_kernels%find_particles([last - first + 1, 1, 1], gpu%n, first, last, &
-                    size(id), id_at, gpu%tag, gpu%place, gpu%reference, gpu%motion, gpu%state, &
-                    values_at, err)
+                    size(id), integers_t(gpu%common%asked), gpu%tag, gpu%place, gpu%reference, &
+                    gpu%motion, gpu%state, doubles_t(gpu%common%told), err)
             end associate
         end do
         values = 0
-        call copy_out(values_at, values, 8_int64*size(values), err)
-        call free_buffer(id_at)
-        call free_buffer(values_at)
+        call copy_out(gpu%common%told, values, 8_int64*size(values), err)
+        if (allocated(gpu%followed)) then
+            if (size(gpu%followed) /= size(id)) deallocate (gpu%followed)
+        end if
+        if (.not. allocated(gpu%followed)) allocate (gpu%followed(size(id)), source=0)
         do k = 1, size(id)
-            i = place_of(solid, id(k))
+            do b = 1, size(solid%bodies)
+                associate (number => solid%bodies(b)%number)
+                    if (id(k) >= number(1) .and. id(k) <= number(2)) &
+                        call find_place(solid, b, id(k), gpu%followed(k))
+                end associate
+            end do
+            i = gpu%followed(k)
             if (i == 0) cycle ! of another process
             solid%x(:, i) = values(1:3, k)
             solid%x_ref(:, i) = values(4:6, k)
@@ -239,23 +245,6 @@ contains
             solid%a(:, i) = real(values(10:12, k), rk)
         end do
     end subroutine fetch_particles
-
-    !> Where a particle of this process lies on the host, else 0.
-    pure integer function place_of(solid, id) result(place)
-        type(solid_t), intent(in) :: solid
-        integer(int32), intent(in) :: id
-        integer :: b
-
-        do b = 1, size(solid%bodies)
-            associate (body => solid%bodies(b))
-                if (id < body%number(1) .or. id > body%number(2)) cycle
-                place = findloc(solid%id(body%first:body%last), id, dim=1)
-                if (place > 0) place = place + body%first - 1
-                return
-            end associate
-        end do
-        place = 0
-    end function place_of
 
     !> The particles with an impossible state are noted in the blocks of the host, as its own are.
     subroutine fetch_faults(gpu, solid, err)

@@ -63,7 +63,7 @@ module brz_gpu_solid_layout
     ! Lists: entry k of particle t of a body, both from 1, is entry
     ! (slice((t - 1)/w + 1) + k - 1)*w + mod(t - 1, w) + 1, w = slice_width: threads side by side
     ! read side by side. An entry is the neighbour plus mask_unit times its mirrored axes.
-    integer, parameter :: scan_chunk = 256 !! numbers that a thread of a scan adds
+    integer, parameter :: scan_chunk = 64 !! numbers that a thread of a scan adds
     integer, parameter :: pick_chunk = 32 !! marks that a thread looks at
 
     !> One body, as kernels see it.

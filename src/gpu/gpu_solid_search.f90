@@ -146,7 +146,7 @@ contains
         integer, intent(in) :: b
         real(dp), intent(out) :: v(3)
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(tally_threads/256, 4), lattice, total(4)
+        real(dp) :: lattice, total(4, 1)
         integer(int64) :: numbers(4)
 
         call clear_buffer(gpu%sums_of_forces, err)
@@ -157,9 +157,9 @@ contains
                 real(solid%dt_last/2, rk), 1/lattice, gpu%mass, gpu%motion, &
                 gpu%a, gpu%sums_of_forces, err)
         end associate
-        call gpu%common%fold(gpu%sums_of_forces, tally_threads, folded, err)
-        total = sum(folded, 1)
-        numbers = nint(total, int64) ! they are whole
+        call gpu%common%fold(gpu%sums_of_forces, tally_threads, 4, 1, err)
+        call gpu%common%read_sums(total, err)
+        numbers = nint(total(:, 1), int64) ! they are whole
         call sum_of_all(solid%ranks, numbers)
         v = drift_of(real(numbers, dp))
     end subroutine mean_velocity

@@ -30,12 +30,11 @@ module brz_gpu_solid_state
     private
     public :: columns_t, gpu_solid_t, gpu_solid_body_t, lists_t, open_gpu_solid_memory, &
         lay_arrays, column_of, tags_of, book_of, threads_of, &
-        bytes_of_real, words_of_real, sum_threads, total_threads, most_folded
+        bytes_of_real, words_of_real, sum_threads, total_threads
     public :: news_none, news_part, news_all
 
     integer, parameter :: sum_threads = 4096 !! partial sums over a body
     integer, parameter :: total_threads = 65536 !! partial sums of the books of a body
-    integer, parameter :: most_folded = 256 !! rows of partial results that the host adds up
     integer, parameter :: words_of_real = storage_size(1.0_rk)/32 !! of 4 B
     integer(int64), parameter :: bytes_of_real = 4*words_of_real
     integer, parameter :: neighbours_guess = 100 !! entries per particle, to judge the memory
@@ -147,6 +146,7 @@ module brz_gpu_solid_state
         type(gpu_rows_t) :: record(7) !! what a particle takes along to another process
         type(gpu_rows_t) :: left(3) !! what pass 1 leaves for pass 2
         type(gpu_parcels_t) :: ghosts
+        integer, allocatable :: followed(:) !! where particles of gauges lie on the host
     end type gpu_solid_t
 
     ! what becomes of an array of the particles
@@ -172,7 +172,7 @@ contains
         call require(device, solid, gpu, err)
         if (failed(err)) return
         call gpu%exact%open(solid%ranks, err)
-        call gpu%common%open(most_folded*max(n_book, n_sum), err)
+        call gpu%common%open(max(n_book, n_sum), size(solid%bodies), err)
         allocate (gpu%bodies(size(solid%bodies)), gpu%ledger(size(solid%bodies)), &
                   gpu%reaction(3, size(solid%bodies)))
         do b = 1, size(solid%bodies)

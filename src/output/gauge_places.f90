@@ -7,7 +7,7 @@ module brz_gauge_places
     use brz_wide_lattice, only: unloaded_place
     implicit none
     private
-    public :: choose_particle, find_place, strain_between
+    public :: choose_particle, strain_between
 
 contains
 
@@ -38,21 +38,6 @@ contains
         call least_of_all(solid%ranks, number)
         particle = nint(number(1))
     end subroutine choose_particle
-
-    !> Look a particle up again if it has been moved by sorting; place 0: another process has it.
-    pure subroutine find_place(solid, body, particle, place)
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: body, particle
-        integer, intent(inout) :: place
-
-        associate (first => solid%bodies(body)%first, last => solid%bodies(body)%last)
-            if (place >= first .and. place <= last) then
-                if (solid%id(place) == particle) return
-            end if
-            place = findloc(solid%id(first:last), particle, dim=1)
-            if (place > 0) place = first - 1 + place
-        end associate
-    end subroutine find_place
 
     !> Strain between two particles: change of their distance over that in the unloaded body. Each
     !> is known to one process (place 0: another one's), the strain to all, by the same bits.

@@ -9,7 +9,7 @@ module brz_particle_order
     use brz_solid_state, only: solid_t, worth_threads
     implicit none
     private
-    public :: reorder_particles
+    public :: find_place, reorder_particles
 
 contains
 
@@ -57,4 +57,19 @@ contains
         end do
         !$omp end parallel
     end subroutine gather_bytes
+
+    !> Look a particle up again if it has been moved by sorting; place 0: another process has it.
+    pure subroutine find_place(solid, body, particle, place)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: body, particle
+        integer, intent(inout) :: place
+
+        associate (first => solid%bodies(body)%first, last => solid%bodies(body)%last)
+            if (place >= first .and. place <= last) then
+                if (solid%id(place) == particle) return
+            end if
+            place = findloc(solid%id(first:last), particle, dim=1)
+            if (place > 0) place = first - 1 + place
+        end associate
+    end subroutine find_place
 end module brz_particle_order

@@ -4,8 +4,8 @@
 !> a fixed order, as exact sums there took 3 ms more for each row of the histories.
 !> scripts/steps.py writes the same for the GPU.
 module brz_total_steps
-    use brz_force_loops, only: each_sum_state
-    !@gpu use brz_gpu_solid_books, only: sum_state_of
+    use brz_force_loops, only: each_sum_state !@cpu
+    !@gpu use brz_gpu_solid_books, only: sum_states
     use brz_kinds, only: dp, rk
     use brz_solid_sums, only: n_sum, solid_totals_t, totals_of_sums
     use brz_solid_state, only: solid_t
@@ -32,18 +32,18 @@ contains
     subroutine sums_of_bodies(solid, sums)
         type(solid_t), intent(in) :: solid
         real(dp), intent(out) :: sums(n_sum, size(solid%bodies)) !! see sum_state
-        real(dp) :: one(n_sum)
-        integer :: k
+        real(dp) :: one(n_sum) !@cpu
+        integer :: k !@cpu
 
-        do k = 1, size(solid%bodies)
-            associate (there => solid%bodies(k))
+        !@gpu call sum_states(gpu, solid, sums)
+        do k = 1, size(solid%bodies) !@cpu
+            associate (there => solid%bodies(k)) !@cpu
                 call each_sum_state(there%last - there%first + 1, solid%ranks, there%first, &
                     solid%wide, solid%step_d, solid%step_p, real(solid%dt_last/2, rk), &
                     solid%region, solid%x, solid%v, solid%mass, solid%a, solid%energy, &
                     solid%damage, solid%fixed, one) !@cpu
-            end associate
-            !@gpu call sum_state_of(gpu, solid, k, one)
-            sums(:, k) = one
-        end do
+            end associate !@cpu
+            sums(:, k) = one !@cpu
+        end do !@cpu
     end subroutine sums_of_bodies
 end module brz_total_steps

@@ -169,7 +169,7 @@ contains
 
     !> Bring the cells around some points to the host, for gauges, and where the walls are there.
     subroutine fetch_around(backend, points, air, wall, err)
-        type(backend_t), intent(in) :: backend
+        type(backend_t), intent(inout) :: backend
         real(dp), intent(in) :: points(:, :) !! (3, n) [m]
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
@@ -182,7 +182,7 @@ contains
     !> The same from the GPU of this process to its host; where there are walls, the cells beside
     !> those around a point, and where all of these hold solid, the gas in reach as well.
     subroutine fetch_from_gpu(backend, points, air, wall, err)
-        type(backend_t), intent(in) :: backend
+        type(backend_t), intent(inout) :: backend
         real(dp), intent(in) :: points(:, :) !! (3, n) [m]
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
