@@ -25,6 +25,7 @@ contains
         type(coupling_t), intent(inout) :: all
         integer :: i
 
+        all%present = coupling%present
         all%n_var = coupling%n_var
         all%dt_before = coupling%dt_before
         associate (ranks => coupling%ranks)

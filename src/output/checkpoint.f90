@@ -67,7 +67,8 @@ contains
         call h5_create(file, folder//'/'//checkpoint_name(clock%cycle), h5_plain, err, title)
         file%unnamed = .true.
         call write_meta(file, meta, err)
-        call carry_all(file, clock, air, coupling, solid, sums, err)
+        if (air%present) call carry_air(file, air, err)
+        call carry_rest(file, clock, coupling, solid, sums, err)
         call h5_close(file, err)
     end subroutine write_checkpoint
 
@@ -138,10 +139,7 @@ contains
         if (leads) call write_meta(file, meta, err)
         call write_boxes(file, air, err)
         if (leads) then
-            if (solid%present) call carry_solid(file, whole, err)
-            if (coupling%present) call carry_coupling(file, all, err)
-            call carry(file, 'sums', sums, err)
-            if (.not. failed(err)) call carry_clock(file, clock, err)
+            call carry_rest(file, clock, all, whole, sums, err)
             call h5_close(file, err)
             if (failed(err)) call remove_parts(folder, checkpoint_name(clock%cycle))
         end if
@@ -161,30 +159,24 @@ contains
         type(error_t), intent(inout) :: err
         type(coupling_t), allocatable :: all
         type(h5_t) :: file
-        logical :: in_parts
 
         call h5_open(file, path, err)
         call check_origin(file, case, err)
-        in_parts = is_in_parts(file)
         if (solid%present) call hold_all(solid)
-        if (in_parts .or. several(air%part%ranks)) then
+        if (is_in_parts(file) .or. several(air%part%ranks)) then
             call read_air_boxes(file, air, err)
-            if (solid%present) call carry_solid(file, solid, err)
-            allocate (all)
-            if (several(air%part%ranks)) then
-                call begin_sharing(coupling, solid, all)
-                if (coupling%present) call carry_coupling(file, all, err)
-                call check_state(path, clock, air, all, solid, err)
-            else if (coupling%present) then
-                call carry_coupling(file, coupling, err)
-            end if
-            call carry(file, 'sums', sums, err)
-            if (.not. failed(err)) call carry_clock(file, clock, err)
-        else
-            call carry_all(file, clock, air, coupling, solid, sums, err)
+        else if (air%present) then
+            call carry_air(file, air, err)
         end if
-        if (.not. several(air%part%ranks)) &
+        if (several(air%part%ranks)) then
+            allocate (all)
+            call begin_sharing(coupling, solid, all)
+            call carry_rest(file, clock, all, solid, sums, err)
+            call check_state(path, clock, air, all, solid, err)
+        else
+            call carry_rest(file, clock, coupling, solid, sums, err)
             call check_state(path, clock, air, coupling, solid, err)
+        end if
         call h5_close(file, err)
         if (.not. several(solid%ranks)) return
         call agree(solid%ranks, err)
@@ -194,21 +186,20 @@ contains
         call share_out(solid)
     end subroutine read_checkpoint
 
-    subroutine carry_all(file, clock, air, coupling, solid, sums, err)
+    !> What a checkpoint holds besides the air.
+    subroutine carry_rest(file, clock, coupling, solid, sums, err)
         type(h5_t), intent(in) :: file
         type(clock_t), intent(inout) :: clock
-        type(air_t), intent(inout) :: air
         type(coupling_t), intent(inout) :: coupling
         type(solid_t), intent(inout) :: solid
         real(dp), intent(inout) :: sums(:)
         type(error_t), intent(inout) :: err
 
-        if (air%present) call carry_air(file, air, err)
         if (solid%present) call carry_solid(file, solid, err)
         if (coupling%present) call carry_coupling(file, coupling, err)
         call carry(file, 'sums', sums, err)
         if (.not. failed(err)) call carry_clock(file, clock, err)
-    end subroutine carry_all
+    end subroutine carry_rest
 
     !> Refuse a checkpoint of another deck or precision.
     subroutine check_origin(file, case, err)
