@@ -3,7 +3,8 @@
 
 import h5py
 import pytest
-from test_gpu import run, same, stamp
+from test_gpu import follows_the_cpu, run, same, stamp
+from test_run import history
 
 
 @pytest.fixture(name="deck")
@@ -72,3 +73,31 @@ def test_bodies_wake_in_air_as_on_the_cpu(deck):
         done = run(deck, "w.nml", "--backend", backend, "--out", "parts", *more, *restart)
         assert done.returncode == 0, done.stderr
     same("parts", "cpu", deck)
+
+
+# blocks that lie on each other, bonded or not, sleep until the wave comes; lists are built before,
+# for a block that turns beside them (at this rate once, a few steps before they wake)
+PILE = """&run title='t', t_end=1, max_steps=60, dimension=2 /
+&air box=0,0.2, 0,0.1, 0,1, cells=40,20,1, bc='wall', ramp_steps=0 /
+&gas id='hot', box=0,0.02, 0,0.1, 0,1, density=60, pressure=4e7 /
+&material id='m', model='linear_elastic', density=1500, youngs_modulus=3e8, poisson_ratio=0.3 /
+&body id='a', box=0.06,0.08, 0.02,0.05, 0,1, spacing=0.0025, material='m' /
+&body id='b', box=0.08,0.1, 0.02,0.05, 0,1, spacing=0.0025, material='m' /
+&body id='c', box=0.06,0.1, 0.05,0.06, 0,1, spacing=0.0025, material='m' /
+&body id='d', box=0.185,0.195, 0.02,0.03, 0,1, spacing=0.0025, material='m', spin=0,0,8e3 /
+&interaction law='contact', friction=0.2 /
+&interaction bodies='a','b', law='bonded' /
+&gauge id='c', body='c', quantity='contact_y' /
+&output history_every=0 /
+"""
+
+
+def test_what_lies_on_what_sleeps_presses_once_it_wakes(deck):
+    (deck / "deck.nml").write_text(PILE, encoding="utf-8")
+    done = run(deck, "deck.nml", "--backend", "cpu", "--out", "cpu")
+    assert done.returncode == 0, done.stderr
+    follows_the_cpu(deck / "cpu", deck)
+    bodies, gauges = (history(deck / "cpu" / f"{name}.csv") for name in ("bodies", "gauges"))
+    energy = bodies["b:kinetic[J]"]
+    assert energy[5] < 1e-20 and energy[-1] > 0.1  # it sleeps, and is pushed
+    assert abs(gauges["c:contact_y[N]"]).max() > 1e3
