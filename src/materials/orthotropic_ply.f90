@@ -175,6 +175,10 @@ contains
     end subroutine start
 
     !> One step of one material point; see `update_material` for the contract.
+    !>
+    !> What opens a ply adds volume that carries nothing: where it takes up more than unloaded, the
+    !> law gives the force on the area that it had, so that the stress is less by rho/rho0, stays
+    !> the gradient of an energy, and waves along whole fibres are no faster.
     !@cuf attributes(host,device) &
     pure subroutine update_orthotropic_ply(material, dt, crack, l, point, status)
         type(material_t), intent(in) :: material
@@ -183,7 +187,7 @@ contains
         type(point_t), intent(inout) :: point
         integer, intent(out) :: status
         real(rk) :: axes(3), last(3, 3), e0(6), e1(6), d(6), s0(6), s1(6), carried(6)
-        real(rk) :: damage(n_modes), mu, dv, v_mid, work, loss
+        real(rk) :: damage(n_modes), mu, dv, v_mid, v_carries, work, loss
         integer :: i
 
         call load_history(point%hist, material%par(p_limit), axes, e0, damage)
@@ -200,6 +204,7 @@ contains
         call retain_bulk(material%par, e1, damage, s1)
         mu = point%mu
         call volume_step(material%density, l, dt, mu, dv, v_mid)
+        v_carries = min(v_mid, 1/material%density)
         if (debris(material, point%mu)) call clear(s0)
         if (debris(material, mu)) call tear(material%par, s1, damage)
         work = 0
@@ -211,15 +216,18 @@ contains
         point%damage = total_damage(damage)
         if (.not. point%damage > 0) loss = 0
         if (debris(material, mu)) call forget(mu, e1)
-        call add_excess(material, mu, dv, work*v_mid, &
-                        wave_stiffness(material%par, mu, e1, damage), s1, point, status)
+        do i = 1, 6
+            s1(i) = s1(i)*min(1 + mu, 1.0_rk) ! of the area that carries
+        end do
+        call add_excess(material, mu, dv, work*v_carries, &
+                        wave_stiffness(material%par, mu, damage), s1, point, status)
         if (status > 0) return
         call rotate_voigt(last, s1)
         do i = 1, 6
             point%stress(i) = s1(i)
         end do
         point%work(1) = 0
-        point%work(2) = loss*v_mid
+        point%work(2) = loss*v_carries
         call store_history(axes, e1, damage, point%hist)
     end subroutine update_orthotropic_ply
 

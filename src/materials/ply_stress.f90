@@ -92,29 +92,18 @@ contains
         stress(3) = stress(3) - pressure
     end subroutine retain_bulk
 
-    !> Stiffness that the fastest wave in a ply meets [Pa].
-    !>
-    !> Waves are faster where a ply is spread out, as it has less mass, but by what it still resists
-    !> there: what is broken and open resists nothing before it is closed again.
+    !> Stiffness that the fastest wave in a ply meets, for the density of the unloaded one [Pa]:
+    !> where it is spread out, its stress and its density are less alike.
     !@cuf attributes(host,device) &
-    pure function wave_stiffness(par, mu, strain, damage) result(stiffness)
+    pure function wave_stiffness(par, mu, damage) result(stiffness)
         real(rk), intent(in) :: par(n_par)
-        real(rk), intent(in) :: mu, strain(6), damage(n_modes)
+        real(rk), intent(in) :: mu, damage(n_modes)
         real(rk) :: stiffness
-        real(rk) :: along(3), crushed, pull(3), push(3), shear(3)
-        integer :: i
+        real(rk) :: crushed
 
-        along(1) = par(p_c11)
-        along(2) = par(p_c22)
-        along(3) = par(p_c33)
         crushed = 1 - (1 - damage(fibre_compression))*(1 - damage(matrix_crushing))
-        stiffness = max(along(1), along(2), along(3)) + crushed*par(p_rubble)
+        stiffness = max(par(p_c11), par(p_c22), par(p_c33)) + crushed*par(p_rubble)
         stiffness = stiffness/max(1 + mu, 1.0_rk)
-        call intact_parts(par, damage, pull, push, shear)
-        do i = 1, 3
-            stiffness = max(stiffness, along(i)*merge(pull(i), push(i), strain(i) > 0) &
-                            /max(1 + mu, 0.5_rk))
-        end do
     end function wave_stiffness
 
     !> Stress of the undamaged ply.
