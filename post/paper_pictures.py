@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -151,11 +152,13 @@ def draw_fragment_speeds(runs: list[Run], path: Path, levels: list) -> Picture |
 
 def draw_story(run: Run, folder: Path, name: str, title: str) -> Picture | None:
     """The cut at five times (`section.draw_sheet`) under a name of its own."""
-    picture = _tried(lambda: draw_sheet(run, folder))
-    if picture is None:
-        return None
+    folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"{name}.png"
-    picture.path.replace(path)
+    with TemporaryDirectory(dir=folder) as own:  # others draw theirs at the same time
+        picture = _tried(lambda: draw_sheet(run, Path(own)))
+        if picture is None:
+            return None
+        picture.path.replace(path)
     return Picture(path, title, f"{label_of(run)}. {picture.caption}")
 
 
