@@ -63,9 +63,9 @@ def test_strip_of_concrete(tmp_path, formulation, spacing):
 @pytest.mark.parametrize("formulation", ["corrected_hourglass", "bending"])
 @pytest.mark.parametrize("spacing", [0.004, 0.002, 0.001])
 def test_strip_of_a_ply(tmp_path, formulation, spacing):
-    """10 kJ/m2 across the fibres. In bending the hourglass force takes a tenth beside it."""
+    """10 kJ/m2 across the fibres. In bending the hourglass force takes 5 % beside it."""
     energy, stress = work_of_separation(tmp_path, PLY, formulation, spacing)
-    assert energy == pytest.approx(1e4, rel=0.1)
+    assert energy == pytest.approx(1e4, rel=0.06)
     assert stress == pytest.approx(63.7e6, rel=0.06)
 
 
