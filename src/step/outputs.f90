@@ -17,7 +17,7 @@ module brz_outputs
                            open_history
     use brz_files, only: is_folder
     use brz_folder_lock, only: lock_folder
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, real32
     use brz_ledger, only: body_names, body_row, energy_columns, is_balanced, ledger_row, &
                           ledger_start_t, balance_t, take_stock
     use brz_output_folder, only: folder_fresh, folder_replace, folder_resume, holds_histories, &
@@ -101,6 +101,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (failed(err)) return
+        call note_end(sim)
         call prepare_folder(outputs%folder, trim(sim%case%run%job), sim%case%echo, folder_resume, &
                             err)
         call drop_later_checkpoints(outputs%folder, sim%clock%cycle, err)
@@ -110,6 +111,23 @@ contains
         call cut_history(outputs%gauge_history, err)
         call cut_dumps(outputs%saves%dumps, err)
     end subroutine go_on
+
+    !> Say where the checkpoint of a restart has nothing left to compute.
+    subroutine note_end(sim)
+        type(simulation_t), intent(in) :: sim
+        character(*), parameter :: none = ': nothing is left to compute; to go on, set a '
+
+        associate (run => sim%case%run, clock => sim%clock)
+            if (clock%time >= run%t_end) then
+                write (error_unit, '(a)') 'the checkpoint is at t = '// &
+                    to_text(real(clock%time, real32))//' s and t_end = '// &
+                    to_text(real(run%t_end, real32))//' s'//none//'later run.t_end'
+            else if (clock%cycle >= run%max_steps) then
+                write (error_unit, '(a)') 'the checkpoint is at step '//to_text(clock%cycle)// &
+                    ' and max_steps = '//to_text(run%max_steps)//none//'larger run.max_steps'
+            end if
+        end associate
+    end subroutine note_end
 
     !> What the gauges saw of the blast before it was put into the grid.
     subroutine write_early(sim, outputs, err)

@@ -7,6 +7,7 @@ holds, or with a first row written again after a restart at step 0, some of the 
 
 import os
 import random
+import re
 import subprocess
 
 import pytest
@@ -91,6 +92,21 @@ BESIDE_A_RIGID_BODY = """\
 &interaction law='contact', shared_pressure=.true. /
 &output history_every=0 /
 """
+
+
+def test_a_restart_behind_its_end_says_that_nothing_is_left(tmp_path):
+    (tmp_path / "scene.nml").write_text(BESIDE_A_RIGID_BODY)
+    assert run(tmp_path, "--out", "a", "--set", "run.t_end=5e-7") == (0, "")
+    words = {}
+    for key in ("run.t_end=5e-7", "run.t_end=2e-7", "run.max_steps=2"):
+        code, words[key] = run(tmp_path, "--out", "a", "--restart", "latest", "--set", key)
+        assert code == 0
+        assert "nothing is left to compute" in words[key] and key.split("=")[0] in words[key]
+        assert words[key].count("\n") == 1
+    times = re.findall(r"= (\S+) s", words["run.t_end=2e-7"])
+    assert [float(t) for t in times] == pytest.approx([5e-7, 2e-7], rel=1e-6)
+    code, words = run(tmp_path, "--out", "a", "--restart", "latest", "--set", "run.t_end=1e-6")
+    assert (code, words) == (0, "")
 
 
 ROUND_AND_SHARED = """\
