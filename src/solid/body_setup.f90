@@ -7,6 +7,7 @@ module brz_body_setup
     use brz_body_shape, only: axis_of, shape_t
     use brz_body_start, only: hold_body, move_body
     use brz_body_warnings, only: judge_bars, judge_distance, judge_gauges, judge_spacing
+    use brz_bond_check, only: judge_bonds
     use brz_case, only: body_case_t, case_t
     use brz_cohesive_setup, only: set_up_cohesive
     use brz_crack_band, only: judge_crack
@@ -61,6 +62,7 @@ contains
             call set_up_regions(case%bodies(b), solid, solid%bodies(b), err)
         end do
         call set_up_cohesive(case, points%shape, solid, err)
+        if (.not. failed(err)) call judge_bonds(case, solid)
         call set_up_loads(case, points%shape, solid, err)
         call set_up_watch(case, solid)
         do b = 1, size(solid%bodies)

@@ -12,7 +12,7 @@ module brz_interaction_setup
     use brz_text, only: to_text
     implicit none
     private
-    public :: set_up_interactions, find_rule
+    public :: set_up_interactions, find_rule, rule_of
 
     real(dp), parameter :: most_ratio = 2, good_ratio = 1.1_dp !! of spacings across a bond
 
@@ -66,15 +66,25 @@ contains
 
         if (any(means(case%bodies(a)%cuts, case%bodies(b)%id)) .or. &
             any(means(case%bodies(b)%cuts, case%bodies(a)%id))) rule%law = 'bonded'
+        i = rule_of(case, a, b)
+        if (i > 0) rule = case%interactions(i)
+    end subroutine find_rule
+
+    !> Place of the last rule of the deck that fits bodies a and b; 0: there is none.
+    pure integer function rule_of(case, a, b)
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: a, b
+        integer :: i
+
+        rule_of = 0
         if (.not. allocated(case%interactions)) return
         do i = 1, size(case%interactions)
             associate (first => case%interactions(i)%body, last => case%interactions(i)%last)
                 if ((fits(first(1), last(1), a) .and. fits(first(2), last(2), b)) .or. &
-                    (fits(first(1), last(1), b) .and. fits(first(2), last(2), a))) &
-                    rule = case%interactions(i)
+                    (fits(first(1), last(1), b) .and. fits(first(2), last(2), a))) rule_of = i
             end associate
         end do
-    end subroutine find_rule
+    end function rule_of
 
     pure logical function fits(first, last, body)
         integer, intent(in) :: first, last !! 0, 0: every body
