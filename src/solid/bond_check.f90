@@ -72,17 +72,25 @@ contains
         distance = norm2(max(p(:, 1) - q(:, 2), q(:, 1) - p(:, 2), 0.0_dp))
     end function distance
 
-    !> True where a particle of body a and one of body b are nearer than `reach`.
+    !> True where a particle of body a and one of body b are nearer than `reach`. Cells are laid
+    !> over the smaller one.
     logical function any_within(solid, a, b, reach)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: a, b
         real(dp), intent(in) :: reach !! [m]
-        integer :: i
+        integer :: i, large, small
 
+        large = a
+        small = b
+        if (solid%bodies(a)%last - solid%bodies(a)%first < &
+            solid%bodies(b)%last - solid%bodies(b)%first) then
+            large = b
+            small = a
+        end if
         any_within = .true.
-        call lay_grid(solid%search, solid%x_ref, solid%fixed, solid%bodies(b), reach)
-        call fill_cells(solid%search, solid%x_ref, solid%fixed, solid%bodies(b))
-        do i = solid%bodies(a)%first, solid%bodies(a)%last
+        call lay_grid(solid%search, solid%x_ref, solid%fixed, solid%bodies(small), reach)
+        call fill_cells(solid%search, solid%x_ref, solid%fixed, solid%bodies(small))
+        do i = solid%bodies(large)%first, solid%bodies(large)%last
             if (has_near(solid, solid%x_ref(:, i), reach)) return
         end do
         any_within = .false.
