@@ -45,6 +45,28 @@ def test_debris_does_not_depend_on_processes(backend, tmp_path):
     assert parts.max() > 0
 
 
+# what is summed up step by step: on a GPU a restart begins partial sums anew
+SUMS = {"clock/history_sums", "solid/body_sums"}
+
+
+@pytest.mark.parametrize("backend, steps", [("cpu", 20), ("gpu", 20), ("gpu", 40)])
+def test_lists_in_part_go_on_after_a_restart(backend, steps, tmp_path):
+    """How often lists were built in part, and their cells on a GPU, decide on the order of sums."""
+    (tmp_path / "deck.nml").write_text(DEBRIS)
+    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
+    gpu = {"LD_LIBRARY_PATH": str(EMULATOR), "BRISANCE_PTX": str(tmp_path / "good.ptx")}
+    last = {}
+    for out, more in [("whole", []), ("parts", ["--set", f"run.max_steps={steps}"]),
+                      ("parts", ["--restart", "latest"])]:  # fmt: skip
+        done = start(0, "run", "deck.nml", "--backend", backend, "--out", out, *more, cwd=tmp_path,
+                     **gpu)  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        last[out] = arrays(sorted((tmp_path / out).glob("chk_*.h5"))[-1])
+    other = {name for name, values in last["whole"].items()
+             if values.tobytes() != last["parts"][name].tobytes()}  # fmt: skip
+    assert other <= (SUMS if backend == "gpu" else set())
+
+
 STEP = """\
 &run title = 'chip', t_end = 1, max_steps = {steps}, energy_band = 1 /
 &solid skin = {skin} /
