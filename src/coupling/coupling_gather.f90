@@ -112,7 +112,5 @@ contains
             coupling%debt(:, coupling%n_debts) = all%debt(:, e)
         end do
         if (solid%ranks%rank == 0) coupling%books = all%books
-        coupling%books%ledger_low = all%books%ledger_low
-        coupling%books%ledger_high = all%books%ledger_high
     end subroutine share_coupling
 end module brz_coupling_gather
