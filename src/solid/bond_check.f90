@@ -18,10 +18,14 @@ contains
     subroutine judge_bonds(case, solid)
         type(case_t), intent(in) :: case
         type(solid_t), intent(inout) :: solid !! its search tables are overwritten
-        real(dp) :: apart, gap, reach
+        real(dp) :: apart, box(3, 2, size(solid%bodies)), gap, reach
         integer :: a, b, k, nearest(2)
 
         if (.not. (solid%links%present .and. allocated(case%interactions))) return
+        if (.not. any(case%interactions%law == 'bonded')) return
+        do b = 1, size(solid%bodies)
+            call extent(solid%x_ref, solid%fixed, solid%bodies(b), box(:, 1, b), box(:, 2, b))
+        end do
         rules: do k = 1, size(case%interactions)
             if (case%interactions(k)%law /= 'bonded') cycle rules
             apart = huge(apart)
@@ -29,7 +33,7 @@ contains
                 do a = 1, b - 1
                     if (rule_of(case, a, b) /= k) cycle
                     reach = 2*real(solid%links%table(a, b)%h, dp)
-                    gap = distance(solid, a, b)
+                    gap = distance(box(:, :, a), box(:, :, b))
                     if (gap < reach) then
                         if (any_within(solid, a, b, reach)) cycle rules
                         gap = reach
@@ -62,13 +66,9 @@ contains
 
     !> Distance of the boxes around the particles of two bodies: they are at least so far apart (and
     !> images in a plane are farther) [m].
-    pure real(dp) function distance(solid, a, b)
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: a, b
-        real(dp) :: p(3, 2), q(3, 2)
+    pure real(dp) function distance(p, q)
+        real(dp), intent(in) :: p(3, 2), q(3, 2) !! corners [m]
 
-        call extent(solid%x_ref, solid%fixed, solid%bodies(a), p(:, 1), p(:, 2))
-        call extent(solid%x_ref, solid%fixed, solid%bodies(b), q(:, 1), q(:, 2))
         distance = norm2(max(p(:, 1) - q(:, 2), q(:, 1) - p(:, 2), 0.0_dp))
     end function distance
 
