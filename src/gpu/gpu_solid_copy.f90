@@ -206,9 +206,10 @@ contains
     end subroutine carry_field
 
     !> Refresh the motion of some particles on the host, wherever they lie there.
-    subroutine fetch_particles(gpu, id, solid, err)
+    subroutine fetch_particles(gpu, id, place, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
         integer(int32), intent(in) :: id(:) !! numbers of particles
+        integer, intent(in) :: place(:) !! where they were last on the host
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
         real(dp) :: values(12, size(id))
@@ -226,18 +227,14 @@ contains
         end do
         values = 0
         call copy_out(gpu%common%told, values, 8_int64*size(values), err)
-        if (allocated(gpu%followed)) then
-            if (size(gpu%followed) /= size(id)) deallocate (gpu%followed)
-        end if
-        if (.not. allocated(gpu%followed)) allocate (gpu%followed(size(id)), source=0)
         do k = 1, size(id)
+            i = place(k)
             do b = 1, size(solid%bodies)
                 associate (number => solid%bodies(b)%number)
                     if (id(k) >= number(1) .and. id(k) <= number(2)) &
-                        call find_place(solid, b, id(k), gpu%followed(k))
+                        call find_place(solid, b, id(k), i)
                 end associate
             end do
-            i = gpu%followed(k)
             if (i == 0) cycle ! of another process
             solid%x(:, i) = values(1:3, k)
             solid%x_ref(:, i) = values(4:6, k)

@@ -146,7 +146,6 @@ module brz_gpu_solid_state
         type(gpu_rows_t) :: record(7) !! what a particle takes along to another process
         type(gpu_rows_t) :: left(3) !! what pass 1 leaves for pass 2
         type(gpu_parcels_t) :: ghosts
-        integer, allocatable :: followed(:) !! where particles of gauges lie on the host
     end type gpu_solid_t
 
     ! what becomes of an array of the particles

@@ -28,7 +28,8 @@ module brz_gauges
     use brz_wide_lattice, only: unloaded_place
     implicit none
     private
-    public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_points, gauge_particles
+    public :: gauges_t, gauge_t, set_up_gauges, gauge_names, gauge_points, gauge_particles, &
+        gauge_places
     public :: gauge_row, gauges_need_state
     public :: early_gauge_row
 
@@ -242,6 +243,15 @@ contains
         id = [pack(gauges%list%particle(1), gauges%list%particle(1) > 0), &
               pack(gauges%list%particle(2), gauges%list%particle(2) > 0)]
     end function gauge_particles
+
+    !> Where these lay on this process when a row was last written.
+    pure function gauge_places(gauges) result(place)
+        type(gauges_t), intent(in) :: gauges
+        integer, allocatable :: place(:)
+
+        place = [pack(gauges%list%place(1), gauges%list%particle(1) > 0), &
+                 pack(gauges%list%place(2), gauges%list%particle(2) > 0)]
+    end function gauge_places
 
     !> True if gauges of bodies need more than the motion of their particles.
     pure logical function gauges_need_state(gauges)

@@ -152,9 +152,10 @@ contains
     end subroutine take_snapshot
 
     !> Bring the motion of some particles to the host, for gauges; with `all` the whole state.
-    subroutine fetch_followed(backend, id, all, solid, err)
+    subroutine fetch_followed(backend, id, place, all, solid, err)
         type(backend_t), intent(inout) :: backend
         integer, intent(in) :: id(:) !! numbers of the particles
+        integer, intent(in) :: place(:) !! where they were last on the host
         logical, intent(in) :: all
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
@@ -163,7 +164,7 @@ contains
         if (all) then
             call fetch_solid(backend%solid, solid, err)
         else
-            call fetch_particles(backend%solid, id, solid, err)
+            call fetch_particles(backend%solid, id, place, solid, err)
         end if
     end subroutine fetch_followed
 

@@ -10,7 +10,7 @@ module brz_outputs
     use brz_dumps, only: cut_dumps, start_dumps
     use brz_errors, only: error_t, exit_io, exit_numerical, failed, raise
     use brz_gauge_quantities, only: from_impulse
-    use brz_gauges, only: gauge_names, gauge_particles, gauge_points, gauge_row, &
+    use brz_gauges, only: gauge_names, gauge_particles, gauge_places, gauge_points, gauge_row, &
                           gauges_need_state, gauges_t, early_gauge_row, set_up_gauges
     use brz_host_calls, only: enter_part
     use brz_history, only: append_row, close_history, cut_history, flush_history, history_t, &
@@ -265,6 +265,7 @@ contains
             call fetch_around(sim%backend, gauge_points(outputs%gauges), sim%air, &
                               sim%coupling%wall, err)
             call fetch_followed(sim%backend, gauge_particles(outputs%gauges), &
+                                gauge_places(outputs%gauges), &
                                 gauges_need_state(outputs%gauges), sim%solid, err)
             call weigh_bodies(sim, outputs%gauges, err)
             call gauge_row(outputs%gauges, sim%clock%time, sim%air, sim%coupling%wall, sim%solid, &
