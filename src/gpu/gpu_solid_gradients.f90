@@ -2,10 +2,12 @@
 !> Pass 1 on the GPU: gradients of every particle, and its material over the step just made.
 module brz_gpu_solid_gradients
     use brz_buffers, only: doubles_t, from, reals_t
-    use brz_device, only: clear_buffer, reserve_buffer, side_by_side
+    use brz_device, only: clear_buffer, copy_within, reserve_buffer, side_by_side
     use brz_errors, only: error_t
     use brz_gpu_solid_contact, only: add_bond_moments
-    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, threads_of, words_of_real
+    use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, tags_of, threads_of, &
+        words_of_real
+    use brz_gpu_solid_layout, only: tag_limp
     use brz_kinds, only: dp, int64, rk
     use brz_motion_launches, only: motion_kernels
     use brz_rigid_pose, only: resting_pose
@@ -19,8 +21,9 @@ module brz_gpu_solid_gradients
 
 contains
 
-    !> Pass 1, and the material over the step just made; with dt = 0 no material. Of bodies that are
-    !> awake, or of the others.
+    !> Pass 1, and the material over the step just made; with dt = 0 no material, and nothing loses
+    !> its support: the host has found what has none at the start. Of bodies that are awake, or of
+    !> the others.
     subroutine gradient_pass(gpu, solid, dt, err, of_sleepers)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
@@ -29,6 +32,8 @@ contains
         logical, intent(in), optional :: of_sleepers
         integer :: b
 
+        if (.not. dt > 0) &
+            call copy_within(tags_of(gpu, tag_limp), gpu%picked, 4_int64*gpu%n, err)
         call pack_places(gpu, err)
         do b = 1, size(gpu%bodies)
             if (gpu%bodies(b)%rigid) cycle
@@ -55,6 +60,8 @@ contains
             call fill_rows(gpu, gpu%bodies(b), err)
         end do
         call side_by_side(0)
+        if (.not. dt > 0) &
+            call copy_within(gpu%picked, tags_of(gpu, tag_limp), 4_int64*gpu%n, err)
     end subroutine gradient_pass
 
     !> What contact gathers of the particles of body b.

@@ -8,6 +8,7 @@ module brz_solid_start
     use brz_solid_contact, only: find_touch
     use brz_solid_doubles, only: refuse_doubles
     use brz_solid_forces, only: update_sizes
+    use brz_solid_gradients, only: gradient_pass
     use brz_solid_ghosts, only: refresh_bonds, refresh_motion
     use brz_solid_links, only: first_bonds
     use brz_solid_motion, only: count_support
@@ -41,6 +42,7 @@ contains
         call refresh_bonds(solid)
         if (solid%links%present) call find_touch(solid)
         call find_tilts(solid)
+        call gradient_pass(solid, 0.0_dp) ! forces are those of particles that know their support
         call find_forces(solid, 0.0_dp, err)
     end subroutine start_solid
 
