@@ -318,6 +318,7 @@ contains
             tags = tags_of(gpu, tag_weight)
             links%weight = tags%buffer_t
             links%row = links%count
+            links%lay%step_c = gpu%n
         end associate
     end subroutine see_arrays
 

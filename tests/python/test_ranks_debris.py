@@ -45,6 +45,21 @@ def test_debris_does_not_depend_on_processes(backend, tmp_path):
     assert parts.max() > 0
 
 
+@needs_mpirun
+def test_the_room_of_a_body_grows(tmp_path):
+    """A ball slides along a plate to another GPU, which lays its arrays anew in the middle: the
+    pressure that bodies share in contact reads stresses of a particle that lie further apart then."""
+    deck = DEBRIS.replace("centre = 5e-4, 7e-4", "centre = -2.2e-3, 7e-4")
+    deck = deck.replace("200, 100, -4960", "6000, 100, -900")
+    (tmp_path / "deck.nml").write_text(deck.replace("-0.003, 0.0042", "-0.0042, 0.0039"))
+    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
+    gpu = {"LD_LIBRARY_PATH": str(EMULATOR), "BRISANCE_PTX": str(tmp_path / "good.ptx")}
+    for n, out in [(0, "one"), (2, "two")]:
+        done = start(n, "run", "deck.nml", "--backend", "gpu", "--out", out, cwd=tmp_path, **gpu)
+        assert done.returncode == 0, done.stderr
+    equal_bodies(tmp_path / "one", tmp_path / "two")
+
+
 # what is summed up step by step: on a GPU a restart begins partial sums anew
 SUMS = {"clock/history_sums", "solid/body_sums"}
 
