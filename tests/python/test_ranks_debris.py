@@ -48,7 +48,7 @@ def test_debris_does_not_depend_on_processes(backend, tmp_path):
 @needs_mpirun
 def test_the_room_of_a_body_grows(tmp_path):
     """A ball slides along a plate to another GPU, which lays its arrays anew in the middle: the
-    pressure that bodies share in contact reads stresses of a particle that lie further apart then."""
+    pressure that bodies share in contact reads stresses that lie further apart then."""
     deck = DEBRIS.replace("centre = 5e-4, 7e-4", "centre = -2.2e-3, 7e-4")
     deck = deck.replace("200, 100, -4960", "6000, 100, -900")
     (tmp_path / "deck.nml").write_text(deck.replace("-0.003, 0.0042", "-0.0042, 0.0039"))
