@@ -22,6 +22,7 @@ module brz_gradient
     ! smaller eigenvalues of M are not inverted in full; at the corner of a regular block the
     ! smallest is 0.25 in 2-D and 0.18 in 3-D
     real(rk), parameter :: weakest_2d = 0.15_rk, weakest_3d = 0.1_rk
+    real(rk), parameter :: blur = 64*epsilon(1.0_rk) !! of a determinant over the cube of its matrix
     real(rk), parameter :: most_strain = 0.2_rk !! and rotation of one step
 
 contains
@@ -82,25 +83,29 @@ contains
         if (weak == 1) call tamed_inverse(weakest_of(dimension), a, b)
     end subroutine correction
 
-    !> Inverse of a moment matrix, and whether its neighbours support every direction.
+    !> Inverse of a moment matrix, and whether its neighbours support every direction. Minors and
+    !> determinant of that of a single neighbour are rounding alone, and their ratios no inverse.
     !@cuf attributes(host,device) &
     pure subroutine invert_supported(dimension, a, b, weak)
         integer, intent(in) :: dimension
         real(rk), intent(in) :: a(3, 3)
         real(rk), intent(out) :: b(3, 3)
         integer, intent(out) :: weak !! 1 where a direction is unsupported, else 0
-        real(rk) :: norm
+        real(rk) :: norm, size2
         logical :: ok
         integer :: i, j
 
         call inverse3(a, b, ok)
         norm = 0
+        size2 = 0
         do j = 1, 3
             do i = 1, 3
                 norm = norm + b(i, j)*b(i, j)
+                size2 = size2 + a(i, j)*a(i, j)
             end do
         end do
         weak = 1
+        if (.not. abs(determinant3(a)) > blur*size2*sqrt(size2)) return
         if (ok .and. norm <= 1/weakest_of(dimension)**2) weak = 0
     end subroutine invert_supported
 
