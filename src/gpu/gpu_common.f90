@@ -137,7 +137,7 @@ contains
         sums = sum(folded, 1)
     end subroutine read_sums
 
-    !> Corners of the box that holds m boxes [m].
+    !> Corners of the box that holds m boxes, which are many [m].
     subroutine extent(self, part, m, box, err)
         class(gpu_common_t), intent(in) :: self
         type(doubles_t), intent(in) :: part !! (m, 6) minus the low corners, the high ones
@@ -146,7 +146,10 @@ contains
         type(error_t), intent(inout) :: err
         real(dp) :: folded(rows_left, 6)
 
-        call common_kernels%most_of_columns([rows_left, 6, 1], m, rows_left, part, self%folded, err)
+        call common_kernels%most_of_columns([rows_between, 6, 1], m, rows_between, part, &
+                                            self%part, err)
+        call common_kernels%most_of_columns([rows_left, 6, 1], rows_between, rows_left, &
+                                            self%part, self%folded, err)
         folded = 0
         call copy_out(self%folded, folded, 8_int64*size(folded), err)
         box = reshape([-maxval(folded(:, :3), 1), maxval(folded(:, 4:), 1)], [3, 2])

@@ -10,7 +10,7 @@ module brz_gpu_solid_books
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
         book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book
-    use brz_gpu_solid_state, only: book_of, gpu_solid_t, sum_threads, total_threads
+    use brz_gpu_solid_state, only: book_of, gpu_solid_t, total_threads
     use brz_kinds, only: dp, int64, rk
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
@@ -137,10 +137,10 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
-            call solid_kernels%solid_extent([sum_threads, 1, 1], first, last, sum_threads, &
+            call solid_kernels%solid_extent([total_threads, 1, 1], first, last, total_threads, &
                                             gpu%fixed, place, gpu%partial, err)
         end associate
-        call gpu%common%extent(gpu%partial, sum_threads, box, err)
+        call gpu%common%extent(gpu%partial, total_threads, box, err)
     end subroutine extent_of_body
 
     !> What is gone from body b, its last particles, limits no time step, and the books of the last

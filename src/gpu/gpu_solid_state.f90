@@ -30,11 +30,10 @@ module brz_gpu_solid_state
     private
     public :: columns_t, gpu_solid_t, gpu_solid_body_t, lists_t, open_gpu_solid_memory, &
         lay_arrays, column_of, tags_of, book_of, threads_of, &
-        bytes_of_real, words_of_real, sum_threads, total_threads
+        bytes_of_real, words_of_real, total_threads
     public :: news_none, news_part, news_all
 
-    integer, parameter :: sum_threads = 4096 !! partial sums over a body
-    integer, parameter :: total_threads = 65536 !! partial sums of the books of a body
+    integer, parameter :: total_threads = 65536 !! partial results over a body
     integer, parameter :: words_of_real = storage_size(1.0_rk)/32 !! of 4 B
     integer(int64), parameter :: bytes_of_real = 4*words_of_real
     integer, parameter :: neighbours_guess = 100 !! entries per particle, to judge the memory
