@@ -14,7 +14,9 @@ module brz_column_items
     implicit none
     private
     public :: find_above, weigh_column, feel_gas, press_face, book_face, load_particle
-    public :: depth_weight
+    public :: at_once, depth_weight
+
+    integer, parameter :: at_once = 4 !! particles of a bin
 
 contains
 
@@ -69,6 +71,26 @@ contains
         w = mass*load_weight(real(depth, rk), real(box%spread*box%dx(d), rk))
     end function depth_weight
 
+    !> Places along d and masses of the next particles of a bin, the last one again where it ends
+    !> before: a thread of a GPU waits for memory once for all of them.
+    !@cuf attributes(host,device) &
+    pure subroutine look_at_some(first, last, wide, d, binned, x, mass, y, m)
+        integer, intent(in) :: first, last !! of the bin
+        integer, intent(in) :: wide, d !! rows of x; direction
+        integer(int32), intent(in) :: binned(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: mass(*)
+        real(dp), intent(out) :: y(at_once) !! [m]
+        real(rk), intent(out) :: m(at_once) !! [kg]
+        integer :: p, q
+
+        do q = 1, at_once
+            p = binned(min(first + q - 1, last))
+            y(q) = x(d, p)
+            m(q) = mass(p)
+        end do
+    end subroutine look_at_some
+
     !> Surface of the column behind each face, and the sum of the weights in it.
     !@item if(n >= worth_threads) schedule(dynamic, 64)
     !@cuf attributes(host,device) &
@@ -85,27 +107,32 @@ contains
         real(rk), intent(in) :: mass(*)
         real(dp), intent(inout) :: surface(*)
         real(rk), intent(inout) :: weight(*)
-        real(dp) :: top
-        real(rk) :: total
+        real(dp) :: top, y(at_once)
+        real(rk) :: m(at_once), total
         integer(int64) :: at
-        integer :: c, d, g, i, k, number, s
+        integer :: c, d, g, i, k, number, q, s
 
         d = direction_of(rows(f))
         s = sign_of(rows(f))
         c = owner(f)
         g = box%before(d) + index_along(box%n, gas(f), d)
         top = huge(1.0_dp)
-        do i = ends(c) + 1, ends(c + 1)
-            top = min(top, height_of(x(d, binned(i)), box%lo(d), box%dx(d), box%n(d), &
-                                     box%wraps(d), g, s))
+        do i = ends(c) + 1, ends(c + 1), at_once
+            call look_at_some(i, ends(c + 1), wide, d, binned, x, mass, y, m)
+            do q = 1, at_once
+                top = min(top, height_of(y(q), box%lo(d), box%dx(d), box%n(d), box%wraps(d), g, s))
+            end do
         end do
         surface(f) = top
         number = cell(c)
         total = 0
         do k = 0, box%layers
-            do i = ends(c) + 1, ends(c + 1)
-                total = total + depth_weight(box, rows(f), gas(f), top, x(d, binned(i)), &
-                                             mass(binned(i)))
+            do i = ends(c) + 1, ends(c + 1), at_once
+                call look_at_some(i, ends(c + 1), wide, d, binned, x, mass, y, m)
+                do q = 1, at_once
+                    if (i + q - 1 > ends(c + 1)) exit
+                    total = total + depth_weight(box, rows(f), gas(f), top, y(q), m(q))
+                end do
             end do
             number = next_along(box%n, box%wraps, number, d, s)
             if (number == 0) exit

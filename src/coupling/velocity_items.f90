@@ -3,7 +3,8 @@
 module brz_velocity_items
     use brz_carrier_rules, only: carried_velocity, carrier_at, carrier_t, is_carried
     use brz_cell_place, only: cell_middle
-    use brz_column_items, only: depth_weight
+    use brz_column_items, only: at_once, depth_weight
+    use brz_column_rules, only: direction_of
     use brz_coupling_box, only: box_t
     use brz_kinds, only: dp, int32, rk
     use brz_ledger_items, only: faces_at
@@ -42,6 +43,19 @@ contains
         v = carried_velocity(carrier, middle)
     end function carried_at
 
+    !> The next particles of a bin, see look_at_some.
+    !@cuf attributes(host,device) &
+    pure subroutine next_in_bin(first, last, binned, some)
+        integer, intent(in) :: first, last !! of the bin
+        integer(int32), intent(in) :: binned(*)
+        integer, intent(out) :: some(at_once)
+        integer :: q
+
+        do q = 1, at_once
+            some(q) = binned(min(first + q - 1, last))
+        end do
+    end subroutine next_in_bin
+
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
     !> carries them, else as it is kept, half a step before.
     !@item if(27*n >= worth_threads) schedule(static, 64)
@@ -58,17 +72,21 @@ contains
         integer(int32), intent(in) :: fixed(*)
         real(rk), intent(inout) :: v_wall(3, *)
         real(rk) :: total, sums(3), w(3)
-        integer :: b, d, i, p
+        integer :: b, d, i, p, q, some(at_once)
 
         total = 0
         sums = 0
-        do i = ends(c) + 1, ends(c + 1)
-            p = binned(i)
-            b = carrier_of(bodies, carrier, p, fixed(p))
-            w = v(1:3, p)
-            if (b > 0) w = carried_at(box, carrier(b), x(1, p))
-            total = total + mass(p)
-            sums = sums + mass(p)*w
+        do i = ends(c) + 1, ends(c + 1), at_once
+            call next_in_bin(i, ends(c + 1), binned, some)
+            do q = 1, at_once
+                if (i + q - 1 > ends(c + 1)) exit
+                p = some(q)
+                b = carrier_of(bodies, carrier, p, fixed(p))
+                w = v(1:3, p)
+                if (b > 0) w = carried_at(box, carrier(b), x(1, p))
+                total = total + mass(p)
+                sums = sums + mass(p)*w
+            end do
         end do
         do d = 1, 3
             v_wall(d, c) = sums(d)/total
@@ -104,7 +122,7 @@ contains
         real(rk), intent(inout) :: v_wall(3, *)
         real(rk) :: all_force(3), gas_load(3), momentum(3), own(3), w(3)
         real(rk) :: carried, change, part, total, z
-        integer :: b, d, f, i, p, row, side
+        integer :: b, d, f, i, p, q, row, side, some(at_once)
         logical :: held
 
         if (faces_at(c, face_of) == 0) return
@@ -115,22 +133,26 @@ contains
         momentum = 0
         all_force = 0
         gas_load = 0
-        do i = ends(c) + 1, ends(c + 1)
-            p = binned(i)
-            held = held .or. fixed(p) == is_held
-            b = carrier_of(bodies, carrier, p, fixed(p))
-            if (b > 0) then
-                w = carried_at(box, carrier(b), x(1, p))
-                carried = carried + mass(p)
-                momentum = momentum + mass(p)*w
-                cycle
-            end if
-            total = total + mass(p)
-            do d = 1, 3
-                own(d) = own(d) + mass(p)*v(d, p)
-                if (.not. dt_before > 0) cycle
-                gas_load(d) = gas_load(d) + load(1 + (d - 1)*step_d + (p - 1)*step_p)
-                all_force(d) = all_force(d) + mass(p)*(v(d, p) - v_before(d, id(p)))/dt_before
+        do i = ends(c) + 1, ends(c + 1), at_once
+            call next_in_bin(i, ends(c + 1), binned, some)
+            do q = 1, at_once
+                if (i + q - 1 > ends(c + 1)) exit
+                p = some(q)
+                held = held .or. fixed(p) == is_held
+                b = carrier_of(bodies, carrier, p, fixed(p))
+                if (b > 0) then
+                    w = carried_at(box, carrier(b), x(1, p))
+                    carried = carried + mass(p)
+                    momentum = momentum + mass(p)*w
+                    cycle
+                end if
+                total = total + mass(p)
+                do d = 1, 3
+                    own(d) = own(d) + mass(p)*v(d, p)
+                    if (.not. dt_before > 0) cycle
+                    gas_load(d) = gas_load(d) + load(1 + (d - 1)*step_d + (p - 1)*step_p)
+                    all_force(d) = all_force(d) + mass(p)*(v(d, p) - v_before(d, id(p)))/dt_before
+                end do
             end do
         end do
         do d = 1, 3
@@ -144,13 +166,8 @@ contains
                     row = 2*d - side
                     f = above(row, c)
                     if (f == 0) cycle
-                    part = 0
-                    do i = ends(c) + 1, ends(c + 1)
-                        p = binned(i)
-                        if (carrier_of(bodies, carrier, p, fixed(p)) > 0) cycle
-                        part = part + depth_weight(box, row, gas(f), surface(f), x(d, p), mass(p))
-                    end do
-                    part = part/weight(f)
+                    part = share_of_face(c, box, row, gas(f), surface(f), wide, bodies, carrier, &
+                                         ends, binned, x, mass, fixed)/weight(f)
                     change = change + part*force(f)
                     if (owner(f) == c) z = z + part*impedance(f)
                 end do
@@ -159,6 +176,32 @@ contains
             v_wall(d, c) = (total*w(d) + momentum(d))/(total + carried)
         end do
     end subroutine push_wall
+
+    !> Weight of the particles of a cell that nothing carries in the load of a face [kg].
+    !@cuf attributes(host,device) &
+    pure function share_of_face(c, box, row, gas, surface, wide, bodies, carrier, ends, binned, &
+                                x, mass, fixed) result(part)
+        integer, intent(in) :: c !! the cell
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: row !! side of the face
+        integer(int32), intent(in) :: gas !! its gas cell
+        real(dp), intent(in) :: surface !! of its column [m]
+        integer, intent(in) :: wide, bodies !! rows of x, bodies
+        type(carrier_t), intent(in) :: carrier(bodies)
+        integer(int32), intent(in) :: ends(*), binned(*)
+        real(dp), intent(in) :: x(wide, *)
+        real(rk), intent(in) :: mass(*)
+        integer(int32), intent(in) :: fixed(*)
+        real(rk) :: part
+        integer :: i, p
+
+        part = 0
+        do i = ends(c) + 1, ends(c + 1)
+            p = binned(i)
+            if (carrier_of(bodies, carrier, p, fixed(p)) > 0) cycle
+            part = part + depth_weight(box, row, gas, surface, x(direction_of(row), p), mass(p))
+        end do
+    end function share_of_face
 
     !> Keep the velocities for the forces of the next step.
     !@item
