@@ -38,6 +38,7 @@ contains
         real(rk), intent(inout) :: sums(n_moments) !! slots at_g, ...
         real(rk) :: s(3), r(3), dv(3), dx(3), y(3), m(6), g(9), other(6), one(3), w, vr
         integer :: a, b, j, k, n, t
+        integer(int32) :: entry, next
         integer(int64) :: at
 
         a = owner_of(ends, i)
@@ -45,8 +46,12 @@ contains
             other(t) = 0
         end do
         call links_of(lay, i, row, slice, count, t, n, at)
-        do k = 0, n - 1
-            call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
+        next = 0
+        if (n > 0) next = list(at)
+        do k = 1, n
+            entry = next
+            next = list(at + min(k, n - 1)*lay%side) ! comes while this link is computed
+            call look_along(lay, entry, i, x, v, j, s, r, dv)
             b = owner_of(ends, j)
             if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
             w = volume(1, j)*kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
@@ -60,14 +65,8 @@ contains
                 do t = 1, 6
                     other(t) = other(t) + m(t)
                 end do
-                call outer_terms(w, dv, r, g)
-                do t = 1, 9
-                    sums(at_g + t) = sums(at_g + t) + g(t)
-                end do
-                call outer_terms(w, r, r, g)
-                do t = 1, 9
-                    sums(at_y + t) = sums(at_y + t) + g(t)
-                end do
+                call add_outer(w, dv, r, sums(at_g + 1))
+                call add_outer(w, r, r, sums(at_y + 1))
                 cycle
             end if
             do t = 1, 3
@@ -78,22 +77,13 @@ contains
             do t = 1, 6
                 sums(t) = sums(t) + m(t)
             end do
-            call outer_terms(w, dv, y, g)
-            do t = 1, 9
-                sums(at_g + t) = sums(at_g + t) + g(t)
-            end do
-            call outer_terms(w, dx, r, g)
-            do t = 1, 9
-                sums(at_x + t) = sums(at_x + t) + g(t)
-            end do
+            call add_outer(w, dv, y, sums(at_g + 1))
+            call add_outer(w, dx, r, sums(at_x + 1))
             call moment_terms(w, dx, m)
             do t = 1, 6
                 sums(at_s + t) = sums(at_s + t) + m(t)
             end do
-            call outer_terms(w, r, y, g)
-            do t = 1, 9
-                sums(at_y + t) = sums(at_y + t) + g(t)
-            end do
+            call add_outer(w, r, y, sums(at_y + 1))
         end do
         if (.not. max(other(1), other(2), other(3)) > 0) return
         call carried_along(lay%dimension, sums(1), sums(at_x + 1), other, g, m)
@@ -105,6 +95,20 @@ contains
             sums(at_x + t) = sums(at_x + t) + g(t)
         end do
     end subroutine sum_bonds
+
+    !> Add w b (x) a, see outer_terms, to a sum.
+    !@cuf attributes(host,device) &
+    pure subroutine add_outer(w, a, b, total)
+        real(rk), intent(in) :: w, a(3), b(3)
+        real(rk), intent(inout) :: total(9) !! column by column
+        real(rk) :: terms(9)
+        integer :: t
+
+        call outer_terms(w, a, b, terms)
+        do t = 1, 9
+            total(t) = total(t) + terms(t)
+        end do
+    end subroutine add_outer
 
     !> Add the forces of the bonded partners of particle i (see pass 2).
     !@cuf attributes(host,device) &

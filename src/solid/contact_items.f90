@@ -83,6 +83,7 @@ contains
         real(rk), intent(out) :: freed !! sum over particles that had no contact then
         real(rk) :: s(3), r(3), dv(3), w, d
         integer :: a, b, j, k, n, t
+        integer(int32) :: entry, next
         integer(int64) :: at
 
         do t = 1, n_link
@@ -92,8 +93,12 @@ contains
         freed = 0
         a = owner_of(ends, i)
         call links_of(lay, i, row, slice, count, t, n, at)
-        do k = 0, n - 1
-            call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
+        next = 0
+        if (n > 0) next = list(at)
+        do k = 1, n
+            entry = next
+            next = list(at + min(k, n - 1)*lay%side) ! comes while this link is computed
+            call look_along(lay, entry, i, x, v, j, s, r, dv)
             b = owner_of(ends, j)
             if (.not. all) then
                 if (is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle
@@ -206,6 +211,7 @@ contains
         real(dp), intent(inout) :: limit !! largest stable time step [s]
         real(rk) :: s(3), r(3), dv(3), own, other, energy, lost, stiffness, damping, d, vr
         integer :: a, b, j, k, n, q, t, u
+        integer(int32) :: entry, next
         integer(int64) :: at
 
         a = owner_of(ends, i)
@@ -226,8 +232,12 @@ contains
             end do
             stiffness = own*press(5, q)*d
         end if
-        do k = 0, n - 1
-            call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
+        next = 0
+        if (n > 0) next = list(at)
+        do k = 1, n
+            entry = next
+            next = list(at + min(k, n - 1)*lay%side) ! comes while this link is computed
+            call look_along(lay, entry, i, x, v, j, s, r, dv)
             d = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
             vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
             b = owner_of(ends, j)
