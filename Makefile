@@ -141,7 +141,7 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LIB)
 	$(Q)$(LINK) -o $@ $^ $(HDF5_LIBS)
 
 include studies.mk
-.PHONY: unit verify try python figures lint format check-docs gpu-check setup test demo bench bench-ranks golden vectors coverage install dist
+.PHONY: unit verify try python figures lint format check-docs gpu-check setup test demo bench bench-ranks golden vectors coverage planted install dist
 # The figures that tests measure go to NOTES; a whole run of the verification tests begins it anew.
 NOTES := build/log/notes$(KIND).csv
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
@@ -196,6 +196,8 @@ coverage: ## which lines the tests run (COVERED="unit"; FILE=src/...: those of a
 	@mkdir -p build/cpu-coverage; $(if $(COVERED),find build/cpu-coverage -name '*.gcda' -delete)
 	@for part in $(COVERED); do $(MAKE) --no-print-directory COVERAGE=1 UNIT=unit-coverage $$part || exit 1; done
 	@scripts/coverage.py build/cpu-coverage $(FILE)
+planted: ## plant the faults of tests/planted.toml, and see whether the tests notice them (ARGS=text: those alone)
+	@$(PY) scripts/planted.py $(ARGS)
 PREFIX ?= /usr/local
 install: all ## install program, GPU code, presets, examples and Python tools (PREFIX=/usr/local, DESTDIR=)
 	@scripts/install.sh $(BIN) $(if $(filter mixed,$(PRECISION)),brisance-mixed,brisance) $(STAMP) '$(PREFIX)' '$(DESTDIR)'
@@ -239,7 +241,7 @@ $(B)/sources: FORCE
 $(B)/depend.mk: $(SCANNED) $(B)/sources scripts/depend.py
 	@scripts/depend.py --objects $(B)/obj --modules $(B)/mod --strip $(B)/ --external hdf5,funit,pfunit \
 	    $(SCANNED) > $@
-NO_BUILD := clean help setup test demo try coverage dist unit-mixed figures lint format gpu-check gpu emulator charts-scenes
+NO_BUILD := clean help setup test demo try coverage planted dist unit-mixed figures lint format gpu-check gpu emulator charts-scenes
 ifneq ($(filter-out $(NO_BUILD),$(or $(MAKECMDGOALS),all)),)
 include $(B)/depend.mk
 endif
