@@ -4,7 +4,7 @@
 !> approach or are compressed, though they start apart.
 module brz_bond_items
     use brz_contact, only: bond_effort, joins, law_bonded, law_shared, meeting_t, takes_part
-    use brz_contact_items, only: look_along, owner_of
+    use brz_contact_items, only: look_ahead, look_along, owner_of
     use brz_gradient, only: moment_terms, outer_terms
     use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, int32, int64, real32, rk
@@ -38,7 +38,7 @@ contains
         real(rk), intent(inout) :: sums(n_moments) !! slots at_g, ...
         real(rk) :: s(3), r(3), dv(3), dx(3), y(3), m(6), g(9), other(6), one(3), w, vr
         integer :: a, b, j, k, n, t
-        integer(int32) :: entry, next
+        integer(int32) :: next
         integer(int64) :: at
 
         a = owner_of(ends, i)
@@ -46,12 +46,8 @@ contains
             other(t) = 0
         end do
         call links_of(lay, i, row, slice, count, t, n, at)
-        next = 0
-        if (n > 0) next = list(at)
         do k = 1, n
-            entry = next
-            next = list(at + min(k, n - 1)*lay%side) ! comes while this link is computed
-            call look_along(lay, entry, i, x, v, j, s, r, dv)
+            call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
             b = owner_of(ends, j)
             if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
             w = volume(1, j)*kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &

@@ -16,10 +16,9 @@ module brz_contact_items
         pair_linear, pair_quadratic, pair_spin, pair_volume
     implicit none
     private
-    public :: owner_of, look_along, sum_links, press_particle, push_particle, press_links, &
-        push_links
-    public :: add_pair, trace_at
-    public :: n_kept, kept_energy, kept_heat, kept_rub, kept_early
+    public :: owner_of, look_ahead, look_along, sum_links, press_particle, push_particle, &
+        press_links, push_links
+    public :: add_pair, trace_at, n_kept, kept_energy, kept_heat, kept_rub, kept_early
 
     ! what push_particle keeps in the books of a particle [J]
     integer, parameter :: kept_energy = 1 !! that contact holds now
@@ -63,6 +62,24 @@ contains
         end do
     end subroutine look_along
 
+    !> The same along link k of n, and fetch the entry of the next one while this one is computed.
+    !@cuf attributes(host,device) &
+    pure subroutine look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
+        type(link_layout_t), intent(in) :: lay
+        integer(int32), intent(in) :: list(*)
+        integer(int64), intent(in) :: at !! first entry
+        integer, intent(in) :: k, n, i
+        real(dp), intent(in) :: x(lay%wide, *)
+        real(rk), intent(in) :: v(lay%wide, *)
+        integer(int32), intent(inout) :: next !! entry, set by the first link
+        integer, intent(out) :: j
+        real(rk), intent(out) :: s(3), r(3), dv(3)
+
+        if (k == 1) next = list(at)
+        call look_along(lay, next, i, x, v, j, s, r, dv)
+        next = list(at + min(k, n - 1)*lay%side)
+    end subroutine look_ahead
+
     !> Kernel sum over the particles of other bodies, 1 at a flat surface one spacing away: now, and
     !> a step before, where all came from with their velocities.
     !@cuf attributes(host,device) &
@@ -83,7 +100,7 @@ contains
         real(rk), intent(out) :: freed !! sum over particles that had no contact then
         real(rk) :: s(3), r(3), dv(3), w, d
         integer :: a, b, j, k, n, t
-        integer(int32) :: entry, next
+        integer(int32) :: next
         integer(int64) :: at
 
         do t = 1, n_link
@@ -93,12 +110,8 @@ contains
         freed = 0
         a = owner_of(ends, i)
         call links_of(lay, i, row, slice, count, t, n, at)
-        next = 0
-        if (n > 0) next = list(at)
         do k = 1, n
-            entry = next
-            next = list(at + min(k, n - 1)*lay%side) ! comes while this link is computed
-            call look_along(lay, entry, i, x, v, j, s, r, dv)
+            call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
             b = owner_of(ends, j)
             if (.not. all) then
                 if (is_tied(table(a, b), bond(i), bond(j), joined(i), joined(j))) cycle
@@ -211,7 +224,7 @@ contains
         real(dp), intent(inout) :: limit !! largest stable time step [s]
         real(rk) :: s(3), r(3), dv(3), own, other, energy, lost, stiffness, damping, d, vr
         integer :: a, b, j, k, n, q, t, u
-        integer(int32) :: entry, next
+        integer(int32) :: next
         integer(int64) :: at
 
         a = owner_of(ends, i)
@@ -232,12 +245,8 @@ contains
             end do
             stiffness = own*press(5, q)*d
         end if
-        next = 0
-        if (n > 0) next = list(at)
         do k = 1, n
-            entry = next
-            next = list(at + min(k, n - 1)*lay%side) ! comes while this link is computed
-            call look_along(lay, entry, i, x, v, j, s, r, dv)
+            call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
             d = sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3))
             vr = r(1)*dv(1) + r(2)*dv(2) + r(3)*dv(3)
             b = owner_of(ends, j)
