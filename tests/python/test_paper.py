@@ -68,13 +68,14 @@ def test_every_size_that_is_told_exists():
 
 
 def test_campaign_goes_on_where_it_stopped(tmp_path):
-    """Stopped by the wall clock, then the same command again; a third time nothing is to do."""
+    """Stopped by a file, then the same command again; a third time nothing is to do."""
     command = [sys.executable, ROOT / "scripts" / "paper.py", "tiny", "hvi_0600"]
     command += ["--out", tmp_path, "--brisance", BRISANCE, "--backend", "cpu"]
     folder = tmp_path / "tiny"
-    folder.mkdir()
     (case,) = paper.cases("tiny", ["hvi_0600"])
-    run(case, folder / case.name, "--backend", "cpu", "--walltime", "0:00:01", code=75)
+    (folder / case.name).mkdir(parents=True)
+    (folder / case.name / "hvi.stop").touch()
+    run(case, folder / case.name, "--backend", "cpu", code=75)
     for _ in range(2):
         done = subprocess.run(command, capture_output=True, text=True, timeout=600)
         assert done.returncode == 0, done.stdout + done.stderr
