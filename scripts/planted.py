@@ -16,8 +16,10 @@ import signal
 import subprocess
 import sys
 import tomllib
-import xml.etree.ElementTree as xml
 from pathlib import Path
+from xml.etree.ElementTree import ParseError
+
+from run_tests import count_xml
 
 HOME = Path(__file__).resolve().parents[1]
 COPY = HOME / "build" / "planted"
@@ -59,10 +61,9 @@ def failures(target, arguments):
             run.wait()
             return 1
     try:
-        cases = list(xml.parse(report).iter("testcase"))
-    except (OSError, xml.ParseError):
+        return count_xml(report)[1]
+    except (OSError, ParseError):
         return -1
-    return sum(c.find("failure") is not None or c.find("error") is not None for c in cases)
 
 
 def plant(fault):
