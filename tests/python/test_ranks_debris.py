@@ -27,6 +27,16 @@ DEBRIS = """\
 )
 
 
+def two_are_one(folder):
+    """Two GPUs have the results of one for deck.nml of a folder."""
+    (folder / "good.ptx").write_text(f"// {stamp()}\n")
+    gpu = {"LD_LIBRARY_PATH": str(EMULATOR), "BRISANCE_PTX": str(folder / "good.ptx")}
+    for n, out in [(0, "one"), (2, "two")]:
+        done = start(n, "run", "deck.nml", "--backend", "gpu", "--out", out, cwd=folder, **gpu)
+        assert done.returncode == 0, done.stderr
+    equal_bodies(folder / "one", folder / "two")
+
+
 @needs_mpirun
 @pytest.mark.parametrize("backend", ["cpu", "gpu"])
 def test_debris_does_not_depend_on_processes(backend, tmp_path):
@@ -52,12 +62,7 @@ def test_the_room_of_a_body_grows(tmp_path):
     deck = DEBRIS.replace("centre = 5e-4, 7e-4", "centre = -2.2e-3, 7e-4")
     deck = deck.replace("200, 100, -4960", "6000, 100, -900")
     (tmp_path / "deck.nml").write_text(deck.replace("-0.003, 0.0042", "-0.0042, 0.0039"))
-    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
-    gpu = {"LD_LIBRARY_PATH": str(EMULATOR), "BRISANCE_PTX": str(tmp_path / "good.ptx")}
-    for n, out in [(0, "one"), (2, "two")]:
-        done = start(n, "run", "deck.nml", "--backend", "gpu", "--out", out, cwd=tmp_path, **gpu)
-        assert done.returncode == 0, done.stderr
-    equal_bodies(tmp_path / "one", tmp_path / "two")
+    two_are_one(tmp_path)
 
 
 # what is summed up step by step: on a GPU a restart begins partial sums anew
@@ -125,11 +130,6 @@ def test_a_chip_that_flies_past_another_process(name, tmp_path):
     skin, steps, particles, chip, at, velocity = CHIPS[name]
     (tmp_path / "deck.nml").write_text(STEP.format(skin=skin, steps=steps))
     (tmp_path / "at.csv").write_text(scene(particles, chip, at, velocity))
-    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
-    gpu = {"LD_LIBRARY_PATH": str(EMULATOR), "BRISANCE_PTX": str(tmp_path / "good.ptx")}
-    for n, out in [(0, "one"), (2, "two")]:
-        done = start(n, "run", "deck.nml", "--backend", "gpu", "--out", out, cwd=tmp_path, **gpu)
-        assert done.returncode == 0, done.stderr
-    equal_bodies(tmp_path / "one", tmp_path / "two")
+    two_are_one(tmp_path)
     parts = arrays(sorted((tmp_path / "two").glob("chk_*.h5"))[-1])["solid/body_cells"][:, 6]
     assert parts.max() > 0
