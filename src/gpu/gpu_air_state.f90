@@ -245,8 +245,8 @@ contains
         place = [(place_of(gpu%grid, at(1, c), at(2, c), at(3, c)), c=1, n)]
         allocate (values(n, air%n_var), source=0.0_rk)
         call gpu%common%ask(place, 8_int64*n, size(values)*bytes_of_real, err)
-        call place_kernels%pick_reals(n, n, air%n_var, 1, gpu%grid%apart, gpu%common%asked, &
-                                      gpu%u, reals_t(gpu%common%told), err)
+        call place_kernels%pick_reals(n, n, air%n_var, gpu%grid%apart, gpu%common%asked, gpu%u, &
+                                      reals_t(gpu%common%told), err)
         call copy_out(gpu%common%told, values, size(values)*bytes_of_real, err)
         if (failed(err)) return
         do c = 1, n

@@ -4,9 +4,11 @@ module brz_gpu_coupling_guests
     use brz_air_state, only: air_t
     use brz_boxes, only: cells_t
     use brz_buffers, only: reals_t
+    use brz_cell_lists, only: list_cells
     use brz_coupling_state, only: coupling_t
     use brz_device, only: clear_buffer, copy_in, reserve_buffer
     use brz_errors, only: error_t
+    use brz_fetch, only: fetch_t
     use brz_gpu_coupling_state, only: gpu_coupling_t, seen_t
     use brz_gpu_lists, only: put_list
     use brz_gpu_parcels, only: rows_of, gpu_rows_t
@@ -46,7 +48,7 @@ contains
             gpu%guests%step_d = 1
             gpu%guests%step_p = 3
             call part%window%open(ranks, air%part%window, held, air%n_var, err)
-            if (.not. any(gpu%box%wraps)) call map_blocks(gpu, held, err)
+            if (.not. any(gpu%box%wraps)) call map_blocks(gpu, air%part%window, held, err)
             call part%parcels%open(ranks, solid_part_t(out=parcels_t([integer ::], none), &
                                    in=parcels_t([integer ::], none)), max(most, 1 + 6*w), err)
         end associate
@@ -54,41 +56,34 @@ contains
 
     !> Of the window what lies around walls is fetched, and three layers around the box for gauges:
     !> say in which block of the map that mark_blocks keeps each cell is.
-    subroutine map_blocks(gpu, held, err)
+    subroutine map_blocks(gpu, plan, held, err)
         type(gpu_coupling_t), intent(inout) :: gpu
+        type(fetch_t), intent(in) :: plan
         type(cells_t), intent(in) :: held !! cells of the arrays of the air
         type(error_t), intent(inout) :: err
-        integer, allocatable :: block(:)
 
-        associate (window => gpu%part%window, me => gpu%crowd%ranks%rank, &
-                   n => gpu%crowd%ranks%n)
+        associate (window => gpu%part%window, n => gpu%crowd%ranks%n)
             call reserve_buffer(window%near, int(always_near + n*blocks_of(gpu%box), int64), err)
             call clear_buffer(window%near, err)
-            block = blocks(window%list%out, window%list%mail%out_first, .true.)
-            call put_list(block, window%out_block, err)
-            block = blocks(window%list%in, window%list%mail%in_first, .false.)
-            call put_list(block, window%in_block, err)
+            call put_list(blocks(list_cells(n, plan%out, held), .true.), window%out_block, err)
+            call put_list(blocks(list_cells(n, plan%in, held), .false.), window%in_block, err)
         end associate
 
     contains
 
         !> Blocks of listed cells, process by process.
-        function blocks(place, first, goes) result(block)
-            integer(int64), intent(in) :: place(:) !! in the arrays
-            integer(int64), intent(in) :: first(0:) !! (processes + 1) bytes
+        function blocks(list, goes) result(block)
+            type(parcels_t), intent(in) :: list !! in the arrays
             logical, intent(in) :: goes !! to the process
-            integer :: block(size(place)), cell(3), r, t
-            integer(int64) :: at
+            integer :: at, block(size(list%place)), cell(3), r, t
             type(cells_t) :: box
 
             associate (n => held%hi - held%lo + 1)
-                do r = 0, ubound(first, 1) - 1
+                do r = 0, ubound(list%first, 1) - 1
                     box = gpu%part%boxes(merge(r, gpu%crowd%ranks%rank, goes))
-                    do t = int((first(r) - 1)/gpu%part%window%of_cell) + 1, &
-                        int((first(r + 1) - 1)/gpu%part%window%of_cell)
-                        at = place(t) - 1
-                        cell = held%lo + int([mod(at, int(n(1), int64)), &
-                            mod(at/n(1), int(n(2), int64)), at/n(1)/n(2)])
+                    do t = list%first(r), list%first(r + 1) - 1
+                        at = list%place(t) - 1
+                        cell = held%lo + [mod(at, n(1)), mod(at/n(1), n(2)), at/n(1)/n(2)]
                         block(t) = block_at(gpu%box, r + 1, cell - gpu%box%before)
                         if (all(cell >= box%lo - 3 .and. cell <= box%hi + 3)) &
                             block(t) = always_near
@@ -104,7 +99,7 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (part => gpu%part, near => gpu%part%window%near)
-            if (near%address == 0) return
+            if (any(gpu%box%wraps)) return
             call clear_buffer(near, err)
             call copy_in([1_int8], near, 1_int64, err) ! always_near
             if (gpu%wall%n_cells > 0) call guest_kernels%mark_around(gpu%wall%n_cells, &

@@ -3,13 +3,12 @@
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t, part_from => from
-    use brz_device, only: reserve_buffer
     use brz_errors, only: error_t, exit_device, raise
     use brz_gpu_lists, only: put_list
-    use brz_gpu_peers, only: begins, peers_t
+    use brz_gpu_peers, only: peers_t
     use brz_gpu_places, only: gpu_places_t
     use brz_kinds, only: int64
-    use brz_mail, only: mail_t, make_room, tell_all
+    use brz_mail, only: tell_all
     use brz_place_launches, only: place_kernels
     use brz_ranks, only: ranks_t, several
     use brz_record_rules, only: add_array, most_arrays, record_t
@@ -30,9 +29,6 @@ module brz_gpu_parcels
         integer :: most = 0 !! words of a particle in a message
         type(gpu_places_t) :: out, in !! particles, and their ghosts
         type(gpu_places_t) :: gone, come !! who changes the process
-        type(mail_t) :: mail
-        type(integers_t) :: words !! of parcels, where they go by the host or stay here
-        type(integers_t) :: came !! of parcels from others
         type(peers_t) :: peers
     contains
         procedure :: open, refresh, aim, announce, send
@@ -100,63 +96,34 @@ contains
         integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
         type(gpu_places_t), intent(inout) :: list
         type(error_t), intent(inout) :: err
-        integer(int64) :: most, others(size(number, 1), size(number, 2))
-        integer :: r
 
-        others = number
-        do r = 1, size(others, 1)
-            others(r, r) = 0
-        end do
-        call begins(self%ranks%rank, others, list%there, most)
-        call self%peers%reserve(self%ranks, most*4*self%most, err)
+        call self%peers%aim(number, 4*self%most, list, err)
     end subroutine aim
 
     !> Send the rows of listed particles to others, and put those that come where a list says, in
     !> arrays with as many words of each.
     subroutine send(self, out, in, from, to, err)
         class(gpu_parcels_t), intent(inout) :: self
-        type(gpu_places_t), intent(in) :: out, in !! all processes have aimed `out`
+        type(gpu_places_t), intent(inout) :: out, in !! all processes have aimed `out`
         type(gpu_rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
-        integer, dimension(0:self%ranks%n) :: comes, goes
-        integer :: r, wide
-        type(integers_t) :: parcel
+        integer :: wide
+        type(integers_t) :: a(most_arrays), row
+        type(record_t) :: record
 
-        associate (n => self%ranks%n, me => self%ranks%rank)
-            goes = without(me, out%first)
-            comes = without(me, in%first)
-            wide = width_of(from)
-            if (wide > self%most) call raise(err, exit_device, 'a message of particles is '// &
-                'longer than what was reserved for it: this is an error of the program')
-            call make_room(self%ranks, 4_int64*wide*(goes(1:) - goes(:n - 1)), &
-                           4_int64*wide*(comes(1:) - comes(:n - 1)), self%mail, &
-                           elsewhere=self%peers%linked)
-            if (.not. self%peers%linked) &
-                call reserve_buffer(self%words, 4_int64*wide*max(goes(n), comes(n)), err)
-            do r = 0, n - 1
-                if (r == me) cycle
-                call self%peers%aim_at(r, 4*wide*out%there(r), &
-                                       record_at(self%words, wide, goes(r)), parcel)
-                call pick_rows(from, from_place(out, r), goes(r + 1) - goes(r), parcel, err)
-            end do
-            call self%peers%swap(self%ranks, self%mail, self%words, self%came, err)
-            do r = 0, n - 1
-                if (r == me) cycle
-                call put_rows(record_at(self%came, wide, comes(r)), from_place(in, r), &
-                              comes(r + 1) - comes(r), to, err)
-            end do
-        end associate
+        wide = (sum(from%words*from%columns) + 1)/2*2
+        if (wide > self%most) call raise(err, exit_device, 'a message of particles is '// &
+            'longer than what was reserved for it: this is an error of the program')
+        call self%peers%begin(out, in, 4*wide, row, err)
+        call make_record(from, record, a)
+        if (out%tiled > 0) call place_kernels%pick_record(wide*out%tiled, wide, record, &
+            out%parcels, out%place, a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), row, err)
+        call self%peers%swap(err)
+        call make_record(to, record, a)
+        if (in%tiled > 0) call place_kernels%put_record(wide*in%tiled, wide, record, &
+            in%parcels, in%place, row, a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), err)
         call carry(self, out, in, from, to, err)
     end subroutine send
-
-    !> First entries of parcels where that of a process to itself is left out.
-    pure function without(me, first) result(others)
-        integer, intent(in) :: me, first(0:) !! (processes + 1)
-        integer :: others(0:ubound(first, 1))
-
-        others = first
-        others(me + 1:) = first(me + 1:) - (first(me + 1) - first(me))
-    end function without
 
     !> The places of parcel r and those behind it.
     pure type(integers_t) function from_place(list, r) result(place)
@@ -165,14 +132,6 @@ contains
 
         place = part_from(list%place, int(list%first(r), int64))
     end function from_place
-
-    !> Records from entry k on.
-    pure type(integers_t) function record_at(records, wide, k) result(those)
-        type(integers_t), intent(in) :: records
-        integer, intent(in) :: wide, k !! words of each; an entry, from 1
-
-        those = part_from(records, int(wide, int64)*(k - 1) + 1)
-    end function record_at
 
     !> What a process has for itself: from array to array.
     subroutine carry(self, out, in, from, to, err)
@@ -203,13 +162,6 @@ contains
         end associate
     end subroutine carry_rows
 
-    !> Words of a record: an even number.
-    pure integer function width_of(arrays) result(wide)
-        type(gpu_rows_t), intent(in) :: arrays(:)
-
-        wide = (sum(arrays%words*arrays%columns) + 1)/2*2
-    end function width_of
-
     !> How records are made of some arrays, most_arrays at most.
     pure subroutine make_record(arrays, record, array)
         type(gpu_rows_t), intent(in) :: arrays(:)
@@ -222,35 +174,4 @@ contains
             array(k) = arrays(k)%of
         end do
     end subroutine make_record
-
-    !> Rows of n listed particles, into their records.
-    subroutine pick_rows(arrays, place, n, records, err)
-        type(gpu_rows_t), intent(in) :: arrays(:)
-        type(integers_t), intent(in) :: place
-        integer, intent(in) :: n
-        type(integers_t), intent(in) :: records
-        type(error_t), intent(inout) :: err
-        type(integers_t) :: a(most_arrays)
-        type(record_t) :: record
-
-        if (n == 0) return
-        call make_record(arrays, record, a)
-        call place_kernels%pick_record(n*width_of(arrays), n, width_of(arrays), record, place, &
-                                       a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), records, err)
-    end subroutine pick_rows
-
-    !> The way back.
-    subroutine put_rows(records, place, n, arrays, err)
-        type(integers_t), intent(in) :: records, place
-        integer, intent(in) :: n
-        type(gpu_rows_t), intent(in) :: arrays(:)
-        type(error_t), intent(inout) :: err
-        type(integers_t) :: a(most_arrays)
-        type(record_t) :: record
-
-        if (n == 0) return
-        call make_record(arrays, record, a)
-        call place_kernels%put_record(n*width_of(arrays), n, width_of(arrays), record, place, &
-                                      records, a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), err)
-    end subroutine put_rows
 end module brz_gpu_parcels

@@ -10,44 +10,37 @@ module brz_gpu_peers
     use, intrinsic :: iso_c_binding, only: c_intptr_t
     use brz_buffers, only: buffer_t
     use brz_cuda_driver, only: cu_ipc_close, cu_ipc_export, cu_ipc_open, ipc_handle_t, ipc_lazily
-    use brz_device, only: allocate_buffer, copy_in, copy_out, free_buffer, &
+    use brz_device, only: allocate_buffer, copy_in, copy_out, free_buffer, reserve_buffer, &
         wait_for_device
     use brz_errors, only: error_t, failed
+    use brz_gpu_lists, only: put_changed
+    use brz_gpu_places, only: gpu_places_t
     use brz_kinds, only: dp, int64
-    use brz_mail, only: greet, mail_t, post, tell_counts
+    use brz_mail, only: greet, mail_t, make_room, post, tell_counts
+    use brz_place_items, only: tile
     use brz_ranks, only: agree, least_of_all, ranks_t, several
     implicit none
     private
-    public :: peers_t, begins
+    public :: peers_t
 
     integer(int64), parameter :: block = 2_int64**21
     !! bytes: the driver shares whole blocks of memory, so an arena fills its own
     integer(int64), parameter :: line = 256 !! bytes: where a half may begin
 
     type :: peers_t
+        type(ranks_t) :: ranks
         logical :: linked = .false. !! parcels go straight to the other GPUs
         integer :: turn = 0 !! half of the next exchange
         integer(int64) :: half = 0 !! its bytes, in all processes
         type(buffer_t) :: arena
         integer(c_intptr_t), allocatable :: place(:) !! (0:processes - 1) the arenas of all
+        type(mail_t) :: mail
+        type(buffer_t) :: words !! of parcels, where they go by the host
     contains
-        procedure :: open, reserve, close, aim_at, swap
+        procedure :: open, close, aim, begin, swap
     end type peers_t
 
 contains
-
-    !> Where the parcels of this process begin in the arenas of others, and what an arena must hold:
-    !> elements, from how many each process sends to each.
-    pure subroutine begins(rank, number, there, most)
-        integer, intent(in) :: rank !! this one
-        integer(int64), intent(in) :: number(0:, 0:) !! (to, from)
-        integer(int64), allocatable, intent(out) :: there(:) !! (0:processes - 1) before them
-        integer(int64), intent(out) :: most
-
-        allocate (there(0:ubound(number, 1)))
-        there = sum(number(:, :rank - 1), dim=2)
-        most = maxval(sum(number, dim=2))
-    end subroutine begins
 
     !> Link all processes, with halves of so many bytes in all of them; all must call.
     subroutine open (self, ranks, bytes, err)
@@ -61,6 +54,7 @@ contains
         integer :: r
 
         if (.not. several(ranks)) return
+        self%ranks = ranks
         allocate (self%place(0:ranks%n - 1), source=0_c_intptr_t)
         self%half = (bytes + line - 1)/line*line
         call allocate_buffer(self%arena, max(2*self%half + block - 1, block)/block*block, err)
@@ -80,74 +74,116 @@ contains
         end do
         call least_of_all(ranks, good)
         self%linked = .true.
-        if (good(1) <= 0) call self%close(ranks)
+        if (good(1) <= 0) call self%close()
     end subroutine open
 
-    !> Room for so many bytes in a half, the same in all processes. Where there is less all link
-    !> anew, with some to spare.
-    subroutine reserve(self, ranks, bytes, err)
-        class(peers_t), intent(inout) :: self
-        type(ranks_t), intent(in) :: ranks
-        integer(int64), intent(in) :: bytes
-        type(error_t), intent(inout) :: err
-
-        if (.not. self%linked .or. bytes <= self%half) return
-        call self%close(ranks)
-        call self%open(ranks, bytes + bytes/2, err)
-    end subroutine reserve
-
     !> Let go of the memory of the others, then of this one's; all must call.
-    subroutine close (self, ranks)
+    subroutine close (self)
         class(peers_t), intent(inout) :: self
-        type(ranks_t), intent(in) :: ranks
         type(error_t) :: none
         integer :: code, r
 
         if (.not. self%linked) return
-        do r = 0, ranks%n - 1
-            if (self%place(r) /= 0 .and. r /= ranks%rank) code = cu_ipc_close(self%place(r))
+        do r = 0, self%ranks%n - 1
+            if (self%place(r) /= 0 .and. r /= self%ranks%rank) code = cu_ipc_close(self%place(r))
         end do
-        call agree(ranks, none)
+        call agree(self%ranks, none)
         call free_buffer(self%arena)
         deallocate (self%place)
         self%linked = .false.
     end subroutine close
 
-    !> Where a parcel to another process is to be written: into its arena, or, where parcels go by
-    !> the host, into a row of them.
-    subroutine aim_at(self, r, bytes, here, parcel)
-        class(peers_t), intent(in) :: self
-        integer, intent(in) :: r !! process
-        integer(int64), intent(in) :: bytes !! before the parcel in the other arena
-        class(buffer_t), intent(in) :: here !! its place in the row
-        class(buffer_t), intent(inout) :: parcel !! its address is set
-
-        parcel%address = here%address
-        if (self%linked) parcel%address = self%place(r) + self%turn*self%half + bytes
-    end subroutine aim_at
-
-    !> Wait until every parcel that has been written is with its process, and tell where those of
-    !> others have come to. Who has an error takes part with what there is.
-    subroutine swap(self, ranks, mail, parcels, came, err)
+    !> Get ready to send a list of which all processes know how many entries go from each to each;
+    !> all must call. Where halves are too short for it all link anew, with some to spare.
+    subroutine aim(self, number, bytes, list, err)
         class(peers_t), intent(inout) :: self
-        type(ranks_t), intent(in) :: ranks
-        type(mail_t), intent(inout) :: mail !! says how long the parcels are
-        class(buffer_t), intent(in) :: parcels
-        !! where they go by the host: one after the other; room for those that come
-        class(buffer_t), intent(inout) :: came !! its address is set
+        integer(int64), intent(in) :: number(:, :) !! (to processes, from processes)
+        integer, intent(in) :: bytes !! of an entry at most
+        type(gpu_places_t), intent(inout) :: list
+        type(error_t), intent(inout) :: err
+        integer(int64), dimension(0:size(number, 1) - 1, 0:size(number, 1) - 1) :: tiled
+        integer(int64) :: half
+        integer :: r
+
+        tiled = in_tiles(number)
+        do r = 0, merge(-1, self%ranks%n - 1, list%all)
+            tiled(r, r) = 0
+        end do
+        if (.not. allocated(list%there)) allocate (list%there(0:self%ranks%n - 1))
+        list%there = sum(tiled(:, :self%ranks%rank - 1), dim=2)
+        half = bytes*maxval(sum(tiled, dim=2))
+        if (.not. self%linked .or. half <= self%half) return
+        call self%close()
+        call self%open(self%ranks, half + half/2, err)
+    end subroutine aim
+
+    !> Begin an exchange of entries of so many bytes: parcels go from a list, which all have aimed,
+    !> to the other one, and are written and read from `row` on.
+    subroutine begin(self, out, in, bytes, row, err)
+        class(peers_t), intent(inout) :: self
+        type(gpu_places_t), intent(inout) :: out, in
+        integer, intent(in) :: bytes
+        class(buffer_t), intent(inout) :: row !! its address is set
+        type(error_t), intent(inout) :: err
+        integer(int64), dimension(self%ranks%n) :: goes, comes
+
+        call tell_parcels(self, out, goes, err)
+        call tell_parcels(self, in, comes, err)
+        call make_room(self%ranks, bytes*goes, bytes*comes, self%mail, elsewhere=self%linked)
+        row%address = self%arena%address + self%turn*self%half
+        if (self%linked) return
+        call reserve_buffer(self%words, bytes*max(sum(goes), sum(comes)), err)
+        row%address = self%words%address
+    end subroutine begin
+
+    !> Tell kernels where the parcels of a list lie, see brz_place_items.
+    subroutine tell_parcels(self, list, tiled, err)
+        class(peers_t), intent(in) :: self
+        type(gpu_places_t), intent(inout) :: list
+        integer(int64), intent(out) :: tiled(0:) !! (processes) places in the tiles of each parcel
+        type(error_t), intent(inout) :: err
+        integer(int64) :: before, parcel(5, 0:ubound(tiled, 1))
+        integer :: r
+
+        before = 0
+        do r = 0, ubound(tiled, 1)
+            tiled(r) = in_tiles(int(list%first(r + 1) - list%first(r), int64))
+            if (r == self%ranks%rank .and. .not. list%all) tiled(r) = 0
+            parcel(:3, r) = [before + tiled(r), list%first(r) - before, &
+                             int(list%first(r + 1) - 1, int64)]
+            parcel(4:, r) = 0
+            if (self%linked .and. allocated(list%there)) &
+                parcel(4:, r) = [self%place(r) - self%arena%address, list%there(r) - before]
+            before = before + tiled(r)
+        end do
+        list%tiled = int(before)
+        call put_changed(transfer(parcel, [0]), list%parcels_there, list%parcels, err)
+    end subroutine tell_parcels
+
+    !> Entries, rounded up to whole tiles.
+    elemental integer(int64) function in_tiles(n)
+        integer(int64), intent(in) :: n
+
+        in_tiles = (n + tile - 1)/tile*tile
+    end function in_tiles
+
+    !> Wait until every parcel that has been written is with its process, and those of others are
+    !> here. Who has an error takes part with what there is.
+    subroutine swap(self, err)
+        class(peers_t), intent(inout) :: self
         type(error_t), intent(inout) :: err
 
-        if (.not. self%linked) then
-            call copy_out(parcels, mail%out, mail%out_first(ranks%n) - 1, err)
-            call post(ranks, mail)
-            call copy_in(mail%in, parcels, mail%in_first(ranks%n) - 1, err)
-            came%address = parcels%address
-            return
-        end if
-        call wait_for_device(err)
-        call greet(ranks, mail)
-        came%address = self%arena%address + self%turn*self%half
-        self%turn = 1 - self%turn
+        associate (ranks => self%ranks, mail => self%mail)
+            if (self%linked) then
+                call wait_for_device(err)
+                call greet(ranks, mail)
+                self%turn = 1 - self%turn
+            else
+                call copy_out(self%words, mail%out, mail%out_first(ranks%n) - 1, err)
+                call post(ranks, mail)
+                call copy_in(mail%in, self%words, mail%in_first(ranks%n) - 1, err)
+            end if
+        end associate
     end subroutine swap
 
     !> Parcels are to go by the host.

@@ -3,62 +3,33 @@
 !> pack and unpack elsewhere than on the host.
 module brz_cell_lists
     use brz_boxes, only: cells_t, cells_of
-    use brz_fetch, only: fetch_t, parcel_t
-    use brz_kinds, only: int64
-    use brz_mail, only: mail_t, make_room
-    use brz_ranks, only: ranks_t
+    use brz_fetch, only: parcel_t
+    use brz_kinds, only: int32, int64
+    use brz_places, only: parcels_t
     implicit none
     private
-    public :: cell_list_t, list_cells, places_in
-
-    integer, parameter :: unit = 8 !! bytes: a parcel is a whole number of so many
-
-    !> Places of the cells in the order of the bytes of the mail.
-    type :: cell_list_t
-        integer(int64), allocatable :: out(:), in(:) !! from 1
-        type(mail_t) :: mail
-    end type cell_list_t
+    public :: list_cells, places_in
 
 contains
 
-    !> List the cells of a fetch for arrays that hold the cells `box` of the whole grid.
-    subroutine list_cells(ranks, plan, box, bytes, list)
-        type(ranks_t), intent(in) :: ranks
-        type(fetch_t), intent(in) :: plan
-        type(cells_t), intent(in) :: box
-        integer, intent(in) :: bytes !! of a cell
-        type(cell_list_t), intent(out) :: list
-        integer(int64) :: length(0:ranks%n - 1, 2)
-
-        call list_parcels(plan%out, box, bytes, list%out, length(:, 1))
-        call list_parcels(plan%in, box, bytes, list%in, length(:, 2))
-        call make_room(ranks, length(:, 1), length(:, 2), list%mail)
-    end subroutine list_cells
-
-    !> List the cells of all parcels, process by process. The last cell of a process comes again and
-    !> again until its parcel is a whole number of units.
-    subroutine list_parcels(parcels, box, bytes, place, length)
+    !> Places of the cells of some parcels in an array that holds the cells `box` of the whole grid,
+    !> process by process.
+    pure type(parcels_t) function list_cells(processes, parcels, box) result(list)
+        integer, intent(in) :: processes
         type(parcel_t), intent(in) :: parcels(:)
         type(cells_t), intent(in) :: box
-        integer, intent(in) :: bytes !! of a cell
-        integer(int64), allocatable, intent(out) :: place(:)
-        integer(int64), intent(out) :: length(0:) !! (processes) bytes
         integer :: m, r
 
-        allocate (place(0))
-        do r = 0, ubound(length, 1)
-            length(r) = 0
+        allocate (list%first(0:processes), source=1)
+        allocate (list%place(0))
+        do r = 0, processes - 1
             do m = 1, size(parcels)
-                if (parcels(m)%partner /= r) cycle
-                place = [place, places_in(box, parcels(m)%box)]
-                length(r) = length(r) + bytes*cells_of(parcels(m)%box)
+                if (parcels(m)%partner == r) &
+                    list%place = [list%place, int(places_in(box, parcels(m)%box), int32)]
             end do
-            do while (mod(length(r), int(unit, int64)) > 0)
-                place = [place, place(size(place))]
-                length(r) = length(r) + bytes
-            end do
+            list%first(r + 1) = size(list%place) + 1
         end do
-    end subroutine list_parcels
+    end function list_cells
 
     !> Places of the cells of one box in an array that holds those of another.
     pure function places_in(whole, box) result(place)

@@ -1,95 +1,155 @@
 ! SPDX-License-Identifier: MIT
 !> Numbers of listed cells or particles, into a row and back: what packs and unpacks messages.
 !>
-!> Number c of element p of an array is array((p - 1)*step_p + (c - 1)*step_d + 1): so it serves
-!> fields (step_p = 1) and rows (step_d = 1). A list may name an element twice; both times the same
-!> numbers come for it.
+!> The parcels to all other processes are one row of tiles of 32 places, each parcel whole tiles:
+!> one kernel packs them, another one unpacks those that come.
 module brz_place_items
     use brz_kinds, only: int32, int64, int8, rk
     use brz_record_rules, only: find_word, record_t
     implicit none
     private
-    public :: pick_reals, put_reals, pick_near, put_near, pick_bytes, put_bytes
+    public :: tile, pick_reals, pick_cells, put_cells, pick_marks, put_marks, pick_bytes, put_bytes
     public :: pick_integer, pick_record, put_record, carry_words, give_place, join_place, &
         list_marked
 
-    integer, parameter :: tile = 32 !! particles whose records lie word by word
+    integer, parameter :: tile = 32 !! cells or particles whose numbers lie one by one
+    integer, parameter :: real_bytes = storage_size(1.0_rk)/8
 
 contains
 
-    !> The numbers of a listed element, each into the row of such numbers.
+    !> The numbers of a listed cell of a field, each into the row of such numbers.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine pick_reals(t, length, wide, step_p, step_d, place, array, row)
-        integer, intent(in) :: t !! elements of the list
-        integer, intent(in) :: length !! elements of a row
-        integer, intent(in) :: wide !! numbers of each
-        integer, intent(in) :: step_p
-        integer(int64), intent(in) :: step_d
-        integer(int64), intent(in) :: place(*) !! of each element, from 1
+    pure subroutine pick_reals(t, length, wide, step, place, array, row)
+        integer, intent(in) :: t !! cells of the list
+        integer, intent(in) :: length !! cells of a row
+        integer, intent(in) :: wide !! numbers of a cell
+        integer(int64), intent(in) :: step !! numbers between those of a cell
+        integer(int64), intent(in) :: place(*) !! of each cell, from 1
         real(rk), intent(in) :: array(*)
         real(rk), intent(inout) :: row(*) !! (length, wide)
         integer :: c
 
-        do c = 1, wide
-            row(t + (c - 1)*int(length, int64)) = array((place(t) - 1)*step_p + (c - 1)*step_d + 1)
+        do c = 0, wide - 1
+            row(t + c*int(length, int64)) = array(place(t) + c*step)
         end do
     end subroutine pick_reals
 
-    !> The way back.
+    !> The numbers of a listed cell of a field, into its parcel, if its block is marked.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine put_reals(t, length, wide, step_p, step_d, place, row, array)
-        integer, intent(in) :: t !! elements of the list
-        integer, intent(in) :: length !! elements of a row
-        integer, intent(in) :: wide !! numbers of each
-        integer, intent(in) :: step_p
-        integer(int64), intent(in) :: step_d
-        integer(int64), intent(in) :: place(*) !! of each element, from 1
-        real(rk), intent(in) :: row(*) !! (length, wide)
-        real(rk), intent(inout) :: array(*)
-        integer :: c
-
-        do c = 1, wide
-            array((place(t) - 1)*step_p + (c - 1)*step_d + 1) = row(t + (c - 1)*int(length, int64))
-        end do
-    end subroutine put_reals
-
-    !> The same of a field where the block of the element is marked.
-    !@item
-    !@cuf attributes(host,device) &
-    pure subroutine pick_near(t, length, wide, step_d, place, block, near, array, row)
-        integer, intent(in) :: t !! elements of the list
-        integer, intent(in) :: length !! elements of a row
-        integer, intent(in) :: wide !! numbers of each
-        integer(int64), intent(in) :: step_d
-        integer(int64), intent(in) :: place(*) !! of each element, from 1
-        integer(int32), intent(in) :: block(*) !! of each element
+    pure subroutine pick_cells(t, wide, step, parcel, place, block, near, array, row)
+        integer, intent(in) :: t !! places of the tiles
+        integer, intent(in) :: wide !! numbers of a cell
+        integer(int64), intent(in) :: step !! numbers between those of a cell
+        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
+        integer(int32), intent(in) :: place(*) !! of each cell, from 1
+        integer(int32), intent(in) :: block(*) !! of each cell
         integer(int8), intent(in) :: near(*) !! (blocks)
         real(rk), intent(in) :: array(*)
-        real(rk), intent(inout) :: row(*) !! (length, wide)
+        real(rk), intent(inout) :: row(*) !! (places of a tile, wide, tiles)
+        integer(int64) :: away, to
+        integer :: c, k
 
-        if (near(block(t)) == 0) return
-        call pick_reals(t, length, wide, 1, step_d, place, array, row)
-    end subroutine pick_near
+        call find_entry(t - 1, real_bytes*wide, parcel, k, away)
+        if (near(block(k)) == 0) return
+        to = first_of(t, wide) + away/real_bytes
+        do c = 0, wide - 1
+            row(to + c*tile) = array(place(k) + c*step)
+        end do
+    end subroutine pick_cells
 
     !> The way back.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine put_near(t, length, wide, step_d, place, block, near, row, array)
-        integer, intent(in) :: t !! elements of the list
-        integer, intent(in) :: length !! elements of a row
-        integer, intent(in) :: wide !! numbers of each
-        integer(int64), intent(in) :: step_d
-        integer(int64), intent(in) :: place(*) !! of each element, from 1
-        integer(int32), intent(in) :: block(*) !! of each element
+    pure subroutine put_cells(t, wide, step, parcel, place, block, near, row, array)
+        integer, intent(in) :: t !! places of the tiles
+        integer, intent(in) :: wide !! numbers of a cell
+        integer(int64), intent(in) :: step !! numbers between those of a cell
+        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
+        integer(int32), intent(in) :: place(*) !! of each cell, from 1
+        integer(int32), intent(in) :: block(*) !! of each cell
         integer(int8), intent(in) :: near(*) !! (blocks)
-        real(rk), intent(in) :: row(*) !! (length, wide)
+        real(rk), intent(in) :: row(*) !! (places of a tile, wide, tiles)
         real(rk), intent(inout) :: array(*)
+        integer(int64) :: away
+        integer :: c, k
 
-        if (near(block(t)) == 0) return
-        call put_reals(t, length, wide, 1, step_d, place, row, array)
-    end subroutine put_near
+        call find_entry(t - 1, real_bytes*wide, parcel, k, away)
+        if (near(block(k)) == 0) return
+        do c = 0, wide - 1
+            array(place(k) + c*step) = row(first_of(t, wide) + c*tile)
+        end do
+    end subroutine put_cells
+
+    !> The first number of a place of the tiles.
+    !@cuf attributes(host,device) &
+    pure integer(int64) function first_of(t, wide) result(at)
+        integer, intent(in) :: t !! places of the tiles
+        integer, intent(in) :: wide !! numbers of each
+
+        at = t + int((t - 1)/tile, int64)*(tile*(wide - 1))
+    end function first_of
+
+    !> The entry of a list that has a place in the tiles of its parcels, and how many bytes from
+    !> here its parcel is to be written. What is known of the parcel of each process: places up to
+    !> its end, what an entry is short of, its last entry; bytes and places from where it would be
+    !> here to where it is to be. The last entry comes again until a tile is full.
+    !@cuf attributes(host,device) &
+    pure subroutine find_entry(before, bytes, parcel, k, away)
+        integer, intent(in) :: before !! places of the tiles of all parcels, before this one
+        integer, intent(in) :: bytes !! of an entry
+        integer(int64), intent(in) :: parcel(*) !! (5, processes)
+        integer, intent(out) :: k !! from 1
+        integer(int64), intent(out) :: away
+        integer :: at
+
+        at = 1
+        do while (before >= parcel(at))
+            at = at + 5
+        end do
+        k = int(min(before + parcel(at + 1), parcel(at + 2)))
+        away = parcel(at + 3) + parcel(at + 4)*bytes
+    end subroutine find_entry
+
+    !> The marks of four listed cells, into their parcel.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine pick_marks(t, parcel, place, array, row)
+        integer, intent(in) :: t !! words of four places of the tiles
+        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
+        integer(int32), intent(in) :: place(*) !! of each cell, from 1
+        integer(int8), intent(in) :: array(*)
+        integer(int32), intent(inout) :: row(*)
+        integer(int64) :: away
+        integer(int32) :: word
+        integer :: c, k
+
+        word = 0
+        do c = 0, 3
+            call find_entry(4*(t - 1) + c, 1, parcel, k, away)
+            word = ior(word, shiftl(iand(int(array(place(k)), int32), 255), 8*c))
+        end do
+        row(t + away/4) = word
+    end subroutine pick_marks
+
+    !> The way back.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine put_marks(t, parcel, place, row, array)
+        integer, intent(in) :: t !! words of four places of the tiles
+        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
+        integer(int32), intent(in) :: place(*) !! of each cell, from 1
+        integer(int32), intent(in) :: row(*)
+        integer(int8), intent(inout) :: array(*)
+        integer(int64) :: away
+        integer :: c, k
+
+        do c = 0, 3
+            call find_entry(4*(t - 1) + c, 1, parcel, k, away)
+            array(place(k)) = int(shifta(shiftl(row(t), 24 - 8*c), 24), int8)
+        end do
+    end subroutine put_marks
 
     !> The mark of a listed element, into its row.
     !@item
@@ -132,56 +192,56 @@ contains
     !> threads beside each other are at the same word of their particles.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine pick_record(t, number, wide, record, place, a1, a2, a3, a4, a5, a6, a7, a8, row)
-        integer, intent(in) :: t !! words of all records
-        integer, intent(in) :: number !! particles of the list
+    pure subroutine pick_record(t, wide, record, parcel, place, a1, a2, a3, a4, a5, a6, a7, a8, row)
+        integer, intent(in) :: t !! words of all tiles
         integer, intent(in) :: wide !! words of a record in the message
         type(record_t), intent(in) :: record
+        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
         integer(int32), intent(in) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
         integer(int32), intent(inout) :: row(*) !! (particles of a tile, wide, tiles)
-        integer :: array, c, p
-        integer(int64) :: at
+        integer :: array, c, k
+        integer(int64) :: at, away
 
-        call find_particle(t, number, wide, p, c)
+        call find_particle(t, wide, parcel, k, c, away)
         if (c >= record%wide) return
-        call find_word(record, c, place(p), array, at)
-        row(t) = word_of(array, at, a1, a2, a3, a4, a5, a6, a7, a8)
+        call find_word(record, c, place(k), array, at)
+        row(t + away/4) = word_of(array, at, a1, a2, a3, a4, a5, a6, a7, a8)
     end subroutine pick_record
 
     !> The way back.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine put_record(t, number, wide, record, place, row, a1, a2, a3, a4, a5, a6, a7, a8)
-        integer, intent(in) :: t !! words of all records
-        integer, intent(in) :: number !! particles of the list
+    pure subroutine put_record(t, wide, record, parcel, place, row, a1, a2, a3, a4, a5, a6, a7, a8)
+        integer, intent(in) :: t !! words of all tiles
         integer, intent(in) :: wide !! words of a record in the message
         type(record_t), intent(in) :: record
+        integer(int64), intent(in) :: parcel(*) !! (5, processes), see find_entry
         integer(int32), intent(in) :: place(*) !! of each particle, from 1
         integer(int32), intent(in) :: row(*) !! (particles of a tile, wide, tiles)
         integer(int32), intent(inout) :: a1(*), a2(*), a3(*), a4(*), a5(*), a6(*), a7(*), a8(*)
-        integer :: array, c, p
-        integer(int64) :: at
+        integer :: array, c, k
+        integer(int64) :: at, away
 
-        call find_particle(t, number, wide, p, c)
+        call find_particle(t, wide, parcel, k, c, away)
         if (c >= record%wide) return
-        call find_word(record, c, place(p), array, at)
+        call find_word(record, c, place(k), array, at)
         call set_word(array, at, row(t), a1, a2, a3, a4, a5, a6, a7, a8)
     end subroutine put_record
 
-    !> The particle of a word of the records in tiles, and the word.
+    !> The particle of a word of the tiles, and the word.
     !@cuf attributes(host,device) &
-    pure subroutine find_particle(t, number, wide, p, c)
-        integer, intent(in) :: t, number, wide
-        integer, intent(out) :: p !! particle of the list
+    pure subroutine find_particle(t, wide, parcel, k, c, away)
+        integer, intent(in) :: t, wide
+        integer(int64), intent(in) :: parcel(*) !! (5, processes)
+        integer, intent(out) :: k !! entry of the list
         integer, intent(out) :: c !! words of its record before this one
-        integer :: before, rest, some
+        integer(int64), intent(out) :: away !! bytes, see find_entry
+        integer :: rows
 
-        before = (t - 1)/(tile*wide)*tile
-        rest = t - 1 - before*wide
-        some = min(tile, number - before)
-        c = rest/some
-        p = before + rest - c*some + 1
+        rows = (t - 1)/tile ! before this one
+        c = mod(rows, wide)
+        call find_entry(rows/wide*tile + mod(t - 1, tile), 4*wide, parcel, k, away)
     end subroutine find_particle
 
     !> A word of a listed particle, to the particle of another list in another array.
