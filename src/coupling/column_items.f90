@@ -14,9 +14,9 @@ module brz_column_items
     implicit none
     private
     public :: find_above, weigh_column, feel_gas, press_face, book_face, load_particle
-    public :: at_once, depth_weight
+    public :: depth_weight, look_ahead
 
-    integer, parameter :: at_once = 4 !! particles of a bin
+    integer, parameter :: at_once = 8 !! particles of a bin
 
 contains
 
@@ -71,24 +71,38 @@ contains
         w = mass*load_weight(real(depth, rk), real(box%spread*box%dx(d), rk))
     end function depth_weight
 
-    !> Places along d and masses of the next particles of a bin, the last one again where it ends
-    !> before: a thread of a GPU waits for memory once for all of them.
+    !> The next n particles of a bin, the last one again where it ends before. A thread of a GPU
+    !> that looks at several, and finds the next ones meanwhile, waits for memory once for all.
     !@cuf attributes(host,device) &
-    pure subroutine look_at_some(first, last, wide, d, binned, x, mass, y, m)
+    pure subroutine look_ahead(n, first, last, binned, next)
+        integer, intent(in) :: n, first, last !! of the bin
+        integer(int32), intent(in) :: binned(*)
+        integer, intent(out) :: next(n)
+        integer :: q
+
+        do q = 1, n
+            next(q) = binned(min(first + q - 1, last))
+        end do
+    end subroutine look_ahead
+
+    !> Places along d and masses of the particles of a bin from one on, and those behind these.
+    !@cuf attributes(host,device) &
+    pure subroutine look_at_some(first, last, wide, d, binned, x, mass, next, y, m)
         integer, intent(in) :: first, last !! of the bin
         integer, intent(in) :: wide, d !! rows of x; direction
         integer(int32), intent(in) :: binned(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: mass(*)
+        integer, intent(inout) :: next(at_once) !! from the first on, then those behind
         real(dp), intent(out) :: y(at_once) !! [m]
         real(rk), intent(out) :: m(at_once) !! [kg]
-        integer :: p, q
+        integer :: q
 
         do q = 1, at_once
-            p = binned(min(first + q - 1, last))
-            y(q) = x(d, p)
-            m(q) = mass(p)
+            y(q) = x(d, next(q))
+            m(q) = mass(next(q))
         end do
+        call look_ahead(at_once, first + at_once, last, binned, next)
     end subroutine look_at_some
 
     !> Surface of the column behind each face, and the sum of the weights in it.
@@ -110,15 +124,16 @@ contains
         real(dp) :: top, y(at_once)
         real(rk) :: m(at_once), total
         integer(int64) :: at
-        integer :: c, d, g, i, k, number, q, s
+        integer :: c, d, g, i, k, next(at_once), number, q, s
 
         d = direction_of(rows(f))
         s = sign_of(rows(f))
         c = owner(f)
         g = box%before(d) + index_along(box%n, gas(f), d)
         top = huge(1.0_dp)
+        call look_ahead(at_once, ends(c) + 1, ends(c + 1), binned, next)
         do i = ends(c) + 1, ends(c + 1), at_once
-            call look_at_some(i, ends(c + 1), wide, d, binned, x, mass, y, m)
+            call look_at_some(i, ends(c + 1), wide, d, binned, x, mass, next, y, m)
             do q = 1, at_once
                 top = min(top, height_of(y(q), box%lo(d), box%dx(d), box%n(d), box%wraps(d), g, s))
             end do
@@ -127,8 +142,9 @@ contains
         number = cell(c)
         total = 0
         do k = 0, box%layers
+            call look_ahead(at_once, ends(c) + 1, ends(c + 1), binned, next)
             do i = ends(c) + 1, ends(c + 1), at_once
-                call look_at_some(i, ends(c + 1), wide, d, binned, x, mass, y, m)
+                call look_at_some(i, ends(c + 1), wide, d, binned, x, mass, next, y, m)
                 do q = 1, at_once
                     if (i + q - 1 > ends(c + 1)) exit
                     total = total + depth_weight(box, rows(f), gas(f), top, y(q), m(q))

@@ -3,7 +3,7 @@
 module brz_velocity_items
     use brz_carrier_rules, only: carried_velocity, carrier_at, carrier_t, is_carried
     use brz_cell_place, only: cell_middle
-    use brz_column_items, only: at_once, depth_weight
+    use brz_column_items, only: depth_weight, look_ahead
     use brz_column_rules, only: direction_of
     use brz_coupling_box, only: box_t
     use brz_kinds, only: dp, int32, rk
@@ -14,6 +14,8 @@ module brz_velocity_items
     private
     public :: mean_velocity_of, push_wall, keep_velocity
     public :: carrier_of
+
+    integer, parameter :: at_once = 4 !! particles of a bin
 
 contains
 
@@ -43,18 +45,41 @@ contains
         v = carried_velocity(carrier, middle)
     end function carried_at
 
-    !> The next particles of a bin, see look_at_some.
+    !> Particles of a bin from one on, their masses, how they are held, and those behind them.
     !@cuf attributes(host,device) &
-    pure subroutine next_in_bin(first, last, binned, some)
+    pure subroutine take_some(first, last, binned, mass, fixed, next, some, m, hold)
         integer, intent(in) :: first, last !! of the bin
-        integer(int32), intent(in) :: binned(*)
+        integer(int32), intent(in) :: binned(*), fixed(*)
+        real(rk), intent(in) :: mass(*)
+        integer, intent(inout) :: next(at_once) !! from the first on, then those behind
         integer, intent(out) :: some(at_once)
+        real(rk), intent(out) :: m(at_once) !! [kg]
+        integer(int32), intent(out) :: hold(at_once)
         integer :: q
 
         do q = 1, at_once
-            some(q) = binned(min(first + q - 1, last))
+            some(q) = next(q)
+            m(q) = mass(next(q))
+            hold(q) = fixed(next(q))
         end do
-    end subroutine next_in_bin
+        call look_ahead(at_once, first + at_once, last, binned, next)
+    end subroutine take_some
+
+    !> Three numbers of each of some particles.
+    !@cuf attributes(host,device) &
+    pure subroutine look_at_some(some, step_d, step_p, x, rows)
+        integer, intent(in) :: some(at_once)
+        integer, intent(in) :: step_d, step_p !! distances in x of the numbers, of particles
+        real(rk), intent(in) :: x(*)
+        real(rk), intent(out) :: rows(3, at_once)
+        integer :: q
+
+        do q = 1, at_once
+            rows(1, q) = x(1 + (some(q) - 1)*step_p)
+            rows(2, q) = x(1 + step_d + (some(q) - 1)*step_p)
+            rows(3, q) = x(1 + 2*step_d + (some(q) - 1)*step_p)
+        end do
+    end subroutine look_at_some
 
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
     !> carries them, else as it is kept, half a step before.
@@ -71,21 +96,22 @@ contains
         real(rk), intent(in) :: v(wide, *), mass(*)
         integer(int32), intent(in) :: fixed(*)
         real(rk), intent(inout) :: v_wall(3, *)
-        real(rk) :: total, sums(3), w(3)
-        integer :: b, d, i, p, q, some(at_once)
+        real(rk) :: m(at_once), now(3, at_once), total, sums(3), w(3)
+        integer :: b, d, hold(at_once), i, next(at_once), q, some(at_once)
 
         total = 0
         sums = 0
+        call look_ahead(at_once, ends(c) + 1, ends(c + 1), binned, next)
         do i = ends(c) + 1, ends(c + 1), at_once
-            call next_in_bin(i, ends(c + 1), binned, some)
+            call take_some(i, ends(c + 1), binned, mass, fixed, next, some, m, hold)
+            call look_at_some(some, 1, wide, v, now)
             do q = 1, at_once
                 if (i + q - 1 > ends(c + 1)) exit
-                p = some(q)
-                b = carrier_of(bodies, carrier, p, fixed(p))
-                w = v(1:3, p)
-                if (b > 0) w = carried_at(box, carrier(b), x(1, p))
-                total = total + mass(p)
-                sums = sums + mass(p)*w
+                b = carrier_of(bodies, carrier, some(q), hold(q))
+                w = now(:, q)
+                if (b > 0) w = carried_at(box, carrier(b), x(1, some(q)))
+                total = total + m(q)
+                sums = sums + m(q)*w
             end do
         end do
         do d = 1, 3
@@ -120,9 +146,10 @@ contains
         real(dp), intent(in) :: surface(*)
         real(rk), intent(in) :: weight(*), force(*), impedance(*)
         real(rk), intent(inout) :: v_wall(3, *)
-        real(rk) :: all_force(3), gas_load(3), momentum(3), own(3), w(3)
-        real(rk) :: carried, change, part, total, z
-        integer :: b, d, f, i, p, q, row, side, some(at_once)
+        real(rk) :: all_force(3), gas_load(3), momentum(3), own(3)
+        real(rk) :: carried, change, m(at_once), part, speed, total, z
+        real(rk), dimension(3, at_once) :: before, loads, now
+        integer :: b, d, f, hold(at_once), i, next(at_once), q, row, side, some(at_once)
         logical :: held
 
         if (faces_at(c, face_of) == 0) return
@@ -133,35 +160,39 @@ contains
         momentum = 0
         all_force = 0
         gas_load = 0
+        call look_ahead(at_once, ends(c) + 1, ends(c + 1), binned, next)
         do i = ends(c) + 1, ends(c + 1), at_once
-            call next_in_bin(i, ends(c + 1), binned, some)
+            call take_some(i, ends(c + 1), binned, mass, fixed, next, some, m, hold)
+            call look_at_some(some, 1, wide, v, now)
+            if (dt_before > 0) then
+                call look_at_some(id(some), 1, 3, v_before, before)
+                call look_at_some(some, step_d, step_p, load, loads)
+            end if
             do q = 1, at_once
                 if (i + q - 1 > ends(c + 1)) exit
-                p = some(q)
-                held = held .or. fixed(p) == is_held
-                b = carrier_of(bodies, carrier, p, fixed(p))
+                held = held .or. hold(q) == is_held
+                b = carrier_of(bodies, carrier, some(q), hold(q))
                 if (b > 0) then
-                    w = carried_at(box, carrier(b), x(1, p))
-                    carried = carried + mass(p)
-                    momentum = momentum + mass(p)*w
+                    carried = carried + m(q)
+                    momentum = momentum + m(q)*carried_at(box, carrier(b), x(1, some(q)))
                     cycle
                 end if
-                total = total + mass(p)
+                total = total + m(q)
                 do d = 1, 3
-                    own(d) = own(d) + mass(p)*v(d, p)
+                    own(d) = own(d) + m(q)*now(d, q)
                     if (.not. dt_before > 0) cycle
-                    gas_load(d) = gas_load(d) + load(1 + (d - 1)*step_d + (p - 1)*step_p)
-                    all_force(d) = all_force(d) + mass(p)*(v(d, p) - v_before(d, id(p)))/dt_before
+                    gas_load(d) = gas_load(d) + loads(d, q)
+                    all_force(d) = all_force(d) + m(q)*(now(d, q) - before(d, q))/dt_before
                 end do
             end do
         end do
         do d = 1, 3
-            w(d) = 0
-            if (total > 0) w(d) = own(d)/total
+            speed = 0
+            if (total > 0) speed = along(d, own)/total
             if (total > 0 .and. .not. held .and. box%n(d) > 1 &
                 .and. max(face_of(2*d - 1, c), face_of(2*d, c)) > 0) then
                 z = 0
-                change = -gas_load(d)
+                change = -along(d, gas_load)
                 do side = 0, 1
                     row = 2*d - side
                     f = above(row, c)
@@ -171,11 +202,20 @@ contains
                     change = change + part*force(f)
                     if (owner(f) == c) z = z + part*impedance(f)
                 end do
-                w(d) = pushed_velocity(w(d), all_force(d), change, z, total, dt)
+                speed = pushed_velocity(speed, along(d, all_force), change, z, total, dt)
             end if
-            v_wall(d, c) = (total*w(d) + momentum(d))/(total + carried)
+            v_wall(d, c) = (total*speed + along(d, momentum))/(total + carried)
         end do
     end subroutine push_wall
+
+    !> A number of three. Spelled out: a kernel keeps what it indexes at run time in local memory.
+    !@cuf attributes(host,device) &
+    pure real(rk) function along(d, x) result(number)
+        integer, intent(in) :: d
+        real(rk), intent(in) :: x(3)
+
+        number = merge(x(1), merge(x(2), x(3), d == 2), d == 1)
+    end function along
 
     !> Weight of the particles of a cell that nothing carries in the load of a face [kg].
     !@cuf attributes(host,device) &
@@ -193,13 +233,22 @@ contains
         real(rk), intent(in) :: mass(*)
         integer(int32), intent(in) :: fixed(*)
         real(rk) :: part
-        integer :: i, p
+        real(dp) :: y(at_once)
+        real(rk) :: m(at_once)
+        integer :: hold(at_once), i, next(at_once), q, some(at_once)
 
         part = 0
-        do i = ends(c) + 1, ends(c + 1)
-            p = binned(i)
-            if (carrier_of(bodies, carrier, p, fixed(p)) > 0) cycle
-            part = part + depth_weight(box, row, gas, surface, x(direction_of(row), p), mass(p))
+        call look_ahead(at_once, ends(c) + 1, ends(c + 1), binned, next)
+        do i = ends(c) + 1, ends(c + 1), at_once
+            call take_some(i, ends(c + 1), binned, mass, fixed, next, some, m, hold)
+            do q = 1, at_once
+                y(q) = x(direction_of(row), some(q))
+            end do
+            do q = 1, at_once
+                if (i + q - 1 > ends(c + 1)) exit
+                if (carrier_of(bodies, carrier, some(q), hold(q)) > 0) cycle
+                part = part + depth_weight(box, row, gas, surface, y(q), m(q))
+            end do
         end do
     end function share_of_face
 
