@@ -22,7 +22,7 @@ module brz_gpu_common
         type(doubles_t) :: part, folded !! partial results
         type(buffer_t) :: asked, told !! what the host looks up, and the answer
     contains
-        procedure :: open, ask, running_sum, fold, read_sums, extent, largest
+        procedure :: open, ask, running_sum, fold, read_sums, fold_boxes, read_boxes, largest
     end type gpu_common_t
 
 contains
@@ -66,16 +66,14 @@ contains
         last = 0
         call reserve_buffer(self%levels, 4_int64*(n/scan_chunk + 1)*2 + 1024, err)
         level(1) = self%levels
-        do while (length(last) > 1)
+        do while (length(last) > scan_chunk)
             length(last + 1) = chunks(length(last))
             call common_kernels%scan_up([length(last + 1), 1, 1], length(last), level(last), &
                                       level(last + 1), err)
             last = last + 1
-            if (length(last) == 1) exit
             level(last + 1) = from(level(last), (length(last)/64 + 1)*64_int64 + 1)
         end do
-        call clear_buffer(level(last), err, 4_int64)
-        do l = last - 1, 0, -1
+        do l = last, 0, -1
             call common_kernels%scan_down([chunks(length(l)), 1, 1], length(l), level(l + 1), &
                                         level(l), err)
         end do
@@ -137,23 +135,31 @@ contains
         sums = sum(folded, 1)
     end subroutine read_sums
 
-    !> Corners of the box that holds m boxes, which are many [m].
-    subroutine extent(self, part, m, box, err)
+    !> Corners of the box that holds m boxes, which are many: what is left waits in a set.
+    subroutine fold_boxes(self, part, m, set, err)
         class(gpu_common_t), intent(in) :: self
         type(doubles_t), intent(in) :: part !! (m, 6) minus the low corners, the high ones
-        integer, intent(in) :: m
-        real(dp), intent(out) :: box(3, 2)
+        integer, intent(in) :: m, set
         type(error_t), intent(inout) :: err
-        real(dp) :: folded(rows_left, 6)
 
         call common_kernels%most_of_columns([rows_between, 6, 1], m, rows_between, part, &
                                             self%part, err)
         call common_kernels%most_of_columns([rows_left, 6, 1], rows_between, rows_left, &
-                                            self%part, self%folded, err)
+            self%part, from(self%folded, rows_left*6*(set - 1_int64) + 1), err)
+    end subroutine fold_boxes
+
+    !> The boxes that wait, those of sets without one are any [m].
+    subroutine read_boxes(self, box, err)
+        class(gpu_common_t), intent(in) :: self
+        real(dp), intent(out), contiguous :: box(:, :, :) !! (3, 2, sets)
+        type(error_t), intent(inout) :: err
+        real(dp) :: folded(rows_left, 3, 2, size(box, 3))
+
         folded = 0
         call copy_out(self%folded, folded, 8_int64*size(folded), err)
-        box = reshape([-maxval(folded(:, :3), 1), maxval(folded(:, 4:), 1)], [3, 2])
-    end subroutine extent
+        box = maxval(folded, 1)
+        box(:, 1, :) = -box(:, 1, :)
+    end subroutine read_boxes
 
     !> The largest of n numbers and 0; huge if one of them is no number, or if the GPU fails.
     real(dp) function largest(self, x, n, err)

@@ -12,12 +12,13 @@ module brz_gpu_solid_books
         book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book
     use brz_gpu_solid_state, only: book_of, gpu_solid_t, total_threads
     use brz_kinds, only: dp, int64, rk
+    use brz_ranks, only: least_of_all
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: add_held_impulse, extent_of_body, fetch_ledgers, fetch_limit, forget_gone, &
-        sum_states
+    public :: add_held_impulse, boxes_of_all, fetch_ledgers, fetch_limit, find_extent, &
+        forget_gone, sum_states
 
 contains
 
@@ -127,21 +128,40 @@ contains
         end associate
     end subroutine add_held_impulse
 
-    !> Corners of body b in this process, for given places; without particles the low one is huge
-    !> and above the high one.
-    subroutine extent_of_body(gpu, b, place, box, err)
+    !> Corners of body b in this process, for given places, wait in its set; without particles the
+    !> low one is huge and above the high one.
+    subroutine find_extent(gpu, b, place, err)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
-        real(dp), intent(out) :: box(3, 2) !! [m]
         type(error_t), intent(inout) :: err
 
         associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
             call solid_kernels%solid_extent([total_threads, 1, 1], first, last, total_threads, &
                                             gpu%fixed, place, gpu%partial, err)
         end associate
-        call gpu%common%extent(gpu%partial, total_threads, box, err)
-    end subroutine extent_of_body
+        call gpu%common%fold_boxes(gpu%partial, total_threads, b, err)
+    end subroutine find_extent
+
+    !> Corners of the bodies whose extents wait, of all processes.
+    subroutine boxes_of_all(gpu, solid, box, err)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(solid_t), intent(in) :: solid
+        real(dp), intent(out) :: box(:, :, :) !! (3, 2, bodies) [m]
+        type(error_t), intent(inout) :: err
+        real(dp) :: least(size(box))
+        integer :: b
+
+        call gpu%common%read_boxes(box, err)
+        box(:, 2, :) = -box(:, 2, :)
+        least = reshape(box, [size(box)])
+        call least_of_all(solid%ranks, least)
+        box = reshape(least, shape(box))
+        box(:, 2, :) = -box(:, 2, :)
+        do b = 1, size(box, 3)
+            if (any(box(:, 1, b) > box(:, 2, b))) box(:, :, b) = 0 ! nothing is there
+        end do
+    end subroutine boxes_of_all
 
     !> What is gone from body b, its last particles, limits no time step, and the books of the last
     !> step have nothing of it.

@@ -10,7 +10,7 @@ module brz_gpu_solid_home
     use brz_gpu_mark_steps, only: list_marks
     use brz_gpu_solid_layout, only: n_book, slice_width
     use brz_gpu_solid_state, only: book_of, gpu_solid_t
-    use brz_gpu_solid_books, only: extent_of_body, fetch_ledgers
+    use brz_gpu_solid_books, only: fetch_ledgers, find_extent
     use brz_home_launches, only: home_kernels
     use brz_kinds, only: dp, int64
     use brz_places, only: parcels_t
@@ -38,16 +38,16 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        real(dp) :: box(3, 2), lowest(3)
+        real(dp) :: box(3, 2, size(gpu%bodies)), lowest(3)
         integer :: b
 
         solid%part%lowest = -huge(1.0_dp)
         if (.not. any(solid%mirror)) return
-        lowest = huge(1.0_dp)
         do b = 1, size(gpu%bodies)
-            call extent_of_body(gpu, b, homes_of(gpu, solid, b), box, err)
-            lowest = min(lowest, box(:, 1))
+            call find_extent(gpu, b, homes_of(gpu, solid, b), err)
         end do
+        call gpu%common%read_boxes(box, err)
+        lowest = minval(box(:, 1, :), 2)
         call least_of_all(solid%ranks, lowest)
         where (solid%mirror) solid%part%lowest = lowest
     end subroutine find_lowest
@@ -63,8 +63,9 @@ contains
 
         if (.not. has_boxes(solid)) return
         do b = 1, size(gpu%bodies)
-            call extent_of_body(gpu, b, gpu%x_built, box(:, :, b), err)
+            call find_extent(gpu, b, gpu%x_built, err)
         end do
+        call gpu%common%read_boxes(box, err)
         call tell_boxes(solid%ranks, box, solid%part%boxes)
     end subroutine find_boxes
 

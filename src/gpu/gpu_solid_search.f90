@@ -13,16 +13,16 @@ module brz_gpu_solid_search
     use brz_gpu_solid_layout, only: grid_gpu_t
     use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, threads_of
-    use brz_gpu_solid_books, only: extent_of_body, forget_gone
+    use brz_gpu_solid_books, only: boxes_of_all, find_extent, forget_gone
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
-    use brz_ranks, only: least_of_all, several, sum_of_all
+    use brz_ranks, only: several, sum_of_all
     use brz_solid_launches, only: solid_kernels
     use brz_solid_state, only: form_total, kept_cells_t, n_pair, solid_t
     use brz_tallies, only: tally_threads
     implicit none
     private
-    public :: build_list, choose_lists, mean_velocity, note_box, note_positions, renew_places, &
+    public :: build_list, choose_lists, mean_velocity, note_boxes, note_positions, renew_places, &
         sort_body
 
     integer, parameter :: spare_entries = 8 !! of each list, where lists are built anew in part
@@ -254,7 +254,7 @@ contains
         type(error_t), intent(inout) :: err
         type(kept_cells_t), intent(inout), optional :: kept !! chosen if there are none yet
         type(grid_gpu_t) :: grid
-        real(dp) :: box(3, 2)
+        real(dp) :: box(3, 2, size(gpu%bodies))
         logical :: has_cells
 
         has_cells = .false.
@@ -262,11 +262,12 @@ contains
         if (has_cells) then
             call take_cells(solid%search, kept, reach)
         else
-            call find_box(gpu, solid, b, place, box, err)
+            call find_extent(gpu, b, place, err)
+            call boxes_of_all(gpu, solid, box, err)
             if (failed(err)) return
             associate (number => solid%bodies(b)%number)
-                call choose_cells(solid%search, box(:, 1), box(:, 2), number(2) - number(1) + 1, &
-                                  reach)
+                call choose_cells(solid%search, box(:, 1, b), box(:, 2, b), &
+                                  number(2) - number(1) + 1, reach)
             end associate
             if (present(kept)) then
                 kept%along = solid%search%cells
@@ -292,32 +293,24 @@ contains
         end associate
     end subroutine lay_cells
 
-    !> Corners of body b at its positions `built`.
-    subroutine note_box(gpu, solid, b, err)
+    !> Corners of some bodies at their positions `built`, where links are chosen by them.
+    subroutine note_boxes(gpu, solid, which, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: b
+        logical, intent(in) :: which(:) !! (bodies)
         type(error_t), intent(inout) :: err
+        real(dp) :: box(3, 2, size(which))
+        integer :: b
 
-        call find_box(gpu, solid, b, gpu%built, gpu%bodies(b)%box, err)
-    end subroutine note_box
-
-    !> Corners of body b, of all processes, for given places.
-    subroutine find_box(gpu, solid, b, place, box, err)
-        type(gpu_solid_t), intent(in) :: gpu
-        type(solid_t), intent(in) :: solid
-        integer, intent(in) :: b
-        type(doubles_t), intent(in) :: place
-        real(dp), intent(out) :: box(3, 2) !! [m]
-        type(error_t), intent(inout) :: err
-        real(dp) :: least(6)
-
-        call extent_of_body(gpu, b, place, box, err)
-        least = [box(:, 1), -box(:, 2)]
-        call least_of_all(solid%ranks, least)
-        box = reshape([least(:3), -least(4:)], [3, 2])
-        if (any(box(:, 1) > box(:, 2))) box = 0 ! nothing is there
-    end subroutine find_box
+        if (.not. gpu%linked) return
+        do b = 1, size(which)
+            if (which(b)) call find_extent(gpu, b, gpu%built, err)
+        end do
+        call boxes_of_all(gpu, solid, box, err)
+        do b = 1, size(which)
+            if (which(b)) gpu%bodies(b)%box = box(:, :, b)
+        end do
+    end subroutine note_boxes
 
     !> Bring all arrays of the particles of a body into the order of `order`, by way of `row`.
     subroutine reorder(gpu, body, err)

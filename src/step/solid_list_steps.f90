@@ -6,7 +6,7 @@ module brz_solid_list_steps
     !@gpu use brz_gpu_solid_ghosts, only: refresh_kept
     !@gpu use brz_gpu_solid_links, only: build_links, settle_links
     !@gpu use brz_gpu_solid_gradients, only: renew_sleepers
-    !@gpu use brz_gpu_solid_search, only: build_list, choose_lists, mean_velocity, note_box
+    !@gpu use brz_gpu_solid_search, only: build_list, choose_lists, mean_velocity, note_boxes
     !@gpu use brz_gpu_solid_search, only: note_positions, renew_places, sort_body
     use brz_home_steps, only: go_home, lay_ghosts
     use brz_kinds, only: dp, int64
@@ -50,8 +50,8 @@ contains
         if (sorted .and. several(solid%ranks)) call go_home(solid, anew, whole)
         do b = 1, size(anew)
             if (sorted .and. anew(b) .and. whole(b)) call sort_body(solid, b)
-            !@gpu if (anew(b)) call note_box(gpu, solid, b)
         end do
+        !@gpu call note_boxes(gpu, solid, anew)
         call settle_links(solid, .not. sort)
         news = 0
         if (sorted .and. several(solid%ranks)) call lay_ghosts(solid, anew, whole, news)
