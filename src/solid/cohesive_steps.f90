@@ -68,15 +68,20 @@ contains
         end associate
     end subroutine note_owners
 
-    !> Mark the particles of body b that process r needs for the points that it computes.
-    subroutine mark_glue(solid, b, r)
+    !> Mark the particles of body b that others need for the points that they compute.
+    subroutine mark_glue(solid, b)
         type(solid_t), intent(inout) :: solid
-        integer, intent(in) :: b, r !! r: from 0
+        integer, intent(in) :: b
+        integer :: r
 
         if (.not. solid%cohesive%present) return
         associate (glue => solid%cohesive, there => solid%bodies(b), part => solid%part)
-            call each_mark_glued(there%last - there%first + 1, there%first, solid%n, r, solid%id, &
-                glue%row, glue%back_first, glue%back, glue%seen_by, part%sent, part%mark)
+            do r = 0, solid%ranks%n - 1
+                if (r == solid%ranks%rank) cycle
+                call each_mark_glued(there%last - there%first + 1, there%first, solid%n, r, &
+                    solid%id, glue%row, glue%back_first, glue%back, glue%seen_by, part%sent, &
+                    part%mark)
+            end do
         end associate
     end subroutine mark_glue
 

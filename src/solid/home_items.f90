@@ -74,16 +74,16 @@ contains
         if (r /= own) mark(i + r*int(row, int64)) = 1
     end subroutine mark_home
 
-    !> Mark a particle that a process needs as a ghost.
+    !> Mark a particle for the processes that need it as a ghost.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine mark_near(p, first, wide, row, process, anew, planes, lists, wants, want, &
-                              home, built, fixed, sent, mark)
+    pure subroutine mark_near(p, first, wide, row, processes, own, anew, planes, lists, wants, &
+                              want, home, built, fixed, sent, mark)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
         integer, intent(in) :: wide !! rows of the places
         integer, intent(in) :: row !! marks of a process
-        integer, intent(in) :: process !! from 0
+        integer, intent(in) :: processes, own !! how many, this one from 0
         integer, intent(in) :: anew !! 1: whether it was marked before or not
         integer, intent(in) :: planes !! of symmetry, bits 0..2
         integer, intent(in) :: lists, wants !! ways to be needed: by homes; all
@@ -93,25 +93,27 @@ contains
         integer(int32), intent(inout) :: sent(*) !! 1: marked before
         integer(int32), intent(inout) :: mark(*)
         real(dp) :: x(3)
-        integer :: c, i, k
+        integer :: c, i, k, r
         integer(int64) :: at
 
         i = first - 1 + p
-        at = i + process*int(row, int64)
-        if (anew == 1) sent(at) = 0
-        if (fixed(i) == is_gone .or. sent(at) == 1) return
-        do k = 1, wants
-            do c = 1, 3
-                x(c) = want(c, k, process + 1)
-                if (k <= lists) x(c) = x(c) + home(c, i)
-                if (k > lists) x(c) = x(c) + built(c, i)
-            end do
-            if (near_region(planes, want(want_corners, k, process + 1), &
-                            want(want_reach, k, process + 1), x)) then
+        do r = 1, processes
+            if (r == own + 1) cycle
+            at = i + (r - 1)*int(row, int64)
+            if (anew == 1) sent(at) = 0
+            if (fixed(i) == is_gone .or. sent(at) == 1) cycle
+            do k = 1, wants
+                do c = 1, 3
+                    x(c) = want(c, k, r)
+                    if (k <= lists) x(c) = x(c) + home(c, i)
+                    if (k > lists) x(c) = x(c) + built(c, i)
+                end do
+                if (.not. near_region(planes, want(want_corners, k, r), want(want_reach, k, r), &
+                                      x)) cycle
                 mark(at) = 1
                 sent(at) = 1
-                return
-            end if
+                exit
+            end do
         end do
     end subroutine mark_near
 

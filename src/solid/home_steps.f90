@@ -270,7 +270,7 @@ contains
         logical, intent(in) :: whole(:) !! (bodies) which keep no places
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
         real(dp), allocatable :: want(:, :, :)
-        integer :: b, r
+        integer :: b
 
         call begin_marks(solid%n, solid%ranks%n, solid%part%marks_t) !@cpu
         !@gpu call begin_marks(gpu%n, solid%ranks%n, gpu%part)
@@ -281,15 +281,12 @@ contains
             if (size(want) == 0 .and. .not. whole(b)) cycle
             !@gpu if (size(want) > 0) call put_table(want, size(want), gpu%part%wants)
             associate (there => solid%bodies(b), part => solid%part)
-                do r = 0, solid%ranks%n - 1
-                    if (r == solid%ranks%rank) cycle
-                    call each_mark_near(there%last - there%first + 1, there%first, solid%wide, &
-                        solid%n, r, merge(1, 0, whole(b)), planes_of(solid), of_lists(solid, b), &
-                        size(want, 2), want, homes_of(solid, b), solid%x_built, solid%fixed, &
-                        part%sent, part%mark) !@gpu want => part%wants
-                    call mark_glue(solid, b, r)
-                end do
+                call each_mark_near(there%last - there%first + 1, there%first, solid%wide, &
+                    solid%n, solid%ranks%n, solid%ranks%rank, merge(1, 0, whole(b)), &
+                    planes_of(solid), of_lists(solid, b), size(want, 2), want, homes_of(solid, b), &
+                    solid%x_built, solid%fixed, part%sent, part%mark) !@gpu want => part%wants
             end associate
+            call mark_glue(solid, b)
         end do
         call mark_facets(solid)
         call count_marks(solid%n, solid%bodies%first, solid%part%marks_t, number) !@cpu
