@@ -24,7 +24,6 @@ module brz_gpu_places
 
     type :: gpu_marks_t
         type(integers_t) :: mark, sent, joined, ends, sums, pieces, asks !! as marks_t has them
-        type(integers_t) :: far !! as solid_part_t has it
         type(doubles_t) :: region, wants !! small tables
         integer, allocatable :: ends_there(:), region_there(:) !! what the GPU has of them
         type(gpu_common_t) :: common !! for running sums

@@ -18,7 +18,7 @@ module brz_gpu_solid_books
     implicit none
     private
     public :: add_held_impulse, boxes_of_all, fetch_ledgers, fetch_limit, find_extent, &
-        forget_gone, sum_states
+        forget_gone, note_boxes, sum_states
 
 contains
 
@@ -142,6 +142,25 @@ contains
         end associate
         call gpu%common%fold_boxes(gpu%partial, total_threads, b, err)
     end subroutine find_extent
+
+    !> Corners of some bodies at their positions `built`, where links are chosen by them.
+    subroutine note_boxes(gpu, solid, which, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        logical, intent(in) :: which(:) !! (bodies)
+        type(error_t), intent(inout) :: err
+        real(dp) :: box(3, 2, size(which))
+        integer :: b
+
+        if (.not. gpu%linked) return
+        do b = 1, size(which)
+            if (which(b)) call find_extent(gpu, b, gpu%built, err)
+        end do
+        call boxes_of_all(gpu, solid, box, err)
+        do b = 1, size(which)
+            if (which(b)) gpu%bodies(b)%box = box(:, :, b)
+        end do
+    end subroutine note_boxes
 
     !> Corners of the bodies whose extents wait, of all processes.
     subroutine boxes_of_all(gpu, solid, box, err)

@@ -8,12 +8,15 @@ module brz_gpu_solid_search
     use brz_drift_launches, only: drift_kernels
     use brz_errors, only: error_t, failed
     use brz_drift_items, only: drift_of
+    use brz_ghost_wants, only: most_outside
     use brz_gpu_lists, only: put_changed
     use brz_gpu_parcels, only: carry_rows, rows_of, gpu_rows_t
+    use brz_gpu_solid_home, only: put_region
     use brz_gpu_solid_layout, only: grid_gpu_t
     use brz_gpu_solid_lists, only: lay_lists, move_lists, pick_chosen
     use brz_gpu_solid_state, only: gpu_solid_body_t, gpu_solid_t, news_all, news_part, threads_of
     use brz_gpu_solid_books, only: boxes_of_all, find_extent, forget_gone
+    use brz_home_launches, only: home_kernels
     use brz_kinds, only: dp, int64, rk
     use brz_list_drift, only: level_unit
     use brz_ranks, only: several, sum_of_all
@@ -22,8 +25,7 @@ module brz_gpu_solid_search
     use brz_tallies, only: tally_threads
     implicit none
     private
-    public :: build_list, choose_lists, mean_velocity, note_boxes, note_positions, renew_places, &
-        sort_body
+    public :: build_list, choose_lists, mean_velocity, note_positions, renew_places, sort_body
 
     integer, parameter :: spare_entries = 8 !! of each list, where lists are built anew in part
 
@@ -69,15 +71,15 @@ contains
     end subroutine sort_body
 
     !> Give new places to the particles of body b that have moved far, mark the cells of the old and
-    !> the new ones, and count them.
+    !> the new ones, and count them; then 1 if any are outside the region of their process, and by
+    !> more than they may.
     subroutine renew_places(gpu, solid, b, moved, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
-        integer(int64), intent(out) :: moved(1) !! particles of this process
+        integer(int64), intent(out) :: moved(3) !! particles of this process
         type(error_t), intent(inout) :: err
-        type(integers_t) :: count
-        integer :: found(1)
+        integer :: found(4)
 
         moved = 0
         call unmark_cells(gpu, solid, b, err)
@@ -85,8 +87,16 @@ contains
         call renew(gpu%bodies(b)%last + 1, gpu%bodies(b)%rim, 2)
         call renew(gpu%bodies(b)%first, gpu%bodies(b)%last, 1)
         found = 0
-        call copy_out(count, found, 4_int64, err)
-        moved = found
+        associate (body => gpu%bodies(b), n => size(solid%search%start))
+            if (solid%part%keeps) then
+                call put_region(gpu, solid%part%region, err)
+                call home_kernels%note_outside(body%last - body%first + 1, body%first, 4, &
+                    solid%ranks%rank, most_outside(solid), gpu%part%region, gpu%built, &
+                    from(body%marked, n + 3_int64), err)
+            end if
+            call copy_out(from(body%marked, n + 1_int64), found, 16_int64, err)
+        end associate
+        moved = found([1, 3, 4])
 
     contains
 
@@ -95,16 +105,16 @@ contains
             integer, intent(in) :: first, last, counter
 
             associate (body => gpu%bodies(b), drift => solid%bodies(b)%drift, s => solid%search)
-                count = from(body%marked, size(s%start) + int(counter, int64))
                 if (last >= first) call drift_kernels%renew_place(last - first + 1, first, 4, &
                     level_unit(solid), drift(1), drift(2), drift(3), size(s%code, 1), s%cells(1), &
                     s%cells(2), s%cells(3), s%lo(1), s%lo(2), s%lo(3), s%size, body%code, &
-                    gpu%fixed, gpu%x, gpu%built, body%marked, count, err)
+                    gpu%fixed, gpu%x, gpu%built, body%marked, &
+                    from(body%marked, size(s%start) + int(counter, int64)), err)
             end associate
         end subroutine renew
     end subroutine renew_places
 
-    !> Lay the cells of the list of body b, none of which is marked. Two counts follow.
+    !> Lay the cells of the list of body b, none of which is marked. Four counts follow.
     subroutine unmark_cells(gpu, solid, b, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(solid_t), intent(inout) :: solid
@@ -114,7 +124,7 @@ contains
         call lay_cells(gpu, solid, b, gpu%built, reach_of_lists(solid, b), err, &
                        solid%bodies(b)%cells)
         if (failed(err)) return
-        call reserve_buffer(gpu%bodies(b)%marked, 4_int64*size(solid%search%start) + 8, err)
+        call reserve_buffer(gpu%bodies(b)%marked, 4_int64*size(solid%search%start) + 16, err)
         call clear_buffer(gpu%bodies(b)%marked, err)
     end subroutine unmark_cells
 
@@ -292,25 +302,6 @@ contains
             call copy_in(solid%search%code, body%code, 12_int64*grid%stride, err)
         end associate
     end subroutine lay_cells
-
-    !> Corners of some bodies at their positions `built`, where links are chosen by them.
-    subroutine note_boxes(gpu, solid, which, err)
-        type(gpu_solid_t), intent(inout) :: gpu
-        type(solid_t), intent(in) :: solid
-        logical, intent(in) :: which(:) !! (bodies)
-        type(error_t), intent(inout) :: err
-        real(dp) :: box(3, 2, size(which))
-        integer :: b
-
-        if (.not. gpu%linked) return
-        do b = 1, size(which)
-            if (which(b)) call find_extent(gpu, b, gpu%built, err)
-        end do
-        call boxes_of_all(gpu, solid, box, err)
-        do b = 1, size(which)
-            if (which(b)) gpu%bodies(b)%box = box(:, :, b)
-        end do
-    end subroutine note_boxes
 
     !> Bring all arrays of the particles of a body into the order of `order`, by way of `row`.
     subroutine reorder(gpu, body, err)

@@ -21,21 +21,20 @@ module brz_home_steps
     use brz_ghost_wants, only: find_boxes, find_lowest, homes_of !@cpu
     use brz_ghost_wants, only: most_outside, of_lists, planes_of, wants_of
     !@gpu use brz_device, only: copy_out
-    !@gpu use brz_gpu_lists, only: at_least, clear_list, read_first
+    !@gpu use brz_gpu_lists, only: at_least
     !@gpu use brz_gpu_mark_steps, only: begin_marks, count_marks, join_lists, list_marks
     !@gpu use brz_gpu_mark_steps, only: place_pieces
     !@gpu use brz_gpu_solid_home, only: close_books, find_boxes, find_lowest, homes_of
     !@gpu use brz_gpu_solid_home, only: list_leaving, put_region, put_table, send_away
     !@gpu use brz_gpu_solid_home, only: settle_places
     !@gpu use brz_gpu_solid_state, only: lay_arrays
-    use brz_home_loops, only: each_mark_home, each_mark_near, each_note_outside
+    use brz_home_loops, only: each_mark_home, each_mark_near
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least !@cpu
     use brz_load_steps, only: mark_facets, note_carriers
     use brz_mail, only: tell_all
     use brz_mark_steps, only: begin_marks, count_marks, list_marks, place_pieces !@cpu
     use brz_places, only: parcels_t
-    use brz_ranks, only: most_of_all
     use brz_solid_ghosts, only: send_ghosts !@cpu
     use brz_solid_home, only: are_even, lacks_room
     use brz_solid_home, only: lay_arrays, send_away, settle_places !@cpu
@@ -62,7 +61,9 @@ contains
 
         solid%part%recut = .not. allocated(solid%part%region)
         if (solid%part%recut) call cut_anew(solid)
-        call find_margin(solid, stale, whole)
+        ! of bodies that keep places: by so much more ghosts are needed, or all go home
+        if (solid%part%far(1) > 0) solid%part%margin = most_outside(solid)
+        whole = whole .or. solid%part%far(2) > 0
         if (.not. any(whole)) return
         associate (n => size(stale), there => solid%bodies)
             do
@@ -84,35 +85,6 @@ contains
             call change_places(solid, out(:n, :), in, sum(all(:n, :, :), 1), whole)
         end associate
     end subroutine go_home
-
-    !> Particles of bodies that keep places may be outside the region of their process: by so much
-    !> more ghosts are needed. Where some are too far outside, no body keeps its places.
-    subroutine find_margin(solid, stale, whole)
-        type(solid_t), intent(inout) :: solid
-        logical, intent(in) :: stale(:) !! (bodies)
-        logical, intent(inout) :: whole(:) !! (bodies)
-        integer :: b, far(2)
-        integer(int64) :: all(2)
-
-        if (.not. any(stale .and. .not. whole)) return
-        solid%part%far = 0
-        !@gpu call put_region(gpu, solid%part%region)
-        !@gpu call at_least(gpu%part%far, 2)
-        !@gpu call clear_list(2, gpu%part%far)
-        do b = 1, size(stale)
-            if (.not. stale(b) .or. whole(b)) cycle
-            associate (there => solid%bodies(b), part => solid%part)
-                call each_note_outside(there%last - there%first + 1, there%first, solid%wide, &
-                    solid%ranks%rank, most_outside(solid), part%region, solid%x_built, part%far)
-            end associate
-        end do
-        far = solid%part%far
-        !@gpu call read_first(2, gpu%part%far, far)
-        all = far
-        call most_of_all(solid%ranks, all)
-        if (all(1) > 0) solid%part%margin = most_outside(solid)
-        whole = whole .or. all(2) > 0
-    end subroutine find_margin
 
     !> Cut the regions for the places of now.
     subroutine cut_anew(solid)

@@ -2,7 +2,7 @@
 !> What one process has to do with the others where several share the particles: the regions of all,
 !> and whose ghosts are where.
 module brz_solid_part
-    use brz_kinds, only: dp, int32, int64
+    use brz_kinds, only: dp, int64
     use brz_mail, only: mail_t
     use brz_places, only: marks_t, parcels_t
     implicit none
@@ -22,7 +22,7 @@ module brz_solid_part
         integer(int64), allocatable :: kept(:, :, :)
         !! (bodies, to processes, from processes) ghosts of all
         real(dp) :: margin = 0 !! what particles may be outside the region of their process [m]
-        integer(int32) :: far(2) = 0 !! 1: some are outside; by more than they may
+        integer :: far(2) = 0 !! 1: some of any process are outside; by more than they may
         type(parcels_t) :: out !! particles of this process that others have ghosts of
         type(parcels_t) :: in !! ghosts of this process
         type(mail_t) :: mail

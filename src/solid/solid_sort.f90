@@ -36,7 +36,8 @@ contains
     subroutine renew_places(solid, b, moved)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
-        integer(int64), intent(out) :: moved(1) !! particles of this process
+        integer(int64), intent(out) :: moved(3)
+        !! particles of this process; 0, as who has changed regions goes home
         integer :: found
 
         found = 0
@@ -52,7 +53,7 @@ contains
                 s%cells(2), s%cells(3), s%lo(1), s%lo(2), s%lo(3), s%size, s%code, solid%fixed, &
                 solid%x, solid%x_built, s%marked, found)
         end associate
-        moved = found
+        moved = [found, 0, 0]
     end subroutine renew_places
 
     !> Choose the groups of body b that are within reach of a marked cell.

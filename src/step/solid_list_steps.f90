@@ -6,7 +6,8 @@ module brz_solid_list_steps
     !@gpu use brz_gpu_solid_ghosts, only: refresh_kept
     !@gpu use brz_gpu_solid_links, only: build_links, settle_links
     !@gpu use brz_gpu_solid_gradients, only: renew_sleepers
-    !@gpu use brz_gpu_solid_search, only: build_list, choose_lists, mean_velocity, note_boxes
+    !@gpu use brz_gpu_solid_books, only: note_boxes
+    !@gpu use brz_gpu_solid_search, only: build_list, choose_lists, mean_velocity
     !@gpu use brz_gpu_solid_search, only: note_positions, renew_places, sort_body
     use brz_home_steps, only: go_home, lay_ghosts
     use brz_kinds, only: dp, int64
@@ -36,6 +37,7 @@ contains
 
         anew = .true.
         if (present(stale)) anew = stale
+        solid%part%far = 0
         !@gpu if (sort .and. solid%part%keeps) call refresh_kept(gpu)
         do b = 1, size(anew)
             if (sort .and. anew(b)) call note_places(solid, b)
@@ -71,7 +73,7 @@ contains
     subroutine note_places(solid, b)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
-        integer(int64) :: moved(1)
+        integer(int64) :: moved(3)
         real(dp) :: v(3)
         logical :: in_part
 
@@ -80,7 +82,10 @@ contains
             call sum_of_all(solid%ranks, moved)
             call decide_part(solid, b, moved(1), in_part) !@host
             if (solid%bodies(b)%cells%in_part) call choose_lists(solid, b) !@cpu
-            if (in_part) return
+            if (in_part) then
+                where (moved(2:) > 0) solid%part%far = 1
+                return
+            end if
         end if
         call note_positions(solid, b)
         call mean_velocity(solid, b, v)
