@@ -144,8 +144,7 @@ contains
         real(rk), intent(in) :: u(*)
         integer(int8), intent(in) :: solid(*) !! read where there are walls
         real(dp), intent(inout) :: part(*) !! (0:n_var, bricks) per volume, 0: kinetic energy
-        real(dp) :: total
-        integer(int64) :: at
+        real(dp) :: row(brick), total
         integer :: b, bricks, c, i, j, k, low(3)
 
         bricks = grid%bricks(3)*grid%brick_step(3)
@@ -157,20 +156,41 @@ contains
         total = 0
         do k = low(3) + 1, min(low(3) + brick, grid%n(3))
             do j = low(2) + 1, min(low(2) + brick, grid%n(2))
-                do i = low(1) + 1, min(low(1) + brick, grid%n(1))
-                    at = place_of(grid, i, j, k)
-                    if (grid%walls == 1) then
-                        if (solid(at) /= 0) cycle
-                    end if
-                    if (c > 0) then
-                        total = total + u(at + (c - 1)*grid%apart)
-                    else
-                        total = total + (u(at + grid%apart)**2 + u(at + 2*grid%apart)**2 &
-                            + u(at + 3*grid%apart)**2)/(2*u(at))
-                    end if
+                do i = 1, brick ! fetched side by side
+                    row(i) = content(grid, low(1) + i, j, k, c, u, solid)
+                end do
+                do i = 1, brick
+                    total = total + row(i)
                 end do
             end do
         end do
         part(c + 1 + (b - 1)*(grid%n_var + 1)) = total
     end subroutine total_brick
+
+    !> A conserved variable, or the kinetic energy, of a cell; 0 beyond the grid and in a solid one.
+    !@cuf attributes(host,device) &
+    pure function content(grid, i, j, k, c, u, solid) result(value)
+        type(grid_t), intent(in) :: grid
+        integer, intent(in) :: i, j, k !! cell
+        integer, intent(in) :: c !! variable, 0: kinetic energy
+        real(rk), intent(in) :: u(*)
+        integer(int8), intent(in) :: solid(*) !! read where there are walls
+        real(dp) :: value
+        real(rk) :: rho
+        integer(int64) :: at
+        logical :: counts
+
+        at = place_of(grid, min(i, grid%n(1)), j, k)
+        counts = i <= grid%n(1)
+        if (grid%walls == 1) counts = counts .and. solid(at) == 0
+        if (c > 0) then
+            value = u(at + (c - 1)*grid%apart)
+        else
+            rho = u(at)
+            if (.not. counts) rho = 1
+            value = (u(at + grid%apart)**2 + u(at + 2*grid%apart)**2 + u(at + 3*grid%apart)**2) &
+                /(2*rho)
+        end if
+        if (.not. counts) value = 0
+    end function content
 end module brz_brick_items

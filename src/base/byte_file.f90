@@ -39,6 +39,13 @@ module brz_byte_file
             type(c_ptr), value :: data
             integer(c_size_t), value :: n
         end function c_read
+        integer(c_size_t) function c_pread(descriptor, data, n, place) bind(c, name='pread')
+            import :: c_int, c_int64_t, c_ptr, c_size_t
+            integer(c_int), value :: descriptor
+            type(c_ptr), value :: data
+            integer(c_size_t), value :: n
+            integer(c_int64_t), value :: place
+        end function c_pread
         integer(c_int) function c_ftruncate(descriptor, length) bind(c, name='ftruncate')
             import :: c_int, c_int64_t
             integer(c_int), value :: descriptor
@@ -99,17 +106,25 @@ contains
         file%descriptor = -1
     end subroutine close_bytes
 
-    !> The next bytes, as many as `text` takes: n of them, fewer at the end of the file alone.
-    subroutine read_bytes(file, text, n, err)
+    !> The next bytes, or those behind the first `before` of the file, as many as `text` takes: n of
+    !> them, fewer at the end of the file alone.
+    subroutine read_bytes(file, text, n, err, before)
         type(byte_file_t), intent(in) :: file
         character(*), intent(inout), target :: text
         integer(int64), intent(out) :: n
         type(error_t), intent(inout) :: err
+        integer(int64), intent(in), optional :: before
         integer(c_size_t) :: more
 
         n = 0
         do while (n < len(text, int64) .and. .not. failed(err))
-            more = c_read(file%descriptor, c_loc(text(n + 1:n + 1)), len(text, c_size_t) - n)
+            associate (left => len(text, c_size_t) - n)
+                if (present(before)) then
+                    more = c_pread(file%descriptor, c_loc(text(n + 1:n + 1)), left, before + n)
+                else
+                    more = c_read(file%descriptor, c_loc(text(n + 1:n + 1)), left)
+                end if
+            end associate
             if (more < 0) call raise(err, exit_io, file%path//': cannot read it: '// &
                                      system_reason())
             if (more <= 0) exit

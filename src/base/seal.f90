@@ -31,7 +31,7 @@ contains
         call open_bytes(file, path, to_change, err)
         call read_bytes(file, block, n, err)
         sum = 0
-        call add_to_checksum(file, file%size - n, .false., sum, err)
+        call add_to_checksum(file, n, file%size - n, .false., sum, err)
         call put_bytes(file, sealed(title, file%size, sum), err)
         call close_bytes(file, err)
     end subroutine put_seal
@@ -53,7 +53,7 @@ contains
                        'another version, which has to go on with it, another file, or damaged')
         end if
         sum = 0
-        call add_to_checksum(file, file%size - n, .true., sum, err)
+        call add_to_checksum(file, n, file%size - n, .true., sum, err)
         if (block /= sealed(title, file%size, sum)) call raise(err, exit_io, path// &
             ': is damaged: it is not what was written (length '//to_text(file%size)// &
             ', checksum '//hexadecimal(sum)//'; its first lines tell the right ones)')

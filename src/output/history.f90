@@ -97,7 +97,7 @@ contains
         if (file%size < mark%bytes) call raise(err, exit_io, path//': rows are lost: it has '// &
             to_text(file%size)//' bytes, at the checkpoint it had '//to_text(mark%bytes)//remedy())
         sum = checksum(first, 0_int64)
-        call add_to_checksum(file, mark%bytes - n, .true., sum, err)
+        call add_to_checksum(file, n, mark%bytes - n, .true., sum, err)
         if (sum /= mark%sum) call raise(err, exit_io, path//': rows before the checkpoint have '// &
                                         'changed'//remedy())
         call close_bytes(file, err)

@@ -15,7 +15,7 @@ module brz_solid_start
     use brz_solid_list_steps, only: build_neighbours
     use brz_solid_skin, only: find_skin
     use brz_solid_state, only: solid_t
-    use brz_solid_steps, only: find_forces, solid_step
+    use brz_solid_steps, only: find_forces_of, solid_step
     use brz_solid_tilts, only: find_tilts
     implicit none
     private
@@ -30,6 +30,7 @@ contains
     subroutine start_solid(solid, err)
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
+        integer :: limp
 
         if (.not. solid%present) return
         if (.not. several(solid%ranks)) call find_skin(solid)
@@ -42,8 +43,11 @@ contains
         call refresh_bonds(solid)
         if (solid%links%present) call find_touch(solid)
         call find_tilts(solid)
-        call gradient_pass(solid, 0.0_dp) ! forces are those of particles that know their support
-        call find_forces(solid, 0.0_dp, err)
+        limp = count(solid%limp /= 0)
+        call gradient_pass(solid, 0.0_dp)
+        ! what has lost its support knows it from then on, and forces are those of it
+        if (count(solid%limp /= 0) > limp) call gradient_pass(solid, 0.0_dp)
+        call find_forces_of(solid, 0.0_dp, err)
     end subroutine start_solid
 
     !> After a restart: what a checkpoint does not hold follows from what it holds.

@@ -31,7 +31,7 @@ module brz_solid_steps
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: solid_step, find_forces
+    public :: solid_step, find_forces, find_forces_of
 
 contains
 
@@ -79,9 +79,18 @@ contains
         type(solid_t), intent(inout) :: solid
         real(dp), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
-        real(dp) :: push(6, size(solid%bodies))
 
         call gradient_pass(solid, dt)
+        call find_forces_of(solid, dt, err)
+    end subroutine find_forces
+
+    !> The same once the gradients are known.
+    subroutine find_forces_of(solid, dt, err)
+        type(solid_t), intent(inout) :: solid
+        real(dp), intent(in) :: dt !! [s]
+        type(error_t), intent(inout) :: err
+        real(dp) :: push(6, size(solid%bodies))
+
         call refresh_rows(solid)
         if (dt > 0) call break_bonds(solid)
         if (dt > 0) call refresh_bonds(solid)
@@ -96,5 +105,5 @@ contains
         !@gpu call fetch_faults(gpu, solid)
         call report_bad(solid, err) !@host
         call agree_on_step(solid, err) !@host
-    end subroutine find_forces
+    end subroutine find_forces_of
 end module brz_solid_steps
