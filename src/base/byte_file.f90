@@ -4,15 +4,16 @@
 !> A pipe, a terminal or a folder is refused, and never waited for. Every procedure does nothing
 !> once an error is recorded.
 module brz_byte_file
-    use, intrinsic :: iso_c_binding, only: c_int, c_int64_t, c_loc, c_null_char, c_ptr, c_size_t
-    use brz_descriptor, only: c_close, c_open, write_all
+    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_int64_t, c_loc, &
+        c_null_char, c_ptr, c_size_t
+    use brz_descriptor, only: c_close, c_open, write_all, write_bytes
     use brz_errors, only: error_t, failed, raise, exit_io
     use brz_kinds, only: int64
     use brz_system_reason, only: system_reason
     implicit none
     private
     public :: byte_file_t, open_bytes, close_bytes, read_bytes, add_bytes, put_bytes, cut_bytes
-    public :: is_ordinary, sync_file, piece, to_read, to_change, to_make
+    public :: read_into, add_from, is_ordinary, sync_file, piece, to_read, to_change, to_make
 
     integer, parameter :: piece = 1048576 !! a good length to read at once [bytes]
     ! flags of open in Linux
@@ -114,23 +115,51 @@ contains
         integer(int64), intent(out) :: n
         type(error_t), intent(inout) :: err
         integer(int64), intent(in), optional :: before
-        integer(c_size_t) :: more
 
         n = 0
-        do while (n < len(text, int64) .and. .not. failed(err))
-            associate (left => len(text, c_size_t) - n)
-                if (present(before)) then
-                    more = c_pread(file%descriptor, c_loc(text(n + 1:n + 1)), left, before + n)
-                else
-                    more = c_read(file%descriptor, c_loc(text(n + 1:n + 1)), left)
-                end if
-            end associate
+        if (len(text) > 0) call read_into(file, c_loc(text), len(text, int64), n, err, before)
+    end subroutine read_bytes
+
+    !> The same to anywhere in memory.
+    subroutine read_into(file, to, bytes, n, err, before)
+        type(byte_file_t), intent(in) :: file
+        type(c_ptr), intent(in) :: to
+        integer(int64), intent(in) :: bytes
+        integer(int64), intent(out) :: n
+        type(error_t), intent(inout) :: err
+        integer(int64), intent(in), optional :: before
+        character(c_char), pointer :: text(:)
+        integer(c_size_t) :: more
+
+        call c_f_pointer(to, text, [bytes])
+        n = 0
+        do while (n < bytes .and. .not. failed(err))
+            if (present(before)) then
+                more = c_pread(file%descriptor, c_loc(text(n + 1)), bytes - n, before + n)
+            else
+                more = c_read(file%descriptor, c_loc(text(n + 1)), bytes - n)
+            end if
             if (more < 0) call raise(err, exit_io, file%path//': cannot read it: '// &
                                      system_reason())
             if (more <= 0) exit
             n = n + more
         end do
-    end subroutine read_bytes
+    end subroutine read_into
+
+    !> Append bytes from anywhere in memory.
+    subroutine add_from(file, from, bytes, err)
+        type(byte_file_t), intent(inout) :: file
+        type(c_ptr), intent(in) :: from
+        integer(int64), intent(in) :: bytes
+        type(error_t), intent(inout) :: err
+        logical :: good
+
+        if (failed(err)) return
+        good = c_lseek(file%descriptor, file%size, from_start) >= 0
+        if (good) good = write_bytes(file%descriptor, from, bytes)
+        if (.not. good) call raise(err, exit_io, file%path//': cannot write it: '//system_reason())
+        if (good) file%size = file%size + bytes
+    end subroutine add_from
 
     !> Append bytes.
     subroutine add_bytes(file, text, err)

@@ -1,10 +1,10 @@
 ! SPDX-License-Identifier: MIT
 !> Descriptors of open files, as the system numbers them: open, close, write all.
 module brz_descriptor
-    use, intrinsic :: iso_c_binding, only: c_char, c_int, c_loc, c_ptr, c_size_t
+    use, intrinsic :: iso_c_binding, only: c_char, c_f_pointer, c_int, c_loc, c_ptr, c_size_t
     implicit none
     private
-    public :: c_open, c_close, write_all
+    public :: c_open, c_close, write_all, write_bytes
 
     interface
         integer(c_int) function c_open(path, flags, mode) bind(c, name='open')
@@ -31,14 +31,26 @@ contains
     logical function write_all(descriptor, text) result(good)
         integer(c_int), intent(in) :: descriptor
         character(*), intent(in), target :: text
+
+        good = .true.
+        if (len(text) > 0) good = write_bytes(descriptor, c_loc(text), len(text, c_size_t))
+    end function write_all
+
+    !> The same for bytes anywhere in memory.
+    logical function write_bytes(descriptor, from, bytes) result(good)
+        integer(c_int), intent(in) :: descriptor
+        type(c_ptr), intent(in) :: from
+        integer(c_size_t), intent(in) :: bytes
+        character(c_char), pointer :: text(:)
         integer(c_size_t) :: n, more
 
+        call c_f_pointer(from, text, [bytes])
         n = 0
         more = 0
-        do while (n < len(text, c_size_t) .and. more >= 0)
-            more = c_write(descriptor, c_loc(text(n + 1:n + 1)), len(text, c_size_t) - n)
+        do while (n < bytes .and. more >= 0)
+            more = c_write(descriptor, c_loc(text(n + 1)), bytes - n)
             n = n + more
         end do
         good = more >= 0
-    end function write_all
+    end function write_bytes
 end module brz_descriptor

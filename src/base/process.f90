@@ -8,9 +8,10 @@ module brz_process
     use omp_lib, only: omp_pause_resource_all, omp_pause_soft, omp_set_num_threads
     implicit none
     private
-    public :: copy_process, leave_process, has_ended
+    public :: copy_process, leave_process, has_ended, is_orphan, rest
 
     integer, parameter :: killed = 128 !! exit code of a process that a signal has ended
+    integer(c_int), save :: parent = 0 !! of a copy
 
     interface
         integer(c_int) function c_fork() bind(c, name='fork')
@@ -21,6 +22,16 @@ module brz_process
             integer(c_int), value :: pid, options
             integer(c_int), intent(out) :: status
         end function c_waitpid
+        integer(c_int) function c_getpid() bind(c, name='getpid')
+            import :: c_int
+        end function c_getpid
+        integer(c_int) function c_getppid() bind(c, name='getppid')
+            import :: c_int
+        end function c_getppid
+        integer(c_int) function c_usleep(microseconds) bind(c, name='usleep')
+            import :: c_int
+            integer(c_int), value :: microseconds
+        end function c_usleep
         subroutine c_leave(code) bind(c, name='_exit')
             import :: c_int
             integer(c_int), value :: code
@@ -35,11 +46,30 @@ contains
     integer function copy_process(threads) result(number)
         integer, intent(in) :: threads !! that the copy may use
         logical :: ended
+        integer(c_int) :: me
 
+        me = c_getpid()
         ended = omp_pause_resource_all(omp_pause_soft) == 0
         number = c_fork()
-        if (number == 0) call omp_set_num_threads(merge(threads, 1, ended))
+        if (number /= 0) return
+        parent = me
+        call omp_set_num_threads(merge(threads, 1, ended))
     end function copy_process
+
+    !> In a copy: has the process ended that it was copied from?
+    logical function is_orphan()
+        integer(c_int) :: now
+
+        now = c_getppid()
+        is_orphan = parent > 0 .and. now /= parent
+    end function is_orphan
+
+    !> Wait a moment: 2 ms.
+    subroutine rest()
+        integer(c_int) :: status
+
+        status = c_usleep(2000_c_int)
+    end subroutine rest
 
     !> End a copy at once: files that the process had open stay as they are.
     subroutine leave_process(code)

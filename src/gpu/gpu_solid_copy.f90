@@ -27,7 +27,7 @@ module brz_gpu_solid_copy
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: open_gpu_solid, fetch_solid, note_solid, fetch_particles, fetch_faults
+    public :: open_gpu_solid, fetch_solid, note_solid, fetch_particles, fetch_faults, settle_bodies
 
     integer, parameter :: at_once = int(32/bytes_of_real) !! columns that take no more than rows do
 

@@ -22,7 +22,7 @@ module brz_air_dump
     use brz_hdf5_file, only: h5_close, h5_create, h5_packed, h5_t
     use brz_kinds, only: dp, int8, rk
     use brz_meta, only: meta_t
-    use brz_ranks, only: agree, several
+    use brz_ranks, only: several
     use brz_vtkhdf, only: begin_dump, end_dump, root
     implicit none
     private
@@ -45,7 +45,6 @@ contains
             call h5_create(file, part_name(path, air%part%ranks%rank + 1), h5_packed, err)
             call write_values(file, fields, err)
             call h5_close(file, err)
-            call agree(air%part%ranks, err)
             if (air%part%ranks%rank > 0) return
         end if
         call begin_dump(file, path, 'ImageData', err)

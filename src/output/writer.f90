@@ -2,14 +2,18 @@
 !> Writing while the run goes on: a copy of the process, whose memory stays as it was, writes a file
 !> and ends. Several may write at once; they are heard in the order in which they began.
 !>
+!> Of several processes each has a copy that writes, and such files are there when all copies have
+!> ended well: the processes vote on it.
+!>
 !> Worth it where the host has nothing else to do: compression of a dump takes one core some hundred
 !> times as long as a step takes the GPU.
 module brz_writer
     use, intrinsic :: iso_fortran_env, only: error_unit
     use brz_errors, only: error_t, exit_io, failed, raise
-    use brz_kinds, only: dp
+    use brz_kinds, only: dp, int64
     use brz_memory, only: free_memory, held_memory
     use brz_process, only: copy_process, has_ended, leave_process
+    use brz_ranks, only: agree, most_of_all, ranks_t, several
     use brz_timer, only: wall_seconds
     use omp_lib, only: omp_get_num_procs
     implicit none
@@ -28,6 +32,10 @@ module brz_writer
         real(dp) :: time = 0 !! of the dump [s]
         real(dp) :: begin = 0 !! wall-clock time [s]
         real(dp) :: seconds = 0 !! that it took
+        logical :: by_copy = .false. !! of this process, where that can be made
+        logical :: listed = .false. !! to be heard
+        logical :: ended = .false.
+        integer :: code = 0 !! exit code, once it has ended
     end type writer_t
 
     type :: writers_t
@@ -39,69 +47,91 @@ contains
 
     !> May one more copy of the process write now? One always may. More take a core each, this
     !> process keeping one; and memory: as much as the process holds, if all of it changes.
-    logical function has_room(writers)
+    logical function has_room(writers, ranks)
         type(writers_t), intent(in) :: writers
+        type(ranks_t), intent(in) :: ranks
+        integer(int64) :: full(1)
 
         has_room = writers%n < min(most_writers, max(1, omp_get_num_procs() - 1))
         if (has_room .and. writers%n > 0) has_room = free_memory() > 2*held_memory()
+        full = merge(0, 1, has_room)
+        call most_of_all(ranks, full)
+        has_room = full(1) == 0
     end function has_room
 
     !> Decide who writes: a copy of this process, or where that is not wanted or not possible this
-    !> one. A copy is put in the list, which must have room. Who finds `here` true writes, and calls
-    !> end_writing.
-    subroutine begin_writing(writers, writer, apart, here, last)
+    !> one. What is written beside the run is put in the list, which must have room; so is what one
+    !> of several processes writes itself, which is named in its turn. Who finds `here` true writes,
+    !> and calls end_writing.
+    subroutine begin_writing(writers, ranks, writer, apart, here, last)
         type(writers_t), intent(inout) :: writers
+        type(ranks_t), intent(in) :: ranks
         type(writer_t), intent(inout) :: writer !! with what it writes, for messages
-        logical, intent(in) :: apart !! by a copy of the process
+        logical, intent(in) :: apart !! beside the run, or to be named in its turn
         logical, intent(out) :: here
         logical, intent(in), optional :: last !! nothing else goes on: the copy may use all cores
         integer :: cores
 
         writer%begin = wall_seconds()
-        writer%copy = 0
+        writer%copy = merge(-1, 0, apart)
         flush (error_unit) ! or the copy would say again what waits there
         cores = (omp_get_num_procs() - 1)/at_once
         if (present(last)) cores = merge(omp_get_num_procs(), cores, last)
-        if (apart) writer%copy = copy_process(max(1, cores))
+        if (apart .and. writer%by_copy) writer%copy = copy_process(max(1, cores))
         here = writer%copy <= 0
-        if (here) return
+        writer%listed = apart .and. (several(ranks) .or. .not. here)
+        if (.not. writer%listed) return
         writers%n = writers%n + 1
         writers%of(writers%n) = writer
     end subroutine begin_writing
 
     !> After writing: a copy tells its error and is gone.
-    subroutine end_writing(writer, apart, err)
+    subroutine end_writing(writers, writer, apart, err)
+        type(writers_t), intent(inout) :: writers
         type(writer_t), intent(inout) :: writer
         logical, intent(in) :: apart !! as in begin_writing
         type(error_t), intent(in) :: err
 
         writer%seconds = wall_seconds() - writer%begin
+        if (writer%listed .and. writer%copy < 0) then
+            writers%of(writers%n)%ended = .true.
+            writers%of(writers%n)%code = err%code
+        end if
         if (.not. apart .or. writer%copy < 0) return
         if (failed(err)) write (error_unit, '(a)') err%text
         flush (error_unit)
         call leave_process(err%code)
     end subroutine end_writing
 
-    !> Has the writer that began first ended well? Then it is taken from the list; so is one that
-    !> has failed, and its failure is one of the run.
-    subroutine hear_writer(writers, wait, writer, ended, err)
+    !> Has the writer that began first ended, in all processes? Then it is taken from the list; if
+    !> one has failed, this is an error of the run.
+    subroutine hear_writer(writers, ranks, wait, writer, ended, err)
         type(writers_t), intent(inout) :: writers
+        type(ranks_t), intent(in) :: ranks
         logical, intent(in) :: wait !! until it has
         type(writer_t), intent(out) :: writer
         logical, intent(out) :: ended !! well, in this call
         type(error_t), intent(inout) :: err
-        integer :: code, m
+        integer(int64) :: votes(2)
+        integer :: m
 
         ended = .false.
         if (writers%n == 0) return
-        if (.not. has_ended(writers%of(1)%copy, wait, code)) return
-        writer = writers%of(1)
+        associate (first => writers%of(1))
+            if (.not. first%ended) first%ended = has_ended(first%copy, wait, first%code)
+            votes = [merge(0, 1, first%ended), merge(first%code, 0, first%ended)]
+            call most_of_all(ranks, votes)
+            writer = first
+            if (votes(1) > 0) return
+        end associate
         writer%seconds = wall_seconds() - writer%begin
         do m = 2, writers%n
             writers%of(m - 1) = writers%of(m)
         end do
         writers%n = writers%n - 1
-        ended = code == 0
-        if (.not. ended) call raise(err, exit_io, writer%what//' could not be written')
+        ended = votes(2) == 0
+        if (ended) return
+        if (writer%code /= 0) call raise(err, exit_io, writer%what//' could not be written')
+        call agree(ranks, err)
     end subroutine hear_writer
 end module brz_writer

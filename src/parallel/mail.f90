@@ -5,6 +5,7 @@
 !> (`make_room`), and `post` sends them, as often as there is something new in them.
 module brz_mail
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_int, c_loc, c_null_ptr, c_ptr
+    use brz_errors, only: error_t
     use brz_kinds, only: dp, int64, int8
     use brz_mpi_library, only: mpi_alltoall, mpi_double, mpi_int64, mpi_irecv, mpi_isend, &
                                mpi_waitall
@@ -23,6 +24,10 @@ module brz_mail
         integer(int64), allocatable :: out_first(:), in_first(:) !! (0:processes)
         integer(int8), allocatable :: out(:), in(:) !! bytes
         type(c_ptr), allocatable :: requests(:)
+        !> In copies of the processes: beside what file those for the first go, see
+        !> brz_parcel_files, and what has gone wrong.
+        character(:), allocatable :: path
+        type(error_t) :: fault
     end type mail_t
 
 contains
@@ -88,7 +93,7 @@ contains
             if (size(bytes, kind=int64) >= n) return
             deallocate (bytes)
         end if
-        allocate (bytes(n + n/4), source=0_int8)
+        allocate (bytes(n + n/4))
     end subroutine lengthen
 
     !> Fill the parcel to a process with numbers; there is room for them.

@@ -5,11 +5,14 @@ module brz_parcels
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc, c_null_ptr, c_ptr
     use brz_kinds, only: int32, int64, int8
     use brz_mail, only: mail_t, make_room, post
+    use brz_parcel_files, only: post_by_files
     use brz_places, only: parcels_t
     use brz_ranks, only: ranks_t
     implicit none
     private
     public :: rows_t, rows_of, send_rows, courier_t
+
+    integer, parameter :: worth_threads = 10000 !! rows
 
     !> An array that has some bytes in a row for each particle.
     type :: rows_t
@@ -45,7 +48,7 @@ contains
     end subroutine send
 
     !> Send the rows of listed particles, and put those that come where a list says, in arrays with
-    !> as many bytes in a row.
+    !> as many bytes in a row. In copies of the processes, by files: see mail_t.
     subroutine send_rows(ranks, out, in, from, to, mail)
         type(ranks_t), intent(in) :: ranks
         type(parcels_t), intent(in) :: out, in
@@ -68,7 +71,11 @@ contains
                 end do
             end associate
         end do
-        call post(ranks, mail)
+        if (allocated(mail%path)) then
+            call post_by_files(ranks, mail, mail%path, mail%fault)
+        else
+            call post(ranks, mail)
+        end if
         do r = 0, ranks%n - 1
             at = mail%in_first(r)
             associate (place => in%place(in%first(r):in%first(r + 1) - 1))
@@ -101,12 +108,14 @@ contains
             if (modulo(wide, 4) == 0) then
                 call c_f_pointer(rows%of, words, [wide/4, maxval(place)])
                 call c_f_pointer(c_loc(parcel), there, [wide/4, n])
+                !$omp parallel do if(n >= worth_threads) schedule(static)
                 do k = 1, n
                     there(:, k) = words(:, place(k))
                 end do
             else
                 call c_f_pointer(rows%of, bytes, [wide, maxval(place)])
                 call c_f_pointer(c_loc(parcel), here, [wide, n])
+                !$omp parallel do if(n >= worth_threads) schedule(static)
                 do k = 1, n
                     here(:, k) = bytes(:, place(k))
                 end do
@@ -127,12 +136,14 @@ contains
             if (modulo(wide, 4) == 0) then
                 call c_f_pointer(rows%of, words, [wide/4, maxval(place)])
                 call c_f_pointer(c_loc(parcel), there, [wide/4, n])
+                !$omp parallel do if(n >= worth_threads) schedule(static)
                 do k = 1, n
                     words(:, place(k)) = there(:, k)
                 end do
             else
                 call c_f_pointer(rows%of, bytes, [wide, maxval(place)])
                 call c_f_pointer(c_loc(parcel), here, [wide, n])
+                !$omp parallel do if(n >= worth_threads) schedule(static)
                 do k = 1, n
                     bytes(:, place(k)) = here(:, k)
                 end do

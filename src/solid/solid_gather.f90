@@ -4,6 +4,7 @@
 module brz_solid_gather
     use brz_cohesive_loops, only: each_place_node
     use brz_cohesive_part, only: share_points
+    use brz_errors, only: failed
     use brz_kinds, only: int64, rk
     use brz_mail, only: mail_t, tell_counts
     use brz_places, only: parcels_t
@@ -14,7 +15,7 @@ module brz_solid_gather
     use brz_solid_state, only: n_pair, solid_t
     implicit none
     private
-    public :: gather_solid
+    public :: gather_solid, begin_gather, end_gather
 
 contains
 
@@ -23,22 +24,42 @@ contains
     subroutine gather_solid(solid, whole)
         type(solid_t), intent(inout), target :: solid
         type(solid_t), intent(out), target :: whole
-        integer(int64) :: out(size(solid%bodies), solid%ranks%n), in(size(solid%bodies), &
-                                                                     solid%ranks%n)
-        integer :: next(size(solid%bodies))
-        type(parcels_t) :: leaving, coming
-        type(fields_t) :: from, to
+        integer(int64), allocatable :: in(:, :)
         type(mail_t) :: mail
-        integer :: b, i, r
+
+        call begin_gather(solid, whole, in)
+        call end_gather(solid, whole, in, mail)
+    end subroutine gather_solid
+
+    !> What must be known of all processes before their particles are gathered.
+    subroutine begin_gather(solid, whole, in)
+        type(solid_t), intent(inout) :: solid
+        type(solid_t), intent(out) :: whole !! without particles yet
+        integer(int64), allocatable, intent(out) :: in(:, :) !! (bodies, processes) that come
+        integer(int64) :: out(size(solid%bodies), solid%ranks%n)
 
         call share_points(solid)
         call outline(solid, whole)
-        call make_fields(whole, kept_alone=.true.)
-        if (allocated(solid%load)) allocate (whole%load(3, whole%n), source=0.0_rk)
-        if (allocated(solid%v_before)) allocate (whole%v_before(3, whole%n), source=0.0_rk)
+        allocate (in(size(solid%bodies), solid%ranks%n))
         out = 0
         out(:, 1) = solid%bodies%last - solid%bodies%first + 1
         call tell_counts(solid%ranks, out, in)
+    end subroutine begin_gather
+
+    !> Gather the particles, by messages or, in copies of the processes, by files: see mail_t.
+    subroutine end_gather(solid, whole, in, mail)
+        type(solid_t), intent(inout), target :: solid
+        type(solid_t), intent(inout), target :: whole !! as begin_gather left it
+        integer(int64), intent(in) :: in(:, :) !! likewise
+        type(mail_t), intent(inout) :: mail
+        integer :: next(size(solid%bodies))
+        type(parcels_t) :: leaving, coming
+        type(fields_t) :: from, to
+        integer :: b, i, r
+
+        call make_fields(whole, kept_alone=.true.)
+        if (allocated(solid%load)) allocate (whole%load(3, whole%n), source=0.0_rk)
+        if (allocated(solid%v_before)) allocate (whole%v_before(3, whole%n), source=0.0_rk)
         leaving%place = [((i, i=solid%bodies(b)%first, solid%bodies(b)%last), &
                           b=1, size(solid%bodies))]
         allocate (leaving%first(0:solid%ranks%n), coming%first(0:solid%ranks%n))
@@ -62,7 +83,7 @@ contains
         call fields_of(solid, from)
         call fields_of(whole, to)
         call send_particles(solid%ranks, of_a_checkpoint, from, leaving, to, coming, mail)
-        if (solid%ranks%rank > 0) return
+        if (solid%ranks%rank > 0 .or. failed(mail%fault)) return
         allocate (whole%pair(n_pair, whole%n), whole%search%order(whole%n)) ! to sort by
         do b = 1, size(whole%bodies)
             call sort_body(whole, b)
@@ -70,7 +91,7 @@ contains
         deallocate (whole%pair)
         if (whole%cohesive%present) call each_place_node(whole%n, 1, whole%id, whole%cohesive%row, &
                                                          whole%cohesive%place)
-    end subroutine gather_solid
+    end subroutine end_gather
 
     !> What a scene of bodies has besides its particles; books of all processes together.
     subroutine outline(solid, whole)

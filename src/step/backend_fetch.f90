@@ -16,7 +16,7 @@ module brz_backend_fetch
     use brz_gpu_coupling_copy, only: fetch_books, fetch_coupling, note_coupling
     use brz_gpu_debt_steps, only: gpu_ledger_totals => ledger_totals
     use brz_gpu_cohesive_part, only: fetch_gpu_points
-    use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid
+    use brz_gpu_solid_copy, only: fetch_particles, fetch_solid, note_solid, settle_bodies
     use brz_gpu_solid_books, only: fetch_ledgers
     use brz_gpu_total_steps, only: gpu_sums_of_bodies => sums_of_bodies
     use brz_kinds, only: dp, rk
@@ -28,7 +28,7 @@ module brz_backend_fetch
     implicit none
     private
     public :: stock_of_air, stock_of_books, stock_of_bodies, stock_of_forces, stock_of_interfaces
-    public :: fetch_sums, fetch_state, take_snapshot, fetch_followed, fetch_around
+    public :: fetch_sums, fetch_order, fetch_state, take_snapshot, fetch_followed, fetch_around
 
 contains
 
@@ -123,6 +123,18 @@ contains
         if (backend%on_gpu) call gpu_outflow(backend%air, air, err)
         if (backend%bodies_on_gpu) call fetch_ledgers(backend%solid, solid, err)
     end subroutine fetch_sums
+
+    !> Bring where bodies lie and what interfaces are to the host, which several processes must know
+    !> of each other before they gather their particles.
+    subroutine fetch_order(backend, solid, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (failed(err) .or. .not. (backend%bodies_on_gpu .and. several(solid%ranks))) return
+        call settle_bodies(backend%solid, solid, err)
+        call fetch_gpu_points(backend%solid, .false., solid%cohesive, err)
+    end subroutine fetch_order
 
     !> Bring the state to the host, for a dump or a checkpoint, with fetch_sums before. It is read
     !> alone, so that a snapshot can take the place of the GPU.

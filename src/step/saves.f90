@@ -2,11 +2,12 @@
 !> Dumps and checkpoints: written by this process, or where a GPU computes by copies of it beside
 !> the run, and named in the order in which they began.
 module brz_saves
-    use brz_backend_fetch, only: fetch_state, fetch_sums, take_snapshot
+    use brz_backend_fetch, only: fetch_order, fetch_state, fetch_sums, take_snapshot
     use brz_checkpoint, only: name_checkpoint, write_checkpoint
-    use brz_dumps, only: dumps_t, name_dump, write_dump_files
+    use brz_dumps, only: begin_files, bodies_path, dumps_t, name_dump, write_dump_files
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp
+    use brz_parcel_files, only: forget_parcel, give_up_parcel
     use brz_ranks, only: agree, several
     use brz_simulation, only: simulation_t
     use brz_snapshots, only: snapshot_t, use_snapshot
@@ -41,7 +42,9 @@ contains
         logical :: ended
 
         do
-            call hear_writer(saves%writers, saves%writers%n > most, writer, ended, err)
+            call hear_writer(saves%writers, sim%ranks, saves%writers%n > most, writer, ended, err)
+            if (writer%ended .and. writer%code /= 0 .and. writer%dump /= no_dump) &
+                call give_up_parcel(sim%ranks, bodies_path(saves%dumps, writer%dump))
             if (.not. ended) exit
             call written(sim, saves, writer, err)
         end do
@@ -53,7 +56,7 @@ contains
         type(saves_t), intent(inout) :: saves
         type(error_t), intent(inout) :: err
 
-        do while (.not. (has_room(saves%writers) .or. failed(err)))
+        do while (.not. (has_room(saves%writers, sim%ranks) .or. failed(err)))
             call hear_writers(sim, saves, saves%writers%n - 1, err)
         end do
     end subroutine make_room
@@ -76,12 +79,11 @@ contains
         if (failed(naming) .and. .not. failed(err)) err = naming
     end subroutine written
 
-    !> True if a GPU computes, so that the host has time to write. Several processes write together
-    !> and vote on it, which copies of them cannot.
+    !> True if a GPU computes, so that the host has time to write.
     pure logical function on_gpu(sim)
         type(simulation_t), intent(in) :: sim
 
-        on_gpu = (sim%backend%on_gpu .or. sim%backend%bodies_on_gpu) .and. .not. several(sim%ranks)
+        on_gpu = sim%backend%on_gpu .or. sim%backend%bodies_on_gpu
     end function on_gpu
 
     !> Decide who writes, and bring the state to the host there. A copy of this process has it from
@@ -100,13 +102,18 @@ contains
         here = .false.
         mark = wall_seconds()
         call fetch_sums(sim%backend, sim%air, sim%solid, err)
-        if (beside .and. .not. failed(err)) call take_snapshot(sim%backend, snapshot)
+        if (writer%dump /= no_dump) then
+            call fetch_order(sim%backend, sim%solid, err)
+            call begin_files(saves%dumps, sim%solid)
+            call forget_parcel(sim%ranks, bodies_path(saves%dumps, writer%dump))
+        end if
+        if (writer%by_copy .and. .not. failed(err)) call take_snapshot(sim%backend, snapshot)
         if (snapshot%room == 0) &
             call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         call agree(sim%ranks, err)
         call lap(mark, saves%fetching)
         if (failed(err)) return
-        call begin_writing(saves%writers, writer, beside, here, last)
+        call begin_writing(saves%writers, sim%ranks, writer, beside, here, last)
         call lap(mark, saves%copying)
         if (snapshot%room == 0 .or. .not. here) return
         if (writer%copy == 0) call use_snapshot(snapshot) ! else no copy could be made
@@ -130,6 +137,7 @@ contains
         call make_room(sim, saves, err)
         call lap(mark, saves%writing)
         beside = on_gpu(sim)
+        writer%by_copy = beside
         writer%what = 'the dump of t = '//to_text(sim%clock%time)//' s'
         writer%dump = sim%clock%dump_number
         writer%time = sim%clock%time
@@ -137,16 +145,17 @@ contains
         mark = wall_seconds()
         if (here) then
             call write_dump_files(saves%dumps, sim%case, sim%clock, sim%air, &
-                                  sim%coupling%wall, sim%solid, err)
-            call end_writing(writer, beside, err)
-            call hear_writers(sim, saves, 0, err) ! those that began before have their names first
+                                  sim%coupling%wall, sim%solid, err, beside)
+            call end_writing(saves%writers, writer, beside, err)
+            ! those that began before have their names first
+            if (.not. writer%listed) call hear_writers(sim, saves, 0, err)
         end if
         call agree(sim%ranks, err)
         call lap(mark, saves%writing)
         if (failed(err)) return
         sim%clock%dump_number = sim%clock%dump_number + 1
         sim%clock%dump_time = sim%clock%time
-        if (here) call written(sim, saves, writer, err)
+        if (here .and. .not. writer%listed) call written(sim, saves, writer, err)
         call agree(sim%ranks, err)
     end subroutine save_dump
 
@@ -173,14 +182,16 @@ contains
                 sim%start%work, sim%start%supply]
         writer%what = 'the checkpoint of t = '//to_text(sim%clock%time)//' s'
         writer%step = sim%clock%cycle
+        writer%by_copy = apart .and. .not. several(sim%ranks) ! these write it together, by messages
         call begin(sim, saves, writer, apart, here, err)
         mark = wall_seconds()
         if (here) then
-            if (writer%copy < 0) call hear_writers(sim, saves, 0, err) ! those before it first
+            if (writer%copy < 0 .and. .not. writer%listed) &
+                call hear_writers(sim, saves, 0, err) ! those before it first
             call write_checkpoint(saves%dumps%folder, sim%case, sim%clock, sim%air, sim%coupling, &
                                   sim%solid, sums, err)
-            call end_writing(writer, apart, err)
-            if (.not. failed(err)) call written(sim, saves, writer, err)
+            call end_writing(saves%writers, writer, apart, err)
+            if (.not. (failed(err) .or. writer%listed)) call written(sim, saves, writer, err)
             call agree(sim%ranks, err)
         end if
         call lap(mark, saves%writing)

@@ -110,6 +110,16 @@ def test_what_goes_wrong_in_one_ends_all(fault, words, gpu, tmp_path):
 
 
 @needs_mpirun
+def test_particles_that_cannot_be_handed_over_end_the_run(gpu, tmp_path):
+    """A folder where process 2 writes its particles for a dump: the first one waits in vain."""
+    (tmp_path / "out" / "solid_00001.vtkhdf.002.parcel.tmp" / "x").mkdir(parents=True)
+    done = go(3, tmp_path, gpu, deck=APART)
+    assert done.returncode == 4, done.stderr
+    assert "the dump of t = 1" in done.stderr and "could not be written" in done.stderr
+    assert not list(tmp_path.glob("out/chk_*.tmp"))
+
+
+@needs_mpirun
 def test_a_driver_that_cannot_pin_memory_serves(gpu, alone, tmp_path):
     done = go(2, tmp_path, gpu, BRISANCE_EMULATOR_FAIL="cuMemHostRegister_v2",
               BRISANCE_TRANSPORT="mpi")  # fmt: skip
