@@ -13,17 +13,15 @@ module brz_coupling_gather
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: gather_coupling, begin_sharing, share_coupling
+    public :: gather_coupling, keep_before, begin_sharing, share_coupling
 
 contains
 
-    !> What a checkpoint holds of the coupling, in the first process; debts in the order of the
-    !> grid. All must call.
-    subroutine gather_coupling(coupling, whole, all)
+    !> What a checkpoint holds of the coupling but for what keep_before adds, in the first process;
+    !> debts in the order of the grid. All must call.
+    subroutine gather_coupling(coupling, all)
         type(coupling_t), intent(in) :: coupling
-        type(solid_t), intent(in) :: whole !! all particles, in the first process
         type(coupling_t), intent(inout) :: all
-        integer :: i
 
         all%present = coupling%present
         all%n_var = coupling%n_var
@@ -32,11 +30,19 @@ contains
             call books_of_all(ranks, coupling, all%books)
             call gather_debts(ranks, coupling, all)
         end associate
+    end subroutine gather_coupling
+
+    !> Velocities before the last step, of all particles.
+    subroutine keep_before(whole, all)
+        type(solid_t), intent(in) :: whole !! all particles, in the first process
+        type(coupling_t), intent(inout) :: all
+        integer :: i
+
         allocate (all%v_before(3, whole%n))
         do i = 1, whole%n
             all%v_before(:, whole%id(i)) = whole%v_before(:, i)
         end do
-    end subroutine gather_coupling
+    end subroutine keep_before
 
     !> All debts, in the first process.
     subroutine gather_debts(ranks, coupling, all)

@@ -3,7 +3,8 @@
 module brz_gpu_solid_copy
     use, intrinsic :: iso_c_binding, only: c_f_pointer, c_loc
     use brz_buffers, only: buffer_t, doubles_t, integers_t
-    use brz_device, only: allocate_buffer, copy_in, copy_out, device_t, free_buffer, put_buffer
+    use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, device_t, free_buffer, &
+                          put_buffer
     use brz_errors, only: error_t, failed
     use brz_field_values, only: carry_columns, carry_marks, carry_rows
     use brz_gpu_cohesive_part, only: fetch_gpu_points
@@ -205,19 +206,21 @@ contains
         end if
     end subroutine carry_field
 
-    !> Refresh the motion of some particles on the host, wherever they lie there.
+    !> Refresh the motion of some particles on the host, wherever they lie there. Where one has come
+    !> from another process since the host knew its particles, it hears of all anew; one that has
+    !> gone to another process is forgotten.
     subroutine fetch_particles(gpu, id, place, solid, err)
         type(gpu_solid_t), intent(inout) :: gpu
         integer(int32), intent(in) :: id(:) !! numbers of particles
         integer, intent(in) :: place(:) !! where they were last on the host
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        real(dp) :: values(12, size(id))
-        integer :: b, i, k
+        real(dp) :: values(13, size(id))
+        integer :: b, i(size(id)), k
 
         if (gpu%fetched .or. size(id) == 0) return
-        call settle_bodies(gpu, solid, err)
         call gpu%common%ask(id, 4_int64*size(id), 8_int64*size(values), err)
+        call clear_buffer(gpu%common%told, err, 8_int64*size(values))
         do b = 1, size(gpu%bodies)
             associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
                 call solid_kernels%find_particles([last - first + 1, 1, 1], gpu%n, first, last, &
@@ -227,21 +230,48 @@ contains
         end do
         values = 0
         call copy_out(gpu%common%told, values, 8_int64*size(values), err)
+        i = places_of(solid, id, place, values(13, :) > 0)
+        if (any(values(13, :) > 0 .and. i == 0)) then
+            call settle_bodies(gpu, solid, err)
+            i = places_of(solid, id, place, values(13, :) > 0)
+        end if
         do k = 1, size(id)
-            i = place(k)
+            if (i(k) == 0) cycle ! of another process
+            if (.not. values(13, k) > 0) then
+                solid%id(i(k)) = 0 ! by now
+                cycle
+            end if
+            solid%x(:, i(k)) = values(1:3, k)
+            solid%x_ref(:, i(k)) = values(4:6, k)
+            solid%v(:, i(k)) = real(values(7:9, k), rk)
+            solid%a(:, i(k)) = real(values(10:12, k), rk)
+        end do
+    end subroutine fetch_particles
+
+    !> Where particles lie on the host, 0 where it does not have one. Those of other processes are
+    !> where they were last, or not there.
+    pure function places_of(solid, id, place, here) result(i)
+        type(solid_t), intent(in) :: solid
+        integer(int32), intent(in) :: id(:) !! numbers of particles
+        integer, intent(in) :: place(:) !! where they were last
+        logical, intent(in) :: here(:) !! of this process
+        integer :: i(size(id)), b, k
+
+        i = place
+        do k = 1, size(id)
+            if (.not. here(k)) then
+                if (i(k) > solid%n) i(k) = 0
+                if (i(k) > 0) i(k) = merge(i(k), 0, solid%id(i(k)) == id(k))
+                cycle
+            end if
             do b = 1, size(solid%bodies)
                 associate (number => solid%bodies(b)%number)
                     if (id(k) >= number(1) .and. id(k) <= number(2)) &
-                        call find_place(solid, b, id(k), i)
+                        call find_place(solid, b, id(k), i(k))
                 end associate
             end do
-            if (i == 0) cycle ! of another process
-            solid%x(:, i) = values(1:3, k)
-            solid%x_ref(:, i) = values(4:6, k)
-            solid%v(:, i) = real(values(7:9, k), rk)
-            solid%a(:, i) = real(values(10:12, k), rk)
         end do
-    end subroutine fetch_particles
+    end function places_of
 
     !> The particles with an impossible state are noted in the blocks of the host, as its own are.
     subroutine fetch_faults(gpu, solid, err)

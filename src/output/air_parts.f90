@@ -3,7 +3,7 @@
 !> own, `chk_001230.part003.h5`, and the checkpoint itself says which boxes there are. Any number of
 !> processes can go on from it, and several from the checkpoint of one.
 module brz_air_parts
-    use brz_air_books, only: air_books_t, carry_books, keep_in_air, look_at_all_air
+    use brz_air_books, only: air_books_t, carry_books, keep_in_air
     use brz_air_state, only: air_t, brick, n_ghost
     use brz_boxes, only: cells_t, common, is_empty
     use brz_errors, only: error_t, exit_io, failed, raise
@@ -12,7 +12,6 @@ module brz_air_parts
     use brz_hdf5_box, only: h5_read_box
     use brz_hdf5_file, only: h5_close, h5_create, h5_has, h5_open, h5_plain, h5_t
     use brz_kinds, only: int8, int64, rk
-    use brz_ranks, only: agree
     use brz_seal, only: check_seal
     use brz_text, only: to_text
     implicit none
@@ -46,20 +45,16 @@ contains
         call h5_write(file, 'air/u', air%u(1:air%n(1), 1:air%n(2), 1:air%n(3), :), err)
         call h5_write(file, 'air/reached', air%reached, err)
         call h5_close(file, err)
-        call agree(air%part%ranks, err)
-        if (failed(err)) call remove_file(file%path)
     end subroutine write_air_box
 
-    !> Write what all processes have in common into the checkpoint: the first does, all must call.
-    subroutine write_boxes(file, air, err)
-        type(h5_t), intent(in) :: file !! open in the first process alone
+    !> Write what all processes have in common into the checkpoint; the first does.
+    subroutine write_boxes(file, air, books, err)
+        type(h5_t), intent(in) :: file
         type(air_t), intent(in) :: air
+        type(air_books_t), intent(inout) :: books !! of all
         type(error_t), intent(inout) :: err
-        type(air_books_t) :: books
         integer :: boxes(6, size(air%part%boxes)), r
 
-        books = look_at_all_air(air)
-        if (air%part%ranks%rank > 0) return
         do r = 1, size(boxes, 2)
             associate (box => air%part%boxes(r - 1))
                 boxes(:, r) = [box%lo, box%hi]

@@ -14,7 +14,7 @@ module brz_checkpoint
     use brz_checkpoint_match, only: first_difference
     use brz_checkpoint_state, only: carry_air, carry_clock, carry_coupling, carry_solid
     use brz_clock, only: clock_t
-    use brz_coupling_gather, only: begin_sharing, gather_coupling, share_coupling
+    use brz_coupling_gather, only: begin_sharing, keep_before, share_coupling
     use brz_coupling_state, only: coupling_t
     use brz_errors, only: error_t, failed, raise, exit_io
     use brz_carry, only: carry
@@ -27,14 +27,14 @@ module brz_checkpoint
     use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_seal, only: check_seal
     use brz_solid_books, only: keep_books_of_first
-    use brz_solid_gather, only: gather_solid
     use brz_solid_home, only: hold_all, share_out
     use brz_solid_state, only: solid_t
+    use brz_together, only: end_bodies, together_t
     use brz_version, only: precision
     implicit none
     private
     public :: write_checkpoint, name_checkpoint, read_checkpoint, find_checkpoint
-    public :: drop_later_checkpoints
+    public :: drop_later_checkpoints, remove_checkpoint
 
     integer, parameter :: kept = 2 !! checkpoints in a folder
     character(*), parameter :: about = 'brisance'
@@ -43,9 +43,11 @@ module brz_checkpoint
 
 contains
 
-    !> Write a checkpoint, which `name_checkpoint` then names. Histories must be flushed before.
-    recursive subroutine write_checkpoint(folder, case, clock, air, coupling, solid, sums, err)
-        character(*), intent(in) :: folder
+    !> Write a checkpoint, which `name_checkpoint` then names. Histories must be flushed before. Of
+    !> several processes each writes the air of its box, and the first what all have in common and
+    !> the bodies, after begin_bodies and begin_state.
+    subroutine write_checkpoint(together, case, clock, air, coupling, solid, sums, err)
+        type(together_t), intent(inout) :: together
         type(case_t), intent(in) :: case
         type(clock_t), intent(inout) :: clock
         type(air_t), intent(inout) :: air
@@ -55,22 +57,44 @@ contains
         type(error_t), intent(inout) :: err
         type(h5_t) :: file
         type(meta_t) :: meta
+        character(:), allocatable :: path
+        logical :: in_parts, shared
 
-        if (several(air%part%ranks)) then
-            call write_in_parts(folder, case, clock, air, coupling, solid, sums, err)
-            return
-        else if (several(solid%ranks)) then
-            call write_by_first(folder, case, clock, air, coupling, solid, sums, err)
-            return
-        end if
+        path = together%folder//'/'//checkpoint_name(clock%cycle)
+        in_parts = air%present .and. several(air%part%ranks)
+        shared = solid%present .and. several(solid%ranks)
+        if (in_parts) call write_air_box(path, title, air, err)
+        if (shared) call end_bodies(together, solid, path, err)
+        if (in_parts .and. air%part%ranks%rank > 0 .or. shared .and. solid%ranks%rank > 0) return
         call describe_run(case, clock, meta)
-        call h5_create(file, folder//'/'//checkpoint_name(clock%cycle), h5_plain, err, title)
+        call h5_create(file, path, h5_plain, err, title)
         file%unnamed = .true.
         call write_meta(file, meta, err)
-        if (air%present) call carry_air(file, air, err)
-        call carry_rest(file, clock, coupling, solid, sums, err)
+        if (in_parts) then
+            call write_boxes(file, air, together%books, err)
+        else if (air%present) then
+            call carry_air(file, air, err)
+        end if
+        if (in_parts) then
+            if (coupling%present) call keep_before(together%whole, together%all)
+            if (.not. allocated(together%whole)) allocate (together%whole)
+            call carry_rest(file, clock, together%all, together%whole, sums, err)
+        else if (shared) then
+            call carry_rest(file, clock, coupling, together%whole, sums, err)
+        else
+            call carry_rest(file, clock, coupling, solid, sums, err)
+        end if
         call h5_close(file, err)
     end subroutine write_checkpoint
+
+    !> Remove a checkpoint that could not be written.
+    subroutine remove_checkpoint(folder, step)
+        character(*), intent(in) :: folder
+        integer, intent(in) :: step
+
+        call remove_file(folder//'/'//checkpoint_name(step)//'.tmp')
+        call remove_parts(folder, checkpoint_name(step))
+    end subroutine remove_checkpoint
 
     !> Give a checkpoint that is on the disk its name, and remove all but the last two. Of several
     !> processes one does it.
@@ -87,64 +111,6 @@ contains
         if (failed(err)) call remove_parts(folder, checkpoint_name(step))
         if (.not. failed(err)) call remove_old(folder, step)
     end subroutine name_checkpoint
-
-    !> The same of several processes, which share the bodies: the first has them all for a while,
-    !> and writes them as one process would.
-    subroutine write_by_first(folder, case, clock, air, coupling, solid, sums, err)
-        character(*), intent(in) :: folder
-        type(case_t), intent(in) :: case
-        type(clock_t), intent(inout) :: clock
-        type(air_t), intent(inout) :: air
-        type(coupling_t), intent(inout) :: coupling
-        type(solid_t), intent(inout) :: solid
-        real(dp), intent(inout) :: sums(:)
-        type(error_t), intent(inout) :: err
-        type(solid_t), allocatable :: whole
-
-        allocate (whole)
-        call gather_solid(solid, whole)
-        if (solid%ranks%rank == 0) &
-            call write_checkpoint(folder, case, clock, air, coupling, whole, sums, err)
-        call agree(solid%ranks, err)
-    end subroutine write_by_first
-
-    !> The same of several processes, which share the air: each its box, and the first what all have
-    !> in common, and the bodies, once the boxes are on the disk.
-    subroutine write_in_parts(folder, case, clock, air, coupling, solid, sums, err)
-        character(*), intent(in) :: folder
-        type(case_t), intent(in) :: case
-        type(clock_t), intent(inout) :: clock
-        type(air_t), intent(inout) :: air
-        type(coupling_t), intent(in) :: coupling
-        type(solid_t), intent(inout) :: solid
-        real(dp), intent(inout) :: sums(:)
-        type(error_t), intent(inout) :: err
-        type(solid_t), allocatable :: whole
-        type(coupling_t), allocatable :: all
-        character(:), allocatable :: path
-        type(h5_t) :: file
-        type(meta_t) :: meta
-        logical :: leads
-
-        path = folder//'/'//checkpoint_name(clock%cycle)
-        leads = air%part%ranks%rank == 0
-        allocate (whole, all)
-        if (solid%present) call gather_solid(solid, whole)
-        if (coupling%present) call gather_coupling(coupling, whole, all)
-        call write_air_box(path, title, air, err)
-        if (failed(err)) return
-        call describe_run(case, clock, meta)
-        if (leads) call h5_create(file, path, h5_plain, err, title)
-        file%unnamed = .true.
-        if (leads) call write_meta(file, meta, err)
-        call write_boxes(file, air, err)
-        if (leads) then
-            call carry_rest(file, clock, all, whole, sums, err)
-            call h5_close(file, err)
-            if (failed(err)) call remove_parts(folder, checkpoint_name(clock%cycle))
-        end if
-        call agree(air%part%ranks, err)
-    end subroutine write_in_parts
 
     !> Read a checkpoint into a scene that has been set up from the same deck. Afterwards the solid
     !> and the coupling must derive what is not in it (`resume_solid`, `restart_coupling`).

@@ -6,26 +6,22 @@ module brz_dumps
     use brz_case, only: case_t
     use brz_clock, only: clock_t
     use brz_errors, only: error_t, failed
-    use brz_kinds, only: dp, int64
-    use brz_mail, only: mail_t
+    use brz_kinds, only: dp
     use brz_meta, only: describe_run, meta_t
     use brz_output_folder, only: dump_name
     use brz_ranks, only: several
     use brz_series, only: add_to_series, cut_series, open_series, series_t
-    use brz_solid_gather, only: begin_gather, end_gather
     use brz_solid_dump, only: write_solid_dump
     use brz_solid_state, only: solid_t
+    use brz_together, only: end_bodies, together_t
     implicit none
     private
-    public :: dumps_t, start_dumps, cut_dumps, begin_files, write_dump_files, name_dump, &
-              bodies_path
+    public :: dumps_t, start_dumps, cut_dumps, write_dump_files, name_dump, bodies_path
 
     type :: dumps_t
         character(:), allocatable :: folder
         type(series_t) :: air, solid
         logical :: leads = .true. !! this process names them
-        type(solid_t), allocatable :: whole !! the bodies of all processes, between begin_files
-        integer(int64), allocatable :: in(:, :) !! and write_dump_files: see begin_gather
     end type dumps_t
 
 contains
@@ -70,56 +66,40 @@ contains
         call cut_series(dumps%solid, err)
     end subroutine cut_dumps
 
-    !> What all processes together must know before each writes its files of a dump. All must call.
-    subroutine begin_files(dumps, solid)
-        type(dumps_t), intent(inout) :: dumps
-        type(solid_t), intent(inout) :: solid
-
-        if (.not. (solid%present .and. several(solid%ranks))) return
-        if (allocated(dumps%whole)) deallocate (dumps%whole)
-        allocate (dumps%whole)
-        call begin_gather(solid, dumps%whole, dumps%in)
-    end subroutine begin_files
-
-    !> The files of a dump, after begin_files. Of several processes each writes those of its own,
-    !> and the first the bodies of all: they come by messages, or to a copy of it by files.
-    subroutine write_dump_files(dumps, case, clock, air, wall, solid, err, by_files)
-        type(dumps_t), intent(inout) :: dumps
+    !> The files of a dump. Of several processes each writes those of its own, and the first the
+    !> bodies of all, after begin_bodies.
+    subroutine write_dump_files(together, case, clock, air, wall, solid, err)
+        type(together_t), intent(inout) :: together
         type(case_t), intent(in) :: case
         type(clock_t), intent(in) :: clock
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
         type(solid_t), intent(inout) :: solid
         type(error_t), intent(inout) :: err
-        logical, intent(in) :: by_files
-        type(mail_t) :: mail
         type(meta_t) :: meta
         character(:), allocatable :: path
 
         call describe_run(case, clock, meta)
-        if (air%present) call write_air_dump( &
-            dumps%folder//'/'//dump_name('air', clock%dump_number), air, wall, meta, err)
+        path = together%folder//'/'//dump_name('air', clock%dump_number)
+        if (air%present) call write_air_dump(path, air, wall, meta, err)
         if (.not. solid%present) return
-        path = bodies_path(dumps, clock%dump_number)
+        path = bodies_path(together%folder, clock%dump_number)
         if (several(solid%ranks)) then
-            if (by_files) mail%path = path
-            call end_gather(solid, dumps%whole, dumps%in, mail)
-            if (.not. failed(err)) err = mail%fault
-            if (dumps%leads) &
-                call write_solid_dump(path, dumps%whole, case%materials%id, meta, err)
-            deallocate (dumps%whole)
+            call end_bodies(together, solid, path, err)
+            if (solid%ranks%rank > 0) return
+            call write_solid_dump(path, together%whole, case%materials%id, meta, err)
         else
             call write_solid_dump(path, solid, case%materials%id, meta, err)
         end if
     end subroutine write_dump_files
 
     !> File of the bodies in a dump.
-    pure function bodies_path(dumps, number) result(path)
-        type(dumps_t), intent(in) :: dumps
+    pure function bodies_path(folder, number) result(path)
+        character(*), intent(in) :: folder
         integer, intent(in) :: number
         character(:), allocatable :: path
 
-        path = dumps%folder//'/'//dump_name('solid', number)
+        path = folder//'/'//dump_name('solid', number)
     end function bodies_path
 
     !> Name a dump in the series, once it is on the disk.

@@ -24,13 +24,14 @@ module brz_output_folder
 
     character(*), parameter :: checkpoint_begin = 'chk_', checkpoint_end = '.h5'
     ! beginnings and ends of the names of results
-    character(*), parameter :: begins(11) = [character(10) :: 'air_', 'solid_', 'air', 'solid', &
+    character(*), parameter :: begins(12) = [character(10) :: 'air_', 'solid_', 'air', 'solid', &
                                              'air_', checkpoint_begin, 'energy', 'bodies', &
-                                             'gauges', 'profile_', 'solid_']
-    character(*), parameter :: ends(11) = [character(14) :: '.vtkhdf', '.vtkhdf', &
+                                             'gauges', 'profile_', 'solid_', &
+                                             checkpoint_begin]
+    character(*), parameter :: ends(12) = [character(14) :: '.vtkhdf', '.vtkhdf', &
                                            '.vtkhdf.series', '.vtkhdf.series', '.h5', &
                                            checkpoint_end, '.csv', '.csv', '.csv', '.csv', &
-                                           '.parcel']
+                                           '.parcel', '.parcel']
 
 contains
 

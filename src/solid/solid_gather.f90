@@ -15,21 +15,9 @@ module brz_solid_gather
     use brz_solid_state, only: n_pair, solid_t
     implicit none
     private
-    public :: gather_solid, begin_gather, end_gather
+    public :: begin_gather, end_gather
 
 contains
-
-    !> All that a checkpoint holds, in the first process, in the order in which one process would
-    !> have it; no particles in all others. All must call.
-    subroutine gather_solid(solid, whole)
-        type(solid_t), intent(inout), target :: solid
-        type(solid_t), intent(out), target :: whole
-        integer(int64), allocatable :: in(:, :)
-        type(mail_t) :: mail
-
-        call begin_gather(solid, whole, in)
-        call end_gather(solid, whole, in, mail)
-    end subroutine gather_solid
 
     !> What must be known of all processes before their particles are gathered.
     subroutine begin_gather(solid, whole, in)
@@ -46,7 +34,9 @@ contains
         call tell_counts(solid%ranks, out, in)
     end subroutine begin_gather
 
-    !> Gather the particles, by messages or, in copies of the processes, by files: see mail_t.
+    !> All that a checkpoint holds, in the first process, in the order in which one process would
+    !> have it; no particles in all others. It comes by messages, then all must call; or in copies
+    !> of the processes by files: see mail_t.
     subroutine end_gather(solid, whole, in, mail)
         type(solid_t), intent(inout), target :: solid
         type(solid_t), intent(inout), target :: whole !! as begin_gather left it

@@ -124,16 +124,22 @@ contains
         if (backend%bodies_on_gpu) call fetch_ledgers(backend%solid, solid, err)
     end subroutine fetch_sums
 
-    !> Bring where bodies lie and what interfaces are to the host, which several processes must know
-    !> of each other before they gather their particles.
-    subroutine fetch_order(backend, solid, err)
+    !> Bring to the host what several processes must know of each other before they gather: where
+    !> bodies lie, what has become of interfaces, debts of the gas.
+    subroutine fetch_order(backend, air, solid, coupling, err)
         type(backend_t), intent(inout) :: backend
+        type(air_t), intent(in) :: air
         type(solid_t), intent(inout) :: solid
+        type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 
-        if (failed(err) .or. .not. (backend%bodies_on_gpu .and. several(solid%ranks))) return
-        call settle_bodies(backend%solid, solid, err)
-        call fetch_gpu_points(backend%solid, .false., solid%cohesive, err)
+        if (failed(err)) return
+        if (backend%bodies_on_gpu) then
+            call settle_bodies(backend%solid, solid, err)
+            call fetch_gpu_points(backend%solid, .false., solid%cohesive, err)
+        end if
+        if (backend%coupling_on_gpu) &
+            call fetch_coupling(backend%coupling, backend%air, air, coupling, err)
     end subroutine fetch_order
 
     !> Bring the state to the host, for a dump or a checkpoint, with fetch_sums before. It is read

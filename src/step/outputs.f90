@@ -88,6 +88,7 @@ contains
                          [sim%air%present, sim%solid%present], &
                          outputs%continued .and. leads, sim%clock, err)
         outputs%saves%dumps%leads = leads
+        outputs%saves%together%folder = outputs%folder
         if (leads .and. outputs%resumed) call go_on(sim, outputs, err)
         call agree(sim%ranks, err)
         if (.not. outputs%resumed) call write_early(sim, outputs, err)

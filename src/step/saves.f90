@@ -3,16 +3,18 @@
 !> the run, and named in the order in which they began.
 module brz_saves
     use brz_backend_fetch, only: fetch_order, fetch_state, fetch_sums, take_snapshot
-    use brz_checkpoint, only: name_checkpoint, write_checkpoint
-    use brz_dumps, only: begin_files, bodies_path, dumps_t, name_dump, write_dump_files
+    use brz_checkpoint, only: name_checkpoint, remove_checkpoint, write_checkpoint
+    use brz_dumps, only: bodies_path, dumps_t, name_dump, write_dump_files
     use brz_errors, only: error_t, failed
     use brz_kinds, only: dp
+    use brz_output_folder, only: checkpoint_name
     use brz_parcel_files, only: forget_parcel, give_up_parcel
     use brz_ranks, only: agree, several
     use brz_simulation, only: simulation_t
     use brz_snapshots, only: snapshot_t, use_snapshot
     use brz_text, only: to_text
     use brz_timer, only: lap, wall_seconds
+    use brz_together, only: begin_bodies, begin_state, together_t
     use brz_writer, only: begin_writing, end_writing, has_room, hear_writer, no_dump, writer_t, &
                           writers_t
     implicit none
@@ -22,6 +24,7 @@ module brz_saves
     type :: saves_t
         type(dumps_t) :: dumps
         type(writers_t) :: writers !! of dumps and checkpoints, beside the run
+        type(together_t) :: together !! of several processes, while they write
         real(dp) :: reserve = 0 !! wall-clock time that a checkpoint has taken at most [s]
         real(dp) :: fetching = 0 !! time that the run has lost: the state brought to the host [s]
         real(dp) :: copying = 0 !! copies of the process begun [s]
@@ -43,8 +46,10 @@ contains
 
         do
             call hear_writer(saves%writers, sim%ranks, saves%writers%n > most, writer, ended, err)
-            if (writer%ended .and. writer%code /= 0 .and. writer%dump /= no_dump) &
-                call give_up_parcel(sim%ranks, bodies_path(saves%dumps, writer%dump))
+            if (writer%ended .and. writer%code /= 0) &
+                call give_up_parcel(sim%ranks, path_of(saves, writer))
+            if (failed(err) .and. writer%dump == no_dump .and. saves%dumps%leads) &
+                call remove_checkpoint(saves%dumps%folder, writer%step)
             if (.not. ended) exit
             call written(sim, saves, writer, err)
         end do
@@ -86,6 +91,16 @@ contains
         on_gpu = sim%backend%on_gpu .or. sim%backend%bodies_on_gpu
     end function on_gpu
 
+    !> The file that holds the particles.
+    pure function path_of(saves, writer) result(path)
+        type(saves_t), intent(in) :: saves
+        type(writer_t), intent(in) :: writer
+        character(:), allocatable :: path
+
+        path = bodies_path(saves%dumps%folder, writer%dump)
+        if (writer%dump == no_dump) path = saves%dumps%folder//'/'//checkpoint_name(writer%step)
+    end function path_of
+
     !> Decide who writes, and bring the state to the host there. A copy of this process has it from
     !> a snapshot: what this one has on its host stays as it is, and no page is copied for it.
     subroutine begin(sim, saves, writer, beside, here, err, last)
@@ -102,10 +117,12 @@ contains
         here = .false.
         mark = wall_seconds()
         call fetch_sums(sim%backend, sim%air, sim%solid, err)
-        if (writer%dump /= no_dump) then
-            call fetch_order(sim%backend, sim%solid, err)
-            call begin_files(saves%dumps, sim%solid)
-            call forget_parcel(sim%ranks, bodies_path(saves%dumps, writer%dump))
+        if (several(sim%ranks)) then
+            call fetch_order(sim%backend, sim%air, sim%solid, sim%coupling, err)
+            call begin_bodies(saves%together, sim%solid)
+            if (writer%dump == no_dump) call begin_state(saves%together, sim%air, sim%coupling)
+            saves%together%by_files = writer%by_copy
+            call forget_parcel(sim%ranks, path_of(saves, writer))
         end if
         if (writer%by_copy .and. .not. failed(err)) call take_snapshot(sim%backend, snapshot)
         if (snapshot%room == 0) &
@@ -144,9 +161,10 @@ contains
         call begin(sim, saves, writer, beside, here, err, last)
         mark = wall_seconds()
         if (here) then
-            call write_dump_files(saves%dumps, sim%case, sim%clock, sim%air, &
-                                  sim%coupling%wall, sim%solid, err, beside)
+            call write_dump_files(saves%together, sim%case, sim%clock, sim%air, &
+                                  sim%coupling%wall, sim%solid, err)
             call end_writing(saves%writers, writer, beside, err)
+            if (allocated(saves%together%whole)) deallocate (saves%together%whole)
             ! those that began before have their names first
             if (.not. writer%listed) call hear_writers(sim, saves, 0, err)
         end if
@@ -182,15 +200,19 @@ contains
                 sim%start%work, sim%start%supply]
         writer%what = 'the checkpoint of t = '//to_text(sim%clock%time)//' s'
         writer%step = sim%clock%cycle
-        writer%by_copy = apart .and. .not. several(sim%ranks) ! these write it together, by messages
+        writer%by_copy = apart
         call begin(sim, saves, writer, apart, here, err)
         mark = wall_seconds()
         if (here) then
             if (writer%copy < 0 .and. .not. writer%listed) &
                 call hear_writers(sim, saves, 0, err) ! those before it first
-            call write_checkpoint(saves%dumps%folder, sim%case, sim%clock, sim%air, sim%coupling, &
+            call write_checkpoint(saves%together, sim%case, sim%clock, sim%air, sim%coupling, &
                                   sim%solid, sums, err)
+            if (.not. apart) call agree(sim%ranks, err)
+            if (failed(err) .and. saves%dumps%leads) &
+                call remove_checkpoint(saves%dumps%folder, writer%step)
             call end_writing(saves%writers, writer, apart, err)
+            if (allocated(saves%together%whole)) deallocate (saves%together%whole)
             if (.not. (failed(err) .or. writer%listed)) call written(sim, saves, writer, err)
             call agree(sim%ranks, err)
         end if

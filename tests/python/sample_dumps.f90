@@ -11,6 +11,7 @@ program sample_dumps
     use brz_output_folder, only: folder_fresh, prepare_folder
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: solid_t
+    use brz_together, only: together_t
     implicit none
     character(200) :: folder
     integer :: cells(3, 3) = reshape([5, 4, 3, 6, 4, 1, 7, 1, 1], [3, 3]), i
@@ -29,6 +30,7 @@ contains
         type(case_t) :: case
         type(clock_t) :: clock
         type(dumps_t) :: dumps
+        type(together_t) :: together
         type(air_t) :: air
         type(wall_t) :: wall
         type(solid_t) :: solid
@@ -44,11 +46,12 @@ contains
         call fill_air(n, air, wall)
         call fill_solid(solid)
         call prepare_folder(folder, 'sample', case%echo, folder_fresh, err)
+        together%folder = folder
         call start_dumps(dumps, folder, [.true., .true.], .false., clock, err)
         do step = 0, 2
             clock%time = 0.1_dp*step
             clock%cycle = 10*step
-            call write_dump_files(dumps, case, clock, air, wall, solid, err)
+            call write_dump_files(together, case, clock, air, wall, solid, err)
             if (failed(err)) exit
             call name_dump(dumps, clock%dump_number, clock%time, air%present, solid%present, err)
             clock%dump_number = clock%dump_number + 1
