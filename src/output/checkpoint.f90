@@ -66,6 +66,7 @@ contains
         if (in_parts) call write_air_box(path, title, air, err)
         if (shared) call end_bodies(together, solid, path, err)
         if (in_parts .and. air%part%ranks%rank > 0 .or. shared .and. solid%ranks%rank > 0) return
+        if (failed(err)) return
         call describe_run(case, clock, meta)
         call h5_create(file, path, h5_plain, err, title)
         file%unnamed = .true.

@@ -86,7 +86,7 @@ contains
         path = bodies_path(together%folder, clock%dump_number)
         if (several(solid%ranks)) then
             call end_bodies(together, solid, path, err)
-            if (solid%ranks%rank > 0) return
+            if (solid%ranks%rank > 0 .or. failed(err)) return
             call write_solid_dump(path, together%whole, case%materials%id, meta, err)
         else
             call write_solid_dump(path, solid, case%materials%id, meta, err)

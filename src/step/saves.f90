@@ -46,14 +46,30 @@ contains
 
         do
             call hear_writer(saves%writers, sim%ranks, saves%writers%n > most, writer, ended, err)
-            if (writer%ended .and. writer%code /= 0) &
-                call give_up_parcel(sim%ranks, path_of(saves, writer))
-            if (failed(err) .and. writer%dump == no_dump .and. saves%dumps%leads) &
-                call remove_checkpoint(saves%dumps%folder, writer%step)
-            if (.not. ended) exit
+            if (.not. ended) then
+                if (allocated(writer%what)) call see_to_failure(sim, saves, writer, failed(err))
+                exit
+            end if
             call written(sim, saves, writer, err)
         end do
     end subroutine hear_writers
+
+    !> Where this process has failed to write, the others learn that its particles do not come; once
+    !> all have ended, what is left of it is removed.
+    subroutine see_to_failure(sim, saves, writer, all_ended)
+        type(simulation_t), intent(in) :: sim
+        type(saves_t), intent(in) :: saves
+        type(writer_t), intent(in) :: writer !! its files
+        logical, intent(in) :: all_ended
+
+        if (all_ended) then
+            call forget_parcel(sim%ranks, path_of(saves, writer))
+            if (writer%dump == no_dump .and. saves%dumps%leads) &
+                call remove_checkpoint(saves%dumps%folder, writer%step)
+        else if (writer%ended .and. writer%code /= 0) then
+            call give_up_parcel(sim%ranks, path_of(saves, writer))
+        end if
+    end subroutine see_to_failure
 
     !> Wait until one more copy of the process may write.
     subroutine make_room(sim, saves, err)
