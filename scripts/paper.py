@@ -123,11 +123,13 @@ class Campaign:
         """Begin nothing more, and let each run that goes on write its checkpoint."""
         self.stopped = True
         for process in list(self.running.values()):
-            if number == signal.SIGTERM:  # Ctrl-C they have had themselves
+            if self.args.processes > 1:
+                process.send_signal(signal.SIGUSR2)  # which mpirun hands on
+            elif number == signal.SIGTERM:  # Ctrl-C they have had themselves
                 process.terminate()
 
     def serve(self, place):
-        """One case after the other in one place: the number of a GPU, or None."""
+        """One case after the other in one place: the numbers of its GPUs, or None."""
         while True:
             with self.lock:
                 if self.stopped or not self.waiting:
@@ -143,27 +145,36 @@ class Campaign:
     def run_case(self, case, place):
         """Run a case from its start or its last checkpoint; its exit code."""
         out = self.folder / case.name
+        together, backend = self.args.processes > 1, self.args.backend
         command = [str(self.args.brisance), "run", *case.arguments(), "--out", str(out)]
-        if self.args.backend:
-            command += ["--backend", self.args.backend]
+        if together:
+            command = ["mpirun", "-n", str(self.args.processes), "--bind-to", "none", *command]
+            backend = backend or ("gpu" if gpus() else None)  # several take it only when told
+        if backend:
+            command += ["--backend", backend]
         if any(out.glob("chk_*.h5")):
             command += ["--restart", "latest"]
         elif out.exists():
             command += ["--replace"]
         surroundings = dict(os.environ)
-        if len(self.places) > 1:
-            cores = max(1, len(os.sched_getaffinity(0)) // len(self.places))
+        shares = len(self.places) * self.args.processes
+        if shares > 1:
+            cores = max(1, len(os.sched_getaffinity(0)) // shares)
             surroundings.setdefault("OMP_NUM_THREADS", str(cores))
         if place is not None:
             surroundings["CUDA_VISIBLE_DEVICES"] = place
         with (self.folder / f"{case.name}.log").open("a", encoding="utf-8") as log:
             print(f"$ {shlex.join(command)}", file=log, flush=True)
             process = subprocess.Popen(
-                command, stdout=log, stderr=subprocess.STDOUT, env=surroundings
+                command,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                env=surroundings,
+                start_new_session=together,  # Ctrl-C would make mpirun end its processes
             )
             self.running[case.name] = process
             if self.stopped:
-                process.terminate()
+                self.stop(signal.SIGTERM, None)
             code = process.wait()
         del self.running[case.name]
         return code
@@ -197,13 +208,20 @@ def gpus():
 
 
 def places_of(args):
-    """Where runs go on at once: a GPU for each, or one place without a choice."""
+    """Where runs go on at once: GPUs for each, one for a process, or one place without a choice.
+
+    Raises ValueError where there are fewer GPUs than asked for.
+    """
     if args.backend == "cpu":
         return [None] * args.share
     found = gpus()[: args.gpus]
     if len(found) < (args.gpus or 0):
         raise ValueError(f"there are {len(found)} GPUs, not {args.gpus}")
-    return (found if len(found) > 1 else [None]) * args.share
+    n = args.processes
+    if 0 < len(found) < n:
+        raise ValueError(f"there are {len(found)} GPUs for {n} processes")
+    groups = [",".join(found[i : i + n]) for i in range(0, len(found) - n + 1, n)]
+    return (groups if len(found) > 1 else [None]) * args.share
 
 
 def last_lines(file, n):
@@ -222,6 +240,9 @@ def main():
     parser.add_argument("--out", type=Path, default=Path("out/paper"), help="default: out/paper")
     parser.add_argument("--brisance", type=Path, default=Path("bin/brisance"), help="the program")
     parser.add_argument("--gpus", type=int, help="how many of the GPUs; default: all")
+    parser.add_argument(
+        "--processes", type=int, default=1, help="of a run, by mpirun, each on a GPU; default: 1"
+    )
     parser.add_argument("--share", type=int, default=1, help="runs at once on each; default: 1")
     parser.add_argument("--list", action="store_true", help="print the commands and run nothing")
     args = parser.parse_args()

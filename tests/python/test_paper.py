@@ -105,6 +105,23 @@ def test_each_gpu_takes_the_longest_case_that_waits(tmp_path, monkeypatch, capsy
         paper.main()
 
 
+def test_several_gpus_share_a_case(tmp_path, monkeypatch, capsys):
+    (tmp_path / "mpirun").write_text('#!/bin/sh\necho "mpirun $* on $CUDA_VISIBLE_DEVICES"\n')
+    (tmp_path / "mpirun").chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}{os.pathsep}{os.environ['PATH']}")
+    monkeypatch.setenv("CUDA_VISIBLE_DEVICES", "0,1,2,3,4")
+    command = ["paper.py", "quarter", "plate", "slab_1", "--out", str(tmp_path), "--processes"]
+    monkeypatch.setattr(sys, "argv", [*command, "2"])
+    assert paper.main() == 0
+    logs = [(tmp_path / "quarter" / f"{name}.log").read_text() for name in ("plate", "slab_1")]
+    assert all(re.search(r"^mpirun -n 2 --bind-to none \S*bin/brisance run", x, re.M) for x in logs)
+    assert all(re.search(r"--backend gpu on (0,1|2,3)$", text, re.MULTILINE) for text in logs)
+    monkeypatch.setattr(sys, "argv", [*command, "6"])
+    with pytest.raises(SystemExit):
+        paper.main()
+    assert "there are 5 GPUs for 6 processes" in capsys.readouterr().err
+
+
 SPHERES = """\
 &run t_end=1e-6, symmetry='x' /
 &material id='m', model='linear_elastic', density=1000, youngs_modulus=1e9, poisson_ratio=0.3 /
