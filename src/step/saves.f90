@@ -51,6 +51,7 @@ contains
                 exit
             end if
             call written(sim, saves, writer, err)
+            call agree(sim%ranks, err) ! names are given by the first
         end do
     end subroutine hear_writers
 

@@ -110,13 +110,20 @@ def test_what_goes_wrong_in_one_ends_all(fault, words, gpu, tmp_path):
 
 
 @needs_mpirun
-def test_particles_that_cannot_be_handed_over_end_the_run(gpu, tmp_path):
-    """A folder where process 2 writes its particles for a dump: the first one waits in vain."""
-    (tmp_path / "out" / "solid_00001.vtkhdf.002.parcel.tmp" / "x").mkdir(parents=True)
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("solid_00001.vtkhdf.002.parcel.tmp", "the dump of t = 1.0"),
+        ("solid.vtkhdf.series.tmp", "solid.vtkhdf.series"),
+    ],
+)
+def test_what_cannot_be_written_beside_the_run_ends_it(name, words, gpu, tmp_path):
+    """A folder where process 2 hands its particles over, or where the first names a dump."""
+    (tmp_path / "out" / name / "x").mkdir(parents=True)
     done = go(3, tmp_path, gpu, deck=APART)
     assert done.returncode == 4, done.stderr
-    assert "the dump of t = 1" in done.stderr and "could not be written" in done.stderr
-    assert not list(tmp_path.glob("out/chk_*.tmp"))
+    assert words in done.stderr
+    assert not list(tmp_path.glob("out/*.parcel")) and not list(tmp_path.glob("out/chk_*.tmp"))
 
 
 @needs_mpirun
