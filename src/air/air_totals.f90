@@ -8,7 +8,7 @@ module brz_air_totals
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: several, sum_of_all
-    use brz_running_total, only: add_to_total, value_of, value_of_all
+    use brz_running_total, only: add_to_total, value_of, values_of_all
     implicit none
     private
     public :: air_totals, gas_sums, outflow_of_all, counts_of_all
@@ -72,15 +72,14 @@ contains
         type(air_t), intent(in) :: air
         real(dp), intent(out) :: outflow(5) !! mass, momentum, energy
         real(dp), intent(out) :: products
-        integer :: c
+        real(dp) :: all(6)
 
         outflow = air%outflow
         products = air%outflow_products
         if (.not. several(air%part%ranks)) return
-        do c = 1, 5
-            outflow(c) = value_of_all(air%part%ranks, air%left(c))
-        end do
-        products = value_of_all(air%part%ranks, air%left(6))
+        call values_of_all(air%part%ranks, air%left, all)
+        outflow = all(:5)
+        products = all(6)
     end subroutine outflow_of_all
 
     !> Add air%leaving to the outflow of this process, exactly: neither the order nor processes

@@ -10,7 +10,7 @@ module brz_running_total
     use brz_total_state, only: limbs, room, running_total_t, total_numbers
     implicit none
     private
-    public :: running_total_t, begin_total, add_to_total, value_of, value_of_all, total_numbers
+    public :: running_total_t, begin_total, add_to_total, value_of, values_of_all, total_numbers
 
 contains
 
@@ -61,14 +61,21 @@ contains
         if (limb(0) > 0) value_of = ieee_value(value_of, ieee_quiet_nan)
     end function value_of
 
-    !> The total of all processes.
-    real(dp) function value_of_all(ranks, total)
+    !> Several totals of all processes, in one message.
+    subroutine values_of_all(ranks, totals, values)
         type(ranks_t), intent(in) :: ranks
-        type(running_total_t), intent(in) :: total
-        type(running_total_t) :: all
+        type(running_total_t), intent(in) :: totals(:)
+        real(dp), intent(out) :: values(:)
+        type(running_total_t) :: one
+        integer(int64) :: limb((limbs + 1)*size(totals))
+        integer :: k
 
-        all = total
-        call sum_of_all(ranks, all%limb)
-        value_of_all = value_of(all)
-    end function value_of_all
+        limb = [(totals(k)%limb, k=1, size(totals))]
+        call sum_of_all(ranks, limb)
+        do k = 1, size(totals)
+            one = totals(k)
+            one%limb = limb((limbs + 1)*(k - 1) + 1:(limbs + 1)*k)
+            values(k) = value_of(one)
+        end do
+    end subroutine values_of_all
 end module brz_running_total
