@@ -76,12 +76,9 @@ contains
         else if (air%present) then
             call carry_air(file, air, err)
         end if
-        if (in_parts) then
+        if (shared) then
             if (coupling%present) call keep_before(together%whole, together%all)
-            if (.not. allocated(together%whole)) allocate (together%whole)
             call carry_rest(file, clock, together%all, together%whole, sums, err)
-        else if (shared) then
-            call carry_rest(file, clock, coupling, together%whole, sums, err)
         else
             call carry_rest(file, clock, coupling, solid, sums, err)
         end if

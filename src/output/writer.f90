@@ -25,14 +25,14 @@ module brz_writer
     integer, parameter, public :: no_dump = -1
 
     type :: writer_t
-        integer :: copy = 0 !! the process that writes; 0: this one
+        integer :: copy = -1 !! the process that writes; 0 in it, -1: none, the run does
         character(:), allocatable :: what
         integer :: dump = no_dump !! its number, where it writes one
         integer :: step = 0 !! of the checkpoint, where it writes one
         real(dp) :: time = 0 !! of the dump [s]
         real(dp) :: begin = 0 !! wall-clock time [s]
         real(dp) :: seconds = 0 !! that it took
-        logical :: by_copy = .false. !! of this process, where that can be made
+        logical :: apart = .false. !! by a copy of the process, where that can be made
         logical :: listed = .false. !! to be heard
         logical :: ended = .false.
         integer :: code = 0 !! exit code, once it has ended
@@ -63,33 +63,31 @@ contains
     !> one. What is written beside the run is put in the list, which must have room; so is what one
     !> of several processes writes itself, which is named in its turn. Who finds `here` true writes,
     !> and calls end_writing.
-    subroutine begin_writing(writers, ranks, writer, apart, here, last)
+    subroutine begin_writing(writers, ranks, writer, here, last)
         type(writers_t), intent(inout) :: writers
         type(ranks_t), intent(in) :: ranks
         type(writer_t), intent(inout) :: writer !! with what it writes, for messages
-        logical, intent(in) :: apart !! beside the run, or to be named in its turn
         logical, intent(out) :: here
         logical, intent(in), optional :: last !! nothing else goes on: the copy may use all cores
         integer :: cores
 
         writer%begin = wall_seconds()
-        writer%copy = merge(-1, 0, apart)
+        writer%copy = -1
         flush (error_unit) ! or the copy would say again what waits there
         cores = (omp_get_num_procs() - 1)/at_once
         if (present(last)) cores = merge(omp_get_num_procs(), cores, last)
-        if (apart .and. writer%by_copy) writer%copy = copy_process(max(1, cores))
+        if (writer%apart) writer%copy = copy_process(max(1, cores))
         here = writer%copy <= 0
-        writer%listed = apart .and. (several(ranks) .or. .not. here)
+        writer%listed = writer%apart .and. (several(ranks) .or. .not. here)
         if (.not. writer%listed) return
         writers%n = writers%n + 1
         writers%of(writers%n) = writer
     end subroutine begin_writing
 
     !> After writing: a copy tells its error and is gone.
-    subroutine end_writing(writers, writer, apart, err)
+    subroutine end_writing(writers, writer, err)
         type(writers_t), intent(inout) :: writers
         type(writer_t), intent(inout) :: writer
-        logical, intent(in) :: apart !! as in begin_writing
         type(error_t), intent(in) :: err
 
         writer%seconds = wall_seconds() - writer%begin
@@ -97,7 +95,7 @@ contains
             writers%of(writers%n)%ended = .true.
             writers%of(writers%n)%code = err%code
         end if
-        if (.not. apart .or. writer%copy < 0) return
+        if (writer%copy < 0) return
         if (failed(err)) write (error_unit, '(a)') err%text
         flush (error_unit)
         call leave_process(err%code)

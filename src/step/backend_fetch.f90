@@ -28,7 +28,8 @@ module brz_backend_fetch
     implicit none
     private
     public :: stock_of_air, stock_of_books, stock_of_bodies, stock_of_forces, stock_of_interfaces
-    public :: fetch_sums, fetch_order, fetch_state, take_snapshot, fetch_followed, fetch_around
+    public :: fetch_sums, fetch_order, fetch_debts, fetch_state, take_snapshot
+    public :: fetch_followed, fetch_around
 
 contains
 
@@ -125,22 +126,27 @@ contains
     end subroutine fetch_sums
 
     !> Bring to the host what several processes must know of each other before they gather: where
-    !> bodies lie, what has become of interfaces, debts of the gas.
-    subroutine fetch_order(backend, air, solid, coupling, err)
+    !> bodies lie, what has become of interfaces.
+    subroutine fetch_order(backend, solid, err)
+        type(backend_t), intent(inout) :: backend
+        type(solid_t), intent(inout) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (failed(err) .or. .not. backend%bodies_on_gpu) return
+        call settle_bodies(backend%solid, solid, err)
+        call fetch_gpu_points(backend%solid, .false., solid%cohesive, err)
+    end subroutine fetch_order
+
+    !> The same for a checkpoint: debts and books of the coupling.
+    subroutine fetch_debts(backend, air, coupling, err)
         type(backend_t), intent(inout) :: backend
         type(air_t), intent(in) :: air
-        type(solid_t), intent(inout) :: solid
         type(coupling_t), intent(inout) :: coupling
         type(error_t), intent(inout) :: err
 
-        if (failed(err)) return
-        if (backend%bodies_on_gpu) then
-            call settle_bodies(backend%solid, solid, err)
-            call fetch_gpu_points(backend%solid, .false., solid%cohesive, err)
-        end if
-        if (backend%coupling_on_gpu) &
-            call fetch_coupling(backend%coupling, backend%air, air, coupling, err)
-    end subroutine fetch_order
+        if (failed(err) .or. .not. backend%coupling_on_gpu) return
+        call fetch_coupling(backend%coupling, backend%air, air, coupling, err)
+    end subroutine fetch_debts
 
     !> Bring the state to the host, for a dump or a checkpoint, with fetch_sums before. It is read
     !> alone, so that a snapshot can take the place of the GPU.

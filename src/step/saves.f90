@@ -2,7 +2,7 @@
 !> Dumps and checkpoints: written by this process, or where a GPU computes by copies of it beside
 !> the run, and named in the order in which they began.
 module brz_saves
-    use brz_backend_fetch, only: fetch_order, fetch_state, fetch_sums, take_snapshot
+    use brz_backend_fetch, only: fetch_debts, fetch_order, fetch_state, fetch_sums, take_snapshot
     use brz_checkpoint, only: name_checkpoint, remove_checkpoint, write_checkpoint
     use brz_dumps, only: bodies_path, dumps_t, name_dump, write_dump_files
     use brz_errors, only: error_t, failed
@@ -120,11 +120,10 @@ contains
 
     !> Decide who writes, and bring the state to the host there. A copy of this process has it from
     !> a snapshot: what this one has on its host stays as it is, and no page is copied for it.
-    subroutine begin(sim, saves, writer, beside, here, err, last)
+    subroutine begin(sim, saves, writer, here, err, last)
         type(simulation_t), intent(inout) :: sim
         type(saves_t), intent(inout) :: saves
         type(writer_t), intent(inout) :: writer
-        logical, intent(in) :: beside !! a copy shall write
         logical, intent(out) :: here !! this process writes, or it is the copy that does
         type(error_t), intent(inout) :: err
         logical, intent(in), optional :: last !! see begin_writing
@@ -135,19 +134,22 @@ contains
         mark = wall_seconds()
         call fetch_sums(sim%backend, sim%air, sim%solid, err)
         if (several(sim%ranks)) then
-            call fetch_order(sim%backend, sim%air, sim%solid, sim%coupling, err)
+            call fetch_order(sim%backend, sim%solid, err)
             call begin_bodies(saves%together, sim%solid)
-            if (writer%dump == no_dump) call begin_state(saves%together, sim%air, sim%coupling)
-            saves%together%by_files = writer%by_copy
+            if (writer%dump == no_dump) then
+                call fetch_debts(sim%backend, sim%air, sim%coupling, err)
+                call begin_state(saves%together, sim%air, sim%coupling)
+            end if
+            saves%together%by_files = writer%apart
             call forget_parcel(sim%ranks, path_of(saves, writer))
         end if
-        if (writer%by_copy .and. .not. failed(err)) call take_snapshot(sim%backend, snapshot)
+        if (writer%apart .and. .not. failed(err)) call take_snapshot(sim%backend, snapshot)
         if (snapshot%room == 0) &
             call fetch_state(sim%backend, sim%air, sim%solid, sim%coupling, err)
         call agree(sim%ranks, err)
         call lap(mark, saves%fetching)
         if (failed(err)) return
-        call begin_writing(saves%writers, sim%ranks, writer, beside, here, last)
+        call begin_writing(saves%writers, sim%ranks, writer, here, last)
         call lap(mark, saves%copying)
         if (snapshot%room == 0 .or. .not. here) return
         if (writer%copy == 0) call use_snapshot(snapshot) ! else no copy could be made
@@ -165,22 +167,21 @@ contains
         type(error_t), intent(inout) :: err
         type(writer_t) :: writer
         real(dp) :: mark
-        logical :: beside, here
+        logical :: here
 
         mark = wall_seconds()
         call make_room(sim, saves, err)
         call lap(mark, saves%writing)
-        beside = on_gpu(sim)
-        writer%by_copy = beside
+        writer%apart = on_gpu(sim)
         writer%what = 'the dump of t = '//to_text(sim%clock%time)//' s'
         writer%dump = sim%clock%dump_number
         writer%time = sim%clock%time
-        call begin(sim, saves, writer, beside, here, err, last)
+        call begin(sim, saves, writer, here, err, last)
         mark = wall_seconds()
         if (here) then
             call write_dump_files(saves%together, sim%case, sim%clock, sim%air, &
                                   sim%coupling%wall, sim%solid, err)
-            call end_writing(saves%writers, writer, beside, err)
+            call end_writing(saves%writers, writer, err)
             if (allocated(saves%together%whole)) deallocate (saves%together%whole)
             ! those that began before have their names first
             if (.not. writer%listed) call hear_writers(sim, saves, 0, err)
@@ -217,8 +218,8 @@ contains
                 sim%start%work, sim%start%supply]
         writer%what = 'the checkpoint of t = '//to_text(sim%clock%time)//' s'
         writer%step = sim%clock%cycle
-        writer%by_copy = apart
-        call begin(sim, saves, writer, apart, here, err)
+        writer%apart = apart
+        call begin(sim, saves, writer, here, err)
         mark = wall_seconds()
         if (here) then
             if (writer%copy < 0 .and. .not. writer%listed) &
@@ -228,7 +229,7 @@ contains
             if (.not. apart) call agree(sim%ranks, err)
             if (failed(err) .and. saves%dumps%leads) &
                 call remove_checkpoint(saves%dumps%folder, writer%step)
-            call end_writing(saves%writers, writer, apart, err)
+            call end_writing(saves%writers, writer, err)
             if (allocated(saves%together%whole)) deallocate (saves%together%whole)
             if (.not. (failed(err) .or. writer%listed)) call written(sim, saves, writer, err)
             call agree(sim%ranks, err)
