@@ -9,16 +9,18 @@ module brz_air_probe
     use brz_wall_riemann, only: wall_star
     implicit none
     private
-    public :: gas_state_at, cells_around, has_point
+    public :: gas_state_at, cells_around, has_point, sees_gas
 
-    integer, parameter :: reach = 3 !! cells to look around if the eight nearest hold only solid
+    integer, parameter, public :: probe_reach = 2
+    !! cells to look around if those beside a point hold only solid: with their neighbours as far as
+    !! what a process has of others
 
 contains
 
     !> Density, velocity and pressure at a point, trilinear between the gas cells around it.
     !>
     !> Solid cells are left out and the weights of the others made to sum to one. Where all eight
-    !> are solid the nearest gas cell within three counts; zero if there is none. A cell that
+    !> are solid the nearest gas cell within two counts; zero if there is none. A cell that
     !> touches solid counts with the state at its walls, so that within half a cell of them and in
     !> the solid a gauge has the pressure that the body feels. Within half a cell of the boundary,
     !> and beyond it, the value of the last cell continues; towards a wall it goes over to the state
@@ -111,17 +113,36 @@ contains
         end do
     end subroutine cells_around
 
-    !> True in the process that has the lowest of the eight cells around a point.
+    !> True in the process that has the cell nearest to a point.
     pure logical function has_point(air, point)
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: point(3) !! [m]
         real(dp) :: x(3)
-        integer :: low(3)
+        integer :: low(3), nearest(3)
 
         call place_between(air, point, low, x)
-        low = low - air%before
-        has_point = all(low >= 1 .and. low <= air%n)
+        nearest = low + nint(x) - air%before
+        has_point = all(nearest >= 1 .and. nearest <= air%n)
     end function has_point
+
+    !> False where all cells that count at a point hold solid: gas_state_at then takes the nearest
+    !> that does not. The process must have the point (has_point).
+    pure logical function sees_gas(air, wall, point)
+        type(air_t), intent(in) :: air
+        type(wall_t), intent(in) :: wall
+        real(dp), intent(in) :: point(3) !! [m]
+        real(dp) :: x(3)
+        integer :: low(3), upper(3), m
+
+        call place_between(air, point, low, x)
+        sees_gas = .false.
+        do m = 0, 7
+            upper = [ibits(m, 0, 1), ibits(m, 1, 1), ibits(m, 2, 1)]
+            if (any(upper == 1 .and. .not. x > 0)) cycle
+            if (any(upper == 0 .and. .not. x < 1)) cycle
+            sees_gas = sees_gas .or. .not. holds_solid(wall, low + upper - air%before)
+        end do
+    end function sees_gas
 
     !> Lowest of the eight cells around a point, and its place between them.
     pure subroutine place_between(air, point, low, x)
@@ -245,8 +266,8 @@ contains
 
         state = 0
         least = huge(least)
-        lo = max(1 - air%before, centre - reach)
-        hi = min(air%whole - air%before, centre + reach)
+        lo = max(1 - air%before, centre - probe_reach)
+        hi = min(air%whole - air%before, centre + probe_reach)
         do k = lo(3), hi(3)
             do j = lo(2), hi(2)
                 do i = lo(1), hi(1)

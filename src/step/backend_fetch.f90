@@ -1,10 +1,9 @@
 ! SPDX-License-Identifier: MIT
 !> What results need of the state, wherever it is: totals, cells and particles of gauges, all of it.
 module brz_backend_fetch
-    use brz_air_probe, only: cells_around, has_point
+    use brz_air_probe, only: cells_around, has_point, probe_reach, sees_gas
     use brz_air_state, only: air_t, wall_t
     use brz_backend, only: backend_t
-    use brz_cell_shells, only: reach
     use brz_cohesive_part, only: share_points
     use brz_coupling_state, only: coupling_t
     use brz_coupling_totals, only: coupling_totals
@@ -205,20 +204,21 @@ contains
     end subroutine fetch_around
 
     !> The same from the GPU of this process to its host; where there are walls, the cells beside
-    !> those around a point, and where all of these hold solid, the gas in reach as well.
+    !> those around a point, and where those that count hold solid, the gas in reach as well.
     subroutine fetch_from_gpu(backend, points, air, wall, err)
         type(backend_t), intent(inout) :: backend
         real(dp), intent(in) :: points(:, :) !! (3, n) [m]
         type(air_t), intent(inout) :: air
         type(wall_t), intent(inout) :: wall
         type(error_t), intent(inout) :: err
-        integer :: around(3, 0:7, size(points, 2)), g, known, n
+        integer :: around(3, 0:7, size(points, 2)), of(size(points, 2)), g, known, n
         integer, allocatable :: cells(:, :)
 
         n = 0
         do g = 1, size(points, 2) ! with walls another process may have the point
             if (backend%coupling_on_gpu .and. .not. has_point(air, points(:, g))) cycle
             n = n + 1
+            of(n) = g
             call cells_around(air, points(:, g), around(:, :, n))
             around(:, :, n) = around(:, :, n) - spread(air%before, 2, 8)
         end do
@@ -231,10 +231,9 @@ contains
             known = size(cells, 2)
             call fetch_walls(backend%air, cells, wall, err)
             do g = 1, n
-                associate (low => around(:, 0, g), high => around(:, 7, g))
-                    if (all(wall%solid(low(1):high(1), low(2):high(2), low(3):high(3)) /= 0)) &
-                        call add_block(air, low - reach - 1, high + reach + 1, cells)
-                end associate
+                if (sees_gas(air, wall, points(:, of(g)))) cycle
+                call add_block(air, around(:, 0, g) - probe_reach - 1, &
+                               around(:, 7, g) + probe_reach + 1, cells)
             end do
             if (size(cells, 2) > known) call fetch_walls(backend%air, cells, wall, err)
         end if

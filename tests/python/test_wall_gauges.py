@@ -63,6 +63,63 @@ PLATE = """\
 """
 
 
+CROSS = """\
+&run title='A plate across the cuts between processes', t_end=1.2e-4 /
+&air box=0,0.16, 0,0.16, -0.13,0.11, cells=16,16,24,
+    bc='symmetry','outflow','symmetry','outflow','outflow','outflow' /
+&gas id='hot', box=0,0.06, 0,0.06, 0.05,0.1, density=8, pressure=1e7 /
+&material id='m', model='linear_elastic', density=300, youngs_modulus=1e8, poisson_ratio=0.3 /
+&body id='plate', box=0.02,0.12, 0.01,0.13, -0.035,0.015, spacing=5e-3, material='m',
+    velocity=40,-20,-90, spin=0,0,300 /
+&body id='post', box=0,0.01, 0,0.01, -0.05,0.03, spacing=5e-3, material='m', velocity=0,0,-200 /
+{gauges}&output history_every=0 /
+"""
+
+
+def gauges_across():
+    """Gauges in and around the bodies: at random, in the middle of cells, and on the edge of the
+    air, where two of eight cells count."""
+    dice = np.random.default_rng(11)
+    at = np.array([dice.uniform([0, 0, -0.05], [0.15, 0.15, 0.03]) for _ in range(60)])
+    at[::3] = np.floor(at[::3] * 100) / 100 + 0.005
+    at[1::3] = [[0, 0, z] for z in np.linspace(-0.075, -0.04, 20)]
+    names = ("pressure", "density", "velocity_z")
+    return "".join(
+        f"&gauge id='g{k}', at={x:.4f},{y:.4f},{z:.4f}, quantity='{names[k % 3]}' /\n"
+        for k, (x, y, z) in enumerate(at)
+    )
+
+
+@pytest.fixture(name="crossed", scope="module")
+def _crossed(tmp_path_factory):
+    """Gauges of a plate that lies across the cuts, on one process."""
+    folder = tmp_path_factory.mktemp("crossed")
+    (folder / "deck.nml").write_text(CROSS.format(gauges=gauges_across()))
+    done = start(0, "run", "deck.nml", "--out", "out", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return folder
+
+
+@needs_mpirun
+@pytest.mark.parametrize("n", [2, 4])
+def test_gauges_in_a_body_across_cuts(n, crossed, tmp_path):
+    """In solid a gauge has the nearest gas, which may be that of another process."""
+    (tmp_path / "deck.nml").write_text(CROSS.format(gauges=gauges_across()))
+    done = start(n, "run", "deck.nml", "--out", "out", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert gauges(tmp_path) == gauges(crossed)
+
+
+@pytest.mark.skipif(not EMULATOR.exists(), reason="make emulator builds it")
+def test_gauges_in_a_body_on_the_gpu(crossed, tmp_path):
+    """All cells that they look at are fetched, also where one of eight counts and holds solid."""
+    (tmp_path / "deck.nml").write_text(CROSS.format(gauges=gauges_across()))
+    (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
+    done = on_gpu(tmp_path, "deck.nml", "--out", "out", "--backend", "gpu")
+    assert done.returncode == 0, done.stderr
+    near(crossed, tmp_path)
+
+
 @pytest.fixture(name="alone", scope="module")
 def _alone(tmp_path_factory):
     """Gauges of a run on one process; the plate moves through several cells."""
@@ -77,6 +134,14 @@ def _alone(tmp_path_factory):
 
 def gauges(folder, out="out"):
     return (folder / out / "gauges.csv").read_text()
+
+
+def near(folder, gpu):
+    """Gauges of two runs agree but for rounding."""
+    one, other = (np.loadtxt(f / "out/gauges.csv", delimiter=",", skiprows=1)
+                  for f in (folder, gpu))  # fmt: skip
+    assert one.shape == other.shape
+    assert (abs(one - other).max(axis=0) <= 1e-9 * abs(one).max(axis=0)).all()
 
 
 @needs_mpirun
@@ -103,7 +168,4 @@ def test_wall_gauges_on_the_gpu(alone, tmp_path):
     (tmp_path / "good.ptx").write_text(f"// {stamp()}\n")
     done = on_gpu(tmp_path, "deck.nml", "--out", "out", "--backend", "gpu")
     assert done.returncode == 0, done.stderr
-    one, other = (np.loadtxt(f / "out/gauges.csv", delimiter=",", skiprows=1)
-                  for f in (alone, tmp_path))  # fmt: skip
-    assert one.shape == other.shape
-    assert (abs(one - other).max(axis=0) < 1e-9 * abs(one).max(axis=0)).all()
+    near(alone, tmp_path)
