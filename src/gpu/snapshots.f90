@@ -17,7 +17,7 @@ module brz_snapshots
     public :: snapshot_t, use_snapshot, snapshot_in_use, read_snapshot
 
     integer, parameter :: most_parts = 32
-    integer, parameter :: most_rooms = 4
+    integer, parameter :: most_rooms = 8
     integer(int64), parameter :: ahead = 4096 !! bytes before the first part: the word
     integer(int64), parameter :: line = 256 !! bytes: parts begin at a multiple
 

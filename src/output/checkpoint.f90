@@ -64,7 +64,7 @@ contains
         in_parts = air%present .and. several(air%part%ranks)
         shared = solid%present .and. several(solid%ranks)
         if (in_parts) call write_air_box(path, title, air, err)
-        if (shared) call end_bodies(together, solid, path, err)
+        if (shared) call end_bodies(together, solid, path, .true., err)
         if (in_parts .and. air%part%ranks%rank > 0 .or. shared .and. solid%ranks%rank > 0) return
         if (failed(err)) return
         call describe_run(case, clock, meta)

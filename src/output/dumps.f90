@@ -85,7 +85,7 @@ contains
         if (.not. solid%present) return
         path = bodies_path(together%folder, clock%dump_number)
         if (several(solid%ranks)) then
-            call end_bodies(together, solid, path, err)
+            call end_bodies(together, solid, path, .false., err)
             if (solid%ranks%rank > 0 .or. failed(err)) return
             call write_solid_dump(path, together%whole, case%materials%id, meta, err)
         else

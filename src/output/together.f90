@@ -52,15 +52,16 @@ contains
     end subroutine begin_state
 
     !> Gather the particles for a file: by messages, then all must call; or by files beside it.
-    subroutine end_bodies(together, solid, path, err)
+    subroutine end_bodies(together, solid, path, sorted, err)
         type(together_t), intent(inout) :: together
         type(solid_t), intent(inout) :: solid
         character(*), intent(in) :: path !! of the file
+        logical, intent(in) :: sorted !! see end_gather
         type(error_t), intent(inout) :: err
         type(mail_t) :: mail
 
         if (together%by_files) mail%path = path
-        call end_gather(solid, together%whole, together%in, mail)
+        call end_gather(solid, together%whole, together%in, sorted, mail)
         if (.not. failed(err)) err = mail%fault
     end subroutine end_bodies
 end module brz_together

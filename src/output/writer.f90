@@ -69,20 +69,31 @@ contains
         type(writer_t), intent(inout) :: writer !! with what it writes, for messages
         logical, intent(out) :: here
         logical, intent(in), optional :: last !! nothing else goes on: the copy may use all cores
-        integer :: cores
+        integer :: sharing
 
         writer%begin = wall_seconds()
         writer%copy = -1
         flush (error_unit) ! or the copy would say again what waits there
-        cores = (omp_get_num_procs() - 1)/at_once
-        if (present(last)) cores = merge(omp_get_num_procs(), cores, last)
-        if (writer%apart) writer%copy = copy_process(max(1, cores))
+        sharing = at_once
+        if (present(last)) sharing = merge(1, at_once, last)
+        if (writer%apart) writer%copy = copy_process(threads_of_copy(ranks, sharing))
         here = writer%copy <= 0
         writer%listed = writer%apart .and. (several(ranks) .or. .not. here)
         if (.not. writer%listed) return
         writers%n = writers%n + 1
         writers%of(writers%n) = writer
     end subroutine begin_writing
+
+    !> Threads of a copy where so many writers share the cores with the run, or one has all cores.
+    !> Of several processes the copy of the first packs what all have: it has half of the threads.
+    integer function threads_of_copy(ranks, sharing) result(threads)
+        type(ranks_t), intent(in) :: ranks
+        integer, intent(in) :: sharing !! writers
+
+        threads = (omp_get_num_procs() - merge(1, 0, sharing > 1))/sharing
+        if (several(ranks)) threads = threads/merge(2, 2*max(ranks%here - 1, 1), ranks%rank == 0)
+        threads = max(1, threads)
+    end function threads_of_copy
 
     !> After writing: a copy tells its error and is gone.
     subroutine end_writing(writers, writer, err)

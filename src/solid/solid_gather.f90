@@ -34,13 +34,14 @@ contains
         call tell_counts(solid%ranks, out, in)
     end subroutine begin_gather
 
-    !> All that a checkpoint holds, in the first process, in the order in which one process would
-    !> have it; no particles in all others. It comes by messages, then all must call; or in copies
-    !> of the processes by files: see mail_t.
-    subroutine end_gather(solid, whole, in, mail)
+    !> All that a checkpoint holds, in the first process, with `sorted` in the order in which one
+    !> process would have it; no particles in all others. It comes by messages, then all must call;
+    !> or in copies of the processes by files: see mail_t.
+    subroutine end_gather(solid, whole, in, sorted, mail)
         type(solid_t), intent(inout), target :: solid
         type(solid_t), intent(inout), target :: whole !! as begin_gather left it
         integer(int64), intent(in) :: in(:, :) !! likewise
+        logical, intent(in) :: sorted
         type(mail_t), intent(inout) :: mail
         integer :: next(size(solid%bodies))
         type(parcels_t) :: leaving, coming
@@ -74,14 +75,22 @@ contains
         call fields_of(whole, to)
         call send_particles(solid%ranks, of_a_checkpoint, from, leaving, to, coming, mail)
         if (solid%ranks%rank > 0 .or. failed(mail%fault)) return
+        if (sorted) call sort(whole)
+        if (whole%cohesive%present) call each_place_node(whole%n, 1, whole%id, whole%cohesive%row, &
+                                                         whole%cohesive%place)
+    end subroutine end_gather
+
+    !> Put the particles in the order that one process would have.
+    subroutine sort(whole)
+        type(solid_t), intent(inout) :: whole
+        integer :: b
+
         allocate (whole%pair(n_pair, whole%n), whole%search%order(whole%n)) ! to sort by
         do b = 1, size(whole%bodies)
             call sort_body(whole, b)
         end do
         deallocate (whole%pair)
-        if (whole%cohesive%present) call each_place_node(whole%n, 1, whole%id, whole%cohesive%row, &
-                                                         whole%cohesive%place)
-    end subroutine end_gather
+    end subroutine sort
 
     !> What a scene of bodies has besides its particles; books of all processes together.
     subroutine outline(solid, whole)
