@@ -28,7 +28,7 @@ contains
         type(solid_t), intent(in) :: solid
         real(dp), intent(out) :: sums(n_sum, size(gpu%bodies)) !! see sum_state
         type(error_t), intent(inout) :: err
-        real(dp) :: own(n_sum, size(gpu%bodies))
+        real(dp) :: own(n_sum, size(gpu%bodies)), all(n_sum*size(gpu%bodies))
         integer :: b
 
         do b = 1, size(gpu%bodies)
@@ -38,9 +38,8 @@ contains
             call gpu%common%fold(gpu%partial, total_threads, n_sum, b, err)
         end do
         call gpu%common%read_sums(own, err)
-        do b = 1, size(gpu%bodies)
-            call exact_sums(solid%ranks, own(:, b:b), sums(:, b))
-        end do
+        call exact_sums(solid%ranks, reshape(own, [size(own), 1]), all)
+        sums = reshape(all, shape(sums))
     end subroutine sum_states
 
     !> Fold the columns of `book` over body b.

@@ -8,14 +8,13 @@ module brz_host_room
         c_null_ptr, c_ptr, c_size_t
     use brz_cuda_driver, only: cu_host_allocate, cu_to_host
     use brz_kinds, only: int64, int8
-    use brz_snapshots, only: read_snapshot, snapshot_in_use
+    use brz_snapshots, only: carry_on, read_snapshot, snapshot_in_use
     implicit none
     private
     public :: read_memory
 
     integer(int64), parameter :: room_bytes = 2_int64**25
     integer(int64), parameter :: worth = 2_int64**20 !! less is copied as fast without
-    integer(int64), parameter :: piece = 2_int64**18 !! that a thread takes at a time
     type(c_ptr), save :: room = c_null_ptr
     logical, save :: asked = .false. !! for the room
 
@@ -28,7 +27,7 @@ contains
         integer(c_intptr_t), intent(in) :: address
         integer(int64), intent(in) :: bytes
         integer(int8), pointer, contiguous :: from(:), to(:)
-        integer(int64) :: first, k, n
+        integer(int64) :: first, n
 
         if (snapshot_in_use()) then
             call c_f_pointer(host, to, [bytes])
@@ -50,10 +49,7 @@ contains
             n = min(room_bytes, bytes - first)
             code = cu_to_host(room, address + first, int(n, c_size_t))
             if (code /= 0) return
-            !$omp parallel do schedule(static)
-            do k = 1, n, piece
-                to(first + k:first + min(k + piece - 1, n)) = from(k:min(k + piece - 1, n))
-            end do
+            call carry_on(from(:n), to(first + 1:first + n))
         end do
     end function read_memory
 end module brz_host_room

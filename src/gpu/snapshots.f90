@@ -14,7 +14,7 @@ module brz_snapshots
     use brz_memory, only: free_memory
     implicit none
     private
-    public :: snapshot_t, use_snapshot, snapshot_in_use, read_snapshot
+    public :: snapshot_t, use_snapshot, snapshot_in_use, read_snapshot, carry_on
 
     integer, parameter :: most_parts = 32
     integer, parameter :: most_rooms = 8
@@ -173,7 +173,7 @@ contains
 
     !> Copy a part of the snapshot in use, 0 if it is there: else 1, as for a wrong address.
     integer(c_int) function read_snapshot(to, address) result(code)
-        integer(int8), intent(out) :: to(:)
+        integer(int8), intent(out), contiguous :: to(:)
         integer(c_intptr_t), intent(in) :: address !! on the GPU
         integer(int8), pointer, contiguous :: from(:)
         integer(int64) :: first
@@ -185,9 +185,23 @@ contains
             if (first < 0 .or. first + size(to, kind=int64) > used%bytes(k)) cycle
             call c_f_pointer(rooms(used%room)%memory, from, [rooms(used%room)%bytes])
             first = used%offset(k) + first
-            to = from(first + 1:first + size(to, kind=int64))
+            call carry_on(from(first + 1:first + size(to, kind=int64)), to)
             code = 0
             return
         end do
     end function read_snapshot
+
+    !> Copy bytes, a piece by each thread.
+    subroutine carry_on(from, to)
+        integer(int8), intent(in), contiguous :: from(:)
+        integer(int8), intent(out), contiguous :: to(:)
+        integer(int64), parameter :: piece = 2_int64**18 ! that a thread takes at a time
+        integer(int64) :: k, last
+
+        !$omp parallel do private(last) if(size(to, kind=int64) > piece) schedule(static)
+        do k = 1, size(to, kind=int64), piece
+            last = min(k + piece - 1, size(to, kind=int64))
+            to(k:last) = from(k:last)
+        end do
+    end subroutine carry_on
 end module brz_snapshots

@@ -9,6 +9,7 @@
 !> times as long as a step takes the GPU.
 module brz_writer
     use, intrinsic :: iso_fortran_env, only: error_unit
+    use brz_cores, only: cores_for
     use brz_errors, only: error_t, exit_io, failed, raise
     use brz_kinds, only: dp, int64
     use brz_memory, only: free_memory, held_memory
@@ -21,6 +22,7 @@ module brz_writer
     public :: writer_t, writers_t, has_room, begin_writing, end_writing, hear_writer
 
     integer, parameter :: most_writers = 16
+    integer, parameter :: most_threads = 16 !! of a copy
     integer, parameter :: at_once = 4 !! writers that share the cores: about as many work together
     integer, parameter, public :: no_dump = -1
 
@@ -68,7 +70,7 @@ contains
         type(ranks_t), intent(in) :: ranks
         type(writer_t), intent(inout) :: writer !! with what it writes, for messages
         logical, intent(out) :: here
-        logical, intent(in), optional :: last !! nothing else goes on: the copy may use all cores
+        logical, intent(in), optional :: last !! nothing else goes on: the copy has all cores
         integer :: sharing
 
         writer%begin = wall_seconds()
@@ -84,15 +86,16 @@ contains
         writers%of(writers%n) = writer
     end subroutine begin_writing
 
-    !> Threads of a copy where so many writers share the cores with the run, or one has all cores.
-    !> Of several processes the copy of the first packs what all have: it has half of the threads.
+    !> Threads of a copy where so many writers share the cores with the run, or one has them alone:
+    !> more than 16 only wait for memory. Of several processes the copy of the first packs what all
+    !> have: it has half of the threads.
     integer function threads_of_copy(ranks, sharing) result(threads)
         type(ranks_t), intent(in) :: ranks
         integer, intent(in) :: sharing !! writers
 
-        threads = (omp_get_num_procs() - merge(1, 0, sharing > 1))/sharing
+        threads = (ranks%here*cores_for(ranks%here) - merge(1, 0, sharing > 1))/sharing
         if (several(ranks)) threads = threads/merge(2, 2*max(ranks%here - 1, 1), ranks%rank == 0)
-        threads = max(1, threads)
+        threads = max(1, min(threads, omp_get_num_procs(), most_threads))
     end function threads_of_copy
 
     !> After writing: a copy tells its error and is gone.

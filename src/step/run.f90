@@ -23,7 +23,7 @@ module brz_run
     use brz_ranks, only: agree, ranks_t, several, share_text
     use brz_run_axial, only: run_axial
     use brz_run_radial, only: run_radial
-    use brz_run_ranks, only: cut_air, note_cores, print_ranks, refuse_on_ranks
+    use brz_run_ranks, only: cut_air, print_ranks, refuse_on_ranks, settle_threads
     use brz_saves, only: on_gpu
     use brz_scanner, only: read_deck
     use brz_scene_size, only: refuse_too_large, scene_size_t, size_scene, too_large_to_look
@@ -186,7 +186,7 @@ contains
         call choose_backend(trim(sim%case%run%backend), sim%case%air%present, &
                             size(sim%case%bodies) > 0, sim%ranks, sim%backend, note, err)
         if (note /= '') write (error_unit, '(a)') note
-        call note_cores(sim%ranks, sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
+        call settle_threads(sim%ranks, sim%backend%on_gpu .or. sim%backend%bodies_on_gpu)
     end subroutine open_backend
 
     !> Book the time of each kernel; there are none on the CPU.

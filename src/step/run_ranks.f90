@@ -9,6 +9,7 @@ module brz_run_ranks
     use brz_case, only: case_t
     use brz_check_start, only: is_radial
     use brz_cohesive_items, only: mark_glued, own_node, see_point
+    use brz_cores, only: cores_for
     use brz_errors, only: error_t, exit_deck, failed, raise
     use brz_kinds, only: dp, int32, int64
     use brz_ranks, only: ranks_t
@@ -18,10 +19,10 @@ module brz_run_ranks
     use brz_solid_regions, only: cut_regions, region_of
     use brz_solid_state, only: solid_t
     use brz_text, only: to_text
-    use omp_lib, only: omp_get_max_threads, omp_get_num_procs
+    use omp_lib, only: omp_get_max_threads, omp_get_num_procs, omp_set_num_threads
     implicit none
     private
-    public :: refuse_on_ranks, note_cores, cut_air, print_ranks, print_regions
+    public :: refuse_on_ranks, settle_threads, cut_air, print_ranks, print_regions
 
 contains
 
@@ -53,22 +54,25 @@ contains
         end if
     end subroutine refuse_on_ranks
 
-    !> Say where several processes have fewer cores than threads: mpirun binds each of two to one
-    !> core. What a GPU leaves to the host wants more than one thread.
-    subroutine note_cores(ranks, on_gpu)
+    !> Threads of each of several processes, unless OMP_NUM_THREADS tells: they share the cores of a
+    !> machine. Say where they have fewer cores than threads: mpirun binds each of two to one core.
+    !> What a GPU leaves to the host wants more than one thread.
+    subroutine settle_threads(ranks, on_gpu)
         type(ranks_t), intent(in) :: ranks
         logical, intent(in) :: on_gpu
         integer :: cores, length, threads
 
-        if (ranks%n < 2 .or. ranks%rank > 0) return
+        if (ranks%n < 2) return
+        call get_environment_variable('OMP_NUM_THREADS', length=length)
+        if (length == 0) call omp_set_num_threads(cores_for(ranks%here))
+        if (ranks%rank > 0) return
         cores = omp_get_num_procs()
         threads = omp_get_max_threads()
-        call get_environment_variable('OMP_NUM_THREADS', length=length)
         if (threads <= cores .and. .not. (on_gpu .and. cores == 1 .and. length == 0)) return
         write (error_unit, '(a, i0, a, i0, a)') 'threads of a process: ', threads, &
             ', cores that it is bound to: ', cores, &
             '; set-up and output will be slow: mpirun --bind-to none gives it all cores'
-    end subroutine note_cores
+    end subroutine settle_threads
 
     !> A box of the air for each process.
     subroutine cut_air(case, n, size_of, err)
