@@ -130,8 +130,9 @@ contains
         type(coupling_t), intent(inout) :: c
         integer, intent(in) :: n
 
-        call at_least(c%next_cell, n)
-        call at_least(c%next_debt, c%n_var, n) ! the two always have the same room
+        ! the two always have the same room: no buffer of a GPU is shorter than two entries of one
+        call at_least(c%next_cell, max(n, 2))
+        call at_least(c%next_debt, c%n_var, max(n, 2))
     end subroutine size_next
 
     !> Give the cells that the solid left the state of the gas around; what is over they give away.

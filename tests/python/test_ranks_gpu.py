@@ -362,3 +362,24 @@ def test_a_body_flies_from_one_gpu_to_the_next(gpu, tmp_path):
         done = go(n, tmp_path, gpu, deck=ACROSS, out=f"out{n}")
         assert done.returncode == 0, done.stderr
     equal_runs(tmp_path / "out0", tmp_path / "out2")
+
+
+# A body that runs into gas: the lists of debts grow from one entry to two.
+GROWN = """\
+&run t_end = 1e-3, dimension = 1, max_steps = 26 /
+&air box = -0.018, 0.018, 0, 1, 0, 1, cells = 134, 1, 1 /
+&material id = 'm', model = 'linear_elastic', density = 1000, youngs_modulus = 5e8,
+     poisson_ratio = 0.3 /
+&body id = 'b', box = 0.00068, 0.00168, 0, 1, 0, 1, spacing = 2e-4, material = 'm',
+     velocity = -1500, 0, 0 /
+&gauge id = 'a', at = 0, 0, 0, quantity = 'pressure' /
+"""
+
+
+@needs_mpirun
+def test_a_list_of_one_debt_grows(gpu, tmp_path):
+    """The driver guards its memory."""
+    for n in (0, 2):
+        done = go(n, tmp_path, gpu, deck=GROWN, out=f"out{n}")
+        assert done.returncode == 0, done.stderr
+    equal_runs(tmp_path / "out0", tmp_path / "out2")
