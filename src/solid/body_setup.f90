@@ -5,7 +5,7 @@
 module brz_body_setup
     use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: axis_of, shape_t
-    use brz_body_start, only: hold_body, move_body
+    use brz_body_start, only: held_t, hold_body, judge_held, move_body
     use brz_body_warnings, only: judge_bars, judge_distance, judge_gauges, judge_spacing
     use brz_bond_check, only: judge_bonds
     use brz_case, only: body_case_t, case_t
@@ -41,6 +41,7 @@ contains
         type(solid_t), intent(out) :: solid
         type(error_t), intent(inout) :: err
         type(points_t), allocatable :: points(:)
+        type(held_t) :: found
         integer :: b
 
         call outline_solid(case, solid, points, err)
@@ -58,8 +59,11 @@ contains
             call move_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
             call start_from_file(case%bodies(b), case%materials(case%bodies(b)% &
                 material_index)%model == 'linear_elastic', solid, solid%bodies(b), err)
-            call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b), err)
+            call hold_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b), found)
             call set_up_regions(case%bodies(b), solid, solid%bodies(b), err)
+            if (goes_on(case%bodies, b)) cycle
+            call judge_held(case%bodies(b), found, solid, err)
+            found = held_t()
         end do
         call set_up_cohesive(case, points%shape, solid, err)
         if (.not. failed(err)) call judge_bonds(case, solid)
@@ -69,6 +73,16 @@ contains
             call set_up_rigid(case%bodies(b), points(b)%shape%on_plane, solid, solid%bodies(b), err)
         end do
     end subroutine set_up_solid
+
+    !> The next body is a part of the same laminate: it comes from the same group of the deck.
+    pure logical function goes_on(bodies, b)
+        type(body_case_t), intent(in) :: bodies(:)
+        integer, intent(in) :: b
+
+        goes_on = b < size(bodies)
+        if (goes_on) goes_on = allocated(bodies(b)%place) .and. allocated(bodies(b + 1)%place)
+        if (goes_on) goes_on = bodies(b)%place == bodies(b + 1)%place
+    end function goes_on
 
     !> What gauges of whole bodies ask the steps for.
     subroutine set_up_watch(case, solid)

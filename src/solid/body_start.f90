@@ -10,7 +10,14 @@ module brz_body_start
     use brz_text, only: to_text
     implicit none
     private
-    public :: hold_body, move_body, in_box
+    public :: held_t, hold_body, judge_held, move_body, in_box
+
+    !> What the boxes of a &body hold: of all its parts, where a laminate is laid in parts.
+    type :: held_t
+        logical :: fixes(8) = .false. !! of each fix_box: a particle lies in it
+        logical :: rolls(8) = .false. !! of each roller_box
+        logical :: on_plane(3) = .false. !! the body is cut by a plane of symmetry
+    end type held_t
 
 contains
 
@@ -41,17 +48,18 @@ contains
     end subroutine move_body
 
     !> Hold the layers named in the deck.
-    subroutine hold_body(input, shape, solid, body, err)
+    subroutine hold_body(input, shape, solid, body, found)
         type(body_case_t), intent(in) :: input
         type(shape_t), intent(in) :: shape
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
-        type(error_t), intent(inout) :: err
-        logical :: held(2, 3), here, rolls(8), whole
+        type(held_t), intent(inout) :: found !! added to
+        logical :: fixes(8), held(2, 3), here, rolls(8), whole
         integer :: a, i, f
         real(dp) :: deep(3)
 
         held = .false.
+        fixes = .false.
         rolls = .false.
         do f = 1, size(input%fix)
             call mark_faces(trim(input%fix(f)), shape, held)
@@ -60,11 +68,13 @@ contains
         if (input%fix_width > 0) deep = input%fix_width + 1e-6_dp*shape%spacing
         whole = any(input%fix == 'all')
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(a, f, here) &
-        !$omp reduction(.or.: rolls)
+        !$omp reduction(.or.: fixes, rolls)
         do i = body%first, body%last
             here = whole
             do f = 1, input%n_fix_boxes
-                here = here .or. in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)
+                if (.not. in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)) cycle
+                fixes(f) = .true.
+                here = .true.
             end do
             do a = 1, solid%dimension
                 if (held(1, a)) here = here .or. solid%x(a, i) < lowest(shape, a) + deep(a)
@@ -81,24 +91,41 @@ contains
                 if (is_kept(solid%fixed(i), a)) solid%v(a, i) = 0
             end do
         end do
-        call judge_rollers(input, shape%on_plane, rolls(:input%n_rollers), err)
+        found%fixes = found%fixes .or. fixes
+        found%rolls = found%rolls .or. rolls
+        found%on_plane = found%on_plane .or. shape%on_plane
     end subroutine hold_body
 
-    !> Rollers without a particle are a mistake, but behind a plane of symmetry they hold the image.
-    subroutine judge_rollers(input, on_plane, rolls, err)
+    !> Boxes without a particle are a mistake, but behind a plane of symmetry they hold the image:
+    !> a warning for a fix_box, an error for a roller_box.
+    subroutine judge_held(input, found, solid, err)
         type(body_case_t), intent(in) :: input
-        logical, intent(in) :: on_plane(3) !! the body is cut by a plane of symmetry
-        logical, intent(in) :: rolls(:) !! of each region: a particle lies in it
+        type(held_t), intent(in) :: found
+        type(solid_t), intent(inout) :: solid !! its notes
         type(error_t), intent(inout) :: err
         integer :: f
 
-        do f = 1, size(rolls)
-            if (rolls(f) .or. any(on_plane .and. .not. input%roller_box(2:6:2, f) > 0)) cycle
+        do f = 1, input%n_fix_boxes
+            if (found%fixes(f) .or. behind(input%fix_box(:, f))) cycle
+            solid%notes = solid%notes//label('body', input%id, input%place)//'warning: fix_box '// &
+                to_text(f)//' holds no particle; move it, or make it as thick as the spacing'// &
+                new_line('a')
+        end do
+        do f = 1, input%n_rollers
+            if (found%rolls(f) .or. behind(input%roller_box(:, f))) cycle
             call raise(err, exit_deck, label('body', input%id, input%place)//'roller_box '// &
                        to_text(f)//' holds no particle; make it as thick as the spacing')
             return
         end do
-    end subroutine judge_rollers
+
+    contains
+
+        pure logical function behind(box)
+            real(dp), intent(in) :: box(6)
+
+            behind = any(found%on_plane .and. .not. box(2:6:2) > 0)
+        end function behind
+    end subroutine judge_held
 
     !> Whether a place lies in a box x0, x1, y0, y1, z0, z1, in the directions that the scene has.
     pure logical function in_box(x, box, dimension)

@@ -174,6 +174,34 @@ def test_bad_supports(tmp_path, line):
     assert "bad.nml:3: &body" in done.stderr and BAD[line] in done.stderr
 
 
+PARTS = """\
+&run t_end=1e-6 /
+&material id='p', preset='cfrp_ud' /
+&body id='l', box=0,0.012, 0,0.008, 0,0.006, spacing=1e-3, material='p', plies='0/90/0',
+    delamination='cohesive', {} /
+&interaction bodies='l','l', law='cohesive', tensile_strength=3e7, shear_strength=3e7, gi=100,
+    gii=300 /
+"""
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ("fix_box=0,0.001,0,1,0,0.001, roller_box=0.011,1,0,1,0,0.001, roller_axis='z'", ""),
+        ("fix_box=0,0.001,0,1,0,0.001, 1,2,0,1,0,1", "warning: fix_box 2 holds no particle"),
+        ("roller_box=1,2,0,1,0,1, roller_axis='z'", "roller_box 1 holds no particle"),
+    ],
+)
+def test_boxes_hold_particles_of_any_ply(tmp_path, keys, words):
+    """Lines below the lowest ply of three that are laid as bodies of their own."""
+    (tmp_path / "deck.nml").write_text(PARTS.format(keys))
+    done = subprocess.run([BRISANCE, "run", "deck.nml"], cwd=tmp_path, capture_output=True,
+                          text=True)  # fmt: skip
+    assert done.returncode == (2 if "roller_box 1" in words else 0), done.stderr
+    assert (words in done.stderr) if words else "holds no" not in done.stderr
+    assert done.stderr.count("holds no") == (words != "")
+
+
 def lattice(box, spacing):
     """Places of the particles of a box."""
     axes = [np.arange(low + spacing / 2, high, spacing) for low, high in box]
