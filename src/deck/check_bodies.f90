@@ -35,6 +35,7 @@ contains
             call find_material(deck, g, case, case%bodies(k))
             call check_shape(deck, g, case%bodies(k))
             call check_width(deck, g, case%bodies(k))
+            call check_start(deck, g, case%bodies(k))
             if (deck%groups(g)%bad) cycle
             call check_aspect(deck, g, case, case%bodies(k))
             call check_lattice(deck, g, case, case%bodies(k))
@@ -150,6 +151,19 @@ contains
             'fix_width '//to_text(body%fix_width)//' m holds no particle: the first ones lie '// &
             'half a spacing of '//to_text(body%spacing)//' m deep')
     end subroutine check_width
+
+    !> A file of the start must be there, and bounds of the smoothing length in order.
+    subroutine check_start(deck, g, body)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(body_case_t), intent(in) :: body
+
+        if (body%start_file /= '' .and. .not. file_exists(trim(body%start_file))) call complain( &
+            deck, g, 'start_file', "there is no file '"//trim(body%start_file)// &
+            "' (paths start at the folder of the deck)")
+        if (body%h_range(1) > body%h_range(2)) call complain(deck, g, 'h_range', &
+            'h_range ends before it begins; the lower bound comes first')
+    end subroutine check_start
 
     !> A key that is missing for this shape; one that is there but wrong has its message already.
     subroutine need_key(deck, g, body, key)

@@ -161,6 +161,7 @@ BAD = {
     "fix='x-', motion_time=0, motion_velocity=0,0,0, roller_box=0,1,0,1,0,1, roller_axis='x'":
         "a body with a prescribed motion has no rollers",
     "roller_box=2,3,0,1,0,1, roller_axis='x'": "holds no particle",
+    "variable_h=.true., h_range=1.2,0.7": "the lower bound comes first",
 }  # fmt: skip
 
 
@@ -326,7 +327,7 @@ def test_one_end_held_the_other_driven(tmp_path):
 
 
 @pytest.mark.parametrize(("keys", "why"), [
-    ("start_file='none.csv'", "none.csv"),
+    ("start_file='none.csv'", "bad.nml:3: &body id='b': there is no file 'none.csv'"),
     ("start_file='bad.nml'", "bad.nml"),
     ("start_file='x.csv'", "must have the columns"),
     ("start_file='v.csv', formulation='rigid'", "give a rigid one velocity and spin"),
