@@ -5,8 +5,7 @@ module brz_check_air
     use brz_check_start, only: check_geometry, check_start, is_radial
     use brz_deck, only: add_warning, complain, deck_t, entry_line, find_group, group_label, &
                         may_be_misspelt
-    use brz_files, only: file_exists
-    use brz_get, only: is_given, is_usable
+    use brz_get, only: is_given, is_usable, need_file
     use brz_kinds, only: dp, real32
     use brz_text, only: to_text
     implicit none
@@ -104,8 +103,7 @@ contains
                 call complain(deck, g, 'id', 'move and at belong to a file; take them out')
             return
         end if
-        if (.not. file_exists(trim(gas%file))) call complain(deck, g, 'file', &
-            "there is no file '"//trim(gas%file)//"'")
+        call need_file(deck, g, 'file', gas%file)
         if (any(case%charges%start /= '3d')) call complain(deck, g, 'file', 'a charge that '// &
             "starts in one or two dimensions knows no gas from a file; use start='3d'")
     end subroutine check_kind

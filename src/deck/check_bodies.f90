@@ -6,8 +6,7 @@ module brz_check_bodies
     use brz_check_lattice, only: check_lattice
     use brz_check_air, only: box_text, check_corners
     use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
-    use brz_files, only: file_exists
-    use brz_get, only: is_given, is_usable
+    use brz_get, only: is_given, is_usable, need_file
     use brz_kinds, only: dp
     use brz_outline, only: has_key, needs_key, outline_t
     use brz_outlines, only: body_box, keys_of_shapes, outline_of
@@ -158,9 +157,7 @@ contains
         integer, intent(in) :: g
         type(body_case_t), intent(in) :: body
 
-        if (body%start_file /= '' .and. .not. file_exists(trim(body%start_file))) call complain( &
-            deck, g, 'start_file', "there is no file '"//trim(body%start_file)// &
-            "' (paths start at the folder of the deck)")
+        call need_file(deck, g, 'start_file', body%start_file)
         if (body%h_range(1) > body%h_range(2)) call complain(deck, g, 'h_range', &
             'h_range ends before it begins; the lower bound comes first')
     end subroutine check_start
@@ -331,8 +328,7 @@ contains
 
         body%lo = -huge(1.0_dp)
         body%hi = huge(1.0_dp)
-        if (.not. file_exists(trim(body%file))) call complain(deck, g, 'file', &
-            "there is no file '"//trim(body%file)//"' (paths start at the folder of the deck)")
+        call need_file(deck, g, 'file', body%file)
         if (dimension < 3) call complain(deck, g, 'shape', "shape='"//trim(body%shape)// &
                                          "' needs dimension=3")
         if (body%shape == 'particles' .and. any(body%cuts /= '')) call complain(deck, g, 'cuts', &

@@ -6,7 +6,7 @@ module brz_check_loads
     use brz_csv_table, only: read_columns
     use brz_deck, only: complain, deck_t, place
     use brz_errors, only: error_t, failed
-    use brz_get, only: get, get_list, get_path, is_given, is_usable
+    use brz_get, only: get, get_list, get_path, is_given, is_usable, need_file
     use brz_key, only: key_t, kind_text, required
     use brz_kinds, only: dp
     use brz_text, only: to_text
@@ -108,6 +108,7 @@ contains
         call get_list(deck%groups(g), 'time', load%time)
         call get_list(deck%groups(g), 'pressure', load%pressure)
         call get_path(deck, g, 'patch', load%patch)
+        call need_file(deck, g, 'patch', load%patch)
         load%in_table = is_given(deck%groups(g), 'table')
         load%on_all = is_given(deck%groups(g), 'acceleration') .or. &
                       is_given(deck%groups(g), 'force')

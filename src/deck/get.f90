@@ -2,11 +2,12 @@
 !> Values of a converted group by key. A key that is absent or in error leaves its variable alone.
 module brz_get
     use brz_deck, only: complain, deck_t, find_entry, group_t
+    use brz_files, only: file_exists
     use brz_kinds, only: dp
     use brz_text, only: to_text
     implicit none
     private
-    public :: get, get_box, get_boxes, get_list, get_path, is_given, is_usable
+    public :: get, get_box, get_boxes, get_list, get_path, is_given, is_usable, need_file
 
     interface get
         module procedure :: get_real, get_reals, get_integer, get_integers, get_logical
@@ -149,6 +150,18 @@ contains
         if (path /= '' .and. path(1:1) /= '/') &
             path = deck%file(:index(deck%file, '/', back=.true.))//path
     end subroutine get_path
+
+    !> Complain where there is no file at a path that get_path has found.
+    subroutine need_file(deck, g, key, path)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g !! place of the group
+        character(*), intent(in) :: key
+        character(*), intent(in) :: path !! '': none is wanted
+
+        if (path == '') return
+        if (.not. file_exists(trim(path))) call complain(deck, g, key, "there is no file '"// &
+            trim(path)//"' (paths start at the folder of the deck)")
+    end subroutine need_file
 
     !> Boxes of a key, six numbers each: x0, x1, y0, y1, z0, z1. Another count is complained of.
     subroutine get_boxes(deck, g, key, boxes, n)

@@ -300,6 +300,7 @@ BAD = {
     "body='b', faces='z-', mass=1, at=0,0,-1, time=1": "time belongs to a history",
     "body='b', faces='z-', pressure=1, detonation_time=1": "belongs to a charge",
     "body='b', faces='z-', table='none.csv'": "none.csv",
+    "body='b', faces='z-', pressure=1, patch='none.stl'": "there is no file 'none.stl'",
     "body='b', faces='z-', table='bad.nml'": "must name the columns time and pressure",
     "body='b', faces='z-', table='bad.nml', pressure=1": "take time, pressure, scale and mass out",
     "body='b', faces='z-', pressure=1, burst='surface'": "burst belongs to a charge",
