@@ -37,22 +37,18 @@ contains
         !! (n_var, 0:7) conserved variables of the cells as cells_around has them; no walls
         real(rk) :: gamma
         real(dp) :: x(3), weight, total
-        integer :: low(3), cell(3), m, d
+        integer :: low(3), cell(3), m
 
         call place_between(air, point, low, x)
         state = 0
         total = 0
         do m = 0, 7
-            weight = 1
-            do d = 1, 3
-                cell(d) = low(d) + ibits(m, d - 1, 1)
-                weight = weight*merge(x(d), 1 - x(d), btest(m, d - 1))
-            end do
+            weight = weight_of(corner(m), x)
             if (.not. weight > 0) cycle
             if (present(around)) then
                 state = state + weight*primitive_of(air, around(:, m))
             else
-                cell = cell - air%before
+                cell = low + corner(m) - air%before
                 if (holds_solid(wall, cell)) cycle
                 state = state + weight*gas_of(air, wall, cell)
             end if
@@ -109,7 +105,7 @@ contains
 
         call place_between(air, point, low, x)
         do m = 0, 7
-            cells(:, m) = min(low + [ibits(m, 0, 1), ibits(m, 1, 1), ibits(m, 2, 1)], air%whole)
+            cells(:, m) = min(low + corner(m), air%whole)
         end do
     end subroutine cells_around
 
@@ -132,17 +128,31 @@ contains
         type(wall_t), intent(in) :: wall
         real(dp), intent(in) :: point(3) !! [m]
         real(dp) :: x(3)
-        integer :: low(3), upper(3), m
+        integer :: low(3), m
 
         call place_between(air, point, low, x)
         sees_gas = .false.
         do m = 0, 7
-            upper = [ibits(m, 0, 1), ibits(m, 1, 1), ibits(m, 2, 1)]
-            if (any(upper == 1 .and. .not. x > 0)) cycle
-            if (any(upper == 0 .and. .not. x < 1)) cycle
-            sees_gas = sees_gas .or. .not. holds_solid(wall, low + upper - air%before)
+            if (weight_of(corner(m), x) > 0) &
+                sees_gas = sees_gas .or. .not. holds_solid(wall, low + corner(m) - air%before)
         end do
     end function sees_gas
+
+    !> Which of the eight cells m is: 1 for the upper one in a direction, 0 for the lower.
+    pure function corner(m)
+        integer, intent(in) :: m !! bit d-1: the upper one in direction d
+        integer :: corner(3)
+
+        corner = ibits(m, [0, 1, 2], 1)
+    end function corner
+
+    !> What one of the eight cells counts at a place between them.
+    pure real(dp) function weight_of(corner, x)
+        integer, intent(in) :: corner(3)
+        real(dp), intent(in) :: x(3) !! see place_between
+
+        weight_of = product(merge(x, 1 - x, corner == 1))
+    end function weight_of
 
     !> Lowest of the eight cells around a point, and its place between them.
     pure subroutine place_between(air, point, low, x)
