@@ -1,8 +1,11 @@
 ! SPDX-License-Identifier: MIT
 !> Which cells of the air hold particles, the solid cells of the immersed boundary, and which have
 !> changed hands. Cells go by their number in memory order, ghosts left out.
+!>
+!> A cell without particles that solid encloses on all sides is solid as well.
 module brz_cell_items
     use brz_cell_place, only: cell_number
+    use brz_cell_shells, only: cell_at, neighbour, number_of
     use brz_coupling_box, only: box_t, is_gas, is_left, is_own, is_solid, place_at
     use brz_kinds, only: dp, int32, int64, int8
     use brz_solid_state, only: is_gone
@@ -51,8 +54,8 @@ contains
         if (cell(p) > 0) mark(cell(p)) = is_solid
     end subroutine mark_cell
 
-    !> Count the cells of a row that have changed between gas and solid, and mark those that the
-    !> solid left.
+    !> Count the cells of a row that have changed between gas and solid, and mark those that solid
+    !> encloses and those that it left.
     !@item if(27*n >= worth_threads) schedule(static)
     !@cuf attributes(host,device) &
     pure subroutine compare_row(t, box, solid, mark, covered, uncovered, own, left)
@@ -69,6 +72,10 @@ contains
         c = (t - 1)*box%n(1) + 1
         at = place_at(box, int(c, int32))
         do i = 0, box%n(1) - 1
+            if (mark(c + i) == is_gas) then
+                ! no other row sees the difference: of two neighbours one is not enclosed
+                if (is_enclosed(box, c + i, mark)) mark(c + i) = is_solid
+            end if
             change = merge(1, 0, mark(c + i) /= is_gas) - solid(at + i)
             if (change == 0) cycle
             if (change < 0) mark(c + i) = is_left
@@ -79,6 +86,39 @@ contains
             if (change < 0) left = left + 1
         end do
     end subroutine compare_row
+
+    !> Does solid stand on all sides of a cell, walls and planes of symmetry included? Never in one
+    !> dimension, where a gap of one cell between two bodies is a gap.
+    !@cuf attributes(host,device) &
+    pure function is_enclosed(box, number, mark) result(enclosed)
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: number !! of the cell
+        integer(int8), intent(in) :: mark(*)
+        logical :: enclosed
+        integer :: d, directions, from(3), offset(3), side, to(3)
+        logical :: inside
+
+        enclosed = .false.
+        from = cell_at(box%n, int(number, int32))
+        directions = 0
+        do d = 1, 3
+            if (box%whole(d) == 1) cycle
+            directions = directions + 1
+            do side = 1, 2
+                offset(1) = 0
+                offset(2) = 0
+                offset(3) = 0
+                offset(d) = 2*side - 3
+                call neighbour(box%n, box%wraps, from, offset, to, inside)
+                if (.not. inside) then
+                    if (.not. box%closed(side, d)) return
+                else if (mark(number_of(box%n, to)) /= is_solid) then
+                    return
+                end if
+            end do
+        end do
+        enclosed = directions > 1
+    end function is_enclosed
 
     !> Count the cells of a kind in each chunk of the map.
     !@item

@@ -27,7 +27,7 @@ module brz_coupling_box
         integer :: cells !! their product
         integer :: n_var !! conserved variables
         integer :: layers !! solid cells behind the first that a face may load
-        integer :: bc(2, 3) !! boundary conditions, as in air_t
+        logical :: closed(2, 3) !! a wall or a plane of symmetry stands there
         logical :: wraps(3) !! periodic directions
         real(rk) :: spread !! depth over which a load is spread, in cells
         real(rk) :: reference !! pressure that is taken off [Pa]

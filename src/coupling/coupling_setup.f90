@@ -1,7 +1,7 @@
 ! SPDX-License-Identifier: MIT
 !> Start of the coupling: walls from the particles at time zero, empty ledgers, no debts.
 module brz_coupling_setup
-    use brz_air_state, only: air_t, bc_periodic
+    use brz_air_state, only: air_t, bc_periodic, bc_symmetry, bc_wall
     use brz_air_walls, only: set_up_walls
     use brz_air_grid, only: grid_of
     use brz_air_part, only: window_of
@@ -119,7 +119,9 @@ contains
         coupling%box%cells = product(coupling%box%n)
         coupling%box%n_var = air%n_var
         coupling%box%layers = ceiling(coupling%spread)
-        coupling%box%bc = air%bc
+        coupling%box%closed = air%outer == bc_wall .or. air%outer == bc_symmetry
+        coupling%box%closed(1, :) = coupling%box%closed(1, :) .and. window%lo == 1
+        coupling%box%closed(2, :) = coupling%box%closed(2, :) .and. window%hi == coupling%box%whole
         coupling%box%wraps = coupling%wraps
         coupling%box%floors = floors_of(.true., air%scheme%gamma, air%rho_rest, air%p_rest)
         coupling%box%spread = coupling%spread

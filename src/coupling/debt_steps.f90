@@ -147,8 +147,8 @@ contains
         call at_least(c%donation, max_var, n)
         if (c%n_uncovered == 0) return
         call each_fill_left(c%n_uncovered, c%box, air%scheme, air%rho_rest, air%p_rest, c%shells, &
-                            c%uncovered, c%mark, c%wall%solid, c%wall%index, c%wall%v, air%u, &
-                            c%donor, c%donation)
+                            c%uncovered, c%mark, c%wall%solid, c%wall%index, c%ends, c%wall%v, &
+                            air%u, c%donor, c%donation)
     end subroutine fill_uncovered
 
     !> Hand the gas of the donors to the ledgers nearby; what finds none is owed, or waits.

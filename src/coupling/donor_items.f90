@@ -24,7 +24,7 @@ contains
     !@item if(27*n >= worth_threads) schedule(dynamic, 16)
     !@cuf attributes(host,device) &
     pure subroutine fill_left(e, box, scheme, rho_rest, p_rest, shells, cell, mark, solid, &
-                              cell_of, v, u, donor, donation)
+                              cell_of, ends, v, u, donor, donation)
         integer, intent(in) :: e !! cells left
         type(box_t), intent(in) :: box
         type(scheme_t), intent(in) :: scheme
@@ -33,6 +33,7 @@ contains
         integer(int32), intent(in) :: cell(*)
         integer(int8), intent(in) :: mark(*), solid(*)
         integer, intent(in) :: cell_of(*)
+        integer(int32), intent(in) :: ends(*)
         real(rk), intent(in) :: v(3, *)
         real(rk), intent(inout) :: u(*)
         integer(int32), intent(inout) :: donor(*)
@@ -43,9 +44,7 @@ contains
         integer :: k
 
         at = place_at(box, cell(e))
-        do k = 1, 3
-            speed(k) = v(k, cell_of(at))
-        end do
+        speed = velocity_before(box, cell(e), at, cell_of, ends, v)
         around = look_around(box, scheme, shells, cell(e), speed, mark, solid, u)
         if (around%n == 0) then
             around%w(1) = rho_rest
@@ -69,6 +68,45 @@ contains
             donation(k, e) = rest(k)
         end do
     end subroutine fill_left
+
+    !> Velocity of the solid in a cell, of that on all sides where it was enclosed and held none.
+    !@cuf attributes(host,device) &
+    pure function velocity_before(box, cell, at, cell_of, ends, v) result(speed)
+        type(box_t), intent(in) :: box
+        integer(int32), intent(in) :: cell
+        integer(int64), intent(in) :: at !! its place
+        integer, intent(in) :: cell_of(*)
+        integer(int32), intent(in) :: ends(*) !! of the particles of each solid cell
+        real(rk), intent(in) :: v(3, *)
+        real(rk) :: speed(3)
+        integer(int64) :: beside
+        integer :: c, d, ijk(3), k, n, offset(3), side
+
+        c = cell_of(at)
+        do k = 1, 3
+            speed(k) = v(k, c)
+        end do
+        if (ends(c + 1) > ends(c)) return
+        ijk = cell_at(box%n, cell)
+        n = 0
+        do d = 1, 3
+            do side = -1, 1, 2
+                offset(1) = 0
+                offset(2) = 0
+                offset(3) = 0
+                offset(d) = side
+                beside = place_beside(box, ijk, offset)
+                if (beside == 0 .or. box%whole(d) == 1) cycle
+                n = n + 1
+                do k = 1, 3
+                    speed(k) = speed(k) + v(k, cell_of(beside))
+                end do
+            end do
+        end do
+        do k = 1, 3
+            speed(k) = speed(k)/max(n, 1)
+        end do
+    end function velocity_before
 
     !> Means over the nearest cells that were gas and still are; around%n = 0 where there is none.
     !>

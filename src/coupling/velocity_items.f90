@@ -82,7 +82,7 @@ contains
     end subroutine look_at_some
 
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
-    !> carries them, else as it is kept, half a step before.
+    !> carries them, else as it is kept, half a step before. One that has none is at rest.
     !@item if(27*n >= worth_threads) schedule(static, 64)
     !@cuf attributes(host,device) &
     pure subroutine mean_velocity_of(c, box, wide, bodies, carrier, ends, binned, x, v, mass, &
@@ -115,7 +115,7 @@ contains
             end do
         end do
         do d = 1, 3
-            v_wall(d, c) = sums(d)/total
+            v_wall(d, c) = sums(d)/max(total, tiny(total))
         end do
     end subroutine mean_velocity_of
 
