@@ -23,6 +23,12 @@ module brz_solid_dump
     private
     public :: write_solid_dump
 
+    !> Rows of a dump: the place of the particle that stands there, and its body.
+    type :: rows_t
+        integer :: n = 0
+        integer, allocatable :: place(:), body(:) !! (n)
+    end type rows_t
+
 contains
 
     !> Write the particles to `path`.
@@ -33,62 +39,68 @@ contains
         type(meta_t), intent(in) :: meta
         type(error_t), intent(inout) :: err
         type(h5_t) :: file
-        integer, allocatable :: order(:)
+        type(rows_t) :: rows
 
-        call order_by_number(solid, order)
+        call order_by_number(solid, rows)
         call begin_dump(file, path, 'PolyData', err)
-        call write_points(file, solid, order, err)
+        call write_points(file, solid, rows, err)
         call write_cells(file, solid%n, err)
-        call write_motion(file, solid, order, err)
-        call write_stress(file, solid, order, err)
-        call write_history(file, solid, order, err)
-        if (solid%cohesive%present) call write_interfaces(file, solid, order, err)
+        call write_motion(file, solid, rows, err)
+        call write_stress(file, solid, rows, err)
+        call write_history(file, solid, rows, err)
+        if (solid%cohesive%present) call write_interfaces(file, solid, rows, err)
         call h5_write(file, root//'/FieldData/body_names', solid%bodies%id, err)
         call h5_write(file, root//'/FieldData/material_names', materials, err)
         call end_dump(file, meta, err)
     end subroutine write_solid_dump
 
-    !> Places of the particles in the order of their numbers.
-    subroutine order_by_number(solid, order)
+    !> The particles in the order of their numbers.
+    subroutine order_by_number(solid, rows)
         type(solid_t), intent(in) :: solid
-        integer, allocatable, intent(out) :: order(:) !! (n)
+        type(rows_t), intent(out) :: rows
         integer, allocatable :: place(:)
-        integer :: i
+        integer :: body(solid%n), b, i
 
-        if (solid%n == 0) then
-            allocate (order(0))
-            return
-        end if
-        allocate (place(maxval(solid%id)), source=0)
+        do b = 1, size(solid%bodies)
+            body(solid%bodies(b)%first:solid%bodies(b)%last) = b
+        end do
+        allocate (place(maxval([0, solid%id(:solid%n)])), source=0)
         do i = 1, solid%n
             place(solid%id(i)) = i
         end do
-        order = pack(place, place > 0)
+        rows%n = solid%n
+        rows%place = pack(place, place > 0)
+        rows%body = body(rows%place)
     end subroutine order_by_number
 
     !> Position and who is who.
-    subroutine write_points(file, solid, order, err)
+    subroutine write_points(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: order(:)
+        type(rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
-        integer(int32), allocatable :: body(:), material(:)
-        integer :: b
+        real(real32) :: x(3, rows%n)
+        integer(int32) :: id(rows%n), material(rows%n), ply(rows%n)
+        integer(int8) :: fixed(rows%n)
+        integer :: k
 
-        allocate (body(solid%n), material(solid%n))
-        do b = 1, size(solid%bodies)
-            associate (i => solid%bodies(b)%first, j => solid%bodies(b)%last)
-                body(i:j) = b
-                material(i:j) = solid%bodies(b)%material
+        !$omp parallel do schedule(static)
+        do k = 1, rows%n
+            associate (i => rows%place(k))
+                x(:, k) = real(solid%x(:, i), real32)
+                id(k) = solid%id(i)
+                material(k) = solid%bodies(rows%body(k))%material
+                ply(k) = solid%ply(i)
+                fixed(k) = int(solid%fixed(i), int8)
             end associate
         end do
-        call h5_write(file, root//'/NumberOfPoints', [int(solid%n, int64)], err)
-        call write_field(file, 'Points', 'm', real(solid%x(:, order), real32), err)
-        call write_field(file, 'PointData/id', '-', solid%id(order), err)
-        call write_field(file, 'PointData/body', '-', body(order), err)
-        call write_field(file, 'PointData/material', '-', material(order), err)
-        call write_field(file, 'PointData/ply', '-', int(solid%ply(order), int32), err)
-        call write_field(file, 'PointData/fixed', '-', int(solid%fixed(order), int8), err)
+        call h5_write(file, root//'/NumberOfPoints', [int(rows%n, int64)], err)
+        call write_field(file, 'Points', 'm', x, err)
+        call write_field(file, 'PointData/id', '-', id, err)
+        call write_field(file, 'PointData/body', '-', rows%body, err)
+        call write_field(file, 'PointData/material', '-', material, err)
+        call write_field(file, 'PointData/ply', '-', ply, err)
+        call write_field(file, 'PointData/fixed', '-', fixed, err)
     end subroutine write_points
 
     !> One vertex per particle; no lines, polygons and strips.
@@ -122,69 +134,77 @@ contains
     end subroutine write_topology
 
     !> Velocity at the step and displacement from the unloaded body.
-    subroutine write_motion(file, solid, order, err)
+    subroutine write_motion(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: order(:)
+        type(rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
-        real(real32), allocatable :: v(:, :), d(:, :)
-        integer :: b, i
+        real(real32) :: v(3, rows%n), d(3, rows%n)
+        integer :: k
 
-        allocate (v(3, solid%n), d(3, solid%n))
-        do b = 1, size(solid%bodies)
-            do i = solid%bodies(b)%first, solid%bodies(b)%last
-                v(:, i) = real(velocity_at_step(solid, i), real32)
-                d(:, i) = real(solid%x(:, i) - unloaded_place(solid, b, i), real32)
-            end do
+        !$omp parallel do schedule(static)
+        do k = 1, rows%n
+            associate (i => rows%place(k))
+                v(:, k) = real(velocity_at_step(solid, i), real32)
+                d(:, k) = real(solid%x(:, i) - unloaded_place(solid, rows%body(k), i), real32)
+            end associate
         end do
-        v = v(:, order)
-        d = d(:, order)
         call write_field(file, 'PointData/velocity', 'm/s', v, err)
         call write_field(file, 'PointData/displacement', 'm', d, err)
     end subroutine write_motion
 
     !> Stress with its invariants, mass, density and volume, damage and energy.
-    subroutine write_stress(file, solid, order, err)
+    subroutine write_stress(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: order(:)
+        type(rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
-        real(real32), allocatable :: p(:), mises(:), density(:), mass(:)
-        real(rk) :: s(6), mean
-        integer :: b, i, k
+        real(real32) :: stress(6, rows%n)
+        real(real32), dimension(rows%n) :: p, mises, mass, density, energy, damage
+        integer :: k
 
-        allocate (p(solid%n), mises(solid%n), density(solid%n))
-        do k = 1, solid%n
-            s = solid%stress(:, order(k))
-            mean = (s(1) + s(2) + s(3))/3
-            s(1:3) = s(1:3) - mean
-            p(k) = real(-mean, real32)
-            mises(k) = real(sqrt(1.5_rk*(dot_product(s(1:3), s(1:3)) &
-                                         + 2*dot_product(s(4:6), s(4:6)))), real32)
-        end do
-        do b = 1, size(solid%bodies)
-            do i = solid%bodies(b)%first, solid%bodies(b)%last
-                density(i) = real(solid%materials(solid%bodies(b)%material)%density &
+        !$omp parallel do schedule(static)
+        do k = 1, rows%n
+            associate (i => rows%place(k))
+                stress(:, k) = real(solid%stress(:, i), real32)
+                call invariants(solid%stress(:, i), p(k), mises(k))
+                mass(k) = real(solid%mass(i), real32)
+                density(k) = real(solid%materials(solid%bodies(rows%body(k))%material)%density &
                                   *(1 + solid%mu(i)), real32)
-            end do
+                energy(k) = real(solid%energy(i), real32)
+                damage(k) = real(solid%damage(i), real32)
+            end associate
         end do
-        call write_field(file, 'PointData/stress', 'Pa', real(solid%stress(:, order), real32), err)
+        call write_field(file, 'PointData/stress', 'Pa', stress, err)
         call write_field(file, 'PointData/pressure', 'Pa', p, err)
         call write_field(file, 'PointData/von_mises', 'Pa', mises, err)
-        mass = real(solid%mass, real32)
-        call write_field(file, 'PointData/mass', 'kg', mass(order), err)
-        call write_field(file, 'PointData/density', 'kg/m3', density(order), err)
-        call write_field(file, 'PointData/volume', 'm3', mass(order)/density(order), err)
-        call write_field(file, 'PointData/energy', 'J/kg', real(solid%energy(order), real32), err)
-        call write_field(file, 'PointData/damage', '-', real(solid%damage(order), real32), err)
+        call write_field(file, 'PointData/mass', 'kg', mass, err)
+        call write_field(file, 'PointData/density', 'kg/m3', density, err)
+        call write_field(file, 'PointData/volume', 'm3', mass/density, err)
+        call write_field(file, 'PointData/energy', 'J/kg', energy, err)
+        call write_field(file, 'PointData/damage', '-', damage, err)
     end subroutine write_stress
+
+    !> Pressure and von Mises stress [Pa].
+    pure subroutine invariants(stress, p, mises)
+        real(rk), intent(in) :: stress(6) !! [Pa]
+        real(real32), intent(out) :: p, mises
+        real(rk) :: s(6), mean
+
+        s = stress
+        mean = (s(1) + s(2) + s(3))/3
+        s(1:3) = s(1:3) - mean
+        p = real(-mean, real32)
+        mises = real(sqrt(1.5_rk*(dot_product(s(1:3), s(1:3)) &
+                                  + 2*dot_product(s(4:6), s(4:6)))), real32)
+    end subroutine invariants
 
     !> Cohesive interfaces: damage of the points beside each particle, the largest of them; in the
     !> field data the points themselves, at the particle of their near side in the unloaded body.
-    subroutine write_interfaces(file, solid, order, err)
+    subroutine write_interfaces(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: order(:)
+        type(rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         real(real32), allocatable :: field(:), at(:, :)
         character(68) :: names(size(solid%cohesive%law))
@@ -203,7 +223,7 @@ contains
             do k = 1, size(names)
                 names(k) = interface_name(solid, k)
             end do
-            call write_field(file, 'PointData/bond_damage', '-', field(order), err)
+            call write_field(file, 'PointData/bond_damage', '-', field(rows%place), err)
             call write_field(file, 'FieldData/interface_at', 'm', at, err)
             call write_field(file, 'FieldData/interface', '-', glue%of, err)
             call write_field(file, 'FieldData/interface_damage', '-', &
@@ -214,45 +234,47 @@ contains
     end subroutine write_interfaces
 
     !> Named history variables: each name once, filled in by every body whose material has it.
-    subroutine write_history(file, solid, order, err)
+    subroutine write_history(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
-        integer, intent(in) :: order(:)
+        type(rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         character(32) :: names(n_hist, size(solid%materials))
         character(12) :: units(n_hist, size(solid%materials))
-        real(real32), allocatable :: field(:)
+        real(real32) :: field(rows%n)
         integer :: m, slot
 
         do m = 1, size(solid%materials)
             call history_names(solid%materials(m), names(:, m), units(:, m))
         end do
-        allocate (field(solid%n))
         do m = 1, size(solid%materials)
             do slot = 1, min(n_hist, solid%n_hist)
                 if (names(slot, m) == '' .or. any(names(:, :m - 1) == names(slot, m))) cycle
-                call gather_history(solid, names, names(slot, m), field)
+                call gather_history(solid, rows, names, names(slot, m), field)
                 call write_field(file, 'PointData/'//trim(names(slot, m)), trim(units(slot, m)), &
-                                 field(order), err)
+                                 field, err)
             end do
         end do
     end subroutine write_history
 
-    !> One history variable by name.
-    subroutine gather_history(solid, names, name, field)
+    !> One history variable by name; 0 where a material has none of it.
+    subroutine gather_history(solid, rows, names, name, field)
         type(solid_t), intent(in) :: solid
+        type(rows_t), intent(in) :: rows
         character(*), intent(in) :: names(:, :) !! (slot, material)
         character(*), intent(in) :: name
         real(real32), intent(out) :: field(:) !! (n)
-        integer :: b, slot
+        integer :: k, slot(size(solid%bodies))
 
-        field = 0
-        do b = 1, size(solid%bodies)
-            slot = findloc(names(:, solid%bodies(b)%material), name, dim=1)
-            if (slot == 0 .or. slot > solid%n_hist) cycle
-            associate (i => solid%bodies(b)%first, j => solid%bodies(b)%last)
-                field(i:j) = real(solid%hist(slot, i:j), real32)
-            end associate
+        do k = 1, size(slot)
+            slot(k) = findloc(names(:, solid%bodies(k)%material), name, dim=1)
+        end do
+        where (slot > solid%n_hist) slot = 0
+        !$omp parallel do schedule(static)
+        do k = 1, rows%n
+            field(k) = 0
+            if (slot(rows%body(k)) > 0) &
+                field(k) = real(solid%hist(slot(rows%body(k)), rows%place(k)), real32)
         end do
     end subroutine gather_history
 end module brz_solid_dump
