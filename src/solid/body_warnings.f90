@@ -1,7 +1,6 @@
 ! SPDX-License-Identifier: MIT
 !> Warnings of the set-up about bodies and what lies in them.
 module brz_body_warnings
-    use brz_bar_layers, only: layers_across
     use brz_body_points, only: points_t
     use brz_body_shape, only: inside, shape_t
     use brz_case, only: body_case_t, case_t, label
@@ -10,7 +9,7 @@ module brz_body_warnings
     use brz_text, only: to_text
     implicit none
     private
-    public :: judge_gauges, judge_spacing, judge_distance, judge_bars
+    public :: judge_gauges, judge_spacing, judge_distance
 
     real(dp), parameter :: anisotropy = 0.02_dp !! larger differences of the spacings are reported
     ! In mixed precision a GPU reads places to 2.4e-10 of themselves: 5e-6 of this many spacings.
@@ -86,18 +85,4 @@ contains
             'precision blurs distances on a GPU; lay the origin near it, or use real64'// &
             new_line('a')
     end subroutine judge_distance
-
-    !> Particles across a bar; one alone has the right area but not the right stiffness.
-    subroutine judge_bars(input, across, notes)
-        type(body_case_t), intent(in) :: input
-        integer, intent(out) :: across
-        character(:), allocatable, intent(inout) :: notes
-
-        across = layers_across(input, input%spacing)
-        if (across > 1) return
-        notes = notes//label('body', input%id, input%place)//'warning: one particle across a '// &
-            'bar is too stiff along it (by half in steel); two at least are right: use a '// &
-            'spacing of at most '//to_text(real(input%diameter/1.5_dp, real32))//' m'// &
-            new_line('a')
-    end subroutine judge_bars
 end module brz_body_warnings
