@@ -6,7 +6,8 @@ module brz_body_setup
     use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: axis_of, shape_t
     use brz_body_start, only: held_t, hold_body, judge_held, move_body
-    use brz_body_warnings, only: judge_distance, judge_gauges, judge_spacing
+    use brz_body_warnings, only: judge_distance, judge_gauges, judge_plies, &
+        judge_spacing
     use brz_bond_check, only: judge_bonds
     use brz_case, only: body_case_t, case_t
     use brz_cohesive_setup, only: set_up_cohesive
@@ -183,6 +184,8 @@ contains
                 call settle_layer(case, b, points(b)%shape, solid%materials(m), solid%bodies(b))
             end associate
             call judge_spacing(case%bodies(b), points(b)%shape, solid%notes)
+            call judge_plies(case%bodies(b), &
+                             solid%materials(case%bodies(b)%material_index), solid%notes)
             call judge_distance(case%bodies(b), points(b)%shape, solid%notes)
             call judge_crack(case%bodies(b), solid%bodies(b), &
                              solid%materials(case%bodies(b)%material_index), solid%notes, err)

@@ -5,11 +5,12 @@ module brz_body_warnings
     use brz_body_shape, only: inside, shape_t
     use brz_case, only: body_case_t, case_t, label
     use brz_kinds, only: dp, real32, rk
+    use brz_material, only: material_t
     use brz_stl, only: is_inside
     use brz_text, only: to_text
     implicit none
     private
-    public :: judge_gauges, judge_spacing, judge_distance
+    public :: judge_gauges, judge_plies, judge_spacing, judge_distance
 
     real(dp), parameter :: anisotropy = 0.02_dp !! larger differences of the spacings are reported
     ! In mixed precision a GPU reads places to 2.4e-10 of themselves: 5e-6 of this many spacings.
@@ -69,6 +70,17 @@ contains
             'number of spacings; layers are '//d(1)//', '//d(2)//', '//d(3)//' m apart'// &
             new_line('a')
     end subroutine judge_spacing
+
+    !> Report angles of plies that the material does not know.
+    subroutine judge_plies(input, material, notes)
+        type(body_case_t), intent(in) :: input
+        type(material_t), intent(in) :: material
+        character(:), allocatable, intent(inout) :: notes
+
+        if (input%n_plies == 0 .or. all(material%axial > 0)) return
+        notes = notes//label('body', input%id, input%place)//"warning: plies change nothing: "// &
+            "its material '"//trim(input%material)//"' is the same in all directions"//new_line('a')
+    end subroutine judge_plies
 
     !> Report a body that lies too far from the origin for the places of mixed precision.
     subroutine judge_distance(input, shape, notes)

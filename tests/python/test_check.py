@@ -70,6 +70,12 @@ WARNINGS = {
         "case.nml:3: &body id='b': warning: a single row of particles does not see what it "
         "strains across",
     ),
+    "plies_of_a_metal": (
+        "&run t_end=1e-4 /\n"
+        + STEEL
+        + "&body id='b', box=0,0.1,0,0.1,0,0.03, spacing=0.01, material='s', plies='0/90/0' /\n",
+        "case.nml:3: &body id='b': warning: plies change nothing: its material 's' is the same",
+    ),
     "a_single_layer_of_metal": (
         "&run t_end=1e-4 /\n"
         + STEEL
