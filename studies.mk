@@ -12,7 +12,8 @@ $(STUDIES): %: $(LIB) $(STUDY:%.f90=$(B)/obj/%.o) $(PROBLEMS:%.f90=$(B)/obj/%.o)
 	$(Q)$(LINK) -o $@ $(filter-out $(B)/obj/tests/study/study_%,$^) \
 	    $(patsubst $(B)/%,$(B)/obj/%.o,$@) $(HDF5_LIBS)
 
-.PHONY: start-2d plate-models slab-models charts charts-air charts-solid charts-coupling charts-scenes taylor stability stability-air validate compare
+.PHONY: start-2d plate-models slab-models charts charts-air charts-solid charts-coupling charts-scenes \
+        charts-fracture taylor stability stability-air validate compare
 .PHONY: point-blast point-blast-gpu paper paper-coarse paper-questions
 paper: all ## every scene of the paper at its resolution: exact quarters, on all GPUs; goes on where it stopped (ARGS="--share 2": two runs at a time on each)
 	@$(PY) scripts/paper.py quarter $(ARGS)
@@ -36,6 +37,8 @@ taylor: $(B)/tests/study/study_taylor ## bars that strike a wall: particles, fin
 	$< profiles > $(B)/taylor.csv && mv $(B)/taylor.csv docs/data/taylor_profiles.csv
 	$(PY) scripts/taylor_charts.py docs/data/taylor_bars.csv docs/data/taylor_profiles.csv \
 	    docs/data/taylor_experiment.csv docs/figures/taylor_copper.png
+charts-fracture: all ## what cracks cost, run and drawn (a minute)
+	$(PY) scripts/fracture_charts.py docs/figures/fracture_strips.png docs/figures/fracture_beam.png
 charts-scenes: ## draw the impact on CFRP from what was recorded (scripts/scene_charts.py record OUTDIR...)
 	$(PY) scripts/scene_charts.py draw
 point-blast: $(B)/tests/study/study_air ## the point blast up to 128^3 cells, recorded (a quarter of an hour)

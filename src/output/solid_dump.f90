@@ -24,10 +24,10 @@ module brz_solid_dump
     public :: write_solid_dump
 
     !> Rows of a dump: the place of the particle that stands there, and its body.
-    type :: rows_t
+    type :: dump_rows_t
         integer :: n = 0
         integer, allocatable :: place(:), body(:) !! (n)
-    end type rows_t
+    end type dump_rows_t
 
 contains
 
@@ -39,7 +39,7 @@ contains
         type(meta_t), intent(in) :: meta
         type(error_t), intent(inout) :: err
         type(h5_t) :: file
-        type(rows_t) :: rows
+        type(dump_rows_t) :: rows
 
         call order_by_number(solid, rows)
         call begin_dump(file, path, 'PolyData', err)
@@ -57,7 +57,7 @@ contains
     !> The particles in the order of their numbers.
     subroutine order_by_number(solid, rows)
         type(solid_t), intent(in) :: solid
-        type(rows_t), intent(out) :: rows
+        type(dump_rows_t), intent(out) :: rows
         integer, allocatable :: place(:)
         integer :: body(solid%n), b, i
 
@@ -77,7 +77,7 @@ contains
     subroutine write_points(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
-        type(rows_t), intent(in) :: rows
+        type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         real(real32) :: x(3, rows%n)
         integer(int32) :: id(rows%n), material(rows%n), ply(rows%n)
@@ -137,7 +137,7 @@ contains
     subroutine write_motion(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
-        type(rows_t), intent(in) :: rows
+        type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         real(real32) :: v(3, rows%n), d(3, rows%n)
         integer :: k
@@ -157,7 +157,7 @@ contains
     subroutine write_stress(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
-        type(rows_t), intent(in) :: rows
+        type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         real(real32) :: stress(6, rows%n)
         real(real32), dimension(rows%n) :: p, mises, mass, density, energy, damage
@@ -204,7 +204,7 @@ contains
     subroutine write_interfaces(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
-        type(rows_t), intent(in) :: rows
+        type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         real(real32), allocatable :: field(:), at(:, :)
         character(68) :: names(size(solid%cohesive%law))
@@ -237,7 +237,7 @@ contains
     subroutine write_history(file, solid, rows, err)
         type(h5_t), intent(in) :: file
         type(solid_t), intent(in) :: solid
-        type(rows_t), intent(in) :: rows
+        type(dump_rows_t), intent(in) :: rows
         type(error_t), intent(inout) :: err
         character(32) :: names(n_hist, size(solid%materials))
         character(12) :: units(n_hist, size(solid%materials))
@@ -260,7 +260,7 @@ contains
     !> One history variable by name; 0 where a material has none of it.
     subroutine gather_history(solid, rows, names, name, field)
         type(solid_t), intent(in) :: solid
-        type(rows_t), intent(in) :: rows
+        type(dump_rows_t), intent(in) :: rows
         character(*), intent(in) :: names(:, :) !! (slot, material)
         character(*), intent(in) :: name
         real(real32), intent(out) :: field(:) !! (n)

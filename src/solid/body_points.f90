@@ -76,7 +76,7 @@ contains
         if (failed(err)) return
         do b = 1, size(points)
             if (case%bodies(b)%shape == 'particles') cycle
-            if (case%bodies(b)%shape == 'stl') call mark_lattice(points(b))
+            if (case%bodies(b)%shape == 'stl') call mark_lattice(case%bodies(b), points(b), err)
             if (case%bodies(b)%layered) then
                 call lay_wall(case%bodies(b), points(b)%shape, points(b)%x, points(b)%volume)
             else
@@ -193,13 +193,20 @@ contains
     end subroutine move_particles
 
     !> Find the points of the lattice that lie within the surface.
-    subroutine mark_lattice(points)
+    subroutine mark_lattice(body, points, err)
+        type(body_case_t), intent(in) :: body
         type(points_t), intent(inout) :: points
+        type(error_t), intent(inout) :: err
+        logical :: once
 
         associate (s => points%shape)
             allocate (s%mark(s%n(1), s%n(2), s%n(3)))
-            call is_inside(points%mesh, s%start, s%spacing, s%mark)
+            call is_inside(points%mesh, s%start, s%spacing, s%mark, once)
         end associate
+        if (.not. once) call raise(err, exit_deck, label('body', body%id, body%place)// &
+            trim(body%file)//' has parts that lie in each other or face different ways, so its '// &
+            'mass is not that of its particles; join the parts, and let the surface of a '// &
+            'hollow face into it')
     end subroutine mark_lattice
 
     !> True where body a takes the place of body b.

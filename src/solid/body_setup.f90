@@ -6,7 +6,8 @@ module brz_body_setup
     use brz_body_points, only: lay_shapes, place_points, points_t
     use brz_body_shape, only: axis_of, shape_t
     use brz_body_start, only: held_t, hold_body, judge_held, move_body
-    use brz_body_warnings, only: judge_bars, judge_distance, judge_gauges, judge_spacing
+    use brz_body_warnings, only: judge_distance, judge_gauges, judge_plies, &
+        judge_spacing
     use brz_bond_check, only: judge_bonds
     use brz_case, only: body_case_t, case_t
     use brz_cohesive_setup, only: set_up_cohesive
@@ -28,6 +29,7 @@ module brz_body_setup
     use brz_start_fields, only: start_from_file
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: between_t, body_t, solid_t, worth_threads
+    use brz_thin_bodies, only: judge_bars, judge_thin
     use brz_wide_lattice, only: settle_lattice
     implicit none
     private
@@ -182,11 +184,15 @@ contains
                 call settle_layer(case, b, points(b)%shape, solid%materials(m), solid%bodies(b))
             end associate
             call judge_spacing(case%bodies(b), points(b)%shape, solid%notes)
+            call judge_plies(case%bodies(b), &
+                             solid%materials(case%bodies(b)%material_index), solid%notes)
             call judge_distance(case%bodies(b), points(b)%shape, solid%notes)
             call judge_crack(case%bodies(b), solid%bodies(b), &
                              solid%materials(case%bodies(b)%material_index), solid%notes, err)
-            if (case%bodies(b)%shape == 'bars') &
-                call judge_bars(case%bodies(b), solid%bodies(b)%across, solid%notes)
+            if (case%bodies(b)%shape == 'bars') call judge_bars(case, b, solid%bodies(b), err)
+            call judge_thin(case, b, points(b)%shape, &
+                            solid%materials(case%bodies(b)%material_index), solid%bodies(b), &
+                            solid%notes, err)
         end do
         if (allocated(case%gauges)) call judge_gauges(case, points, solid%notes)
     end subroutine lay_bodies

@@ -1,16 +1,16 @@
 ! SPDX-License-Identifier: MIT
 !> Warnings of the set-up about bodies and what lies in them.
 module brz_body_warnings
-    use brz_bar_layers, only: layers_across
     use brz_body_points, only: points_t
     use brz_body_shape, only: inside, shape_t
     use brz_case, only: body_case_t, case_t, label
     use brz_kinds, only: dp, real32, rk
+    use brz_material, only: material_t
     use brz_stl, only: is_inside
     use brz_text, only: to_text
     implicit none
     private
-    public :: judge_gauges, judge_spacing, judge_distance, judge_bars
+    public :: judge_gauges, judge_plies, judge_spacing, judge_distance
 
     real(dp), parameter :: anisotropy = 0.02_dp !! larger differences of the spacings are reported
     ! In mixed precision a GPU reads places to 2.4e-10 of themselves: 5e-6 of this many spacings.
@@ -71,6 +71,17 @@ contains
             new_line('a')
     end subroutine judge_spacing
 
+    !> Report angles of plies that the material does not know.
+    subroutine judge_plies(input, material, notes)
+        type(body_case_t), intent(in) :: input
+        type(material_t), intent(in) :: material
+        character(:), allocatable, intent(inout) :: notes
+
+        if (input%n_plies == 0 .or. all(material%axial > 0)) return
+        notes = notes//label('body', input%id, input%place)//"warning: plies change nothing: "// &
+            "its material '"//trim(input%material)//"' is the same in all directions"//new_line('a')
+    end subroutine judge_plies
+
     !> Report a body that lies too far from the origin for the places of mixed precision.
     subroutine judge_distance(input, shape, notes)
         type(body_case_t), intent(in) :: input
@@ -86,18 +97,4 @@ contains
             'precision blurs distances on a GPU; lay the origin near it, or use real64'// &
             new_line('a')
     end subroutine judge_distance
-
-    !> Particles across a bar; one alone has the right area but not the right stiffness.
-    subroutine judge_bars(input, across, notes)
-        type(body_case_t), intent(in) :: input
-        integer, intent(out) :: across
-        character(:), allocatable, intent(inout) :: notes
-
-        across = layers_across(input, input%spacing)
-        if (across > 1) return
-        notes = notes//label('body', input%id, input%place)//'warning: one particle across a '// &
-            'bar is too stiff along it (by half in steel); two at least are right: use a '// &
-            'spacing of at most '//to_text(real(input%diameter/1.5_dp, real32))//' m'// &
-            new_line('a')
-    end subroutine judge_bars
 end module brz_body_warnings

@@ -2,13 +2,13 @@
 !> Which bodies are a single layer of particles, and what that takes: brz_lone_layer.
 module brz_layer_setup
     use brz_body_shape, only: shape_t
-    use brz_case, only: case_t, interaction_case_t
+    use brz_case, only: case_t
     use brz_hourglass_axes, only: fourth_moment, lay_layer_axes
-    use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp, rk
     use brz_material, only: material_t
     use brz_ply_stress, only: p_c11, p_c13, p_c23, p_c33, p_g12, p_g13, p_g23
     use brz_solid_state, only: body_t, form_bending
+    use brz_thin_bodies, only: is_bonded
     implicit none
     private
     public :: settle_layer
@@ -23,9 +23,8 @@ contains
         type(shape_t), intent(in) :: shape
         type(material_t), intent(in) :: material
         type(body_t), intent(inout) :: body
-        type(interaction_case_t) :: rule
         real(rk) :: young
-        integer :: axis, other
+        integer :: axis
 
         if (body%formulation /= form_bending .or. case%bodies(b)%shape /= 'box') return
         associate (d => shape%dimension)
@@ -34,10 +33,7 @@ contains
         end associate
         if (material%axial(1) > 0 .and. index('xyz', case%bodies(b)%ply_axis) /= axis) return
         if (shape%on_plane(axis)) return
-        do other = 1, size(case%bodies)
-            call find_rule(case, b, other, rule)
-            if (other /= b .and. (rule%law == 'bonded' .or. rule%law == 'shared')) return
-        end do
+        if (is_bonded(case, b)) return
         body%layer = axis
         body%normal = 0 ! nothing is tilted
         call set_elastic(material, body)

@@ -204,10 +204,11 @@ contains
     !> Which points of a lattice lie inside: along every column in z the surface is crossed in and
     !> out. A column that meets an edge exactly counts as moved by a trace in x, and by still less
     !> in y, so that it crosses one of the two triangles, never both or none.
-    subroutine is_inside(mesh, start, spacing, inside)
+    subroutine is_inside(mesh, start, spacing, inside, once)
         type(mesh_t), intent(in) :: mesh
         real(dp), intent(in) :: start(3), spacing(3) !! low corner and distances of the lattice [m]
         logical, intent(out) :: inside(:, :, :)
+        logical, intent(out), optional :: once !! no point lies in two parts, or in one inside out
         integer, allocatable :: winding(:, :, :)
         integer :: i, j, k, t, first(2), last(2), side, n(3)
         real(dp) :: p(2), z
@@ -233,6 +234,7 @@ contains
             winding(:, :, k) = winding(:, :, k) + winding(:, :, k - 1)
         end do
         inside = winding /= 0
+        if (present(once)) once = all(winding == 0 .or. winding == 1)
     end subroutine is_inside
 
     !> Does a column cross a triangle: -1 out of the body upwards, 1 into it, 0 not; and where.

@@ -5,7 +5,8 @@
 !> comes in the run's time.
 module brz_advice
     use brz_advice_air, only: advise_one_gas, advise_still
-    use brz_advice_bodies, only: advise_cracks, advise_rigid, advise_walls
+    use brz_advice_bodies, only: advise_cracks, advise_rigid, advise_two_layers, &
+        advise_walls
     use brz_advice_start, only: advise_start
     use brz_advice_text, only: length_text, point_text, say_advice, say_more, time_text
     use brz_case, only: body_case_t, case_t, is_from_file
@@ -44,6 +45,7 @@ contains
         call advise_one_gas(case, early, work)
         call advise_cracks(case, solid, work)
         call advise_walls(case, solid)
+        call advise_two_layers(case, solid)
         call advise_box(case, work)
     end subroutine print_advice
 

@@ -63,12 +63,24 @@ WARNINGS = {
         "case.nml:4: warning: &body id='p': it is smaller than a cell of the air, 0.02 m: the gas "
         "sees and pushes whole cells",
     ),
-    "one_particle_across_a_bar": (
+    "a_single_row_of_particles": (
         "&run t_end=1e-4 /\n"
         + STEEL
-        + "&body id='b', shape='bars', axis='x', box=0,0.1,0,0.01,0,0.01, diameter=0.01, "
-        "spacing=0.009, material='s' /\n",
-        "case.nml:3: &body id='b': warning: one particle across a bar",
+        + "&body id='b', box=0,0.1,0,0.01,0,0.01, spacing=0.01, material='s' /\n",
+        "case.nml:3: &body id='b': warning: a single row of particles does not see what it "
+        "strains across",
+    ),
+    "plies_of_a_metal": (
+        "&run t_end=1e-4 /\n"
+        + STEEL
+        + "&body id='b', box=0,0.1,0,0.1,0,0.03, spacing=0.01, material='s', plies='0/90/0' /\n",
+        "case.nml:3: &body id='b': warning: plies change nothing: its material 's' is the same",
+    ),
+    "a_single_layer_of_metal": (
+        "&run t_end=1e-4 /\n"
+        + STEEL
+        + "&body id='b', box=0,0.1,0,0.1,0,0.01, spacing=0.01, material='s' /\n",
+        "lay two or more, or take formulation='bending', a membrane then",
     ),
 }
 
@@ -81,6 +93,41 @@ def test_traps_are_told(case, tmp_path):
     assert code == 0, err
     assert words in err
     assert re.search(r"^verdict +[1-9] warning", out, re.MULTILINE), out
+
+
+ROW = "&body id='b', box=0,0.1, 0,0.1, 0,0.01, spacing=0.01, material='{}', {} /\n"
+BAR = (
+    "&body id='b', shape='bars', axis='x', box=0,0.1,0,0.01,0,0.01, diameter=0.01, "
+    "spacing=0.009, material='s'{} /\n"
+)
+ELASTIC = (
+    "&material id='e', model='linear_elastic', density=1e3, youngs_modulus=1e9, "
+    "poisson_ratio=0.3 /\n"
+)
+AROUND = "&body id='c', box=0,0.1, -0.027,0.036, -0.027,0.036, spacing=0.009, material='s' /\n"
+
+
+@pytest.mark.parametrize(
+    ("bodies", "words"),
+    [
+        (ROW.format("e", "formulation='bending'"), ""),
+        (ROW.format("e", "formulation='rigid'"), ""),
+        (ROW.format("e", "formulation='corrected', fix='all'"), ""),
+        (ROW.format("e", "formulation='total_lagrangian'"), "'total_lagrangian' has no stress in"),
+        (BAR.format(""), "one particle across a bar that no body is bonded to"),
+        (BAR.format(", fix='all'"), ""),
+        (AROUND + BAR.format(", cuts='c'"), ""),
+    ],
+)
+def test_single_layers_and_rows(bodies, words, tmp_path):
+    """What has stress is let pass without a word, what has none is refused."""
+    material = STEEL if "'s'" in bodies else ELASTIC
+    code, out, err = check(tmp_path, "&run t_end=1e-4 /\n" + material + bodies)
+    assert code == (2 if words else 0), err
+    assert words in err
+    if not words:
+        assert err == "", err
+        assert "the deck is sound" in out
 
 
 def test_boxes_of_gas_on_faces_of_cells_are_sound(tmp_path):

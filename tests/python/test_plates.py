@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from notes import note
+from test_advice import advice
 from test_gpu import run as on_gpu
 from test_gpu import same, stamp
 
@@ -162,3 +163,19 @@ def test_a_ring_of_three_layers(tmp_path, form, material, least, most):
     rate = np.sqrt(modulus / 7800 * thick**2 / 12 / radius**4 * 36 / 5)
     note(f"ring_of_three_{form}", zero * rate / (np.pi / 2))
     assert least < zero * rate / (np.pi / 2) < most
+
+
+def test_a_body_of_two_layers_is_told(tmp_path):
+    """Two layers bend 2.7 times too far, if they are all there are and nothing else holds them."""
+    deck = tmp_path / "bar.nml"
+    deck.write_text(
+        "&run t_end=1e-5 /\n&material id='m', preset='steel_4340' /\n"
+        "&body id='bar', box=0,0.06, -0.003,0.003, -0.003,0.003, spacing=3e-3, material='m' /\n",
+        encoding="utf-8",
+    )
+    told = "'bar' has two layers across y and bends 2.7 times too far:"
+    assert any(told in text for text in advice(deck))
+    assert any(told in text for text in advice(deck, "run.symmetry=y"))
+    for change in ("spacing=2e-3", "formulation=bending", "fix=all",
+                   "box=0,0.009,-0.003,0.003,-0.003,0.003"):  # fmt: skip
+        assert not any("two layers" in text for text in advice(deck, f"body(bar).{change}")), change
