@@ -4,6 +4,7 @@ module brz_check_bodies
     use brz_case, only: body_case_t, case_t, means
     use brz_check_aspect, only: check_aspect
     use brz_check_lattice, only: check_lattice
+    use brz_check_methods, only: check_methods
     use brz_check_air, only: box_text, check_corners
     use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
     use brz_get, only: is_given, is_usable, need_file
@@ -37,6 +38,7 @@ contains
             call check_start(deck, g, case%bodies(k))
             if (deck%groups(g)%bad) cycle
             call check_aspect(deck, g, case, case%bodies(k))
+            call check_methods(deck, g, case%bodies(k))
             call check_lattice(deck, g, case, case%bodies(k))
             call check_gaps(deck, g, case, case%bodies(k))
             call check_cover(deck, g, case, case%bodies(k))

@@ -70,6 +70,20 @@ WARNINGS = {
         "case.nml:3: &body id='b': warning: a single row of particles does not see what it "
         "strains across",
     ),
+    "keys_of_other_formulations": (
+        "&run t_end=1e-4 /\n"
+        + STEEL
+        + "&body id='b', box=0,0.1,0,0.1,0,0.04, spacing=0.01, material='s', formulation='bending',\n"
+        "  zeta_viscous=0.1 /\n",
+        "case.nml:3: warning: &body id='b': zeta_viscous has no effect: it is of "
+        "formulation='corrected_hourglass', and this is 'bending'",
+    ),
+    "bounds_of_a_fixed_smoothing_length": (
+        "&run t_end=1e-4 /\n"
+        + STEEL
+        + "&body id='b', box=0,0.1,0,0.1,0,0.04, spacing=0.01, material='s', h_range=0.8,1.1 /\n",
+        "case.nml:3: warning: &body id='b': h_range has no effect: it is of variable_h = .true.",
+    ),
     "plies_of_a_metal": (
         "&run t_end=1e-4 /\n"
         + STEEL
