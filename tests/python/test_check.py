@@ -73,8 +73,8 @@ WARNINGS = {
     "keys_of_other_formulations": (
         "&run t_end=1e-4 /\n"
         + STEEL
-        + "&body id='b', box=0,0.1,0,0.1,0,0.04, spacing=0.01, material='s', formulation='bending',\n"
-        "  zeta_viscous=0.1 /\n",
+        + "&body id='b', box=0,0.1,0,0.1,0,0.04, spacing=0.01, material='s',\n"
+        "  formulation='bending', zeta_viscous=0.1 /\n",
         "case.nml:3: warning: &body id='b': zeta_viscous has no effect: it is of "
         "formulation='corrected_hourglass', and this is 'bending'",
     ),
