@@ -3,7 +3,7 @@
 module brz_check_motions
     use brz_case, only: body_case_t, case_t, max_motion, name_len, region_case_t
     use brz_check_bodies, only: miss_body
-    use brz_deck, only: complain, deck_t, place
+    use brz_deck, only: add_warning, complain, deck_t, group_label, place
     use brz_get, only: get, get_boxes, get_list, is_usable
     use brz_key, only: key_t, kind_text, required
     use brz_kinds, only: dp
@@ -59,6 +59,7 @@ contains
             if (b == 0) cycle
             call check_body(deck, g, case, case%bodies(b))
             call check_axes(deck, g, case, region)
+            call check_planes(deck, g, case, case%bodies(b)%spacing, region)
             if (.not. allocated(case%bodies(b)%regions)) allocate (case%bodies(b)%regions(0))
             case%bodies(b)%regions = [case%bodies(b)%regions, region]
         end do
@@ -131,4 +132,24 @@ contains
             end if
         end do
     end subroutine check_axes
+
+    !> Warn of what is at a plane of symmetry and moves across it.
+    subroutine check_planes(deck, g, case, spacing, region)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        type(case_t), intent(in) :: case
+        real(dp), intent(in) :: spacing !! of the body [m]
+        type(region_case_t), intent(in) :: region
+        character(*), parameter :: axes = 'xyz'
+        integer :: d
+
+        do d = 1, case%run%dimension
+            if (.not. (case%run%symmetry(d) .and. any(abs(region%velocity(d, :)) > 0))) cycle
+            if (any(region%box(2*d - 1, :region%n_boxes) < spacing/2 .and. &
+                    region%box(2*d, :region%n_boxes) >= spacing/2)) &
+                call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                    'a region at the plane of symmetry '//axes(d:d)// &
+                    '=0 is driven away from it or through it')
+        end do
+    end subroutine check_planes
 end module brz_check_motions

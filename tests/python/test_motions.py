@@ -137,6 +137,23 @@ def test_bad_motions(tmp_path, keys):
     assert "bad.nml:" in done.stderr
 
 
+@pytest.mark.parametrize(("axis", "told"), [("x", True), ("y", False)])
+def test_a_motion_across_a_plane_of_symmetry_is_told(tmp_path, axis, told):
+    """What lies at the plane and leaves it tears the body from its mirror image."""
+    (tmp_path / "case.nml").write_text(
+        f"&run t_end=1e-6, symmetry='{axis}' /\n"
+        + STEEL
+        + "&body id='b', box=0,0.004, 0,0.002, 0,0.002, spacing=5e-4, material='s' /\n"
+        "&motion id='m', body='b', box=0,0.001,0,1,0,1, axes='x', velocity=1,0,0 /\n"
+        "&motion id='n', body='b', box=0.003,0.004,0,1,0,1, axes='x', velocity=1,0,0 /\n"
+    )
+    done = subprocess.run([BRISANCE, "run", "case.nml", "--check"], cwd=tmp_path,
+                          capture_output=True, text=True)  # fmt: skip
+    text = "case.nml:4: warning: &motion id='m': a region at the plane of symmetry x=0 is driven"
+    assert done.returncode == 0 and (text in done.stderr) == told, done.stderr
+    assert "'n'" not in done.stderr
+
+
 # Held, on a roller, bent and twisted by two motions, pressed on one of them, met by a block that a
 # motion draws
 MOVED = (
