@@ -56,7 +56,7 @@ contains
                 key_t(group=g, key='length', unit='m', lower=zero, open_lower=.true., &
                       meaning='Cylinder: length.'), &
                 key_t(group=g, key='inner_radius', unit='m', default='0.0', lower=zero, &
-                      meaning='Cylinder: radius of the hole along its axis.'), &
+                      meaning='Radius of the hole of a cylinder, of the hollow of a sphere.'), &
                 key_t(group=g, key='axis', kind=kind_text, default='z', choices='x|y|z', &
                       meaning='Cylinder, bars: direction of the axis.'), &
                 key_t(group=g, key='diameter', unit='m', lower=zero, open_lower=.true., &

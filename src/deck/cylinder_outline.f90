@@ -3,8 +3,7 @@
 module brz_cylinder_outline
     use brz_case, only: body_case_t
     use brz_kinds, only: dp
-    use brz_outline, only: away, ball, centred, outline_t
-    use brz_text, only: to_text
+    use brz_outline, only: away, ball, centred, nothing_left, outline_t
     implicit none
     private
     public :: cylinder
@@ -14,20 +13,8 @@ contains
     pure type(outline_t) function cylinder()
         cylinder = outline_t('cylinder', needs='centre radius length axis', takes='inner_radius', &
                              fits='axis', round=.true., corners=corners, holds=holds, &
-                             volume=volume, fault=fault)
+                             volume=volume, fault=nothing_left)
     end function cylinder
-
-    pure subroutine fault(body, key, text)
-        type(body_case_t), intent(in) :: body
-        character(:), allocatable, intent(out) :: key, text
-
-        key = ''
-        text = ''
-        if (body%inner_radius < body%radius) return
-        key = 'inner_radius'
-        text = 'inner_radius '//to_text(body%inner_radius)//' m leaves nothing of the radius '// &
-               to_text(body%radius)//' m'
-    end subroutine fault
 
     pure subroutine corners(body, lo, hi)
         type(body_case_t), intent(in) :: body

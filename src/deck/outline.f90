@@ -7,9 +7,10 @@ module brz_outline
     use brz_case, only: body_case_t
     use brz_key, only: key_t
     use brz_kinds, only: dp
+    use brz_text, only: to_text
     implicit none
     private
-    public :: outline_t, ball, centred, away, has_key, needs_key, fits_along
+    public :: outline_t, ball, centred, away, nothing_left, has_key, needs_key, fits_along
 
     type :: outline_t
         character(12) :: name = ''
@@ -52,6 +53,19 @@ module brz_outline
     end interface
 
 contains
+
+    !> The fault of a round body whose hole is as wide as it is.
+    pure subroutine nothing_left(body, key, text)
+        type(body_case_t), intent(in) :: body
+        character(:), allocatable, intent(out) :: key, text
+
+        key = ''
+        text = ''
+        if (body%inner_radius < body%radius) return
+        key = 'inner_radius'
+        text = 'inner_radius '//to_text(body%inner_radius)//' m leaves nothing of the radius '// &
+               to_text(body%radius)//' m'
+    end subroutine nothing_left
 
     !> Corners of the smallest box around a body that the key `box` describes [m].
     pure subroutine box_around(body, lo, hi)

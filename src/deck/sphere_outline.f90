@@ -1,9 +1,9 @@
 ! SPDX-License-Identifier: MIT
-!> Bodies of shape='sphere'.
+!> Bodies of shape='sphere', which may be hollow.
 module brz_sphere_outline
     use brz_case, only: body_case_t
     use brz_kinds, only: dp
-    use brz_outline, only: away, ball, centred, outline_t
+    use brz_outline, only: away, ball, centred, nothing_left, outline_t
     implicit none
     private
     public :: sphere
@@ -12,8 +12,8 @@ contains
 
     !> A ball, a disc in two dimensions.
     pure type(outline_t) function sphere()
-        sphere = outline_t('sphere', needs='centre radius', round=.true., corners=corners, &
-                           holds=holds, volume=volume)
+        sphere = outline_t('sphere', needs='centre radius', takes='inner_radius', round=.true., &
+                           corners=corners, holds=holds, volume=volume, fault=nothing_left)
     end function sphere
 
     pure subroutine corners(body, lo, hi)
@@ -27,14 +27,17 @@ contains
         type(body_case_t), intent(in) :: body
         integer, intent(in) :: dimension
         real(dp), intent(in) :: x(3), margin !! [m]
+        real(dp) :: square
 
-        holds = away(body, dimension, x, 0) <= (body%radius - margin)**2
+        square = away(body, dimension, x, 0)
+        holds = square <= (body%radius - margin)**2
+        if (body%inner_radius > 0) holds = holds .and. square >= (body%inner_radius + margin)**2
     end function holds
 
     pure real(dp) function volume(body, dimension)
         type(body_case_t), intent(in) :: body
         integer, intent(in) :: dimension
 
-        volume = ball(dimension, body%radius)
+        volume = ball(dimension, body%radius) - ball(dimension, body%inner_radius)
     end function volume
 end module brz_sphere_outline

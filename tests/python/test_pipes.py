@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Pipes on layered lattices: loads, bonds, contact, air, restarts, processes, the GPU."""
+"""Pipes on layered lattices: loads, bonds, contact, air, restarts, processes, the GPU; hollow
+spheres."""
 
 import subprocess
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from notes import note
 from test_gpu import EMULATOR, follows_the_cpu
-from test_loads import BRISANCE
+from test_loads import BRISANCE, run
 from test_ranks import equal_bodies, in_two, needs_mpirun, start
 from test_run import history
 
@@ -128,3 +129,39 @@ def test_check_names_the_wall(tmp_path):
     assert done.returncode == 0, done.stderr
     assert "a wall round z" in done.stdout
     assert "a bar along" not in done.stdout
+
+
+HOLLOW = """\
+&run t_end=1.5e-4, symmetry='x','y','z' /
+&material id='s', model='linear_elastic', density=7800, youngs_modulus=200e9, poisson_ratio=0.3 /
+&body id='b', shape='sphere', centre=0,0,0, radius=0.02, inner_radius=0.015, spacing=1.25e-3,
+    material='s' /
+&load body='b', faces='x+','y+','z+', time=0,1e-4,1.5e-4, pressure=0,1e7,1e7 /
+&gauge id='out', body='b', at=0.02,0,0, quantity='displacement_x' /
+&gauge id='in', body='b', at=0.015,0,0, quantity='displacement_x' /
+&output history_every=1e-6 /
+"""
+
+
+def test_a_hollow_sphere_under_pressure(tmp_path):
+    """Its mass is exact; its surfaces go in as Lame says, four layers in the wall."""
+    inner, outer = 0.015, 0.02
+    tables = run(tmp_path, HOLLOW)
+    assert tables["bodies"]["b:mass[kg]"][0] == pytest.approx(
+        7800 * np.pi / 6 * (outer**3 - inner**3), rel=1e-12
+    )
+    gauges = {name.split(":")[0]: values for name, values in tables["gauges"].items()}
+    late = gauges["time[s]"] > 1.1e-4  # the wall breathes about its place
+    for name, r in (("out", outer), ("in", inner)):
+        lame = -1e7 * outer**3 / (outer**3 - inner**3) * (0.4 * r + 1.3 * inner**3 / (2 * r**2))
+        ratio = gauges[name][late].mean() / (lame / 200e9)
+        note(f"hollow_sphere_{name}", ratio)
+        assert ratio == pytest.approx(1, abs=0.04)
+
+
+def test_a_sphere_as_hollow_as_it_is_wide_is_refused(tmp_path):
+    (tmp_path / "bad.nml").write_text(HOLLOW.replace("inner_radius=0.015", "inner_radius=0.02"))
+    done = subprocess.run([BRISANCE, "run", "bad.nml"], cwd=tmp_path, capture_output=True,
+                          text=True)  # fmt: skip
+    assert done.returncode == 2 and "bad.nml:3:" in done.stderr, done.stderr
+    assert "leaves nothing of the radius" in done.stderr
