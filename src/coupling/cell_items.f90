@@ -5,7 +5,7 @@
 !> A cell without particles that solid encloses on all sides is solid as well.
 module brz_cell_items
     use brz_cell_place, only: cell_number
-    use brz_cell_shells, only: cell_at, neighbour, number_of
+    use brz_cell_shells, only: next_along
     use brz_coupling_box, only: box_t, is_gas, is_left, is_own, is_solid, place_at
     use brz_kinds, only: dp, int32, int64, int8
     use brz_solid_state, only: is_gone
@@ -95,24 +95,19 @@ contains
         integer, intent(in) :: number !! of the cell
         integer(int8), intent(in) :: mark(*)
         logical :: enclosed
-        integer :: d, directions, from(3), offset(3), side, to(3)
-        logical :: inside
+        integer(int32) :: next
+        integer :: d, directions, side
 
         enclosed = .false.
-        from = cell_at(box%n, int(number, int32))
         directions = 0
         do d = 1, 3
             if (box%whole(d) == 1) cycle
             directions = directions + 1
             do side = 1, 2
-                offset(1) = 0
-                offset(2) = 0
-                offset(3) = 0
-                offset(d) = 2*side - 3
-                call neighbour(box%n, box%wraps, from, offset, to, inside)
-                if (.not. inside) then
+                next = next_along(box%n, box%wraps, int(number, int32), d, 2*side - 3)
+                if (next == 0) then
                     if (.not. box%closed(side, d)) return
-                else if (mark(number_of(box%n, to)) /= is_solid) then
+                else if (mark(next) /= is_solid) then
                     return
                 end if
             end do

@@ -6,7 +6,7 @@
 !> depends on the order of the items.
 module brz_donor_items
     use brz_air_grid, only: place_of
-    use brz_cell_shells, only: cell_at, neighbour, number_of, shells_t
+    use brz_cell_shells, only: cell_at, neighbour, next_along, number_of, shells_t
     use brz_coupling_box, only: box_t, is_buried, is_gas, is_left, is_own, place_at, &
                                 place_beside
     use brz_fresh_rules, only: add_gas, mean_gas, no_gas, surrounding_t
@@ -79,27 +79,24 @@ contains
         integer(int32), intent(in) :: ends(*) !! of the particles of each solid cell
         real(rk), intent(in) :: v(3, *)
         real(rk) :: speed(3)
-        integer(int64) :: beside
-        integer :: c, d, ijk(3), k, n, offset(3), side
+        integer(int32) :: next
+        integer :: c, d, k, n, side
 
         c = cell_of(at)
         do k = 1, 3
             speed(k) = v(k, c)
         end do
         if (ends(c + 1) > ends(c)) return
-        ijk = cell_at(box%n, cell)
         n = 0
         do d = 1, 3
+            if (box%whole(d) == 1) cycle
             do side = -1, 1, 2
-                offset(1) = 0
-                offset(2) = 0
-                offset(3) = 0
-                offset(d) = side
-                beside = place_beside(box, ijk, offset)
-                if (beside == 0 .or. box%whole(d) == 1) cycle
+                next = next_along(box%n, box%wraps, cell, d, side)
+                if (next == 0) cycle
                 n = n + 1
+                c = cell_of(place_at(box, next))
                 do k = 1, 3
-                    speed(k) = speed(k) + v(k, cell_of(beside))
+                    speed(k) = speed(k) + v(k, c)
                 end do
             end do
         end do
