@@ -9,7 +9,8 @@ compares with its own. Where ptxas is installed (Python package nvidia-cuda-nvcc
 stack frame or a register spill fails the build, and the registers of each kernel are printed.
 Where flang-22 is missing, the file of that name in ptx/ (a release archive brings it along) is
 taken if it is of the same sources.
-Kernels whose names start with redo_ may spill: they work where cells fall back, which are few.
+Kernels whose names start with redo_ may spill: they work near walls and where cells fall back, and
+such cells are few.
 So may the few bytes of the kernels in STACK.
 """
 

@@ -13,7 +13,7 @@ module brz_cell_items
     private
     public :: find_cell, mark_cell, compare_row, count_kind, list_kind, cells_of_a_chunk
 
-    integer, parameter :: cells_of_a_chunk = 256 !! that one thread looks through
+    integer, parameter :: cells_of_a_chunk = 64 !! that one thread looks through
 
 contains
 

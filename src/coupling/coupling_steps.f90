@@ -28,7 +28,7 @@ contains
     end subroutine move_walls
 
     !> Velocities of the walls in the middle of the coming step, where that of a particle a step
-    !> ago is a column of v_before.
+    !> ago is a column of v_before. Walls and carriers are as move_walls left them.
     subroutine find_velocities(air, solid, p, c, dt, v_before, column)
         type(air_t), intent(in) :: air
         class(solid_t), intent(in) :: solid
@@ -38,15 +38,14 @@ contains
         real(rk), intent(in) :: v_before(:, :) !! [m/s]
         integer(int32), intent(in) :: column(:) !! of each particle in it
 
-        call move_walls(solid, p, c)
         call weigh_columns(p, c)
         call feel_gas(air, c)
         call move_carriers(solid, p, c, dt)
         call push_walls(p, c, dt, v_before, column)
     end subroutine find_velocities
 
-    !> Ledgers and debts after a step. The walls move on, too: the next time step depends on these
-    !> alone, so that a restart finds the same.
+    !> Ledgers and debts after a step. The walls move on, too: the next step, and how long it is,
+    !> depend on these alone, so that a restart finds the same.
     subroutine settle_ledgers(air, solid, p, c)
         type(air_t), intent(inout) :: air
         class(solid_t), intent(in) :: solid

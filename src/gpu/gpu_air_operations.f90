@@ -56,10 +56,10 @@ contains
                               gpu%new, gpu%flux, gpu%walls%near, gpu%bricks%awake, gpu%bad, &
                               gpu%found, gpu%edge, err)
         end do
-        if (gpu%grid%walls == 1) call redo(gpu, air, stage, 0, to_redo, err)
+        if (gpu%n_near > 0) call redo_cells(gpu, air, stage, gpu%n_near, 0, to_redo, err)
     end subroutine sweep_all
 
-    !> Compute marked cells and their neighbours again, in pass 0 those near walls.
+    !> Compute marked cells and their neighbours again.
     subroutine redo(gpu, air, stage, pass, task, err)
         type(gpu_air_t), intent(in) :: gpu
         type(air_t), intent(in) :: air
@@ -68,12 +68,27 @@ contains
         integer, intent(in) :: task !! to_redo, ...
         type(error_t), intent(inout) :: err
 
-        associate (walls => gpu%walls)
-            call launch_redo(gpu%redo, air%n, pass, task, gpu%grid, air%scheme, stage, gpu%u, &
-                             gpu%start, gpu%new, gpu%bad, gpu%found, gpu%edge, walls%near, &
-                             walls%solid, walls%index, walls%v, walls%face_of, walls%push, err)
-        end associate
+        call redo_cells(gpu, air, stage, 0, pass, task, err)
     end subroutine redo
+
+    !> Compute the listed cells again, those near walls, or without a list marked ones.
+    subroutine redo_cells(gpu, air, stage, listed, pass, task, err)
+        type(gpu_air_t), intent(in) :: gpu
+        type(air_t), intent(in) :: air
+        type(stage_t), intent(in) :: stage
+        integer, intent(in) :: listed !! how many, or 0
+        integer, intent(in) :: pass, task !! see redo
+        type(error_t), intent(inout) :: err
+        integer :: threads(3)
+
+        threads = [merge(listed, product(air%n), listed > 0), 1, 1]
+        associate (walls => gpu%walls)
+            call launch_redo(gpu%redo, threads, listed, gpu%near_at, pass, task, gpu%grid, &
+                             air%scheme, stage, gpu%u, gpu%start, gpu%new, gpu%bad, gpu%found, &
+                             gpu%edge, walls%solid, walls%index, walls%v, walls%face_of, &
+                             walls%push, err)
+        end associate
+    end subroutine redo_cells
 
     !> Has a kernel found a bad cell since the last call, in any process? An error of one is then
     !> that of all.

@@ -11,8 +11,10 @@ module brz_gpu_air_state
     use brz_air_state, only: air_t, bc_periodic, set_scale, wall_t
     use brz_boxes, only: cells_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, integers_t, reals_t
+    use brz_cell_items, only: cells_of_a_chunk
+    use brz_cell_launches, only: cell_kernels
     use brz_device, only: allocate_buffer, clear_buffer, copy_out, &
-        device_t, find_kernel, free_buffer, kernel_t, put_buffer
+        device_t, find_kernel, free_buffer, kernel_t, put_buffer, reserve_buffer
     use brz_place_launches, only: place_kernels
     use brz_face_launches, only: face_kernels
     use brz_air_launches, only: air_kernels
@@ -72,6 +74,8 @@ module brz_gpu_air_state
         type(gpu_fetch_t) :: halo, beside !! as in air_part_t: states, marks of bad cells
         type(gpu_common_t) :: common
         type(gpu_walls_t) :: walls
+        integer :: n_near = 0 !! cells near walls, and solid ones
+        type(integers_t) :: near_at, near_before !! their places; how many are before each chunk
         type(gpu_bricks_t) :: bricks
         type(running_total_t) :: left_before(6) !! what had left when the GPU took over
     contains
@@ -166,13 +170,22 @@ contains
         end do
     end function has_wall_ends
 
-    !> Mark the cells beside walls, once the map of solid cells is there.
+    !> Mark and list the cells beside walls, once the map of solid cells is there.
     subroutine mark_near_walls(gpu, err)
-        type(gpu_air_t), intent(in) :: gpu
+        type(gpu_air_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
+        integer :: cells, chunks
 
         call air_kernels%air_near(gpu%grid%n, gpu%grid, gpu%scheme, gpu%walls%solid, &
                                   gpu%walls%near, gpu%bricks%reached, err)
+        cells = int(gpu%grid%apart)
+        chunks = (cells - 1)/cells_of_a_chunk + 1
+        call reserve_buffer(gpu%near_before, 4_int64*(chunks + 1), err)
+        call cell_kernels%count_kind(chunks, cells, 1, gpu%walls%near, gpu%near_before, err)
+        call gpu%common%running_sum(gpu%near_before, chunks, err, gpu%n_near)
+        call reserve_buffer(gpu%near_at, 4_int64*gpu%n_near, err)
+        call cell_kernels%list_kind(chunks, cells, 1, gpu%walls%near, gpu%near_before, &
+                                    gpu%near_at, err)
     end subroutine mark_near_walls
 
     !> All bricks are awake at first.
