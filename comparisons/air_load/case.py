@@ -131,7 +131,7 @@ CASE = Case(
         "Brisance, JWL, 2-D, 5.6 mm, floor": "the same sphere started in its plane: 0.2 % of the "
         "1-D start's mean impulse, 1.3 % in the middle",
         "Brisance, JWL, 1-D, 3.7 mm, floor": "12 % low is what TNT gives that does not burn on in "
-        "the air (validation.md); planned: air load at a plate",
+        "the air (validation.md)",
         "Brisance, ideal, 5.6 mm, plate of 0.54 m": "the immersed boundary of a plate is a wall: "
         "the same within 1e-5",
         "Brisance, ideal, 5.6 mm, plate of 0.26 m": "the air flows round the edges: 7 % less over "

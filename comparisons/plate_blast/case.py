@@ -83,7 +83,7 @@ CASE = Case(
     scales=(1e6, 1e3),
     remarks={
         "Brisance, air, 3 layers": "the load of the air is below the curves, mostly for want of "
-        "heat and because the plate has edges (B3); planned: air load at a plate",
+        "heat and because the plate has edges (B3)",
         "Brisance, air, JWL, 1-D, 3 layers": "without the jet of a start on the grid in the middle",
         "Brisance, &load, 3 layers": "five times the time of 288 quadratic bricks, as three layers "
         "are 25,392 particles and short steps; aspect = 3, 3, 1 takes a tenth of it (P4')",

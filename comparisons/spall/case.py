@@ -99,7 +99,6 @@ CASE = Case(
     exact=exact,
     remarks={
         "Brisance, 800 particles": "first order: the pulse of tension is rounded off where it must "
-        "reach the limit; CalculiX and OpenFOAM have no spall; planned: a viscosity that spares "
-        "smooth waves",
+        "reach the limit; CalculiX and OpenFOAM have no spall",
     },
 )

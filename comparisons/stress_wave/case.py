@@ -110,7 +110,7 @@ CASE = Case(
     exact=lambda: [(k * END / 600, exact(k * END / 600)) for k in range(601)],
     remarks={
         "Brisance, 200 particles": "viscosity (alpha 1) flattens the tip three times as much as "
-        "elements do; planned: a viscosity that spares smooth waves",
+        "elements do",
         "Brisance, 200 particles, alpha 0.1": "for bodies that stay elastic: a twenty-fifth of the "
         "time of as many elements",
         "CalculiX, 100 elements": "better: nothing damps; it rings before and behind the pulse",

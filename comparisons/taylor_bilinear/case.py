@@ -36,8 +36,7 @@ CASE = Case(
         "work; the whole bar, four times our particles",
         "LAMMPS, q1 0.06, hourglass 1": "nearer to the others; fourteen times the time of ours for "
         "four times the particles",
-        "Brisance": "length as wanted; the outer ring of the foot comes apart; planned: "
-        "deformation gradient and stress rate where metal flows far",
+        "Brisance": "length as wanted; the outer ring of the foot comes apart",
         "Brisance, total_lagrangian": "the form for metal that flows far without failing; five "
         "times the time, as its steps follow the most flattened particle",
         "OpenRadioss HEPH, 6 per radius": "as quick as ours, foot too narrow at this resolution",
