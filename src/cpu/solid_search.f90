@@ -257,9 +257,10 @@ contains
         integer :: a, l
 
         x = group
-        do a = 1, 3 ! the image of the group; none where no member is near a plane
+        do a = 1, 3 ! the image of the group; none where all are too far from a plane
             if (.not. btest(m, a - 1)) cycle
-            if (.not. solid%mirror(a) .or. minval(x(:, a)) >= reach) return
+            if (.not. solid%mirror(a)) return
+            if (minval(x(:, a)) >= reach + solid%search%deep(a)) return
             x(:, a) = -x(:, a)
         end do
         before = n

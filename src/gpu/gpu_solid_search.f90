@@ -145,7 +145,7 @@ contains
             if (news > 0) call solid_kernels%mark_cells([news, 1, 1], body%rim - news + 1, &
                 body%rim, body%grid, body%code, gpu%built, body%marked, err)
             call solid_kernels%choose_near(threads_of(body), body%last, body%grid, body%code, &
-                                           body%marked, gpu%built, gpu%chosen, err)
+                                           body%marked, body%below, gpu%built, gpu%chosen, err)
         end associate
     end subroutine choose_lists
 
@@ -233,9 +233,11 @@ contains
             binned = from(gpu%picked, int(body%first, int64)) ! which is free here
             call reserve_buffer(body%start, 4_int64*(cells + 2), err)
             call clear_buffer(body%start, err, 4_int64*(cells + 1))
+            call reserve_buffer(body%below, 24_int64, err)
+            call clear_buffer(body%below, err)
             threads = [body%rim - body%first + 1, 1, 1]
             call solid_kernels%count_cells(threads, real_cells, number(1), number(2), body%grid, &
-                body%code, place, gpu%fixed, gpu%id, gpu%cell, body%start, err)
+                body%code, place, gpu%fixed, gpu%id, gpu%cell, body%start, body%below, err)
             call gpu%common%running_sum(body%start, cells, err)
             ! here a cell stands one place further behind its end than a bin does
             call common_kernels%bin_fill(threads, threads(1), body%first - 1, &
@@ -376,8 +378,9 @@ contains
         if (some) call pick_chosen(gpu, b, err)
         associate (body => gpu%bodies(b))
             call solid_kernels%solid_search(threads_of(body), keep, merge(1, 0, some), &
-                body%last - body%gone, body%grid, body%code, body%start, gpu%sorted, place, &
-                from(gpu%found, int(b, int64)), from(gpu%picked, int(body%first, int64)), &
+                body%last - body%gone, body%grid, body%code, body%start, body%below, &
+                gpu%sorted, place, from(gpu%found, int(b, int64)), &
+                from(gpu%picked, int(body%first, int64)), &
                 body%slice, body%width, gpu%count, body%list, err)
         end associate
     end subroutine search

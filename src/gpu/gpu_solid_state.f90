@@ -68,6 +68,7 @@ module brz_gpu_solid_state
         integer, allocatable :: ends_there(:), grid_there(:), code_there(:)
         !! what the GPU has: first and last particle, words of `grid`; what `code` was made for
         type(integers_t) :: marked !! cells of particles with new places: 1
+        type(integers_t) :: below !! (6) 1: particles lie below planes of symmetry, see count_cells
         integer :: news = news_all !! what of its list is new since links were built
         type(kernel_t) :: moments, update, forces !! those that suit the body
     end type gpu_solid_body_t

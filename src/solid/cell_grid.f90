@@ -47,6 +47,7 @@ contains
         real(dp) :: lo(3), hi(3)
 
         call extent(x, fixed, body, lo, hi)
+        s%deep = max(-lo, 0.0_dp)
         call choose_cells(s, lo, hi, body%rim - body%first + 1, size)
     end subroutine lay_grid
 

@@ -2,7 +2,7 @@
 !> The particles of a body in the order of the cells of their search, and what their lists are
 !> measured by.
 module brz_solid_sort
-    use brz_cell_grid, only: box_span, cell_of_groups, fill_cells, lay_grid, &
+    use brz_cell_grid, only: box_span, cell_of_groups, extent, fill_cells, lay_grid, &
         number_of_cell, reach_of_lists
     use brz_drift_loops, only: each_renew_place
     use brz_force_loops, only: each_sum_momentum
@@ -60,7 +60,7 @@ contains
     subroutine choose_lists(solid, b)
         type(solid_t), intent(inout) :: solid
         integer, intent(in) :: b
-        real(dp) :: reach
+        real(dp) :: hi(3), lo(3), reach
         integer :: i
 
         if (allocated(solid%search%chosen)) then
@@ -70,6 +70,8 @@ contains
             allocate (solid%search%chosen(size(solid%first)), source=.false.)
         reach = reach_of_lists(solid, b)
         associate (body => solid%bodies(b))
+            call extent(solid%x_built, solid%fixed, body, lo, hi) ! new places may be lower
+            solid%search%deep = max(-lo, 0.0_dp)
             !$omp parallel do if(solid%n >= worth_threads) schedule(static)
             do i = body%first, body%last, lanes
                 solid%search%chosen(group_of(body, i)) = is_near(solid, reach, &
@@ -90,7 +92,8 @@ contains
         middle = minval(x, 2) + half
         near = .false.
         do m = 0, 7
-            if (any(signs(m) < 0 .and. .not. (solid%mirror .and. middle - half < reach))) cycle
+            if (any(signs(m) < 0 .and. .not. (solid%mirror .and. &
+                middle - half < reach + solid%search%deep))) cycle
             call box_span(solid%search, signs(m)*middle, half + reach, lo, hi)
             do c3 = lo(3), hi(3)
                 do c2 = lo(2), hi(2)

@@ -181,6 +181,7 @@ module brz_solid_state
     type :: search_t
         integer :: cells(3) = 1 !! of the grid of the body at hand
         real(dp) :: lo(3) = 0, size = 1 !! its low corner and the side of a cell [m]
+        real(dp) :: deep(3) = 0 !! what its particles are below 0, as some behind planes of symmetry
         integer, allocatable :: code(:, :) !! (cells, 3) share of an axis in the number of a cell
         integer, allocatable :: start(:) !! first place of a cell in `order`
         integer, allocatable :: order(:) !! (n) particles cell by cell
