@@ -27,6 +27,9 @@ contains
                            case%interactions(k)%n_open_boxes)
             call find_bodies(deck, g, case, case%interactions(k))
             call check_keys(deck, g, case%interactions(k))
+            if (size(case%bodies) < 2 .and. .not. deck%groups(g)%bad) &
+                call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
+                                 'has no effect: it needs two bodies')
         end do
     end subroutine check_interactions
 
@@ -72,8 +75,6 @@ contains
         if (n == 2 .and. id(1) == id(2) .and. index(id(1), '*') == 0) &
             call complain(deck, g, 'bodies', &
             'a body does not meet itself; name two bodies')
-        if (size(case%bodies) < 2) call add_warning(deck, deck%groups(g)%line, &
-            group_label(deck%groups(g))//'has no effect: it needs two bodies')
     end subroutine find_bodies
 
     !> The body of a name, or the first and the last of those that a star names; they stand side by

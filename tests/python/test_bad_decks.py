@@ -118,6 +118,18 @@ def test_all_errors_at_once_and_in_order(tmp_path):
     assert places == sorted(places)
 
 
+def test_what_is_refused_is_not_warned_of(tmp_path):
+    """An interaction that needs two bodies, of a deck with one, has one message."""
+    text = "&interaction bodies='plate','{}', law='contact', friction=0.1 /\n"
+    code, said = check(tmp_path, GOOD + text.format("plate"))
+    assert code == 2
+    assert "a body does not meet itself" in said
+    assert "has no effect" not in said
+    code, said = check(tmp_path, GOOD + text.format("*"))
+    assert code == 0
+    assert "&interaction: has no effect: it needs two bodies" in said
+
+
 def test_many_errors_are_counted(tmp_path):
     """Fifty messages are enough."""
     code, text = check(tmp_path, GOOD + "&gauge id='x', at=1 /\n" * 200)
