@@ -12,8 +12,7 @@ module brz_case
                  body_case_t, gauge_case_t, solid_case_t, coupling_case_t, output_case_t, &
                  point_case_t, segment_case_t
     public :: name_len, max_plies, max_motion, region_case_t, interaction_case_t, inflow_case_t, &
-              load_case_t, &
-              is_from_file, label, means
+              load_case_t, is_from_file, is_held_whole, label, means
 
     integer, parameter :: name_len = 32 !! longest id or option word
     integer, parameter :: max_plies = 256 !! most plies of one body
@@ -325,6 +324,13 @@ contains
 
         is_from_file = body%shape == 'stl' .or. body%shape == 'particles'
     end function is_from_file
+
+    !> True for a body that is held as a whole.
+    pure logical function is_held_whole(body)
+        type(body_case_t), intent(in) :: body
+
+        is_held_whole = any(body%fix == 'all')
+    end function is_held_whole
 
     !> How messages about a group begin: 'deck.nml:14: &body id='plate': '.
     pure function label(group, id, place) result(text)

@@ -7,7 +7,7 @@
 module brz_thin_bodies
     use brz_bar_layers, only: layers_across
     use brz_body_shape, only: shape_t
-    use brz_case, only: body_case_t, case_t, interaction_case_t, label
+    use brz_case, only: case_t, interaction_case_t, is_held_whole, label
     use brz_errors, only: error_t, exit_deck, raise
     use brz_interaction_setup, only: find_rule
     use brz_kinds, only: dp, real32
@@ -49,7 +49,8 @@ contains
 
         associate (input => case%bodies(b))
             body%across = layers_across(input, input%spacing)
-            if (body%across > 1 .or. body%formulation == form_rigid .or. is_held(input)) return
+            if (body%across > 1 .or. is_held_whole(input)) return
+            if (body%formulation == form_rigid) return
             if (is_bonded(case, b, no_bars=.true.)) return
             call raise(err, exit_deck, label('body', input%id, input%place)//'one particle '// &
                        'across a bar that no body is bonded to is too stiff (by a third in '// &
@@ -77,7 +78,7 @@ contains
             thin = .false.
             thin(:d) = shape%n(:d) == 1 .and. .not. shape%on_plane(:d)
             if (.not. any(thin) .or. all(shape%n(:d) == 1)) return
-            if (body%formulation == form_rigid .or. is_held(input) .or. body%layer > 0) return
+            if (body%formulation == form_rigid .or. is_held_whole(input) .or. body%layer > 0) return
             if (material%class == class_fluid .or. is_bonded(case, b)) return
             name = label('body', input%id, input%place)
             if (body%formulation == form_total) then
@@ -93,11 +94,4 @@ contains
             //' of particles does not see what it strains across: it is too stiff (a row of '// &
             'steel by a third), and then gives way sideways; '//remedy//new_line('a')
     end subroutine judge_thin
-
-    !> A body that is held as a whole: its stress does not matter.
-    pure logical function is_held(input)
-        type(body_case_t), intent(in) :: input
-
-        is_held = any(input%fix == 'all')
-    end function is_held
 end module brz_thin_bodies

@@ -3,7 +3,7 @@
 !> one with a thin round wall, one of two layers.
 module brz_advice_bodies
     use brz_advice_text, only: millimetres, say_advice, say_more, time_text
-    use brz_case, only: case_t, is_from_file
+    use brz_case, only: case_t, is_from_file, is_held_whole
     use brz_outlines, only: body_box
     use brz_kinds, only: dp, real32
     use brz_material, only: class_fluid, class_metal
@@ -125,7 +125,7 @@ contains
             associate (input => case%bodies(b), body => solid%bodies(b))
                 if (input%shape /= 'box' .or. body%formulation /= form_corrected_hourglass) cycle
                 if (solid%materials(body%material)%class == class_fluid) cycle
-                if (any(input%fix == 'all') .or. is_bonded(case, b)) cycle
+                if (is_held_whole(input) .or. is_bonded(case, b)) cycle
                 call body_box(input, lo, hi)
                 side = hi - lo
                 where (case%run%symmetry .and. .not. lo > 0) side = 2*hi
