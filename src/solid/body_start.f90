@@ -2,7 +2,7 @@
 !> How the particles of a body start: their velocities, and which of them are held.
 module brz_body_start
     use brz_body_shape, only: shape_t, whole_sides
-    use brz_case, only: body_case_t, label
+    use brz_case, only: body_case_t, is_held_whole, label
     use brz_errors, only: error_t, exit_deck, raise
     use brz_kinds, only: dp, rk
     use brz_solid_state, only: body_t, is_held, solid_t, worth_threads
@@ -17,6 +17,7 @@ module brz_body_start
         logical :: fixes(8) = .false. !! of each fix_box: a particle lies in it
         logical :: rolls(8) = .false. !! of each roller_box
         logical :: on_plane(3) = .false. !! the body is cut by a plane of symmetry
+        logical :: loose = .false. !! its faces leave some particle free
     end type held_t
 
 contains
@@ -54,31 +55,33 @@ contains
         type(solid_t), intent(inout) :: solid
         type(body_t), intent(in) :: body
         type(held_t), intent(inout) :: found !! added to
-        logical :: fixes(8), held(2, 3), here, rolls(8), whole
+        logical :: fixes(8), held(2, 3), here, loose, rolls(8), whole
         integer :: a, i, f
         real(dp) :: deep(3)
 
         held = .false.
         fixes = .false.
         rolls = .false.
+        loose = .false.
         do f = 1, size(input%fix)
             call mark_faces(trim(input%fix(f)), shape, held)
         end do
         deep = input%fix_layers*shape%spacing
         if (input%fix_width > 0) deep = input%fix_width + 1e-6_dp*shape%spacing
-        whole = any(input%fix == 'all')
+        whole = is_held_whole(input)
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(a, f, here) &
-        !$omp reduction(.or.: fixes, rolls)
+        !$omp reduction(.or.: fixes, loose, rolls)
         do i = body%first, body%last
             here = whole
+            do a = 1, solid%dimension
+                if (held(1, a)) here = here .or. solid%x(a, i) < lowest(shape, a) + deep(a)
+                if (held(2, a)) here = here .or. solid%x(a, i) > shape%full_hi(a) - deep(a)
+            end do
+            loose = loose .or. .not. here
             do f = 1, input%n_fix_boxes
                 if (.not. in_box(solid%x(:, i), input%fix_box(:, f), solid%dimension)) cycle
                 fixes(f) = .true.
                 here = .true.
-            end do
-            do a = 1, solid%dimension
-                if (held(1, a)) here = here .or. solid%x(a, i) < lowest(shape, a) + deep(a)
-                if (held(2, a)) here = here .or. solid%x(a, i) > shape%full_hi(a) - deep(a)
             end do
             if (here) solid%fixed(i) = is_held
             do f = 1, input%n_rollers
@@ -93,11 +96,13 @@ contains
         end do
         found%fixes = found%fixes .or. fixes
         found%rolls = found%rolls .or. rolls
+        found%loose = found%loose .or. loose
         found%on_plane = found%on_plane .or. shape%on_plane
     end subroutine hold_body
 
     !> Boxes without a particle are a mistake, but behind a plane of symmetry they hold the image:
-    !> a warning for a fix_box, an error for a roller_box.
+    !> a warning for a fix_box, an error for a roller_box. Faces that hold all of a body that is
+    !> not rigid are a mistake, too: a warning.
     subroutine judge_held(input, found, solid, err)
         type(body_case_t), intent(in) :: input
         type(held_t), intent(in) :: found
@@ -105,6 +110,11 @@ contains
         type(error_t), intent(inout) :: err
         integer :: f
 
+        if (.not. found%loose .and. any(input%fix /= '') .and. .not. is_held_whole(input) .and. &
+            input%formulation /= 'rigid') &
+            solid%notes = solid%notes//label('body', input%id, input%place)//'warning: fix '// &
+                'holds every particle of it, as '//depth()//' reach through; take less, or '// &
+                "fix='all' if it is to stand still"//new_line('a')
         do f = 1, input%n_fix_boxes
             if (found%fixes(f) .or. behind(input%fix_box(:, f))) cycle
             solid%notes = solid%notes//label('body', input%id, input%place)//'warning: fix_box '// &
@@ -125,6 +135,14 @@ contains
 
             behind = any(found%on_plane .and. .not. box(2:6:2) > 0)
         end function behind
+
+        !> What of the faces is held.
+        pure function depth() result(text)
+            character(:), allocatable :: text
+
+            text = to_text(input%fix_layers)//' layers'
+            if (input%fix_width > 0) text = to_text(input%fix_width)//' m'
+        end function depth
     end subroutine judge_held
 
     !> Whether a place lies in a box x0, x1, y0, y1, z0, z1, in the directions that the scene has.

@@ -96,6 +96,21 @@ WARNINGS = {
         + "&body id='b', box=0,0.1,0,0.1,0,0.01, spacing=0.01, material='s' /\n",
         "lay two or more, or take formulation='bending', a membrane then",
     ),
+    "a_face_that_is_held_through_the_body": (
+        "&run t_end=1e-4 /\n"
+        + STEEL
+        + "&body id='b', box=0,0.1,0,0.04,0,0.04, spacing=0.01, material='s', fix='y-','z+',\n"
+        "  fix_layers=4 /\n",
+        "case.nml:3: &body id='b': warning: fix holds every particle of it, as 4 layers reach "
+        "through; take less, or fix='all' if it is to stand still",
+    ),
+    "a_depth_that_is_held_through_the_body": (
+        "&run t_end=1e-4, symmetry='x' /\n"
+        + STEEL
+        + "&body id='b', shape='sphere', centre=0,0,0, radius=0.04, spacing=0.01, material='s',\n"
+        "  fix='x+', fix_width=0.04 /\n",
+        "fix holds every particle of it, as 0.04 m reach through",
+    ),
 }
 
 
@@ -107,6 +122,16 @@ def test_traps_are_told(case, tmp_path):
     assert code == 0, err
     assert words in err
     assert re.search(r"^verdict +[1-9] warning", out, re.MULTILINE), out
+
+
+@pytest.mark.parametrize(
+    "keys", ["fix='y-','z+', fix_layers=3", "fix='x-', fix_layers=9", "fix='all', fix_layers=9"]
+)
+def test_what_is_held_in_part_is_sound(keys, tmp_path):
+    """A body that moves somewhere, or is said to stand still."""
+    text = "&body id='b', box=0,0.1,0,0.04,0,0.04, spacing=0.01, material='s', "
+    code, _, err = check(tmp_path, "&run t_end=1e-4 /\n" + STEEL + text + keys + " /\n")
+    assert (code, err) == (0, "")
 
 
 ROW = "&body id='b', box=0,0.1, 0,0.1, 0,0.01, spacing=0.01, material='{}', {} /\n"
