@@ -13,15 +13,17 @@ module brz_csv_table
 contains
 
     !> Read the columns of some names; those that the table lacks have zeros.
-    subroutine read_columns(path, names, values, found, err)
+    subroutine read_columns(path, names, values, found, err, line)
         character(*), intent(in) :: path
         character(*), intent(in) :: names(:)
         real(dp), allocatable, intent(out) :: values(:, :) !! (names, rows)
         logical, intent(out) :: found(:) !! (names) the table has that column
         type(error_t), intent(inout) :: err !! exit_deck where a row is no row of numbers
+        integer, allocatable, intent(out), optional :: line(:) !! (rows) of the file
         character(:), allocatable :: text
         type(string_t), allocatable :: rows(:), head(:)
         real(dp), allocatable :: row(:)
+        integer, allocatable :: filled(:)
         integer :: at(size(names)), i, io, k, n
 
         found = .false.
@@ -34,16 +36,12 @@ contains
         end do
         found = at > 0
         if (.not. any(found)) return
-        n = 0
-        do i = 2, size(rows)
-            if (rows(i)%s /= '') n = n + 1
-        end do
+        filled = pack([(i, i=2, size(rows))], [(rows(i)%s /= '', i=2, size(rows))])
+        n = size(filled)
         allocate (values(size(names), n), row(size(head)))
         values = 0
-        n = 0
-        do i = 2, size(rows)
-            if (rows(i)%s == '') cycle
-            n = n + 1
+        do n = 1, size(filled)
+            i = filled(n)
             read (rows(i)%s, *, iostat=io) row
             if (io /= 0) then
                 call raise(err, exit_deck, path//': row '//to_text(i)//' is no '// &
@@ -54,6 +52,7 @@ contains
                 if (at(k) > 0) values(k, n) = row(at(k))
             end do
         end do
+        if (present(line)) call move_alloc(filled, line)
         if (.not. all(abs(values) <= huge(values))) call raise(err, exit_deck, path// &
             ': holds what is no finite number')
     end subroutine read_columns

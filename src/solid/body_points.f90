@@ -29,6 +29,7 @@ module brz_body_points
         type(shape_t) :: shape
         real(dp), allocatable :: x(:, :) !! (3, n) [m]
         real(dp), allocatable :: volume(:) !! (n) of each particle, relative until all are laid [m3]
+        integer, allocatable :: line(:) !! (n) of the table that they come from, (0): of none
         type(mesh_t) :: mesh !! shape='stl'
         real(dp) :: exact = 0 !! volume of what is modelled, 0: not known [m3]
         real(dp) :: scale = 1 !! mean volume of a particle over that of its cell of the lattice
@@ -142,7 +143,7 @@ contains
         if (body%shape == 'stl') then
             call read_stl(trim(body%file), points%mesh, fault)
         else
-            call read_particles(trim(body%file), points%x, points%volume, fault)
+            call read_particles(trim(body%file), points%x, points%volume, points%line, fault)
         end if
         if (failed(fault)) then
             call raise(err, fault%code, label('body', body%id, body%place)//fault%text)
@@ -189,6 +190,7 @@ contains
             points%volume = points%volume(kept)*body%scale**3
         end if
         points%x = points%x(:, kept)
+        if (size(points%line) > 0) points%line = points%line(kept)
         points%exact = sum(points%volume)
     end subroutine move_particles
 
@@ -357,6 +359,8 @@ contains
             end if
             p%x = p%x(:, left)
             p%volume = p%volume(left)
+            if (bodies(b)%shape /= 'particles') return
+            if (size(p%line) > 0) p%line = p%line(left)
         end associate
     end subroutine cut_out
 

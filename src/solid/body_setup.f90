@@ -9,7 +9,7 @@ module brz_body_setup
     use brz_body_warnings, only: judge_distance, judge_gauges, judge_plies, &
         judge_spacing
     use brz_bond_check, only: judge_bonds
-    use brz_case, only: body_case_t, case_t
+    use brz_case, only: body_case_t, case_t, label
     use brz_cohesive_setup, only: set_up_cohesive
     use brz_crack_band, only: judge_crack
     use brz_errors, only: error_t, exit_deck, failed, raise
@@ -58,6 +58,7 @@ contains
             call fill_body(case%bodies(b), points(b), solid, solid%bodies(b))
             if (allocated(points(b)%mesh%corner)) &
                 call move_alloc(points(b)%mesh%corner, solid%bodies(b)%surface)
+            if (allocated(points(b)%line)) call move_alloc(points(b)%line, solid%bodies(b)%line)
             call move_body(case%bodies(b), points(b)%shape, solid, solid%bodies(b))
             call start_from_file(case%bodies(b), case%materials(case%bodies(b)% &
                 material_index)%model == 'linear_elastic', solid, solid%bodies(b), err)
@@ -272,6 +273,8 @@ contains
         type(outline_t) :: outline
 
         body%id = input%id
+        body%place = label('body', input%id, input%place)
+        body%file = trim(input%file)
         body%material = input%material_index
         body%spacing = input%spacing
         outline = outline_of(input)

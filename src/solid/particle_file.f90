@@ -13,16 +13,19 @@ module brz_particle_file
 
 contains
 
-    !> Read places and volumes; `volume` has no elements where the file has none.
-    subroutine read_particles(path, x, volume, err)
+    !> Read places and volumes; `volume` has no elements where the file has none, `line` where it is
+    !> no table.
+    subroutine read_particles(path, x, volume, line, err)
         character(*), intent(in) :: path !! ends in .csv, .h5 or .vtkhdf
         real(dp), allocatable, intent(out) :: x(:, :) !! (3, n)
         real(dp), allocatable, intent(out) :: volume(:) !! (n) or (0) [m3]
+        integer, allocatable, intent(out) :: line(:) !! (n) or (0) of the file
         type(error_t), intent(inout) :: err
 
         if (path(max(1, len(path) - 3):) == '.csv') then
-            call from_table(path, x, volume, err)
+            call from_table(path, x, volume, line, err)
         else
+            allocate (line(0))
             call from_hdf5(path, x, volume, err)
         end if
         if (failed(err)) return
@@ -68,14 +71,16 @@ contains
     end subroutine read_triples
 
     !> Comma-separated text.
-    subroutine from_table(path, x, volume, err)
+    subroutine from_table(path, x, volume, line, err)
         character(*), intent(in) :: path
         real(dp), allocatable, intent(inout) :: x(:, :), volume(:)
+        integer, allocatable, intent(inout) :: line(:)
         type(error_t), intent(inout) :: err
         real(dp), allocatable :: values(:, :)
         logical :: found(4)
 
-        call read_columns(path, [character(6) :: 'x', 'y', 'z', 'volume'], values, found, err)
+        call read_columns(path, [character(6) :: 'x', 'y', 'z', 'volume'], values, found, err, &
+                          line)
         if (failed(err)) return
         if (.not. all(found(:3))) then
             call raise(err, exit_deck, path//": its first row must name the columns x, y and z")

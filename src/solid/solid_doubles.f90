@@ -20,7 +20,7 @@ contains
     subroutine refuse_doubles(solid, err)
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
-        integer :: b, i, k, worst
+        integer :: i, k, worst
 
         worst = solid%n + 1 ! the first particle that has a double
         !$omp parallel do if(solid%n >= worth_threads) schedule(static) private(i) &
@@ -32,15 +32,44 @@ contains
             end do
         end do
         if (worst > solid%n) return
-        b = findloc(solid%bodies%last >= worst, .true., dim=1)
-        associate (body => solid%bodies(b), x => solid%x(:, worst))
-            call raise(err, exit_deck, "&body id='"//trim(body%id)//"': particles "// &
-                       to_text(solid%id(worst))//' and '// &
-                       to_text(solid%id(double_of(solid, body, worst)))// &
-                       ' are at the same place, x = '//to_text(x(1))//', y = '//to_text(x(2))// &
-                       ', z = '//to_text(x(3))//' m')
+        associate (body => solid%bodies(owner(solid, worst)))
+            call raise(err, exit_deck, body%place//text_of(solid, worst, &
+                                                           double_of(solid, body, worst)))
         end associate
     end subroutine refuse_doubles
+
+    !> The body of a particle.
+    pure integer function owner(solid, i)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i
+
+        owner = findloc(solid%bodies%rim >= i, .true., dim=1)
+    end function owner
+
+    !> What is wrong with particles i and j, and what helps.
+    pure function text_of(solid, i, j) result(text)
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: i, j
+        character(:), allocatable :: text
+        integer :: first
+
+        associate (body => solid%bodies(owner(solid, i)), other => solid%bodies(owner(solid, j)), &
+                   x => solid%x(:, i))
+            text = 'particles '//to_text(solid%id(i))//' and '//to_text(solid%id(j))
+            if (other%id /= body%id) text = text//" of '"//trim(other%id)//"'"
+            text = text//' are at the same place, x = '//to_text(x(1))//', y = '// &
+                to_text(x(2))//', z = '//to_text(x(3))//' m'
+            first = body%number(1)
+            if (other%id /= body%id) then
+                text = text//'; move one of the bodies'
+            else if (allocated(body%line)) then
+                if (size(body%line) > 0) text = text//': lines '// &
+                    to_text(body%line(solid%id(i) - first + 1))//' and '// &
+                    to_text(body%line(solid%id(j) - first + 1))//' of '//body%file
+                text = text//'; leave one of them out'
+            end if
+        end associate
+    end function text_of
 
     !> The first particle in the lists of i that is at its place; 0: none.
     pure integer function double_of(solid, body, i) result(j)

@@ -140,6 +140,9 @@ module brz_solid_state
     !> One body: particles first..last (of this process), one material, one formulation.
     type, extends(body_numbers_t) :: body_t
         character(32) :: id = ''
+        character(:), allocatable :: place !! how messages about its group of the deck begin
+        character(:), allocatable :: file !! of a table of its particles
+        integer, allocatable :: line(:) !! (number(1):number(2)) of that table, from 1
         integer :: rim = 0 !! last of its ghosts, which follow its particles; `last` without
         integer :: room = 0 !! on several processes: places for both
         integer :: number(2) = 0 !! first and last number of the particles of all processes

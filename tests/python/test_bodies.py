@@ -98,11 +98,14 @@ def test_a_collapsed_time_step_ends_with_a_checkpoint(tmp_path):
 
 
 def test_two_particles_at_one_place_are_refused(tmp_path):
-    (tmp_path / "twins.csv").write_text("x,y,z\n0,0,0\n1e-3,0,0\n1e-3,0,1e-8\n")
+    (tmp_path / "twins.csv").write_text("x,y,z\n0,0,0\n\n1e-3,0,0\n1e-3,0,1e-8\n")
     deck = LONE.replace("box=0,0.001, 0,0.001, 0,0.001", "shape='particles', file='twins.csv'")
     (tmp_path / "lone.nml").write_text(deck)
     done = run("run", "lone.nml", cwd=tmp_path, code=2)
+    line = next(n for n, row in enumerate(deck.splitlines(), 1) if "twins.csv" in row)
+    assert f"lone.nml:{line}: &body id=" in done.stderr
     assert "particles 2 and 3 are at the same place" in done.stderr
+    assert "m: lines 4 and 5 of twins.csv; leave one of them out" in done.stderr
 
 
 def test_overlapping_bodies_are_both_named(tmp_path):
