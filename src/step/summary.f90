@@ -92,7 +92,7 @@ contains
             call cohesive_totals(sim%solid%cohesive, k, held, spent, broken, whole)
             write (output_unit, '(2a, 2(es10.3, a), es10.3, a)') 'interface  ', &
                 interface_name(sim%solid, k)//':', broken, ' of', whole, ' m2 broken,', spent, &
-                ' J spent'
+                ' J spent (cracks, and what pressure held there)'
         end do
     end subroutine print_interfaces
 

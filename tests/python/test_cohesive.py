@@ -191,6 +191,7 @@ def test_what_a_run_shows(tmp_path):
     assert "a+b: 20 points" in done.stdout and "time step up to" in done.stdout
     done = run(tmp_path, PEEL)
     assert "2.000E-02 of 2.000E-02 m2 broken" in done.stdout
+    assert "E-01 J spent (cracks, and what pressure held there)" in done.stdout
     energy = table(tmp_path, "energy")
     assert energy["bond_heat[J]"][-1] == pytest.approx(0.6, rel=5e-3)  # a little shear
     assert energy["bond[J]"][-1] == 0
