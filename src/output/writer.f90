@@ -16,10 +16,11 @@ module brz_writer
     use brz_process, only: copy_process, has_ended, leave_process
     use brz_ranks, only: agree, most_of_all, ranks_t, several
     use brz_timer, only: wall_seconds
-    use omp_lib, only: omp_get_num_procs
+    use omp_lib, only: omp_get_max_threads, omp_get_num_procs
     implicit none
     private
-    public :: writer_t, writers_t, has_room, begin_writing, end_writing, hear_writer
+    public :: writer_t, writers_t, has_room, begin_writing, end_writing, hear_writer, &
+        threads_of_copy
 
     integer, parameter :: most_writers = 16
     integer, parameter :: most_threads = 16 !! of a copy
@@ -86,14 +87,15 @@ contains
         writers%of(writers%n) = writer
     end subroutine begin_writing
 
-    !> Threads of a copy where so many writers share the cores with the run, or one has them alone:
-    !> more than 16 only wait for memory. Of several processes the copy of the first packs what all
-    !> have: it has half of the threads.
+    !> Threads of a copy where so many writers share the threads of the run with it, or one has them
+    !> alone: more than 16 only wait for memory. Of several processes the copy of the first packs
+    !> what all have: it has half of the threads.
     integer function threads_of_copy(ranks, sharing) result(threads)
         type(ranks_t), intent(in) :: ranks
         integer, intent(in) :: sharing !! writers
 
-        threads = (ranks%here*cores_for(ranks%here) - merge(1, 0, sharing > 1))/sharing
+        threads = min(cores_for(ranks%here), omp_get_max_threads()) ! of a process
+        threads = (ranks%here*threads - merge(1, 0, sharing > 1))/sharing
         if (several(ranks)) threads = threads/merge(2, 2*max(ranks%here - 1, 1), ranks%rank == 0)
         threads = max(1, min(threads, omp_get_num_procs(), most_threads))
     end function threads_of_copy
