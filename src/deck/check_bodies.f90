@@ -14,7 +14,9 @@ module brz_check_bodies
     use brz_text, only: nearest, to_text
     implicit none
     private
-    public :: check_bodies, miss_body, reference_hint
+    public :: check_bodies, miss_body, reference_hint, warn_cut, moves_across
+
+    character(*), parameter :: moves_across = 'moves away from it or through it'
 
     character(*), parameter :: axes = 'xyz'
 
@@ -231,21 +233,24 @@ contains
             else if (lo(i) < tolerance) then
                 if (body%shape == 'box') body%lo(i) = 0 ! bars keep their row
                 if (lo(i) < -tolerance .and. abs(lo(i) + hi(i)) > tolerance) &
-                    call warn_cut(deck, g, i, 'is not symmetric about it, but its mirror image is')
+                    call warn_cut(deck, g, i, 'the body', &
+                                  'is not symmetric about it, but its mirror image is')
                 if (abs(body%velocity(i)) > 0) &
-                    call warn_cut(deck, g, i, 'moves away from it or through it')
+                    call warn_cut(deck, g, i, 'the body', moves_across)
             end if
         end do
     end subroutine cut_body
 
-    subroutine warn_cut(deck, g, i, what)
+    !> Warn of what the plane of symmetry normal to axis i cuts.
+    subroutine warn_cut(deck, g, i, part, what)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g, i
-        character(*), intent(in) :: what
+        character(*), intent(in) :: part !! that is cut
+        character(*), intent(in) :: what !! it does: moves_across, ...
 
         call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
                          'the plane of symmetry '// &
-                         axes(i:i)//'=0 cuts the body, which '//what)
+                         axes(i:i)//'=0 cuts '//part//', which '//what)
     end subroutine warn_cut
 
     subroutine check_in_air(deck, g, case, body)

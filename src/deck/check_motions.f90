@@ -2,8 +2,8 @@
 !> Motions of regions of bodies: their keys, their values, and the bodies that they name.
 module brz_check_motions
     use brz_case, only: body_case_t, case_t, max_motion, name_len, region_case_t
-    use brz_check_bodies, only: miss_body
-    use brz_deck, only: add_warning, complain, deck_t, group_label, place
+    use brz_check_bodies, only: miss_body, moves_across, warn_cut
+    use brz_deck, only: complain, deck_t, place
     use brz_get, only: get, get_boxes, get_list, is_usable
     use brz_key, only: key_t, kind_text, required
     use brz_kinds, only: dp
@@ -140,16 +140,13 @@ contains
         type(case_t), intent(in) :: case
         real(dp), intent(in) :: spacing !! of the body [m]
         type(region_case_t), intent(in) :: region
-        character(*), parameter :: axes = 'xyz'
         integer :: d
 
         do d = 1, case%run%dimension
             if (.not. (case%run%symmetry(d) .and. any(abs(region%velocity(d, :)) > 0))) cycle
             if (any(region%box(2*d - 1, :region%n_boxes) < spacing/2 .and. &
                     region%box(2*d, :region%n_boxes) >= spacing/2)) &
-                call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
-                    'a region at the plane of symmetry '//axes(d:d)// &
-                    '=0 is driven away from it or through it')
+                call warn_cut(deck, g, d, 'a region that is driven', moves_across)
         end do
     end subroutine check_planes
 end module brz_check_motions

@@ -149,7 +149,7 @@ def test_a_motion_across_a_plane_of_symmetry_is_told(tmp_path, axis, told):
     )
     done = subprocess.run([BRISANCE, "run", "case.nml", "--check"], cwd=tmp_path,
                           capture_output=True, text=True)  # fmt: skip
-    text = "case.nml:4: warning: &motion id='m': a region at the plane of symmetry x=0 is driven"
+    text = "case.nml:4: warning: &motion id='m': the plane of symmetry x=0 cuts a region "
     assert done.returncode == 0 and (text in done.stderr) == told, done.stderr
     assert "'n'" not in done.stderr
 
