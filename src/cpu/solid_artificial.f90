@@ -50,7 +50,8 @@ contains
         other = solid%pair(pair_affine + 1:pair_affine + 9, j)
         call mirror_tensor(s, other)
         q = p
-        if (body%variable) call pair_kernel(solid%dimension, solid%h(i), solid%h(j), q%h, &
+        if (body%variable) call pair_kernel(solid%dimension, real(solid%depth, rk), &
+                                            solid%h(i), solid%h(j), q%h, &
                                             q%scale, q%half_over_h)
         distance = norm2(r)
         call artificial_force(body%body_numbers_t, q%half_over_h, distance, solid%mass(i) &

@@ -106,7 +106,7 @@ contains
         type(body_t), intent(in) :: body
         type(lane_group_t), intent(inout) :: p
 
-        p%scale = kernel_scale(body%h, solid%dimension)
+        p%scale = kernel_scale(body%h, solid%dimension)/real(solid%depth, rk)
         p%half_over_h = 1/(2*body%h)
         p%h = body%h
         p%normal = body%normal

@@ -57,7 +57,7 @@ contains
         across = directions(body, solid%x_ref(:, i))
         sums = 0
         glued = body%curved ! no layer of a wall is quite even: its faces alone are tilted
-        scale = kernel_scale(body%h, solid%dimension)
+        scale = kernel_scale(body%h, solid%dimension)/real(solid%depth, rk)
         g = group_of(body, i)
         do k = solid%first(g), solid%first(g + 1) - 1
             call add(solid, across, i, solid%list(k), 0, scale, 1/(2*body%h), sums)
@@ -75,8 +75,8 @@ contains
                 glued = .true.
                 associate (m => solid%links%table(owner_of(solid%links%ends, i), &
                                                   owner_of(solid%links%ends, j)))
-                    call add(solid, across, i, j, link_mask(solid%links, k), m%scale, &
-                             m%half_over_h, sums)
+                    call add(solid, across, i, j, link_mask(solid%links, k), &
+                             m%scale/real(solid%depth, rk), m%half_over_h, sums)
                 end associate
             end do
         end if

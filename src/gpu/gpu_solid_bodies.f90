@@ -94,7 +94,7 @@ contains
         integer :: slots
 
         material = solid%materials(solid%bodies(b)%material)
-        params = params_of(solid%bodies(b), solid%dimension, axes_before(solid, b))
+        params = params_of(solid%bodies(b), solid, axes_before(solid, b))
         params%rules = rules_of(solid%bodies(b), material)
         params%fails = material%fails
         params%springs = merge(1, 0, material%class == class_elastic)
@@ -122,18 +122,20 @@ contains
     end subroutine open_body
 
     !> A body as the kernels see it.
-    pure function params_of(body, dimension, axes) result(p)
+    pure function params_of(body, solid, axes) result(p)
         type(body_t), intent(in) :: body
-        integer, intent(in) :: dimension, axes
+        type(solid_t), intent(in) :: solid
+        integer, intent(in) :: axes
         type(body_gpu_t) :: p
 
         p%body_numbers_t = body%body_numbers_t
-        p%dimension = dimension
+        p%dimension = solid%dimension
         p%directional = merge(1, 0, body%directional)
         p%variable = merge(1, 0, body%variable)
         p%axes = axes
         p%keep_force = merge(0, 1, body%motion%n > 0)
-        p%scale = kernel_scale(body%h, dimension)
+        p%scale = kernel_scale(body%h, solid%dimension)/real(solid%depth, rk)
+        p%depth = real(solid%depth, rk)
         p%half_over_h = 1/(2*body%h)
         p%spares = merge(1, 0, body%limiter == limiter_slope)
         p%curved = merge(1, 0, body%curved)

@@ -79,6 +79,7 @@ module brz_gpu_solid_layout
         integer :: grip !! column of `state` before the force on what holds a particle, 0: none
         integer :: keep_force !! 1: impulses on held particles add up; 0: those of one step
         real(rk) :: scale, half_over_h !! of the kernel
+        real(rk) :: depth !! of directions that are not modelled [m or m2]
         real(rk) :: spares !! 1: the viscosity spares smooth flow, see jump_speed
         integer :: curved !! 1: the normal of a particle is radial, see brz_solid_state
         real(dp) :: middle(3) !! on the axis of such a wall [m]

@@ -50,7 +50,7 @@ contains
             call look_ahead(lay, list, at, k, n, i, x, v, next, j, s, r, dv)
             b = owner_of(ends, j)
             if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
-            w = volume(1, j)*kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
+            w = volume(1, j)*kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &
                                           sqrt(r(1)**2 + r(2)**2 + r(3)**2))
             if (.not. w > 0) cycle ! beyond the support
             call moment_terms(w, r, m)
@@ -138,7 +138,7 @@ contains
             call look_along(lay, list(at + k*lay%side), i, x, v, j, s, r, dv)
             b = owner_of(ends, j)
             if (.not. joins(table(a, b), bond(i) == bond_whole .and. bond(j) == bond_whole)) cycle
-            slope = kernel_slope(table(a, b)%scale, table(a, b)%half_over_h, &
+            slope = kernel_slope(table(a, b)%scale/lay%depth, table(a, b)%half_over_h, &
                                  sqrt(r(1)**2 + r(2)**2 + r(3)**2))
             if (.not. slope > 0) cycle ! beyond the support
             vr = dot_product(r, dv)

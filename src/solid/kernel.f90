@@ -67,14 +67,15 @@ contains
 
     !> Kernel of a pair whose smoothing lengths differ: that of their mean, the same for both.
     !@cuf attributes(host,device) &
-    pure subroutine pair_kernel(dimension, hi, hj, h, scale, half_over_h)
+    pure subroutine pair_kernel(dimension, depth, hi, hj, h, scale, half_over_h)
         integer, intent(in) :: dimension
+        real(rk), intent(in) :: depth !! of directions that are not modelled [m or m2]
         real(rk), intent(in) :: hi, hj !! [m]
         real(rk), intent(out) :: h !! [m]
         real(rk), intent(out) :: scale, half_over_h !! of kernel_slope
 
         h = (hi + hj)/2
-        scale = kernel_scale(h, dimension)
+        scale = kernel_scale(h, dimension)/depth
         half_over_h = 1/(2*h)
     end subroutine pair_kernel
 
