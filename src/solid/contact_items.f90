@@ -342,7 +342,7 @@ contains
         call surface_velocity(m, r, dv, spin_i, spin_j, slip)
         call contact_drag(m, area, u*toward, slip, n, g, heat)
         call add_moment(m, r, g, moment)
-        stiffness = stiffness + cells*q(5)*(slope*distance/back%touch)**2*own
+        stiffness = stiffness + cells*q(5)*(slope*distance/back%touch)**2*own/lay%depth
         if (core > 0) stiffness = stiffness + m%core/(m%spacing/2)
         do t = 1, 3
             f(at_stiff + t) = moment(t)
