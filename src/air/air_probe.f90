@@ -2,7 +2,7 @@
 !> The gas at a point, for gauges.
 module brz_air_probe
     use brz_kinds, only: dp, rk
-    use brz_air_state, only: air_t, bc_wall, cell_gamma, wall_t
+    use brz_air_state, only: air_t, bc_symmetry, bc_wall, cell_gamma, wall_t
     use brz_face_flux, only: speed_at_wall
     use brz_gas, only: to_primitive
     use brz_scheme, only: mixture_gamma
@@ -20,11 +20,12 @@ contains
     !> Density, velocity and pressure at a point, trilinear between the gas cells around it.
     !>
     !> Solid cells are left out and the weights of the others made to sum to one. Where all eight
-    !> are solid the nearest gas cell within two counts; zero if there is none. A cell that
-    !> touches solid counts with the state at its walls, so that within half a cell of them and in
-    !> the solid a gauge has the pressure that the body feels. Within half a cell of the boundary,
-    !> and beyond it, the value of the last cell continues; towards a wall it goes over to the state
-    !> at the wall, which bears what the gas that hits it brings.
+    !> are solid the gas cell nearest to the point counts, within two cells; zero if there is none.
+    !> A cell that touches solid counts with the state at its walls, so that within half a cell of
+    !> them and in the solid a gauge has the pressure that the body feels. Within half a cell of the
+    !> boundary, and beyond it, the value of the last cell continues; towards a wall it goes over to
+    !> the state at the wall, which bears what the gas that hits it brings, at a plane of symmetry
+    !> the normal velocity to nothing.
     !>
     !> On several processes `around` holds the eight cells, which may be those of others. Without it
     !> this one must have the point (has_point).
@@ -58,7 +59,7 @@ contains
         if (total > 0) then
             state = state/total
         else
-            call nearest_gas(air, wall, cell, state)
+            call nearest_gas(air, wall, cell, low + x - air%before, state)
         end if
         if (present(around)) then
             gamma = gamma_of(air, around(:, sum(nint(x)*[1, 2, 4])))
@@ -68,32 +69,46 @@ contains
         call meet_walls(air, point, gamma, state)
     end subroutine gas_state_at
 
-    !> Between the last cell and a wall at the boundary: a part of the state at the wall.
+    !> Between the last cell and a wall at the boundary: a part of the state at the wall. In a
+    !> corner each wall changes density and pressure of the gas in the ratio in which it would
+    !> alone. At a plane of symmetry, where the gas beyond is the image of this, the normal velocity
+    !> is nothing.
     subroutine meet_walls(air, point, gamma, state)
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: point(3) !! [m]
         real(rk), intent(in) :: gamma !! of the gas in the nearest cell
         real(dp), intent(inout) :: state(5) !! density, velocity, pressure
-        real(dp) :: beyond(2)
+        real(dp) :: beyond(2), gas(5)
         real(rk) :: p_star, rho_star
         integer :: d, s
 
         if (.not. state(1) > 0) return
+        gas = state
         do d = 1, 3
             if (air%n(d) == 1) cycle
             beyond = [air%lo(d) - point(d), point(d) - air%lo(d)]/air%dx(d) &
                 + [0.5_dp, 0.5_dp - air%whole(d)] ! the last centre, in cells
             do s = 1, 2
-                if (air%outer(s, d) /= bc_wall .or. beyond(s) <= 0) cycle
+                if (beyond(s) <= 0) cycle
                 beyond(s) = min(2*beyond(s), 1.0_dp)
-                call wall_star(gamma, real(state(1), rk), &
-                    real(state(5), rk), real((2*s - 3)*state(1 + d), rk), p_star, rho_star)
-                state(1) = state(1) + beyond(s)*(rho_star - state(1))
-                state(1 + d) = (1 - beyond(s))*state(1 + d)
-                state(5) = state(5) + beyond(s)*(p_star - state(5))
+                if (air%outer(s, d) == bc_symmetry) state(1 + d) = (1 - beyond(s))*gas(1 + d)
+                if (air%outer(s, d) /= bc_wall) cycle
+                call wall_star(gamma, real(gas(1), rk), real(gas(5), rk), &
+                               real((2*s - 3)*gas(1 + d), rk), p_star, rho_star)
+                state(1) = (gas(1) + beyond(s)*(rho_star - gas(1)))*ratio(state(1), gas(1))
+                state(1 + d) = (1 - beyond(s))*gas(1 + d)
+                state(5) = (gas(5) + beyond(s)*(p_star - gas(5)))*ratio(state(5), gas(5))
             end do
         end do
     end subroutine meet_walls
+
+    !> What walls met before have made of a number; 1 where there was nothing.
+    elemental real(dp) function ratio(now, before)
+        real(dp), intent(in) :: now, before
+
+        ratio = 1
+        if (before > 0) ratio = now/before
+    end function ratio
 
     !> The eight cells of the grid that a point lies between; the last continue at the boundary.
     pure subroutine cells_around(air, point, cells)
@@ -175,28 +190,37 @@ contains
         if (wall%present) holds_solid = wall%solid(cell(1), cell(2), cell(3)) /= 0
     end function holds_solid
 
-    !> Primitive state of a gas cell; where it touches solid, that at its walls.
+    !> Primitive state of a gas cell; where it touches solid, that at its walls. In a corner each
+    !> wall changes density and pressure in the ratio in which it would alone.
     function gas_of(air, wall, cell) result(state)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: cell(3)
         real(dp) :: state(5)
+        real(dp) :: gas(5), met(3)
         integer :: d
 
-        state = primitive_of(air, air%u(cell(1), cell(2), cell(3), :))
+        gas = primitive_of(air, air%u(cell(1), cell(2), cell(3), :))
+        state = gas
         if (.not. (wall%present .and. wall%stops)) return
         do d = 1, 3
-            if (air%n(d) > 1) call meet_solid(air, wall, cell, d, state)
+            if (air%n(d) == 1) cycle
+            met = gas([1, 1 + d, 5])
+            call meet_solid(air, wall, cell, d, gas, met)
+            state(1) = met(1)*ratio(state(1), gas(1))
+            state(1 + d) = met(2)
+            state(5) = met(3)*ratio(state(5), gas(5))
         end do
     end function gas_of
 
-    !> Put what stands at the walls of a gas cell across a direction in the place of its state:
-    !> pressure, density and normal velocity, as the flux there has them. Between two walls a mean.
-    subroutine meet_solid(air, wall, cell, d, state)
+    !> What stands at the walls of a gas cell across a direction: density, normal velocity and
+    !> pressure, as the flux there has them. Between two walls a mean; without one the gas.
+    subroutine meet_solid(air, wall, cell, d, gas, met)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
         integer, intent(in) :: cell(3), d !! direction
-        real(dp), intent(inout) :: state(5) !! density, velocity, pressure
+        real(dp), intent(in) :: gas(5) !! density, velocity, pressure
+        real(dp), intent(inout) :: met(3)
         real(dp) :: at_walls(3), far(5)
         real(rk) :: u, v, p_star, rho_star
         integer :: next(3), s, n
@@ -209,20 +233,20 @@ contains
             if (.not. holds_solid(wall, next)) cycle
             v = normal_velocity(wall, next, d)
             next(d) = cell(d) - s
-            far = state
+            far = gas
             if (holds_solid(wall, next)) then
-                far(1 + d) = 2*normal_velocity(wall, next, d) - state(1 + d)
+                far(1 + d) = 2*normal_velocity(wall, next, d) - gas(1 + d)
             else if (next(d) > -air%before(d) .and. next(d) <= air%whole(d) - air%before(d)) then
                 far = primitive_of(air, air%u(next(1), next(2), next(3), :))
             end if
-            u = speed_at_wall(air%scheme, real(far([1 + d, 5]), rk), v, real(state(5), rk), &
-                              real(state(1 + d), rk))
-            call wall_star(cell_gamma(air, cell(1), cell(2), cell(3)), real(state(1), rk), &
-                           real(state(5), rk), s*(u - v), p_star, rho_star)
+            u = speed_at_wall(air%scheme, real(far([1 + d, 5]), rk), v, real(gas(5), rk), &
+                              real(gas(1 + d), rk))
+            call wall_star(cell_gamma(air, cell(1), cell(2), cell(3)), real(gas(1), rk), &
+                           real(gas(5), rk), s*(u - v), p_star, rho_star)
             n = n + 1
             at_walls = at_walls + [rho_star, v, p_star]
         end do
-        if (n > 0) state([1, 1 + d, 5]) = at_walls/n
+        if (n > 0) met = at_walls/n
     end subroutine meet_solid
 
     !> Velocity of the solid in a cell along direction d [m/s].
@@ -265,11 +289,12 @@ contains
         if (air%scheme%mixture) gamma_of = mixture_gamma(air%scheme, u(6)/u(1))
     end function gamma_of
 
-    !> State of the gas cell nearest to a solid one; zero if none is in reach.
-    subroutine nearest_gas(air, wall, centre, state)
+    !> State of the gas cell nearest to a place in solid; zero if none is in reach.
+    subroutine nearest_gas(air, wall, centre, place, state)
         type(air_t), intent(in) :: air
         type(wall_t), intent(in) :: wall
-        integer, intent(in) :: centre(3) !! cell
+        integer, intent(in) :: centre(3) !! cell of the place
+        real(dp), intent(in) :: place(3) !! in cells, whole numbers at their centres
         real(dp), intent(out) :: state(5)
         integer :: i, j, k, cell(3), lo(3), hi(3)
         real(dp) :: distance, least
@@ -283,7 +308,7 @@ contains
                 do i = lo(1), hi(1)
                     cell = [i, j, k]
                     if (holds_solid(wall, cell)) cycle
-                    distance = sum(((cell - centre)*air%dx)**2)
+                    distance = sum(((cell - place)*air%dx)**2)
                     if (distance >= least) cycle
                     least = distance
                     state = gas_of(air, wall, cell)
