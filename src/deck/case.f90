@@ -132,6 +132,7 @@ module brz_case
         character(name_len) :: shape = 'box' !! 'box', 'sphere', 'cylinder', 'bars', 'stl', ...
         real(dp) :: lo(3) = 0, hi(3) = 0 !! box, bars: corners [m]
         real(dp) :: centre(3) = 0, radius = 0, length = 0 !! sphere, cylinder [m]
+        real(dp) :: below(3) = 0 !! of a box, what planes of symmetry have cut off [m]
         real(dp) :: inner_radius = 0 !! of a hollow cylinder or sphere [m]
         real(dp) :: own(6) = 0 !! numbers of the keys that its shape has alone, see brz_outline
         character(1) :: axis = 'z' !! cylinder, bars

@@ -5,6 +5,7 @@ module brz_check_bodies
     use brz_check_aspect, only: check_aspect
     use brz_check_lattice, only: check_lattice
     use brz_check_methods, only: check_methods
+    use brz_check_plies, only: check_plies
     use brz_check_air, only: box_text, check_corners
     use brz_deck, only: add_warning, complain, deck_t, find_group, group_label
     use brz_get, only: is_given, is_usable, need_file
@@ -55,6 +56,7 @@ contains
                 cycle
             end if
             call check_size(deck, g, case%run%dimension, case%bodies(k))
+            call check_plies(deck, g, case, case%bodies(k))
             if (.not. deck%groups(g)%bad) call cut_body(deck, g, case, case%bodies(k))
             if (.not. deck%groups(g)%bad) call check_in_air(deck, g, case, case%bodies(k))
             if (.not. deck%groups(g)%bad) call check_bars(deck, g, case%run%dimension, &
@@ -184,7 +186,6 @@ contains
         integer, intent(in) :: g, dimension
         type(body_case_t), intent(in) :: body
         real(dp) :: lo(3), hi(3), n(3)
-        integer :: axis
 
         call body_box(body, lo, hi)
         n = 1
@@ -199,18 +200,6 @@ contains
             call complain(deck, g, 'spacing', 'about '//to_text(anint(product(n)))// &
                           ' particles are more than '//to_text(huge(1))//'; use a larger spacing')
         end if
-        axis = index(axes, body%ply_axis)
-        if (deck%groups(g)%bad .or. body%n_plies == 0) return
-        if (n(axis) < body%n_plies*(1 - 1e-6_dp)) &
-            call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
-                             to_text(body%n_plies)//' plies, but only '//to_text(nint(n(axis)))// &
-                             ' layers of particles along '//body%ply_axis// &
-                             ': not every ply is present')
-        if (n(axis) > body%n_plies .and. mod(nint(n(axis)), body%n_plies) /= 0) &
-            call add_warning(deck, deck%groups(g)%line, group_label(deck%groups(g))// &
-                             to_text(nint(n(axis)))//' layers of particles along '// &
-                             body%ply_axis//' for '//to_text(body%n_plies)//' plies: a layer '// &
-                             'belongs to the ply at its middle, so plies are not equally thick')
     end subroutine check_size
 
     !> Planes of symmetry: a box is cut, and nothing may lie wholly behind one.
@@ -231,7 +220,10 @@ contains
                               axes(i:i)//'=0; '// &
                               'only the positive side is modelled')
             else if (lo(i) < tolerance) then
-                if (body%shape == 'box') body%lo(i) = 0 ! bars keep their row
+                if (body%shape == 'box') then ! bars keep their row
+                    body%below(i) = max(-body%lo(i), 0.0_dp)
+                    body%lo(i) = 0
+                end if
                 if (lo(i) < -tolerance .and. abs(lo(i) + hi(i)) > tolerance) &
                     call warn_cut(deck, g, i, 'the body', &
                                   'is not symmetric about it, but its mirror image is')

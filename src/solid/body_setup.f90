@@ -325,12 +325,14 @@ contains
         type(body_case_t), intent(in) :: input
         type(shape_t), intent(in) :: shape
         real(dp), intent(in) :: x(3)
+        real(dp) :: lowest
         integer :: a, p
 
         ply = 0
         if (input%n_plies < 1) return
         a = max(1, index('xyz', input%ply_axis))
-        p = 1 + int(input%n_plies*(x(a) - shape%full_lo(a))/(shape%full_hi(a) - shape%full_lo(a)))
+        lowest = shape%full_lo(a) - input%below(a) ! of the whole body
+        p = 1 + int(input%n_plies*(x(a) - lowest)/(shape%full_hi(a) - lowest))
         ply = int(max(1, min(p, input%n_plies)), int16)
     end function ply_of
 

@@ -324,6 +324,6 @@ contains
 
         call body_box(body, lo, hi)
         a = index('xyz', body%ply_axis)
-        layers = max(1, nint((hi(a) - lo(a))/body%spacing))
+        layers = max(1, nint((hi(a) - lo(a) + body%below(a))/body%spacing))
     end function layers_of
 end module brz_check
