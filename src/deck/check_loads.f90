@@ -9,6 +9,7 @@ module brz_check_loads
     use brz_get, only: get, get_list, get_path, is_given, is_usable, need_file
     use brz_key, only: key_t, kind_text, required
     use brz_kinds, only: dp
+    use brz_outlines, only: body_box
     use brz_text, only: to_text
     implicit none
     private
@@ -246,7 +247,8 @@ contains
         end if
     end subroutine check_faces
 
-    !> A plane of symmetry, or a direction that is not modelled, takes no acceleration and no force.
+    !> A direction that is not modelled takes no acceleration and no force, nor does that across a
+    !> plane of symmetry on which the body lies.
     subroutine check_planes(deck, g, case, load)
         type(deck_t), intent(inout) :: deck
         integer, intent(in) :: g
@@ -256,10 +258,25 @@ contains
         integer :: a
 
         do a = 1, 3
-            if (max(abs(load%acceleration(a)), abs(load%force(a))) > 0 .and. &
-                (case%run%symmetry(a) .or. a > case%run%dimension)) call complain(deck, g, &
-                'body', 'a load along '//axes(a)//' leaves a plane of symmetry or the plane of '// &
-                'a scene in two dimensions; make that component 0')
+            if (.not. max(abs(load%acceleration(a)), abs(load%force(a))) > 0) cycle
+            if (a > case%run%dimension .or. on_plane(case, load%body, a)) &
+                call complain(deck, g, 'body', 'a load along '//axes(a)//' leaves a plane of '// &
+                              'symmetry or the plane of a scene in two dimensions; make that '// &
+                              'component 0')
         end do
     end subroutine check_planes
+
+    !> Does a body lie on the plane of symmetry normal to axis a? One from a file may.
+    logical function on_plane(case, b, a)
+        type(case_t), intent(in) :: case
+        integer, intent(in) :: b !! body; 0: there is none
+        integer, intent(in) :: a
+        real(dp) :: lo(3), hi(3)
+
+        on_plane = case%run%symmetry(a)
+        if (.not. on_plane .or. b == 0) return
+        if (case%bodies(b)%file /= '') return
+        call body_box(case%bodies(b), lo, hi)
+        on_plane = lo(a) < case%bodies(b)%spacing*case%bodies(b)%aspect(a)/4 ! see lay_shape
+    end function on_plane
 end module brz_check_loads
