@@ -3,7 +3,7 @@
 module brz_check_interactions
     use brz_case, only: case_t, interaction_case_t, means, name_len
     use brz_check_bodies, only: miss_body
-    use brz_deck, only: add_warning, complain, deck_t, group_label, place
+    use brz_deck, only: add_warning, complain, deck_t, find_group, group_label, place
     use brz_get, only: get, get_boxes, is_given
     implicit none
     private
@@ -72,9 +72,15 @@ contains
             call find_range(case, id(i), interaction%body(i), interaction%last(i))
             if (interaction%body(i) == 0) call miss_body(deck, g, case, 'bodies', id(i))
         end do
-        if (n == 2 .and. id(1) == id(2) .and. index(id(1), '*') == 0) &
-            call complain(deck, g, 'bodies', &
-            'a body does not meet itself; name two bodies')
+        if (n < 2 .or. id(1) /= id(2) .or. index(id(1), '*') > 0) return
+        i = find_group(deck, 'body', trim(id(1)))
+        if (i > 0) then
+            if (deck%groups(i)%bad) then ! perhaps a laminate that is not laid in parts
+                deck%groups(g)%bad = .true.
+                return
+            end if
+        end if
+        call complain(deck, g, 'bodies', 'a body does not meet itself; name two bodies')
     end subroutine find_bodies
 
     !> The body of a name, or the first and the last of those that a star names; they stand side by

@@ -51,7 +51,12 @@ contains
         end associate
         call set_text(deck%groups(place), 'law', 'cohesive')
         call fill(deck, g, place)
-        if (.not. deck%groups(g)%bad) call complete_group(deck, keys, defaults, place)
+        if (deck%groups(g)%bad) then
+            call take_out(deck, place)
+            if (place < g) g = g - 1
+        else
+            call complete_group(deck, keys, defaults, place)
+        end if
     end subroutine glue_plies
 
     !> True if both bodies of a cohesive interaction are the one named, or begin like it.
@@ -124,6 +129,18 @@ contains
         end do
         call move_group(added, deck%groups(place))
     end subroutine insert_interaction
+
+    !> Take an interaction out again, so that nothing is said of what no deck has.
+    subroutine take_out(deck, place)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: place
+        integer :: k
+
+        do k = place, deck%n - 1
+            call move_group(deck%groups(k + 1), deck%groups(k))
+        end do
+        deck%n = deck%n - 1
+    end subroutine take_out
 
     !> Plies between interfaces do not delaminate by the law of the material as well: the strengths
     !> and the energy of that mode are taken out of it, or of a copy where other bodies need it.

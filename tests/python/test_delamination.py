@@ -269,3 +269,4 @@ def test_refused(tmp_path, change, told):
     assert change[0] in deck
     done = run(tmp_path, deck.replace(*change), "--check", code=2)
     assert told in done.stderr and "glue.nml:" in done.stderr
+    assert "does not meet itself" not in done.stderr
