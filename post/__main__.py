@@ -48,7 +48,7 @@ def _parser() -> argparse.ArgumentParser:
     frame.add_argument(
         "--time", type=float, metavar="T", help="time [s]; the nearest dump is drawn"
     )
-    frame.add_argument("--view", choices=VIEWS, default="blast", help="what is drawn")
+    frame.add_argument("--view", choices=VIEWS, help="what is drawn (default: what the run has)")
     frame.add_argument("--body", metavar="ID", help="map of a field on the faces of this body")
     frame.add_argument(
         "--face", metavar="FACE", help="x-, x+, y-, y+, z- or z+ (default: both of the thin side)"
@@ -190,12 +190,21 @@ def _frame(options: argparse.Namespace) -> int:
     if options.face is not None:
         raise PostError("--face: name the body too (--body ID)", USAGE)
     frame = _frame_of(run, options.time)
-    draw = {"blast": draw_blast, "bodies": draw_bodies, "cut": draw_sheet}[options.view]
+    view = options.view or _first_view(run)
+    draw = {"blast": draw_blast, "bodies": draw_bodies, "cut": draw_sheet}[view]
     folder = Path(options.folder) / "report"
     folder.mkdir(exist_ok=True)
     picture = draw(run, folder, frame)
     print(f"{picture.path}: {picture.caption}")
     return 0
+
+
+def _first_view(run: Run) -> str:
+    """The blast in three dimensions, a cut in fewer, bodies without air."""
+    frame = next((frame for frame in run.frames if frame.air_path), None)
+    if frame is None:
+        return "bodies" if run.frames else "cut"
+    return "cut" if min(frame.air("pressure").cells) == 1 else "blast"
 
 
 def _faces(run: Run, options: argparse.Namespace) -> int:

@@ -348,6 +348,7 @@ def test_a_plane_scene_is_drawn_as_it_is(tmp_path):
     run = Run(folder)
     cut = choose_cut(run.deck, run.frames[1].air().cells)
     assert (cut.normal, cut.across, cut.up) == (2, 0, 1)
+    assert main(["frame", str(folder)]) == 0
     assert main(["frame", str(folder), "--view", "cut"]) == 0
     assert main(["frame", str(folder), "--view", "blast"]) == 4  # says that it is not rendered
 
