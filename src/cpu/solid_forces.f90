@@ -16,7 +16,7 @@ module brz_solid_forces
     use brz_solid_artificial, only: add_artificial
     use brz_solid_state, only: at_drag, at_friction, at_heat, at_stiff, at_work, body_t, &
         form_rigid, form_total, held_affine, held_energy, held_stiffness, is_free, is_gone, &
-        lanes, n_held, n_pair, n_terms, pair_zeta, pair_tilt, solid_t, worth_threads
+        lanes, n_held, n_pair, n_terms, pair_tilt, solid_t, worth_threads
     use brz_support, only: held_share
     use brz_tension_hold, only: kept_work
     use brz_tilted_arm, only: mirrored_tilt
@@ -190,8 +190,6 @@ contains
             if (p%held) call mirror_tensor(s, rows%held(held_affine + 1, n))
             if (.not. p%curved) &
                 rows%pair(pair_tilt, n) = mirrored_tilt(s, p%normal, solid%pair(pair_tilt, j))
-            if (p%directional .and. p%formulation == form_total) &
-                rows%pair(pair_zeta, n) = dot_product(s, p%normal)*solid%pair(pair_zeta, j)
             if (p%directional) rows%k_axes(:, n) = real(mirrored(s, solid%k_axes(:, j)), real32)
         end do
     end subroutine mirror_rows

@@ -37,7 +37,7 @@ contains
         integer :: kind
 
         if (p%formulation == form_total) then
-            kind = merge(referred, bending, any(abs(p%tilt) + abs(p%lift) > 0))
+            kind = merge(referred, bending, any(abs(p%tilt) > 0))
             q = p
             q%x = p%x_ref
             q%x_ref = p%x
@@ -86,9 +86,9 @@ contains
                 end do
                 w = volume(j)*kernel_slope(q%scale(l), q%half_over_h(l), &
                                            sqrt(r(1)*r(1) + r(2)*r(2) + r(3)*r(3)))
-                if (kind == tilted) call tilted_arm(p%tilt(l), p%normal, dx, r, y)
-                if (kind == curved) call ply_arm(p%tilt(l), n, dx, r, y)
-                if (kind == referred) call lifted_arm(p%tilt(l), p%lift(l), p%normal, r, y)
+                if (kind == tilted) call tilted_arm(p%tilt(l), p%lift, p%normal, dx, r, y)
+                if (kind == curved) call ply_arm(p%tilt(l), p%lift, n, dx, r, y)
+                if (kind == referred) call lifted_arm(p%tilt(l), p%lift, p%normal, r, y)
                 call moment_terms(w, r, m)
                 call outer_terms(w, dv, y, g)
                 if (kind > plain) call outer_terms(w, dx, r, a)

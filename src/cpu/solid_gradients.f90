@@ -22,9 +22,9 @@ module brz_solid_gradients
                                place_group, place_images
     use brz_solid_state, only: at_f, at_g, at_s, at_x, at_y, body_t, form_bending, form_rigid, &
                                form_total, form_uncorrected, held_affine, held_stiffness, &
-                               intact_share, is_gone, lanes, n_terms => n_sums, pair_zeta, &
+                               intact_share, is_gone, lanes, n_terms => n_sums, &
                                pair_stress, pair_tilt, solid_t, worth_threads
-    use brz_tension_hold, only: deviation, may_be_drawn
+    use brz_tension_hold, only: deviation, kappa_of, may_be_drawn
     use brz_tilted_arm, only: tilted_correction
     implicit none
     private
@@ -107,7 +107,6 @@ contains
                 if (solid%fixed(i) == is_gone) cycle
                 sums = group(i - first + 1, :)
                 solid%pair(pair_tilt, i) = p%tilt(i - first + 1)
-                solid%pair(pair_zeta, i) = p%lift(i - first + 1)
                 if (solid%links%bonds) call add_bonded_gradients(solid, i, sums)
                 call advance(solid, body, rules, dt, i, k, p%drawn(i - first + 1), sums)
             end do
@@ -122,14 +121,12 @@ contains
         integer :: fails, i, l
 
         p%tilt = 0
-        p%lift = 0
         if (.not. any(body%normal > 0)) return
         fails = solid%materials(body%material)%fails
         do l = 1, lanes
             i = min(p%i + l - 1, p%last)
             if (solid%limp(i) /= 0 .or. strength_left(fails, solid%damage(i)) <= intact_share) cycle
             p%tilt(l) = solid%tilt(i)
-            if (body%formulation == form_total) p%lift(l) = solid%lift(i)
         end do
     end subroutine tilt_group
 
@@ -201,7 +198,7 @@ contains
         end if
         call multiply3(sums(at_x + 1), b, a)
         f = a
-        tilted = abs(solid%pair(pair_tilt, i)) + abs(solid%pair(pair_zeta, i)) > 0
+        tilted = abs(solid%pair(pair_tilt, i)) > 0
         if (tilted) then
             call tilted_correction(solid%dimension, sums(at_y + 1), b, weaker)
             weak = max(weak, weaker)
@@ -289,8 +286,9 @@ contains
         mu = solid%mu(i)
         if (solid%materials(body%material)%class == class_elastic) mu = 0
         call copy_matrix(f, solid%held(held_affine + 1, i))
-        call fill_hold(body%tension_hold, solid%stress(:, i), mu, q, there, solid%volume(i), &
-                       int(solid%limp(i)), solid%held(:, i))
+        call fill_hold(kappa_of(body%tension_hold, body%lift, solid%pair(pair_tilt, i)), &
+                       solid%stress(:, i), mu, q, there, solid%volume(i), int(solid%limp(i)), &
+                       solid%held(:, i))
     end subroutine hold_particle
 
     !> The velocity gradient across a layer: its faces are free of stress at the end of the step.

@@ -29,6 +29,7 @@ module brz_solid_lanes
         real(rk) :: scale = 0, half_over_h = 0 !! see brz_kernel
         real(rk) :: h = 0 !! smoothing length [m]
         real(rk) :: normal(3) = 0 !! of the layers, see brz_tilted_arm; 0: no tilts
+        real(rk) :: lift = 0 !! over the tilt, likewise
         logical :: curved = .false. !! that of a particle is radial, see brz_solid_state
         real(dp) :: middle(3) = 0 !! on the axis of such a wall [m]
     end type centre_t
@@ -51,7 +52,6 @@ module brz_solid_lanes
         real(rk) :: normals(lanes, 3) = 0 !! of its members, in a curved wall
         real(rk), allocatable :: there(:, :) !! the same of their neighbours, for pass 2
         real(rk) :: tilt(lanes) = 0 !! for pass 1 [1/m]
-        real(rk) :: lift(lanes) = 0 !! the same, of total-Lagrangian plates [1/m]
         logical :: drawn(lanes) = .false. !! for pass 1: was in tension
         logical :: held = .false. !! for pass 2: some pair has the hold
         real(rk) :: row(lanes, n_pair) = 0 !! for pass 2, see brz_solid_state
@@ -110,6 +110,7 @@ contains
         p%half_over_h = 1/(2*body%h)
         p%h = body%h
         p%normal = body%normal
+        p%lift = body%lift
         p%curved = body%curved
         p%middle = body%round%centre
         p%formulation = body%formulation

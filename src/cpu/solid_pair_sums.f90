@@ -111,9 +111,9 @@ contains
                 w = own(pair_volume)*pair(pair_volume, j) &
                     *kernel_slope(q%scale(l), q%half_over_h(l), sqrt(s2))
                 if (kind == wall .or. kind == wall_jump) then
-                    call pull_in_wall(across, p%there(1, k), own, pair(1, j), r, dx, w, g)
+                    call pull_in_wall(p%lift, across, p%there(1, k), own, pair(1, j), r, dx, w, g)
                 else
-                    call pull(kind, p%normal, own, pair(1, j), r, dx, w, g)
+                    call pull(kind, p%lift, p%normal, own, pair(1, j), r, dx, w, g)
                 end if
                 s2 = 1
                 if (kind == wide) s2 = metric_square(dx, p%width*dx)
@@ -166,35 +166,35 @@ contains
     end subroutine find_normals
 
     !> Force of the stresses of a pair in a wall round an axis, along its arms.
-    pure subroutine pull_in_wall(n, n_j, own, other, r, dx, w, g)
-        real(rk), intent(in) :: n(3), n_j(3) !! normals of both
+    pure subroutine pull_in_wall(lift, n, n_j, own, other, r, dx, w, g)
+        real(rk), intent(in) :: lift, n(3), n_j(3) !! see tilted_arm; normals of both
         real(rk), intent(in) :: own(n_pair), other(n_pair), r(3), dx(3), w
         real(rk), intent(out) :: g(3)
         real(rk) :: arm(3), arm_j(3)
 
-        call ply_arm(own(pair_tilt), n, dx, r, arm)
-        call ply_arm(-other(pair_tilt), n_j, dx, r, arm_j)
+        call ply_arm(own(pair_tilt), lift, n, dx, r, arm)
+        call ply_arm(-other(pair_tilt), lift, n_j, dx, r, arm_j)
         call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)
     end subroutine pull_in_wall
 
     !> Force of the stresses of a pair, along its arms.
     !@variant
-    pure subroutine pull(kind, n, own, other, r, dx, w, g)
+    pure subroutine pull(kind, lift, n, own, other, r, dx, w, g)
         integer, intent(in) :: kind
-        real(rk), intent(in) :: n(3) !! normal
+        real(rk), intent(in) :: lift, n(3) !! see tilted_arm
         real(rk), intent(in) :: own(n_pair), other(n_pair), r(3), dx(3), w
         real(rk), intent(out) :: g(3)
         real(rk) :: arm(3), arm_j(3)
 
         if (kind == plate .or. kind == plate_jump) then
-            call tilted_arm(own(pair_tilt), n, dx, r, arm)
-            call tilted_arm(-other(pair_tilt), n, dx, r, arm_j)
+            call tilted_arm(own(pair_tilt), lift, n, dx, r, arm)
+            call tilted_arm(-other(pair_tilt), lift, n, dx, r, arm_j)
         else if (kind == axial) then
-            call ply_arm(own(pair_tilt), n, dx, r, arm)
-            call ply_arm(-other(pair_tilt), n, dx, r, arm_j)
+            call ply_arm(own(pair_tilt), lift, n, dx, r, arm)
+            call ply_arm(-other(pair_tilt), lift, n, dx, r, arm_j)
         else if (kind == wide) then
-            call lifted_arm(own(pair_tilt), own(pair_zeta), n, dx, arm)
-            call lifted_arm(-other(pair_tilt), -other(pair_zeta), n, dx, arm_j)
+            call lifted_arm(own(pair_tilt), lift, n, dx, arm)
+            call lifted_arm(-other(pair_tilt), lift, n, dx, arm_j)
         end if
         if (kind == plate .or. kind == plate_jump .or. kind >= axial) then
             call tilted_force(w, own(pair_stress + 1), other(pair_stress + 1), arm, arm_j, g)

@@ -8,7 +8,7 @@ module brz_solid_tilts
     use brz_solid_arrays, only: group_of
     use brz_link_rows, only: first_link, is_bonded, last_link, link_mask, link_partner
     use brz_solid_mirror, only: signs
-    use brz_solid_state, only: body_t, form_total, solid_t, worth_threads
+    use brz_solid_state, only: body_t, solid_t, worth_threads
     use brz_tilted_arm, only: pack_tilt, radial_normal
     implicit none
     private
@@ -22,18 +22,17 @@ contains
     !> Tilts of all particles; lists and bonds must be known.
     subroutine find_tilts(solid)
         type(solid_t), intent(inout) :: solid
-        real(rk) :: tilt, lift
+        real(rk) :: tilt
         integer :: i, k
 
         if (.not. allocated(solid%tilt)) return
-        !$omp parallel do if(solid%n >= worth_threads) schedule(dynamic, 8) private(i, tilt, lift)
+        !$omp parallel do if(solid%n >= worth_threads) schedule(dynamic, 8) private(i, tilt)
         do k = 1, size(solid%block, 2)
             associate (body => solid%bodies(solid%block(1, k)))
                 if (.not. any(body%normal > 0)) cycle
                 do i = solid%block(2, k), solid%block(3, k)
-                    call tilt_of(solid, body, i, tilt, lift)
+                    call tilt_of(solid, body, i, tilt)
                     solid%tilt(i) = real(tilt, real32)
-                    if (body%formulation == form_total) solid%lift(i) = real(lift, real32)
                 end do
             end associate
         end do
@@ -42,13 +41,12 @@ contains
     !> c with sum w t^2 (z - d) (1 + c z) = 0 over the neighbours of particle i, t along the layer
     !> and z across it [1/m]: u = t z then has the gradient of a place d from it. d is 0 but at the
     !> faces of plates and bars, which see the strain further out. In bars c and d are vectors.
-    pure subroutine tilt_of(solid, body, i, tilt, lift)
+    pure subroutine tilt_of(solid, body, i, tilt)
         type(solid_t), intent(in) :: solid
         type(body_t), intent(in) :: body
         integer, intent(in) :: i
         real(rk), intent(out) :: tilt !! [1/m], of bars packed
-        real(rk), intent(out) :: lift !! see lifted_arm [1/m]
-        real(rk) :: sums(7), scale
+        real(rk) :: sums(6), scale
         integer(int64) :: k
         real(rk) :: across(3, 2)
         integer :: g, j
@@ -80,8 +78,6 @@ contains
                 end associate
             end do
         end if
-        lift = 0
-        if (sums(7) > 0) lift = -sums(1)/sums(7)
         if (.not. any(across(:, 2) > 0)) then
             tilt = one_way(body, glued, sums(1), sums(3), sums(6))
         else
@@ -127,7 +123,7 @@ contains
     pure function both_ways(body, glued, sums) result(tilt)
         type(body_t), intent(in) :: body
         logical, intent(in) :: glued !! see one_way
-        real(rk), intent(in) :: sums(7) !! see add
+        real(rk), intent(in) :: sums(6) !! see add
         real(rk) :: tilt(2), d(2), a(2, 2), b(2), det
         integer :: k
 
@@ -149,13 +145,13 @@ contains
     end function both_ways
 
     !> Add a neighbour, or its image in the planes of the mask, to the sums of w t^2 times y, z,
-    !> y^2, z^2, y z, 1 and t^2, with y and z the directions across; of a plate there is no z.
+    !> y^2, z^2, y z and 1, with y and z the directions across; of a plate there is no z.
     pure subroutine add(solid, across, i, j, mask, scale, half_over_h, sums)
         type(solid_t), intent(in) :: solid
         real(rk), intent(in) :: across(3, 2)
         integer, intent(in) :: i, j, mask
         real(rk), intent(in) :: scale, half_over_h !! see brz_kernel
-        real(rk), intent(inout) :: sums(7)
+        real(rk), intent(inout) :: sums(6)
         real(rk) :: r(3), w, y, z
 
         r = real(solid%x_ref(:, i) - signs(mask)*solid%x_ref(:, j), rk)
@@ -163,6 +159,6 @@ contains
         z = dot_product(across(:, 2), r)
         w = solid%volume(j)*kernel_slope(scale, half_over_h, norm2(r))
         w = w*(dot_product(r, r) - y*y - z*z)
-        sums = sums + w*[y, z, y*y, z*z, y*z, 1.0_rk, dot_product(r, r) - y*y - z*z]
+        sums = sums + w*[y, z, y*y, z*z, y*z, 1.0_rk]
     end subroutine add
 end module brz_solid_tilts

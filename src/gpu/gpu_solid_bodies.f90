@@ -100,7 +100,6 @@ contains
         params%springs = merge(1, 0, material%class == class_elastic)
         params%owed = column%owed
         params%grip = column%grip
-        params%lift = column%lift
         gpu%first = params%first
         gpu%last = params%last
         gpu%gone = count(solid%fixed(gpu%first:gpu%last) == is_gone)

@@ -84,7 +84,6 @@ module brz_gpu_solid_layout
         integer :: curved !! 1: the normal of a particle is radial, see brz_solid_state
         real(dp) :: middle(3) !! on the axis of such a wall [m]
         real(rk) :: width(3) !! of the lattice, see brz_wide_lattice
-        integer :: lift !! column of `state` with the lift of total-Lagrangian plates, 0: none
         integer :: layer_of_ply !! 1: yes
     end type body_gpu_t
 

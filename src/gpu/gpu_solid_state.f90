@@ -23,7 +23,7 @@ module brz_gpu_solid_state
     use brz_link_layout, only: link_layout_t, n_press
     use brz_move_level, only: lost_level
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
-    use brz_solid_state, only: ledger_t, n_held, n_pair, solid_t
+    use brz_solid_state, only: form_total, ledger_t, n_held, n_pair, solid_t
     use brz_tallies, only: tally_threads
     use brz_text, only: to_text
     implicit none
@@ -102,7 +102,6 @@ module brz_gpu_solid_state
     type :: columns_t
         integer :: grip = 0 !! + 1..3: force on what holds a particle [N]
         integer :: owed = 0 !! energy that the hold owes [J]
-        integer :: lift = 0 !! of total-Lagrangian plates [1/m]
         integer :: load = 0 !! + 1..3: force of the air, or of the loads [N]
         integer :: before = 0 !! + 1..3: velocity a step of the air before [m/s]
     end type columns_t
@@ -235,7 +234,8 @@ contains
             call visit(gpu%k_axes, 6, 1, is_left)
         if (allocated(solid%held)) call visit(gpu%held, n_held*w, 1, is_left)
         call visit(gpu%book, 2, n_book, stays)
-        call visit(gpu%grad, w, merge(18, 9, allocated(solid%lift)), passes)
+        call visit(gpu%grad, w, merge(18, 9, allocated(solid%tilt) .and. &
+            any(solid%bodies%formulation == form_total)), passes)
         call visit(gpu%count, 1, 1, passes)
         call visit(gpu%acting, 1, 1, passes)
         call visit(gpu%cell, 1, 1, passes)
@@ -332,7 +332,6 @@ contains
         call fields_of(solid, fields)
         gpu%n_state = fields%columns
         gpu%column%owed = column_of_field(fields, 'owed')
-        gpu%column%lift = column_of_field(fields, 'lift')
         if (loaded) gpu%column%load = column_of_field(fields, 'load') - 1
         if (allocated(solid%v_before)) gpu%column%before = column_of_field(fields, 'v_before') - 1
         if (allocated(solid%grip)) gpu%column%grip = column_of_field(fields, 'grip') - 1

@@ -219,8 +219,11 @@ contains
             normal(t) = s(t)*m%normal(t, side)
             image(t) = s(t)*x(t)
         end do
-        if (.not. m%curved(side)) call tilted_arm(c, normal, dx, r, y)
-        if (m%curved(side)) call wall_arm(m%normal(1, side), m%middle(1, side), image, c, dx, r, y)
+        if (m%curved(side)) then
+            call wall_arm(m%normal(1, side), m%middle(1, side), image, c, m%lift(side), dx, r, y)
+        else
+            call tilted_arm(c, m%lift(side), normal, dx, r, y)
+        end if
     end subroutine arm_of
 
     !> Stiff hourglass force of a bonded pair.

@@ -132,6 +132,7 @@ contains
             m%directional = p%directional .and. q%directional
             if (p%directional .neqv. q%directional) m%formulation = 0
             m%normal = reshape([p%normal, q%normal], [3, 2])
+            m%lift = [p%lift, q%lift]
             m%curved = [p%curved, q%curved]
             m%middle = reshape([p%round%centre, q%round%centre], [3, 2])
             m%rest = [1/s%density, 1/t%density]

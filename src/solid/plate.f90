@@ -13,7 +13,8 @@ module brz_plate
     use brz_errors, only: error_t, exit_deck, raise
     use brz_formulation, only: fast
     use brz_kinds, only: dp, rk
-    use brz_solid_state, only: body_t, form_total
+    use brz_solid_state, only: body_t, form_bending, form_total
+    use brz_tilted_arm, only: face_lift
     implicit none
     private
     public :: settle_plate
@@ -29,21 +30,36 @@ module brz_plate
 
 contains
 
-    !> Normal of a body that is a plate, or the directions across a bar, and from where its faces
-    !> see the strain.
+    !> Normal of a body that is a plate, or the directions across a bar, and how its faces see the
+    !> strain.
     subroutine settle_plate(input, speed, shape, body, err)
         type(body_case_t), intent(in) :: input
         real(dp), intent(in) :: speed !! largest of two bodies towards each other [m/s]
         type(shape_t), intent(in) :: shape
         type(body_t), intent(inout) :: body
         type(error_t), intent(inout) :: err
-        integer :: a, along
-        logical :: bends
 
         if (input%layered) then
             call settle_wall(input, speed, shape, body, err)
-            return
+        else
+            call settle_flat(input, speed, shape, body, err)
         end if
+        if (body%formulation == form_bending) return
+        if (count(body%normal > 0) == 1 .or. body%curved) body%lift = &
+            face_lift(shape%dimension, real(body%h/body%spacing, rk), &
+                      real(body%outward/body%spacing, rk))
+    end subroutine settle_plate
+
+    !> Boxes and discs.
+    subroutine settle_flat(input, speed, shape, body, err)
+        type(body_case_t), intent(in) :: input
+        real(dp), intent(in) :: speed !! see settle_plate
+        type(shape_t), intent(in) :: shape
+        type(body_t), intent(inout) :: body
+        type(error_t), intent(inout) :: err
+        integer :: a, along
+        logical :: bends
+
         along = 0
         bends = body%tension_hold > 0 .or. body%formulation == form_total
         a = index('xyz', trim(input%plate_axis))
@@ -71,7 +87,7 @@ contains
         if (a == 0) return
         body%normal(a) = 1
         body%outward = real(further_out*shape%spacing(a)*body%stretch(a), rk)
-    end subroutine settle_plate
+    end subroutine settle_flat
 
     !> A wall round an axis: radial normals.
     subroutine settle_wall(input, speed, shape, body, err)

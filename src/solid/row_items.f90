@@ -48,9 +48,8 @@ contains
         rules%artificial_strength = body%artificial_strength
     end function rules_of
 
-    !> The row of a particle but for its stress and its tilt, which is there, and its lift in the
-    !> slot of the stiffness, where it stays in total-Lagrangian bodies with axes. Where a body has
-    !> axes, the affine slots hold dx/dX alone, and stiffen_along must follow.
+    !> The row of a particle but for its stress and its tilt, which is there. Where a body has axes,
+    !> the affine slots hold dx/dX alone, and stiffen_along must follow.
     !@cuf attributes(host,device) &
     pure subroutine fill_row(rules, h, a, rho, c_bulk, volume, mass, stress, strength, limp, row)
         type(row_rules_t), intent(in) :: rules
@@ -75,7 +74,6 @@ contains
             call copy_matrix(a, q)
             if (rules%formulation == form_bending) call deformation(a, limp, q)
             z = rules%stiffness
-            if (rules%formulation == form_total .and. rules%directional == 1) z = row(pair_zeta)
             row(pair_keep) = strength*(1 - limp)
             if (rules%directional == 0) then
                 do j = 1, 3

@@ -95,13 +95,12 @@ contains
     subroutine walk(s, t)
         type(solid_t), intent(inout), target :: s
         type(fields_t), intent(inout) :: t
-        logical :: tilted, lifted, held, linked
+        logical :: tilted, held, linked
         integer :: b
 
         linked = s%links%present
         held = any(s%bodies%tension_hold > 0)
         tilted = any([(any(s%bodies(b)%normal > 0), b=1, size(s%bodies))])
-        lifted = tilted .and. any(s%bodies%formulation == form_total)
         t%particles = s%n
         t%columns = at_hist + s%n_hist
         call see(t, 'x', s%x, 3, .true., in_place, 1)
@@ -122,7 +121,6 @@ contains
         end if
         call see(t, 'h', s%h, .false., in_place, 4, derived=.true.)
         call see(t, 'tilt', s%tilt, tilted, in_reference, 4)
-        call see(t, 'lift', s%lift, lifted, in_state, next)
         call see(t, 'id', s%id, .true., in_tag, tag_id)
         call see(t, 'ply', s%ply, .true., in_tag, tag_ply)
         call see(t, 'support', s%support, .true., in_tag, tag_support)

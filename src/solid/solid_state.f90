@@ -52,8 +52,7 @@ module brz_solid_state
     integer, parameter :: pair_volume = 1 !! [m3]
     integer, parameter :: pair_linear = 2 !! linear viscosity, alpha rho c/2 [kg/(m2 s)]
     integer, parameter :: pair_quadratic = 3 !! quadratic viscosity, beta rho/2 [kg/m3]
-    integer, parameter :: pair_zeta = 4 !! strength of the hourglass force: zeta h rho c or zeta G;
-                                       !! total-Lagrangian plates: their lift [1/m]
+    integer, parameter :: pair_zeta = 4 !! strength of the hourglass force: zeta h rho c or zeta G
     integer, parameter :: pair_stress = 4 !! + 1..9: stress times gradient correction [Pa]
     !> + 1..9: stiff hourglass force: stiffness times dx/dX [Pa]; artificial stress: R; else dv/dx
     integer, parameter :: pair_affine = 13
@@ -125,6 +124,7 @@ module brz_solid_state
         real(rk) :: at_rest = 2 !! sum of the squares of the two smaller parts of `stretch`
         real(rk) :: normal(3) = 0 !! of its plies, or of a plate of metal, in the unloaded body;
                                   !! 0: no tilted gradients
+        real(rk) :: lift = 0 !! of its faces over their tilt, see brz_tilted_arm
         real(rk) :: layer_stiffness(9) = 0 !! C11, C22, C33, C12, C23, C13, G12, G23, G13 [Pa]
         real(rk) :: contraction = 0 !! along the normal over the growth of the area
     end type body_numbers_t
@@ -288,7 +288,6 @@ module brz_solid_state
         real(real32), allocatable :: tilt(:) !! (n) of the gradient in the outermost layers of
                                              !! plies and plates, see brz_tilted_arm; only where
                                              !! a body has a normal [1/m]
-        real(real32), allocatable :: lift(:) !! (n) the same, of total-Lagrangian plates [1/m]
         real(rk), allocatable :: pair(:, :) !! (n_pair, n) written by pass 1 for pass 2
         real(rk), allocatable :: held(:, :) !! (n_held, n) the hold, where a body has it; by pass 1
         real(rk), allocatable :: owed(:) !! (n) where `held` is: energy of the hold, and its work

@@ -9,22 +9,28 @@
 !> fields on any arrangement, for u = t z also, and blind to a rigid rotation. The force of the
 !> stress is its adjoint, -w (T_i y^i_ij + T_j y^j_ij) with T = stress M^-T. Point physics.
 !>
+!> What bends has w = -k t^2/2 across it, too, which to neighbours on one side looks like a strain
+!> across. So plates and walls have besides the lift s c t^2 n, with s that makes
+!> sum w t^2 (z + s c t^2) = 0 there: of a regular lattice a number of its own (`face_lift`), 0 in
+!> updated laminates, whose stiffness along the fibres goes with their hourglass force.
+!>
 !> A bar along e has free faces in both directions across it. There the tilt is a vector C,
 !>     y_ij = X_ij + (C.X_ij) (e.X_ij) e,
-!> and n holds, in place of a normal, the unit of C twice, in the directions across; both parts of
-!> C lie in one number, as whole multiples of that unit.
+!> without lift, and n holds, in place of a normal, the unit of C twice, in the directions across;
+!> both parts of C lie in one number, as whole multiples of that unit.
 !>
 !> In a wall round an axis n is radial at each particle.
 !>
 !> Source: docs/solid.md section 4
 module brz_tilted_arm
     use brz_gradient, only: invert_supported
+    use brz_kernel, only: kernel_slope
     use brz_kinds, only: dp, rk
     use brz_pair_force, only: most_bent, overstretched
     implicit none
     private
-    public :: lifted_arm, mirrored_tilt, pack_tilt, ply_arm, radial_normal, tilted_arm, &
-              tilted_correction, tilted_force, wall_arm
+    public :: face_lift, lifted_arm, mirrored_tilt, pack_tilt, ply_arm, radial_normal, &
+              tilted_arm, tilted_correction, tilted_force, wall_arm
 
     real(rk), parameter :: shift = 4096 !! of the first part of a packed tilt
     !> Added and taken away again it leaves the nearest whole number, in vector code too.
@@ -36,12 +42,13 @@ contains
     !> Arm of a pair: x_ij without tilt; with it none where the pair left the stretches 1/1.6..1.6.
     !> Normals lie along an axis, so along the others each part of X_ij grows by the same factor.
     !@cuf attributes(host,device) &
-    pure subroutine tilted_arm(c, n, x_ref, r, y)
+    pure subroutine tilted_arm(c, lift, n, x_ref, r, y)
         real(rk), intent(in) :: c !! tilt [1/m], of bars packed; of j as seen from i: the other sign
+        real(rk), intent(in) :: lift !! s, see above; 0 of bars
         real(rk), intent(in) :: n(3) !! normal of the plies in the unloaded body; bars: see above
         real(rk), intent(in) :: x_ref(3), r(3) !! X_ij, x_ij [m]
         real(rk), intent(out) :: y(3) !! [m]
-        real(rk) :: bar, first, z, z1, slope, along, across
+        real(rk) :: bar, first, z, z1, slope, along, across, rise
         integer :: t
 
         bar = two_of(n)
@@ -51,29 +58,31 @@ contains
         if (n(1) == 0) z1 = n(2)*x_ref(2)
         slope = (c - shift*first)*(z - bar*z1) + first*z1
         along = 1 + slope
+        rise = lift*c*(x_ref(1)*x_ref(1) + x_ref(2)*x_ref(2) + x_ref(3)*x_ref(3) - z*z)
         if (overstretched(most_bent, x_ref, r)) then
             along = 0
             slope = 0
+            rise = 0
         end if
         do t = 1, 3
             across = x_ref(t)
             if (n(t) == 0) across = 0
-            y(t) = along*x_ref(t) - slope*across
+            y(t) = along*x_ref(t) - slope*across + rise*n(t)
             if (c == 0) y(t) = r(t)
         end do
     end subroutine tilted_arm
 
     !> The same in laminates, which are no bars, and in curved walls: any normal.
     !@cuf attributes(host,device) &
-    pure subroutine ply_arm(c, n, x_ref, r, y)
-        real(rk), intent(in) :: c, n(3), x_ref(3), r(3)
+    pure subroutine ply_arm(c, lift, n, x_ref, r, y)
+        real(rk), intent(in) :: c, lift, n(3), x_ref(3), r(3)
         real(rk), intent(out) :: y(3)
         real(rk) :: z, along, across
         integer :: t
 
         z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
         along = 1 + c*z
-        across = c*z*z
+        across = c*(z*z - lift*(x_ref(1)*x_ref(1) + x_ref(2)*x_ref(2) + x_ref(3)*x_ref(3) - z*z))
         if (overstretched(most_bent, x_ref, r)) then
             along = 0
             across = 0
@@ -84,18 +93,16 @@ contains
         end do
     end subroutine ply_arm
 
-    !> The same in total-Lagrangian plates, in the unloaded body: no pair leaves it. With a lift the
-    !> gradient across is blind to a displacement t^2 across, by which wide layers bend.
+    !> The same in total-Lagrangian plates, in the unloaded body: no pair leaves it.
     !@cuf attributes(host,device) &
     pure subroutine lifted_arm(c, lift, n, x_ref, y)
-        real(rk), intent(in) :: c, lift !! tilt, lift [1/m]; of j as seen from i: the other sign
-        real(rk), intent(in) :: n(3) !! normal, along an axis
+        real(rk), intent(in) :: c, lift, n(3) !! see tilted_arm
         real(rk), intent(in) :: x_ref(3) !! X_ij [m]
         real(rk), intent(out) :: y(3) !! [m]
         real(rk) :: z, across
 
         z = n(1)*x_ref(1) + n(2)*x_ref(2) + n(3)*x_ref(3)
-        across = lift*(x_ref(1)*x_ref(1) + x_ref(2)*x_ref(2) + x_ref(3)*x_ref(3) - z*z) - c*z*z
+        across = c*(lift*(x_ref(1)*x_ref(1) + x_ref(2)*x_ref(2) + x_ref(3)*x_ref(3) - z*z) - z*z)
         y(1) = (1 + c*z)*x_ref(1) + across*n(1)
         y(2) = (1 + c*z)*x_ref(2) + across*n(2)
         y(3) = (1 + c*z)*x_ref(3) + across*n(3)
@@ -122,16 +129,40 @@ contains
     !> The same in a wall round an axis, at a particle there, or at its image in a plane through the
     !> axis.
     !@cuf attributes(host,device) &
-    pure subroutine wall_arm(across, middle, x, c, x_ref, r, y)
+    pure subroutine wall_arm(across, middle, x, c, lift, x_ref, r, y)
         real(rk), intent(in) :: across(3) !! see radial_normal
         real(dp), intent(in) :: middle(3), x(3) !! see radial_normal [m]
-        real(rk), intent(in) :: c, x_ref(3), r(3) !! see tilted_arm
+        real(rk), intent(in) :: c, lift, x_ref(3), r(3) !! see tilted_arm
         real(rk), intent(out) :: y(3) !! [m]
         real(rk) :: n(3)
 
         call radial_normal(across, middle, x, n)
-        call ply_arm(c, n, x_ref, r, y)
+        call ply_arm(c, lift, n, x_ref, r, y)
     end subroutine wall_arm
+
+    !> Lift of the faces of a regular lattice over their tilt: with it they see no strain across
+    !> where w = t^2, and with the tilt that of u = t z at a place outside them.
+    pure function face_lift(dimension, h, outside) result(lift)
+        integer, intent(in) :: dimension !! 2 or 3
+        real(rk), intent(in) :: h !! smoothing length over the spacing
+        real(rk), intent(in) :: outside !! over the spacing
+        real(rk) :: lift
+        integer, parameter :: far = 4 !! layers and columns within reach, at least
+        real(rk) :: sums(4), t2, w
+        integer :: i, j, k
+
+        sums = 0
+        do k = 0, far
+            do j = -far*(dimension - 2), far*(dimension - 2)
+                do i = -far, far
+                    t2 = real(i*i + j*j, rk)
+                    w = t2*kernel_slope(1.0_rk, 1/(2*h), sqrt(real(i*i + j*j + k*k, rk)))
+                    sums = sums + w*[1.0_rk, real(k, rk), real(k*k, rk), t2]
+                end do
+            end do
+        end do
+        lift = sums(2)*(sums(3) + outside*sums(2))/(sums(4)*(sums(2) + outside*sums(1)))
+    end function face_lift
 
     !> 1 where two components of a vector are not zero, as of a bar; else 0.
     !@cuf attributes(host,device) &
