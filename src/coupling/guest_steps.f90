@@ -4,7 +4,7 @@
 module brz_guest_steps
     use brz_carrier_steps, only: sum_shifts
     use brz_coupling_guests, only: send_guests !@cpu
-    !@gpu use brz_gpu_coupling_guests, only: send_guests
+    !@gpu use brz_gpu_coupling_guests, only: find_runs, send_guests
     use brz_coupling_part, only: introduce
     use brz_coupling_state, only: coupling_t
     use brz_guest_loops, only: each_mark_guest, each_miss_guest, each_take_load
@@ -81,6 +81,7 @@ contains
             call place_pieces(reshape(sum(out, 1), [1, boxes]), none, part%marks, part%home)
             call put_list(part%home%first, part%first_at)
             call at_least(part%loads, 3, part%home%first(boxes) - 1)
+            !@gpu call find_runs(p, out, in, c)
             !@gpu call part%parcels%aim(sum(all, 1), part%out)
             !@gpu call part%parcels%aim(transpose(sum(all, 1)), part%in)
         end associate

@@ -7,7 +7,7 @@ module brz_gpu_coupling_guests
     use brz_cell_lists, only: list_cells
     use brz_coupling_state, only: coupling_t
     use brz_device, only: clear_buffer, copy_in, reserve_buffer
-    use brz_errors, only: error_t
+    use brz_errors, only: error_t, failed
     use brz_fetch, only: fetch_t
     use brz_gpu_coupling_state, only: gpu_coupling_t, seen_t
     use brz_gpu_lists, only: put_list
@@ -20,8 +20,9 @@ module brz_gpu_coupling_guests
     use brz_solid_part, only: solid_part_t
     implicit none
     private
-    public :: open_gpu_windows, mark_blocks, send_guests
+    public :: open_gpu_windows, mark_blocks, find_runs, send_guests
 
+    integer, parameter :: most_runs = 4 !! bodies whose particles are copied one by one
     integer, parameter :: n_known = 7 !! arrays of a guest
     integer, parameter :: n_moving = 4 !! those of them that change in a step
 
@@ -106,6 +107,39 @@ contains
                 size(part%windows), part%windows_at, gpu%box, gpu%cell, near, err)
         end associate
     end subroutine mark_blocks
+
+    !> Where the particles lie that a process has for itself, if these are all of a few bodies.
+    subroutine find_runs(p, out, in, gpu, err)
+        type(seen_t), intent(in) :: p
+        integer(int64), intent(in) :: out(:, :), in(:, :) !! (bodies, processes) that go, and come
+        type(gpu_coupling_t), intent(inout) :: gpu
+        type(error_t), intent(in) :: err
+        integer :: b, me, n(size(out, 1)), whole(size(out, 1)), from(size(out, 1)), to(size(out, 1))
+
+        if (failed(err)) return
+        me = gpu%crowd%ranks%rank + 1
+        n = int(out(:, me))
+        whole = p%bodies%last - p%bodies%first + 1
+        associate (part => gpu%part)
+            if (allocated(part%out%run)) deallocate (part%out%run, part%in%run, part%home%run)
+            if (count(n > 0) > most_runs .or. any(n > 0 .and. n < whole)) return
+            from = p%bodies%first
+            to = gpu%guests%bodies%first + int(sum(in(:, :me - 1), 2))
+            part%out%run = listed(from)
+            part%in%run = listed(to)
+            part%home%run = listed([(part%home%first(me - 1) + sum(n(:b - 1)), b=1, size(n))])
+        end associate
+
+    contains
+
+        !> Runs of bodies from these places.
+        pure function listed(first) result(run)
+            integer, intent(in) :: first(:)
+            integer, allocatable :: run(:, :)
+
+            run = transpose(reshape([pack(first, n > 0), pack(n, n > 0)], [count(n > 0), 2]))
+        end function listed
+    end subroutine find_runs
 
     !> Send what the copies have of their particles.
     subroutine send_guests(p, gpu, all_of_it, err)

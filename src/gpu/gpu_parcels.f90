@@ -3,6 +3,7 @@
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t, part_from => from
+    use brz_device, only: copy_within
     use brz_errors, only: error_t, exit_device, raise
     use brz_gpu_lists, only: put_list
     use brz_gpu_peers, only: peers_t
@@ -133,16 +134,22 @@ contains
         place = part_from(list%place, int(list%first(r), int64))
     end function from_place
 
-    !> What a process has for itself: from array to array.
+    !> What a process has for itself: from array to array, in runs where both lists say so.
     subroutine carry(self, out, in, from, to, err)
         class(gpu_parcels_t), intent(in) :: self
         type(gpu_places_t), intent(in) :: out, in
         type(gpu_rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
         integer :: k
+        logical :: runs
 
+        runs = allocated(out%run) .and. allocated(in%run)
         associate (me => self%ranks%rank)
             do k = 1, size(from)
+                if (runs .and. from(k)%columns == to(k)%columns) then
+                    call copy_runs(from(k), out%run, to(k), in%run, err)
+                    cycle
+                end if
                 call carry_rows(out%first(me + 1) - out%first(me), from(k), from_place(out, me), &
                                 to(k), from_place(in, me), err)
             end do
@@ -161,6 +168,24 @@ contains
                 from_place, from%of, to%words, to%stride, to_place, to%of, err)
         end associate
     end subroutine carry_rows
+
+    !> The rows of runs of particles, column by column.
+    subroutine copy_runs(from, out, to, in, err)
+        type(gpu_rows_t), intent(in) :: from, to
+        integer, intent(in) :: out(:, :), in(:, :) !! (2, runs) first place, number
+        type(error_t), intent(inout) :: err
+        integer(int64) :: word
+        integer :: c, r
+
+        word = from%words
+        do c = 0, from%columns - 1
+            do r = 1, size(out, 2)
+                call copy_within(part_from(from%of, c*from%stride + (out(1, r) - 1)*word + 1), &
+                                 part_from(to%of, c*to%stride + (in(1, r) - 1)*word + 1), &
+                                 4*word*out(2, r), err)
+            end do
+        end do
+    end subroutine copy_runs
 
     !> How records are made of some arrays, most_arrays at most.
     pure subroutine make_record(arrays, record, array)

@@ -17,6 +17,8 @@ module brz_gpu_places
         !! (0:processes - 1) entries in the other arena before those of this process
         type(integers_t) :: place
         logical :: all = .false. !! what a process has for itself goes the same way
+        integer, allocatable :: run(:, :)
+        !! (2, runs) first place and number of what it has for itself, where that lies in few runs
         integer :: tiled = 0 !! places in the tiles of all parcels
         type(buffer_t) :: parcels !! what kernels know of them, see brz_place_items
         integer, allocatable :: parcels_there(:) !! what the GPU has of that

@@ -14,7 +14,7 @@ module brz_check
     use brz_early, only: early_t
     use brz_errors, only: error_t, failed
     use brz_gauges, only: gauges_t, set_up_gauges
-    use brz_kinds, only: dp, real32
+    use brz_kinds, only: dp, real32, rk
     use brz_material_report, only: material_report
     use brz_run_ranks, only: print_ranks, print_regions
     use brz_scene_size, only: count_text, memory_text, scene_size_t
@@ -22,6 +22,7 @@ module brz_check
     use brz_simulation, only: simulation_t
     use brz_solid_arrays, only: bytes_per_particle
     use brz_solid_state, only: body_t, form_bending, form_names, form_total, solid_t
+    use brz_tension_hold, only: kappa_of
     use brz_solid_start, only: solid_time_step
     use brz_text, only: to_text
     use brz_time_step, only: choose_time_step
@@ -286,6 +287,8 @@ contains
             if (body%tension_hold > 0) &
                 text = text//', held by '//to_text(real(body%tension_hold, real32))// &
                        ' times its tension'
+            if (body%tension_hold > 0 .and. body%lift > 0) text = text//', its faces by '// &
+                to_text(real(kappa_of(body%tension_hold, body%lift, 1.0_rk), real32))
             if (body%curved) text = text//', a wall round '//axis_names(minloc(body%normal, dim=1))
             if (body%formulation /= form_bending .and. count(body%normal > 0) == 1) &
                 text = text//', a plate across '//axis_names(maxloc(body%normal, dim=1))
