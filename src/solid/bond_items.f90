@@ -211,7 +211,7 @@ contains
         real(rk), intent(in) :: c, s(3), dx(3), r(3) !! tilt; signs of an image; X_ij, x_ij [m]
         real(dp), intent(in) :: x(3) !! place in the unloaded body [m]
         real(rk), intent(out) :: y(3) !! [m]
-        real(rk) :: normal(3)
+        real(rk) :: normal(3), lift
         real(dp) :: image(3)
         integer :: t
 
@@ -219,11 +219,10 @@ contains
             normal(t) = s(t)*m%normal(t, side)
             image(t) = s(t)*x(t)
         end do
-        if (m%curved(side)) then
-            call wall_arm(m%normal(1, side), m%middle(1, side), image, c, m%lift(side), dx, r, y)
-        else
-            call tilted_arm(c, m%lift(side), normal, dx, r, y)
-        end if
+        lift = m%lift(side)
+        if (.not. m%curved(side)) call tilted_arm(c, lift, normal, dx, r, y)
+        if (m%curved(side)) call wall_arm(m%normal(1, side), m%middle(1, side), image, c, lift, &
+                                          dx, r, y)
     end subroutine arm_of
 
     !> Stiff hourglass force of a bonded pair.
