@@ -26,8 +26,8 @@ from cuda_fortran import Fault, compile_all, kernels_of, mangled, missing_tools,
 # bytes of stack that a kernel may have: the ply keeps more numbers than a thread has registers,
 # and two faces more than their bound on registers, those of WENO3 only where there are products;
 # the rows, those of the cosine for angles so large that none of them comes near; bonds, see BLOCKS
-# of cuda_fortran.py; curved walls in real64, which turn by two normals, seven numbers; concrete
-# such a cosine and six numbers
+# of cuda_fortran.py; curved walls in real64, which turn by two normals, eight numbers, and plates
+# there three; concrete such a cosine and six numbers
 STACK = {
     "update_by_hjc": 88,
     "update_by_orthotropic_ply": 64,
@@ -35,6 +35,7 @@ STACK = {
     "faces_weno3_split": 48,
     "solid_rows": 40,
     "solid_forces_wall": 64,
+    "solid_forces_plate": 24,
     "solid_bond_moments": 56,
     "each_pull_links": 64,
 }
