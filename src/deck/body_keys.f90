@@ -183,7 +183,7 @@ contains
                 key_t(group=g, key='tension_hold', lower=zero, upper=12*one, &
                       meaning='corrected_hourglass: stiffness of the hourglass force in '// &
                       'tension over the largest principal tension; if absent 3, in fluids 0. '// &
-                      'Below 1.25 bodies tear by themselves.'), &
+                      'Below 1.25 bodies tear by themselves. Faces of plates have twice it.'), &
                 key_t(group=g, key='plate_axis', kind=kind_text, default='auto', &
                       choices='auto|none|x|y|z', &
                       meaning='corrected_hourglass: normal of a flat body, so that it bends '// &
