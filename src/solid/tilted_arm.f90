@@ -58,7 +58,7 @@ contains
         if (n(1) == 0) z1 = n(2)*x_ref(2)
         slope = (c - shift*first)*(z - bar*z1) + first*z1
         along = 1 + slope
-        rise = lift*c*(x_ref(1)*x_ref(1) + x_ref(2)*x_ref(2) + x_ref(3)*x_ref(3) - z*z)
+        rise = lift*(x_ref(1)*x_ref(1) + x_ref(2)*x_ref(2) + x_ref(3)*x_ref(3) - z*z)*c
         if (overstretched(most_bent, x_ref, r)) then
             along = 0
             slope = 0
