@@ -66,17 +66,18 @@ contains
         else
             gamma = cell_gamma(air, cell(1), cell(2), cell(3))
         end if
-        call meet_walls(air, point, gamma, state)
+        call meet_walls(air, point, gamma, total > 0, state)
     end subroutine gas_state_at
 
     !> Between the last cell and a wall at the boundary: a part of the state at the wall. In a
     !> corner each wall changes density and pressure of the gas in the ratio in which it would
     !> alone. At a plane of symmetry, where the gas beyond is the image of this, the normal velocity
-    !> is nothing.
-    subroutine meet_walls(air, point, gamma, state)
+    !> is nothing; not that of the nearest gas, which is on one side of it.
+    subroutine meet_walls(air, point, gamma, between, state)
         type(air_t), intent(in) :: air
         real(dp), intent(in) :: point(3) !! [m]
         real(rk), intent(in) :: gamma !! of the gas in the nearest cell
+        logical, intent(in) :: between !! the point is between cells of gas
         real(dp), intent(inout) :: state(5) !! density, velocity, pressure
         real(dp) :: beyond(2), gas(5)
         real(rk) :: p_star, rho_star
@@ -91,7 +92,8 @@ contains
             do s = 1, 2
                 if (beyond(s) <= 0) cycle
                 beyond(s) = min(2*beyond(s), 1.0_dp)
-                if (air%outer(s, d) == bc_symmetry) state(1 + d) = (1 - beyond(s))*gas(1 + d)
+                if (air%outer(s, d) == bc_symmetry .and. between) &
+                    state(1 + d) = (1 - beyond(s))*gas(1 + d)
                 if (air%outer(s, d) /= bc_wall) cycle
                 call wall_star(gamma, real(gas(1), rk), real(gas(5), rk), &
                                real((2*s - 3)*gas(1 + d), rk), p_star, rho_star)
@@ -238,6 +240,8 @@ contains
                 far(1 + d) = 2*normal_velocity(wall, next, d) - gas(1 + d)
             else if (next(d) > -air%before(d) .and. next(d) <= air%whole(d) - air%before(d)) then
                 far = primitive_of(air, air%u(next(1), next(2), next(3), :))
+            else if (air%outer(merge(1, 2, s > 0), d) == bc_symmetry) then
+                far(1 + d) = -gas(1 + d)
             end if
             u = speed_at_wall(air%scheme, real(far([1 + d, 5]), rk), v, real(gas(5), rk), &
                               real(gas(1 + d), rk))

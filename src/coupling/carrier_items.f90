@@ -4,7 +4,7 @@
 module brz_carrier_items
     use brz_carrier_rules, only: add_force, add_yield, carrier_t, is_carried
     use brz_cell_place, only: cell_middle
-    use brz_column_items, only: depth_weight
+    use brz_column_items, only: depth_weight, force_from
     use brz_coupling_box, only: box_t, is_own
     use brz_kinds, only: dp, int32, rk
     use brz_solid_state, only: is_held
@@ -54,7 +54,7 @@ contains
     !> that yields. Particles in the cells of other processes are theirs to count.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine sum_push(p, first, box, carrier, wide, cell, home, above, gas, surface, &
+    pure subroutine sum_push(p, first, box, carrier, wide, cell, home, above, gas, rows, surface, &
                              weight, force, impedance, x, mass, push)
         integer, intent(in) :: p !! particles of the body
         integer, intent(in) :: first !! the first of them
@@ -63,7 +63,7 @@ contains
         integer, intent(in) :: wide !! rows of x
         integer(int32), intent(in) :: cell(*), home(*)
         integer, intent(in) :: above(6, *)
-        integer(int32), intent(in) :: gas(*)
+        integer(int32), intent(in) :: gas(*), rows(*)
         real(dp), intent(in) :: surface(*)
         real(rk), intent(in) :: weight(*), force(*), impedance(*)
         real(dp), intent(in) :: x(wide, *)
@@ -84,8 +84,9 @@ contains
                 row = 2*d - side
                 f = above(row, home(i))
                 if (f == 0) cycle
-                share = depth_weight(box, row, gas(f), surface(f), x(d, i), mass(i))/weight(f)
-                now(d) = now(d) + share*force(f)
+                share = depth_weight(box, rows(f), row, gas(f), surface(f), x(d, i), mass(i)) &
+                        /weight(f)
+                now(d) = now(d) + share*force_from(rows(f), row, force(f))
                 yield(d) = yield(d) + share*impedance(f)
             end do
         end do

@@ -67,8 +67,9 @@ contains
             if (c%carrier(b)%carries /= carries_all) cycle
             associate (first => c%carrier(b)%first, last => c%carrier(b)%last)
                 call each_sum_push(last - first + 1, solid%ranks, first, c%box, c%carrier(b), &
-                                   p%wide, c%cell_of, c%place_of, c%above, c%gas, c%surface, &
-                                   c%weight, c%force, c%impedance, p%x, p%mass, push(:, b))
+                                   p%wide, c%cell_of, c%place_of, c%above, c%gas, c%rows, &
+                                   c%surface, c%weight, c%force, c%impedance, p%x, p%mass, &
+                                   push(:, b))
             end associate
         end do
         call foresee_carriers(solid, push, dt, c%carrier) !@host

@@ -2,7 +2,8 @@
 !> Which cells of the air hold particles, the solid cells of the immersed boundary, and which have
 !> changed hands. Cells go by their number in memory order, ghosts left out.
 !>
-!> A cell without particles that solid encloses on all sides is solid as well.
+!> A cell without particles that solid encloses on all sides is solid as well; one beside a plane
+!> of symmetry has its image there, which is gas.
 module brz_cell_items
     use brz_cell_place, only: cell_number
     use brz_cell_shells, only: next_along
@@ -87,8 +88,8 @@ contains
         end do
     end subroutine compare_row
 
-    !> Does solid stand on all sides of a cell, walls and planes of symmetry included? Never in one
-    !> dimension, where a gap of one cell between two bodies is a gap.
+    !> Does solid stand on all sides of a cell, walls included? Never in one dimension, where a gap
+    !> of one cell between two bodies is a gap.
     !@cuf attributes(host,device) &
     pure function is_enclosed(box, number, mark) result(enclosed)
         type(box_t), intent(in) :: box

@@ -47,25 +47,37 @@ contains
         end do
     end subroutine make_shells
 
-    !> Cell reached from `from` by `offset`; `inside` is false beyond the box.
+    !> Cell reached from `from` by `offset`, or the one whose image is there, beyond planes of
+    !> symmetry; `inside` is false beyond the box.
     !@cuf attributes(host,device) &
-    pure subroutine neighbour(n, wraps, from, offset, to, inside)
+    pure subroutine neighbour(n, wraps, mirrors, from, offset, to, turned, inside)
         integer, intent(in) :: n(3) !! cells of the grid
         logical, intent(in) :: wraps(3) !! periodic directions
+        logical, intent(in) :: mirrors(2, 3) !! planes of symmetry at the low and the high end
         integer, intent(in) :: from(3), offset(3)
         integer, intent(out) :: to(3)
+        logical, intent(out) :: turned(3) !! directions in which it is an image that is there
         logical, intent(out) :: inside
-        integer :: d
+        integer :: d, side
 
         inside = .true.
         do d = 1, 3
+            turned(d) = .false.
             to(d) = from(d) + offset(d)
             if (to(d) >= 1 .and. to(d) <= n(d)) cycle
             if (wraps(d)) then
                 to(d) = modulo(to(d) - 1, n(d)) + 1
-            else
-                inside = .false.
+                cycle
             end if
+            do while (to(d) < 1 .or. to(d) > n(d)) ! once more where two planes are close
+                side = merge(1, 2, to(d) < 1)
+                if (.not. mirrors(side, d)) then
+                    inside = .false.
+                    exit
+                end if
+                to(d) = merge(1, 2*n(d) + 1, side == 1) - to(d)
+                turned(d) = .not. turned(d)
+            end do
         end do
     end subroutine neighbour
 

@@ -4,23 +4,28 @@
 !> A face loads the particles of its column from the outermost one inwards, and no farther than the
 !> next gas cell, in proportion to mass and load_weight of their depth. All of this follows from
 !> positions, which do not change while the air takes its step.
+!>
+!> Behind a plane of symmetry a column goes on in the image of the body. So a face may load a
+!> particle of its own column twice, the second time as the image of the face: from the other side,
+!> with the opposite sign.
 module brz_column_items
-    use brz_cell_shells, only: index_along, next_along
-    use brz_column_rules, only: direction_of, height_of, sign_of
-    use brz_coupling_box, only: box_t, is_own, place_at
+    use brz_cell_shells, only: index_along
+    use brz_column_rules, only: direction_of, height_of, side_of, sign_of
+    use brz_coupling_box, only: box_t, go_on, is_own, place_at
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_load_rules, only: gas_push, gauge_force, load_weight
     use brz_scheme, only: mixture_gamma, scheme_t
     implicit none
     private
     public :: find_above, weigh_column, feel_gas, press_face, book_face, load_particle
-    public :: depth_weight, look_ahead
+    public :: depth_weight, force_from, look_ahead
 
     integer, parameter :: at_once = 8 !! particles of a bin
 
 contains
 
-    !> Face that begins the column of a cell on each side and is near enough to load it, or 0.
+    !> Face that begins the column of a cell on each side and is near enough to load it, or 0; one
+    !> of the other side where it is an image that does.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine find_above(c, box, cell, solid, cell_of, face_of, above)
@@ -37,13 +42,13 @@ contains
             above(row, c) = 0
             d = direction_of(row)
             if (box%n(d) == 1) cycle
-            s = sign_of(row)
+            s = -sign_of(row)
             number = cell(c)
             at = c
             do m = 0, box%layers
-                above(row, c) = face_of(row, at)
+                above(row, c) = face_of(side_of(d, -s), at)
                 if (above(row, c) > 0) exit
-                number = next_along(box%n, box%wraps, number, d, -s)
+                call go_on(box, d, s, number)
                 if (number == 0) exit
                 place = place_at(box, number)
                 if (solid(place) == 0) exit
@@ -54,22 +59,35 @@ contains
 
     !> Weight of a particle in the load of a face whose column it belongs to [kg].
     !@cuf attributes(host,device) &
-    pure function depth_weight(box, row, gas, surface, x, mass) result(w)
+    pure function depth_weight(box, row, seen, gas, surface, x, mass) result(w)
         type(box_t), intent(in) :: box
         integer, intent(in) :: row !! side of the face
+        integer, intent(in) :: seen !! side of what loads the particle: the other one of an image
         integer(int32), intent(in) :: gas !! its gas cell
         real(dp), intent(in) :: surface !! of its column [m]
         real(dp), intent(in) :: x !! of the particle, along the direction [m]
         real(rk), intent(in) :: mass !! [kg]
         real(rk) :: w
         real(dp) :: depth
-        integer :: d
+        integer :: d, g
 
         d = direction_of(row)
-        depth = height_of(x, box%lo(d), box%dx(d), box%n(d), box%wraps(d), &
-                          box%before(d) + index_along(box%n, gas, d), sign_of(row)) - surface
+        g = box%before(d) + index_along(box%n, gas, d)
+        if (seen /= row) g = merge(1, 2*box%whole(d) + 1, sign_of(seen) > 0) - g
+        depth = height_of(x, box%lo(d), box%dx(d), box%n(d), box%wraps(d), g, sign_of(seen)) &
+                - surface
         w = mass*load_weight(real(depth, rk), real(box%spread*box%dx(d), rk))
     end function depth_weight
+
+    !> Force of a face, or of its image, on what it loads from a side [N].
+    !@cuf attributes(host,device) &
+    pure function force_from(row, seen, force) result(f)
+        integer, intent(in) :: row, seen !! side of the face, and where it is seen
+        real(rk), intent(in) :: force !! of the face [N]
+        real(rk) :: f
+
+        f = merge(force, -force, seen == row)
+    end function force_from
 
     !> The next n particles of a bin, the last one again where it ends before. A thread of a GPU
     !> that looks at several, and finds the next ones meanwhile, waits for memory once for all.
@@ -147,10 +165,11 @@ contains
                 call look_at_some(i, ends(c + 1), wide, d, binned, x, mass, next, y, m)
                 do q = 1, at_once
                     if (i + q - 1 > ends(c + 1)) exit
-                    total = total + depth_weight(box, rows(f), gas(f), top, y(q), m(q))
+                    total = total + depth_weight(box, rows(f), side_of(d, s), gas(f), top, y(q), &
+                                                 m(q))
                 end do
             end do
-            number = next_along(box%n, box%wraps, number, d, s)
+            call go_on(box, d, s, number)
             if (number == 0) exit
             at = place_at(box, number)
             if (solid(at) == 0) exit
@@ -232,20 +251,20 @@ contains
     !> Load of each particle, from all faces whose columns reach its cell.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine load_particle(p, box, wide, step_d, step_p, home, above, gas, surface, weight, &
-                                  force, x, mass, load)
+    pure subroutine load_particle(p, box, wide, step_d, step_p, home, above, gas, rows, surface, &
+                                  weight, force, x, mass, load)
         integer, intent(in) :: p !! particles
         type(box_t), intent(in) :: box
         integer, intent(in) :: wide !! rows of x
         integer, intent(in) :: step_d, step_p !! distances in `load` of directions, of particles
-        integer(int32), intent(in) :: home(*), gas(*)
+        integer(int32), intent(in) :: home(*), gas(*), rows(*)
         integer, intent(in) :: above(6, *)
         real(dp), intent(in) :: surface(*)
         real(rk), intent(in) :: weight(*), force(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: mass(*)
         real(rk), intent(inout) :: load(*)
-        real(rk) :: total
+        real(rk) :: share, total
         integer :: d, f, row, side
 
         do d = 1, 3
@@ -255,8 +274,9 @@ contains
                     row = 2*d - side
                     f = above(row, home(p))
                     if (f == 0) cycle
-                    total = total + force(f)*(depth_weight(box, row, gas(f), surface(f), x(d, p), &
-                                                           mass(p))/weight(f))
+                    share = depth_weight(box, rows(f), row, gas(f), surface(f), x(d, p), mass(p)) &
+                            /weight(f)
+                    total = total + force_from(rows(f), row, force(f))*share
                 end do
             end if
             load(1 + (d - 1)*step_d + (p - 1)*step_p) = total

@@ -5,7 +5,7 @@ module brz_column_rules
     use brz_kinds, only: dp
     implicit none
     private
-    public :: side_of, direction_of, sign_of, height_of
+    public :: side_of, direction_of, sign_of, image_row, height_of
 
 contains
 
@@ -36,6 +36,19 @@ contains
 
         s = 2*mod(row, 2) - 1
     end function sign_of
+
+    !> The row that an image has in place of a row of face_of.
+    !@cuf attributes(host,device) &
+    pure function image_row(row, turned) result(image)
+        integer, intent(in) :: row !! 1..6
+        logical, intent(in) :: turned(3) !! directions in which it is an image
+        integer :: image
+        logical :: opposite
+
+        opposite = (row < 3 .and. turned(1)) .or. (row > 4 .and. turned(3)) &
+                   .or. ((row == 3 .or. row == 4) .and. turned(2))
+        image = merge(side_of(direction_of(row), -sign_of(row)), row, opposite)
+    end function image_row
 
     !> Distance of a coordinate from the middle of a face's gas cell, towards the solid [m].
     !@cuf attributes(host,device) &

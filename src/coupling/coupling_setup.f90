@@ -119,9 +119,8 @@ contains
         coupling%box%cells = product(coupling%box%n)
         coupling%box%n_var = air%n_var
         coupling%box%layers = ceiling(coupling%spread)
-        coupling%box%closed = air%outer == bc_wall .or. air%outer == bc_symmetry
-        coupling%box%closed(1, :) = coupling%box%closed(1, :) .and. window%lo == 1
-        coupling%box%closed(2, :) = coupling%box%closed(2, :) .and. window%hi == coupling%box%whole
+        call find_ends(air%outer == bc_wall, window, coupling%box%whole, coupling%box%closed)
+        call find_ends(air%outer == bc_symmetry, window, coupling%box%whole, coupling%box%mirrors)
         coupling%box%wraps = coupling%wraps
         coupling%box%floors = floors_of(.true., air%scheme%gamma, air%rho_rest, air%p_rest)
         coupling%box%spread = coupling%spread
@@ -133,6 +132,17 @@ contains
         coupling%box%grid%n = coupling%box%n
         coupling%box%grid%g = air%g - (air%before - coupling%box%before) ! cell 1 of the window
     end subroutine make_box
+
+    !> Ends of a window that are ends of a kind of the grid, in the directions that are modelled.
+    pure subroutine find_ends(outer, window, whole, ends)
+        logical, intent(in) :: outer(2, 3) !! ends of the grid
+        type(cells_t), intent(in) :: window
+        integer, intent(in) :: whole(3) !! cells of the grid
+        logical, intent(out) :: ends(2, 3)
+
+        ends(1, :) = outer(1, :) .and. window%lo == 1 .and. whole > 1
+        ends(2, :) = outer(2, :) .and. window%hi == whole .and. whole > 1
+    end subroutine find_ends
 
     !> Part of a surface cell that its particles do not fill: its gas is where the ledger starts.
     !>

@@ -18,6 +18,9 @@ module brz_coupling_state
     implicit none
     private
     public :: coupling_t, coupling_known_t, coupling_books_t, side_of, sums_in, put_sums
+    public :: n_sums
+
+    integer, parameter :: n_sums = 11 !! numbers in a row of sums_in
 
     !> What the air has given to the bodies, and other sums over all steps.
     type :: coupling_books_t
@@ -25,6 +28,7 @@ module brz_coupling_state
         real(dp) :: work_reference = 0 !! part of it that the reference pressure did [J]
         real(dp) :: impulse(3) = 0 !! given to the solid, reference pressure taken off [N s]
         real(dp) :: impulse_reference(3) = 0 !! what was taken off [N s]
+        real(dp) :: images(3) = 0 !! momentum that images in planes of symmetry took [N s]
         integer(int64) :: covered = 0, uncovered = 0 !! cells
         integer(int64) :: kept = 0 !! buried ledgers that found no taker (counted each step)
         real(rk) :: ledger_low = 0 !! least ledger so far, in units of the gas beside it
@@ -100,19 +104,21 @@ contains
     !> Work and impulses of the books in a row, in the order of the columns on a GPU.
     pure function sums_in(books) result(sums)
         type(coupling_books_t), intent(in) :: books
-        real(dp) :: sums(8)
+        real(dp) :: sums(n_sums)
 
-        sums = [books%work, books%work_reference, books%impulse, books%impulse_reference]
+        sums = [books%work, books%work_reference, books%impulse, books%impulse_reference, &
+                books%images]
     end function sums_in
 
     !> The same from a row.
     pure subroutine put_sums(sums, books)
-        real(dp), intent(in) :: sums(8)
+        real(dp), intent(in) :: sums(n_sums)
         type(coupling_books_t), intent(inout) :: books
 
         books%work = sums(1)
         books%work_reference = sums(2)
         books%impulse = sums(3:5)
         books%impulse_reference = sums(6:8)
+        books%images = sums(9:11)
     end subroutine put_sums
 end module brz_coupling_state

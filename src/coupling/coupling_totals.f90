@@ -3,7 +3,7 @@
 module brz_coupling_totals
     use brz_air_state, only: air_t
     use brz_air_totals, only: air_totals
-    use brz_coupling_state, only: coupling_books_t, coupling_t, put_sums, sums_in
+    use brz_coupling_state, only: coupling_books_t, coupling_t, n_sums, put_sums, sums_in
     use brz_debt_loops, only: each_total_debt
     use brz_exact_sum, only: exact_sums
     use brz_kinds, only: dp, int64, rk
@@ -39,12 +39,12 @@ contains
         type(ranks_t), intent(in) :: ranks
         type(coupling_t), intent(in) :: coupling
         type(coupling_books_t), intent(out) :: books
-        real(dp) :: sums(8), least(2)
+        real(dp) :: sums(n_sums), least(2)
         integer(int64) :: counts(3)
 
         books = coupling%books
         if (.not. several(ranks)) return
-        call exact_sums(ranks, reshape(sums_in(books), [8, 1]), sums)
+        call exact_sums(ranks, reshape(sums_in(books), [n_sums, 1]), sums)
         call put_sums(sums, books)
         counts = [books%covered, books%uncovered, books%kept]
         call sum_of_all(ranks, counts)

@@ -8,15 +8,15 @@
 !> not in each. What a single ledger cannot hold would have to go back into the gas, as noise.
 module brz_ledger_items
     use brz_cell_shells, only: cell_at, shells_t, touching
-    use brz_column_rules, only: direction_of, sign_of
-    use brz_coupling_box, only: box_t, is_own, place_at, place_beside
+    use brz_column_rules, only: direction_of, image_row, sign_of
+    use brz_coupling_box, only: box_t, is_own, is_turned, look_beside, place_at, place_beside
     use brz_kinds, only: dp, int32, int64, int8, rk
     use brz_ledger_rules, only: ledger_excess, ledger_ratio
     use brz_scheme, only: max_var
     implicit none
     private
-    public :: copy_ledger, level_ledger, judge_ledger, take_excess, first_excess, open_excess, &
-              give_excess, total_ledger
+    public :: copy_ledger, level_ledger, book_level, judge_ledger, take_excess, first_excess, &
+              open_excess, give_excess, total_ledger
     public :: faces_at
 
 contains
@@ -52,8 +52,35 @@ contains
         end do
     end subroutine copy_ledger
 
+    !> The solid cell at an offset of another, or its image, if it has wall faces on a common side:
+    !> the two exchange parts of their ledgers. 0: there is none.
+    !@cuf attributes(host,device) &
+    pure subroutine find_partner(c, box, ijk, offset, solid, cell_of, face_of, b, turned)
+        integer, intent(in) :: c !! place of the other in the list
+        type(box_t), intent(in) :: box
+        integer, intent(in) :: ijk(3), offset(3) !! the other, from it
+        integer(int8), intent(in) :: solid(*)
+        integer, intent(in) :: cell_of(*), face_of(6, *)
+        integer, intent(out) :: b !! place in the list
+        logical, intent(out) :: turned(3) !! directions in which it is an image
+        integer(int64) :: at
+        integer :: row
+        logical :: common
+
+        b = 0
+        call look_beside(box, ijk, offset, at, turned)
+        if (at == 0) return
+        if (solid(at) == 0) return
+        b = cell_of(at)
+        common = .false.
+        do row = 1, 6
+            common = common .or. (face_of(row, c) > 0 .and. face_of(image_row(row, turned), b) > 0)
+        end do
+        if (.not. common) b = 0
+    end subroutine find_partner
+
     !> Exchange a part of the difference with each neighbour that has faces of a common direction:
-    !> what one takes the other gives, to the bit.
+    !> what one takes the other gives, to the bit. Images are neighbours, too.
     !@item if(n >= worth_threads) schedule(dynamic, 64)
     !@cuf attributes(host,device) &
     pure subroutine level_ledger(c, box, shells, part, cell, solid, cell_of, face_of, ledger, u)
@@ -68,8 +95,8 @@ contains
         real(rk), intent(inout) :: u(*)
         real(rk) :: gain(max_var)
         integer(int64) :: at
-        integer :: b, k, o, row, ijk(3), offset(3)
-        logical :: common
+        integer :: b, k, o, ijk(3), offset(3)
+        logical :: turned(3)
 
         if (faces_at(c, face_of) == 0) return
         ijk = cell_at(box%n, cell(c))
@@ -81,17 +108,11 @@ contains
                 offset(k) = shells%offset(k, o)
             end do
             if (max(abs(offset(1)), abs(offset(2)), abs(offset(3))) > 1) cycle
-            at = place_beside(box, ijk, offset)
-            if (at == 0) cycle
-            if (solid(at) == 0) cycle
-            b = cell_of(at)
-            common = .false.
-            do row = 1, 6
-                common = common .or. (face_of(row, c) > 0 .and. face_of(row, b) > 0)
-            end do
-            if (.not. common) cycle
+            call find_partner(c, box, ijk, offset, solid, cell_of, face_of, b, turned)
+            if (b == 0) cycle
             do k = 1, max_var
-                if (k <= box%n_var) gain(k) = gain(k) + (ledger(k, b) - ledger(k, c))
+                if (k <= box%n_var) gain(k) = gain(k) + (merge(-ledger(k, b), ledger(k, b), &
+                                                               is_turned(turned, k)) - ledger(k, c))
             end do
         end do
         at = place_at(box, cell(c))
@@ -99,6 +120,45 @@ contains
             if (k <= box%n_var) u(at + (k - 1)*box%grid%apart) = ledger(k, c) + part*gain(k)
         end do
     end subroutine level_ledger
+
+    !> Momentum that images behind planes of symmetry get from the ledgers.
+    !@item
+    !@cuf attributes(host,device) &
+    pure subroutine book_level(c, box, shells, part, cell, solid, cell_of, face_of, ledger, images)
+        integer, intent(in) :: c !! solid cells
+        type(box_t), intent(in) :: box
+        type(shells_t), intent(in) :: shells !@buffer
+        real(rk), intent(in) :: part !! of a difference
+        integer(int32), intent(in) :: cell(*)
+        integer(int8), intent(in) :: solid(*)
+        integer, intent(in) :: cell_of(*), face_of(6, *)
+        real(rk), intent(in) :: ledger(max_var, *) !! before
+        real(dp), intent(inout) :: images(3) !@sum of what they took [N s]
+        integer :: b, d, k, o, ijk(3), offset(3)
+        logical :: at_plane, turned(3)
+
+        ijk = cell_at(box%n, cell(c))
+        at_plane = .false.
+        do d = 1, 3
+            at_plane = at_plane .or. (ijk(d) == 1 .and. box%mirrors(1, d)) &
+                       .or. (ijk(d) == box%n(d) .and. box%mirrors(2, d))
+        end do
+        if (.not. at_plane) return
+        if (faces_at(c, face_of) == 0) return
+        if (.not. is_own(box, cell(c))) return
+        do o = 1, shells%first(touching + 1) - 1
+            do k = 1, 3
+                offset(k) = shells%offset(k, o)
+            end do
+            if (max(abs(offset(1)), abs(offset(2)), abs(offset(3))) > 1) cycle
+            call find_partner(c, box, ijk, offset, solid, cell_of, face_of, b, turned)
+            if (b == 0) cycle
+            do d = 1, 3
+                if (turned(d)) images(d) = images(d) + part*box%area(d)*box%dx(d) &
+                    *(real(ledger(1 + d, c), dp) + ledger(1 + d, b))
+            end do
+        end do
+    end subroutine book_level
 
     !> Part of each ledger that lies beyond its band, which is -1..2 of the gas beside it.
     !@item

@@ -3,7 +3,7 @@
 module brz_velocity_items
     use brz_carrier_rules, only: carried_velocity, carrier_at, carrier_t, is_carried
     use brz_cell_place, only: cell_middle
-    use brz_column_items, only: depth_weight, look_ahead
+    use brz_column_items, only: depth_weight, force_from, look_ahead
     use brz_column_rules, only: direction_of
     use brz_coupling_box, only: box_t
     use brz_kinds, only: dp, int32, rk
@@ -128,15 +128,15 @@ contains
     !@item if(27*n >= worth_threads) schedule(dynamic, 64)
     !@cuf attributes(host,device) &
     pure subroutine push_wall(c, box, wide, step_d, step_p, bodies, dt, dt_before, carrier, gas, &
-                              owner, face_of, above, ends, binned, x, v, mass, load, v_before, &
-                              id, fixed, surface, weight, force, impedance, v_wall)
+                              rows, owner, face_of, above, ends, binned, x, v, mass, load, &
+                              v_before, id, fixed, surface, weight, force, impedance, v_wall)
         integer, intent(in) :: c !! solid cells
         type(box_t), intent(in) :: box
         integer, intent(in) :: wide, bodies !! rows of x and v, bodies
         integer, intent(in) :: step_d, step_p !! distances in `load` of directions, of particles
         real(rk), intent(in) :: dt, dt_before !! this and the last step of the air, 0: none [s]
         type(carrier_t), intent(in) :: carrier(bodies) !! in the middle of the step
-        integer(int32), intent(in) :: gas(*), owner(*)
+        integer(int32), intent(in) :: gas(*), rows(*), owner(*)
         integer, intent(in) :: face_of(6, *), above(6, *)
         integer(int32), intent(in) :: ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
@@ -197,10 +197,10 @@ contains
                     row = 2*d - side
                     f = above(row, c)
                     if (f == 0) cycle
-                    part = share_of_face(c, box, row, gas(f), surface(f), wide, bodies, carrier, &
-                                         ends, binned, x, mass, fixed)/weight(f)
-                    change = change + part*force(f)
-                    if (owner(f) == c) z = z + part*impedance(f)
+                    part = share_of_face(c, box, rows(f), row, gas(f), surface(f), wide, bodies, &
+                                         carrier, ends, binned, x, mass, fixed)/weight(f)
+                    change = change + part*force_from(rows(f), row, force(f))
+                    if (owner(f) == c .and. rows(f) == row) z = z + part*impedance(f)
                 end do
                 speed = pushed_velocity(speed, along(d, all_force), change, z, total, dt)
             end if
@@ -219,11 +219,11 @@ contains
 
     !> Weight of the particles of a cell that nothing carries in the load of a face [kg].
     !@cuf attributes(host,device) &
-    pure function share_of_face(c, box, row, gas, surface, wide, bodies, carrier, ends, binned, &
-                                x, mass, fixed) result(part)
+    pure function share_of_face(c, box, row, seen, gas, surface, wide, bodies, carrier, ends, &
+                                binned, x, mass, fixed) result(part)
         integer, intent(in) :: c !! the cell
         type(box_t), intent(in) :: box
-        integer, intent(in) :: row !! side of the face
+        integer, intent(in) :: row, seen !! side of the face, and where it is seen
         integer(int32), intent(in) :: gas !! its gas cell
         real(dp), intent(in) :: surface !! of its column [m]
         integer, intent(in) :: wide, bodies !! rows of x, bodies
@@ -247,7 +247,7 @@ contains
             do q = 1, at_once
                 if (i + q - 1 > ends(c + 1)) exit
                 if (carrier_of(bodies, carrier, some(q), hold(q)) > 0) cycle
-                part = part + depth_weight(box, row, gas, surface, y(q), m(q))
+                part = part + depth_weight(box, row, seen, gas, surface, y(q), m(q))
             end do
         end do
     end function share_of_face

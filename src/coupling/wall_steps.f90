@@ -54,7 +54,7 @@ contains
         integer(int32), intent(in) :: column(:) !! of each particle in it
 
         call each_push_wall(c%wall%n_cells, c%box, p%wide, p%step_d, p%step_p, c%bodies, &
-                            real(dt, rk), real(c%dt_before, rk), c%carrier, c%gas, &
+                            real(dt, rk), real(c%dt_before, rk), c%carrier, c%gas, c%rows, &
                             c%wall%face_cell, c%wall%face_of, c%above, c%ends, c%binned, p%x, &
                             p%v, p%mass, p%load, v_before, column, p%fixed, c%surface, c%weight, &
                             c%force, c%impedance, c%wall%v)
@@ -82,7 +82,7 @@ contains
         call each_book_face(c%wall%n_faces, c%box, dt, c%gas, c%rows, c%wall%face_cell, &
                             c%wall%impulse, c%wall%v, work, given, taken) !@gpu book_work
         call each_load_particle(p%n, c%box, p%wide, p%step_d, p%step_p, c%place_of, c%above, &
-                                c%gas, c%surface, c%weight, c%force, p%x, p%mass, p%load)
+                                c%gas, c%rows, c%surface, c%weight, c%force, p%x, p%mass, p%load)
         c%books%work = c%books%work + work(1) !@cpu
         c%books%work_reference = c%books%work_reference + work(2) !@cpu
         c%books%impulse = c%books%impulse + given !@cpu

@@ -47,11 +47,12 @@ contains
         real(rk), intent(out) :: u(max_var)
         real(rk) :: sums(4), q(max_var), distance
         integer :: m, to(3)
-        logical :: inside
+        logical :: inside, turned(3)
 
         sums = 0
         do m = 1, coupling%shells%first(coupling%shells%n + 1) - 1
-            call neighbour(air%n, coupling%wraps, c, coupling%shells%offset(:, m), to, inside)
+            call neighbour(air%n, coupling%wraps, coupling%box%mirrors, c, &
+                           coupling%shells%offset(:, m), to, turned, inside)
             if (.not. inside) cycle
             if (coupling%wall%solid(to(1), to(2), to(3)) == 1) cycle
             q(6) = 0

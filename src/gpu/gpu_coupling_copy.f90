@@ -3,7 +3,7 @@
 module brz_gpu_coupling_copy
     use brz_air_state, only: air_t
     use brz_air_walls, only: build_walls
-    use brz_coupling_state, only: coupling_t, put_sums, sums_in
+    use brz_coupling_state, only: coupling_t, n_sums, put_sums, sums_in
     use brz_debt_steps, only: enter_host_debts => enter_debts
     use brz_device, only: clear_buffer, copy_in, copy_out
     use brz_errors, only: error_t, failed
@@ -79,7 +79,7 @@ contains
         real(dp) :: book(book_threads, n_book)
 
         book = 0
-        book(1, :8) = sums_in(coupling%books)
+        book(1, :n_sums) = sums_in(coupling%books)
         book(:, book_low) = coupling%books%ledger_low
         book(:, book_high) = coupling%books%ledger_high
         call copy_in(book, gpu%book, 8_int64*size(book), err)
@@ -95,7 +95,7 @@ contains
         book = 0
         call copy_out(gpu%book, book, 8_int64*size(book), err)
         if (failed(err)) return
-        call put_sums(sum(book(:, :8), 1), gpu%books)
+        call put_sums(sum(book(:, :n_sums), 1), gpu%books)
         gpu%books%ledger_low = real(minval(book(:, book_low)), rk)
         gpu%books%ledger_high = real(maxval(book(:, book_high)), rk)
         coupling%books = gpu%books

@@ -6,7 +6,7 @@
 !> by their places in lists, in the order of the CPU.
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: carrier_t
-    use brz_coupling_state, only: coupling_known_t, coupling_t
+    use brz_coupling_state, only: coupling_known_t, coupling_t, n_sums
     use brz_boxes, only: cells_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
     use brz_device, only: allocate_buffer, copy_in, copy_out, put_buffer
@@ -25,7 +25,7 @@ module brz_gpu_coupling_state
     private
     public :: gpu_coupling_t, seen_t, range_t, open_memory
     public :: count_moved, count_outside, count_covered, count_uncovered, count_own, count_over, &
-        count_kept, count_missed, book_threads, book_work, book_low, book_high, n_book
+        count_kept, count_missed, book_threads, book_work, book_images, book_low, book_high, n_book
     public :: book_at, count_at, read_counts, put_carriers
 
     ! what the kernels count
@@ -41,8 +41,9 @@ module brz_gpu_coupling_state
     ! the books, as partial results of `book_threads` threads: part(book_threads, n_book)
     integer, parameter :: book_threads = tally_threads
     integer, parameter :: book_work = 1 !! to 8: work and impulses, as sums_in has them
-    integer, parameter :: book_low = 9, book_high = 10 !! least and largest ledger
-    integer, parameter :: n_book = 10
+    integer, parameter :: book_images = 9 !! to 11: what images took
+    integer, parameter :: book_low = n_sums + 1, book_high = n_sums + 2 !! least, largest ledger
+    integer, parameter :: n_book = n_sums + 2
 
     type :: range_t
         integer :: first = 1, last = 0 !! particles of a body

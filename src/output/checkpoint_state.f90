@@ -287,6 +287,7 @@ contains
         call carry(file, 'coupling/work_reference', coupling%books%work_reference, err)
         call carry(file, 'coupling/impulse', coupling%books%impulse, err)
         call carry(file, 'coupling/impulse_reference', coupling%books%impulse_reference, err)
+        call carry(file, 'coupling/images', coupling%books%images, err)
         call carry_debts(file, coupling, err)
     end subroutine carry_coupling
 

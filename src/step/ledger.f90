@@ -131,6 +131,7 @@ contains
         ledger%reference_work = taken%work_reference
         if (allocated(solid%loads%of)) ledger%reference_work = -ledger%load_work ! from outside
         ledger%impulse = taken%impulse + taken%impulse_reference
+        ledger%outflow(2:4) = ledger%outflow(2:4) + taken%images
         all = ledger%gas + ledger%kept + ledger%outflow
         all(2:4) = all(2:4) + ledger%impulse
         ledger%total = all(5) + ledger%solid_kinetic + ledger%solid_internal + ledger%hourglass &

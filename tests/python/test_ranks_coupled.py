@@ -92,7 +92,7 @@ def state_of(folder):
 
 
 # What rounds apart: sums over steps. What one process alone writes, or writes in another way.
-BOOKS = ("coupling/work", "coupling/work_reference", "coupling/impulse",
+BOOKS = ("coupling/work", "coupling/work_reference", "coupling/impulse", "coupling/images",
          "coupling/impulse_reference", "solid/body_sums", "sums", "driven")  # fmt: skip
 OTHER = ("air/reached", "air/left", "coupling/solid", "clock/history_bytes", "clock/history_sums")
 

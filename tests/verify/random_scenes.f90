@@ -217,6 +217,7 @@ contains
 
         call coupling_totals(s%air, s%coupling, gas, ledger, debt)
         sum = gas(1:4) + ledger(1:4) + debt(1:4) + s%air%outflow(1:4)
-        sum(2:4) = sum(2:4) + s%coupling%books%impulse + s%coupling%books%impulse_reference
+        sum(2:4) = sum(2:4) + s%coupling%books%impulse + s%coupling%books%impulse_reference &
+                   + s%coupling%books%images
     end subroutine total
 end module random_scenes
