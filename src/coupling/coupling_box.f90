@@ -7,7 +7,7 @@
 !> those of others around them.
 module brz_coupling_box
     use brz_air_grid, only: grid_t, place_of
-    use brz_cell_shells, only: cell_at, neighbour, next_along
+    use brz_cell_shells, only: cell_at, neighbour, neighbour_or_image, next_along
     use brz_kinds, only: dp, int32, int64, int8, rk
     implicit none
     private
@@ -67,32 +67,34 @@ contains
         end do
     end function is_own
 
-    !> Place of the cell that is reached from another by an offset, of an image its own; 0 beyond
-    !> the box.
+    !> Place of the cell that is reached from another by an offset; 0 beyond the box.
     !@cuf attributes(host,device) &
     pure function place_beside(box, ijk, offset) result(at)
         type(box_t), intent(in) :: box
         integer, intent(in) :: ijk(3) !! the other cell
         integer, intent(in) :: offset(3)
         integer(int64) :: at
-        logical :: turned(3)
+        integer :: to(3)
+        logical :: inside
 
-        call look_beside(box, ijk, offset, at, turned)
+        at = 0
+        call neighbour(box%n, box%wraps, ijk, offset, to, inside)
+        if (inside) at = place_of(box%grid, to(1), to(2), to(3))
     end function place_beside
 
-    !> The same, and the directions in which it is an image that is reached.
+    !> The same, or the place of the cell whose image is there.
     !@cuf attributes(host,device) &
     pure subroutine look_beside(box, ijk, offset, at, turned)
         type(box_t), intent(in) :: box
         integer, intent(in) :: ijk(3) !! the other cell
         integer, intent(in) :: offset(3)
         integer(int64), intent(out) :: at
-        logical, intent(out) :: turned(3)
+        logical, intent(out) :: turned(3) !! directions in which it is an image
         integer :: to(3)
         logical :: inside
 
         at = 0
-        call neighbour(box%n, box%wraps, box%mirrors, ijk, offset, to, turned, inside)
+        call neighbour_or_image(box%n, box%wraps, box%mirrors, ijk, offset, to, turned, inside)
         if (inside) at = place_of(box%grid, to(1), to(2), to(3))
     end subroutine look_beside
 

@@ -6,8 +6,8 @@ module brz_debt_steps
     use brz_coupling_state, only: coupling_t
     use brz_debt_loops, only: each_enter_debt, each_flag_own, each_move_debt, each_pay_debt, &
         each_settle_debt, each_total_debt
-    use brz_donor_loops, only: each_book_shares, each_choose_shell, each_collect_shares, &
-        each_fill_left, each_flag_buried, each_list_buried, each_owe_donation
+    use brz_donor_loops, only: each_choose_shell, each_collect_shares, each_fill_left, &
+        each_flag_buried, each_list_buried, each_owe_donation
     use brz_kinds, only: dp
     use brz_ledger_loops, only: each_book_level, each_copy_ledger, each_first_excess, &
         each_give_excess, each_judge_ledger, each_level_ledger, each_open_excess, &
@@ -176,11 +176,6 @@ contains
                                c%wall%face_of, air%u, c%donor_shell, c%donation, c%start, &
                                kept) !@gpu count_kept
         c%books%kept = c%books%kept + kept
-        if (any(c%box%mirrors)) then
-            call each_book_shares(donors, c%box, c%shells, c%donor, c%wall%solid, c%wall%index, &
-                                  c%wall%face_of, c%donor_shell, c%donation, &
-                                  c%books%images) !@gpu book_images
-        end if
         call running_sum(c%start, donors, opened)
         call size_debts(c, c%n_debts + opened)
         if (opened > 0) call each_owe_donation(left, c%n_var, c%n_debts, c%start, c%donor, &

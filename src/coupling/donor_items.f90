@@ -7,17 +7,16 @@
 module brz_donor_items
     use brz_air_grid, only: place_of
     use brz_cell_shells, only: cell_at, neighbour, next_along, number_of, shells_t
-    use brz_coupling_box, only: box_t, is_buried, is_gas, is_left, is_own, is_turned, &
-                                look_beside, place_at, place_beside
+    use brz_coupling_box, only: box_t, is_buried, is_gas, is_left, is_own, place_at, &
+                                place_beside
     use brz_fresh_rules, only: add_gas, mean_gas, no_gas, surrounding_t
-    use brz_kinds, only: dp, int32, int64, int8, rk
+    use brz_kinds, only: int32, int64, int8, rk
     use brz_ledger_items, only: faces_at
     use brz_ledger_rules, only: fresh_gas
     use brz_scheme, only: max_var, mixture_gamma, scheme_t
     implicit none
     private
-    public :: fill_left, flag_buried, list_buried, choose_shell, book_shares, owe_donation
-    public :: collect_shares
+    public :: fill_left, flag_buried, list_buried, choose_shell, owe_donation, collect_shares
 
 contains
 
@@ -123,7 +122,7 @@ contains
         real(rk) :: gamma, q(max_var)
         integer(int64) :: at
         integer :: ijk(3), k, m, s, offset(3), to(3)
-        logical :: inside, turned(3)
+        logical :: inside
 
         ijk = cell_at(box%n, cell)
         call no_gas(1, around)
@@ -133,7 +132,7 @@ contains
                 do k = 1, 3
                     offset(k) = shells%offset(k, m)
                 end do
-                call neighbour(box%n, box%wraps, box%mirrors, ijk, offset, to, turned, inside)
+                call neighbour(box%n, box%wraps, ijk, offset, to, inside)
                 if (.not. inside) cycle
                 at = place_of(box%grid, to(1), to(2), to(3))
                 if (solid(at) /= 0) cycle
@@ -141,7 +140,6 @@ contains
                 q(max_var) = 0
                 do k = 1, max_var
                     if (k <= box%n_var) q(k) = u(at + (k - 1)*box%grid%apart)
-                    if (is_turned(turned, k)) q(k) = -q(k)
                 end do
                 gamma = scheme%gamma
                 if (scheme%mixture) gamma = mixture_gamma(scheme, q(max_var)/q(1))
@@ -199,8 +197,7 @@ contains
         end do
     end subroutine list_buried
 
-    !> Nearest shell with solid cells that touch gas, and the share of each of them: of images, too,
-    !> which give as much to the cells themselves.
+    !> Nearest shell with solid cells that touch gas, and the share of each of them.
     !>
     !> Without any within reach a cell that was left owes the gas to itself, and a buried one keeps
     !> it.
@@ -257,43 +254,6 @@ contains
         end if
     end subroutine choose_shell
 
-    !> Momentum that images behind planes of symmetry take: each gets a share, and gives the
-    !> opposite of it to a cell.
-    !@item
-    !@cuf attributes(host,device) &
-    pure subroutine book_shares(e, box, shells, donor, solid, cell_of, face_of, shell, donation, &
-                                images)
-        integer, intent(in) :: e !! donors
-        type(box_t), intent(in) :: box
-        type(shells_t), intent(in) :: shells !@buffer
-        integer(int32), intent(in) :: donor(*)
-        integer(int8), intent(in) :: solid(*)
-        integer, intent(in) :: cell_of(*), face_of(6, *)
-        integer(int32), intent(in) :: shell(*)
-        real(rk), intent(in) :: donation(max_var, *) !! share of each receiver
-        real(dp), intent(inout) :: images(3) !@sum of what they took [N s]
-        integer(int64) :: at
-        integer :: d, k, m, ijk(3), offset(3)
-        logical :: turned(3)
-
-        if (shell(e) == 0) return
-        if (.not. is_own(box, donor(e))) return
-        ijk = cell_at(box%n, donor(e))
-        do m = shells%first(shell(e)), shells%first(shell(e) + 1) - 1
-            do k = 1, 3
-                offset(k) = shells%offset(k, m)
-            end do
-            call look_beside(box, ijk, offset, at, turned)
-            if (at == 0) cycle
-            if (solid(at) == 0) cycle
-            if (faces_at(cell_of(at), face_of) == 0) cycle
-            do d = 1, 3
-                if (turned(d)) images(d) = images(d) &
-                    + 2*real(donation(1 + d, e), dp)*box%area(d)*box%dx(d)
-            end do
-        end do
-    end subroutine book_shares
-
     !> Cells left that found no taker owe the gas to themselves.
     !@item
     !@cuf attributes(host,device) &
@@ -333,7 +293,7 @@ contains
         real(rk) :: share(max_var)
         integer(int64) :: at
         integer :: e, k, number, o, s, ijk(3), offset(3), from(3)
-        logical :: inside, turned(3)
+        logical :: inside
 
         if (faces_at(c, face_of) == 0) return
         ijk = cell_at(box%n, cell(c))
@@ -345,7 +305,7 @@ contains
                 do k = 1, 3
                     offset(k) = shells%offset(k, o)
                 end do
-                call neighbour(box%n, box%wraps, box%mirrors, ijk, offset, from, turned, inside)
+                call neighbour(box%n, box%wraps, ijk, offset, from, inside)
                 if (.not. inside) cycle
                 number = number_of(box%n, from)
                 if (mark(number) == is_left) then
@@ -357,9 +317,7 @@ contains
                 end if
                 if (shell(e) /= s) cycle
                 do k = 1, max_var
-                    if (k <= box%n_var) share(k) = share(k) + merge(-donation(k, e), &
-                                                                    donation(k, e), &
-                                                                    is_turned(turned, k))
+                    if (k <= box%n_var) share(k) = share(k) + donation(k, e)
                 end do
             end do
         end do

@@ -5,7 +5,7 @@
 !> It loses mass and lets gas through thin solids: docs/coupling.md shows how much.
 module brz_coupling_paper
     use brz_air_state, only: air_t
-    use brz_cell_shells, only: neighbour
+    use brz_cell_shells, only: neighbour_or_image
     use brz_coupling_state, only: coupling_t
     use brz_gas, only: to_conserved
     use brz_kinds, only: dp, rk
@@ -51,8 +51,8 @@ contains
 
         sums = 0
         do m = 1, coupling%shells%first(coupling%shells%n + 1) - 1
-            call neighbour(air%n, coupling%wraps, coupling%box%mirrors, c, &
-                           coupling%shells%offset(:, m), to, turned, inside)
+            call neighbour_or_image(air%n, coupling%wraps, coupling%box%mirrors, c, &
+                                    coupling%shells%offset(:, m), to, turned, inside)
             if (.not. inside) cycle
             if (coupling%wall%solid(to(1), to(2), to(3)) == 1) cycle
             q(6) = 0
