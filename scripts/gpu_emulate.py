@@ -97,7 +97,10 @@ def main():
     args.work.mkdir(parents=True, exist_ok=True)
     args.out.parent.mkdir(parents=True, exist_ok=True)
     objects, table = compile_all(args.sources, args)
-    expected = {name for path in args.sources for name in kernels_of(path)}
+    named = [name for path in args.sources for name in kernels_of(path)]
+    if len(expected := set(named)) < len(named):
+        twice = sorted({name for name in named if named.count(name) > 1})
+        sys.exit(f"gpu_emulate: two kernels have the same name: {twice}")
     if missing := expected - {name for name, _, _ in table}:
         sys.exit(f"gpu_emulate: kernels not translated: {missing}")
     listing = args.work / "kernels.c"

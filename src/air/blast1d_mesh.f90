@@ -10,6 +10,7 @@ module brz_blast1d_mesh
 
     real(dp), parameter :: reached = 1e-6_dp !! change of pressure that tells a front, relative
     integer, parameter :: behind = 10 !! cells behind the front whose speed counts
+    real(dp), parameter :: longer = 1 + 1e-9_dp !! than this: all cells are as long at the start
 
 contains
 
@@ -40,7 +41,9 @@ contains
 
         n_air = blast%n - blast%n_in
         if (blast%n_in + 2*n_air > ubound(blast%r, 1)) return
-        if ((blast%r(blast%n) - blast%r(blast%n_in))/n_air <= blast%r(blast%n_in)/blast%n_in) return
+        associate (air => blast%r(blast%n) - blast%r(blast%n_in), inside => blast%r(blast%n_in))
+            if (air/n_air <= longer*inside/blast%n_in) return
+        end associate
         call halve(blast, n_air)
     end subroutine refine_air
 

@@ -55,14 +55,13 @@ contains
         integer, intent(in) :: wide !! rows of x
         real(dp), intent(in) :: x(wide, *) !! [m]
         integer(int32), intent(in) :: fixed(*)
-        integer(int32), intent(in) :: listed(*) !! running sums of the marks when they were listed
+        integer(int32), intent(in) :: listed(*) !! the marks when they were listed
         integer, intent(inout) :: missed !@count particles, once for each box
-        integer :: ijk(3), k, r
+        integer :: ijk(3), r
 
         ijk = cell_of_grid(box, x(1, i), fixed(i))
         do r = 1, boxes
-            k = (r - 1)*row + i
-            if (listed(k + 1) > listed(k)) cycle
+            if (listed((r - 1)*row + i) == 1) cycle
             if (.not. is_in(asks(1, r), ijk)) cycle
             if (is_listed(bodies, body, i)) missed = missed + 1
         end do

@@ -25,7 +25,7 @@ module brz_gpu_places
     end type gpu_places_t
 
     type :: gpu_marks_t
-        type(integers_t) :: mark, sent, joined, ends, sums, pieces, asks !! as marks_t has them
+        type(integers_t) :: mark, sent, joined, before, ends, sums, pieces, asks !! as in marks_t
         type(doubles_t) :: region, wants !! small tables
         integer, allocatable :: ends_there(:), region_there(:) !! what the GPU has of them
         type(gpu_common_t) :: common !! for running sums

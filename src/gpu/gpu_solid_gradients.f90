@@ -88,20 +88,43 @@ contains
         if (solid%part%recut) call gradient_pass(gpu, solid, 0.0_dp, err, of_sleepers=.true.)
     end subroutine renew_sleepers
 
-    !> Places and reference positions as pairs read them: in real64 they are these themselves.
+    !> Places and reference positions as pairs read them: in real64 they are these themselves. The
+    !> reference of a particle stays, so it is packed where particles have changed their places.
     subroutine pack_places(gpu, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
+        integer :: b, first
 
-        if (words_of_real == 1) then
-            call reserve_buffer(gpu%near, 16_int64*gpu%n, err)
-            call reserve_buffer(gpu%far, 16_int64*gpu%n, err)
-            call solid_kernels%solid_pack([gpu%n, 1, 1], gpu%n, gpu%place, gpu%reference, &
-                gpu%near, gpu%far, err)
-        else
+        if (words_of_real > 1) then
             gpu%near%address = gpu%place%address
             gpu%far%address = gpu%reference%address
+            return
         end if
+        call reserve_buffer(gpu%near, 16_int64*gpu%n, err)
+        call reserve_buffer(gpu%far, 16_int64*gpu%n, err)
+        first = 1
+        do b = 1, size(gpu%bodies)
+            associate (body => gpu%bodies(b))
+                if (.not. body%packed) call pack(gpu%reference, gpu%far, body%first, body%rim)
+                body%packed = .true.
+                if (b < size(gpu%bodies)) then
+                    if (gpu%bodies(b + 1)%first == body%rim + 1) cycle ! no room in between
+                end if
+                call pack(gpu%place, gpu%near, first, body%rim)
+                first = body%first + body%room
+            end associate
+        end do
+
+    contains
+
+        subroutine pack(place, packed, from, to)
+            type(doubles_t), intent(in) :: place
+            type(reals_t), intent(in) :: packed
+            integer, intent(in) :: from, to !! particles
+
+            if (to >= from) call solid_kernels%solid_pack([to - from + 1, 1, 1], from, to, place, &
+                packed, err)
+        end subroutine pack
     end subroutine pack_places
 
     subroutine sum_moments(gpu, body, err)

@@ -117,6 +117,7 @@ contains
             call ghosts%aim(number, ghosts%gone, err)
             call ghosts%send(ghosts%gone, ghosts%come, gpu%record, gpu%record, err)
         end associate
+        gpu%bodies%packed = .false.
     end subroutine send_away
 
     !> The books of bodies whose particles change: what places have summed goes to the host.

@@ -68,6 +68,7 @@ contains
         call fill_cells(gpu, solid, b, gpu%built, cell_of_groups(solid, b), 0, err)
         if (failed(err)) return
         call reorder(gpu, gpu%bodies(b), err)
+        gpu%bodies(b)%packed = .false.
     end subroutine sort_body
 
     !> Give new places to the particles of body b that have moved far, mark the cells of the old and

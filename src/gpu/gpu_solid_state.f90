@@ -60,6 +60,7 @@ module brz_gpu_solid_state
         logical :: drawn = .false. !! has the hold
         logical :: layer = .false. !! a single layer, see brz_lone_layer
         logical :: asleep = .false. !! left out of the steps
+        logical :: packed = .false. !! `far` has the reference of its particles
         real(dp) :: box(3, 2) = 0 !! corners of `built` [m]
         type(buffer_t) :: params, material
         type(integers_t) :: pairs !! those of its list that act, see solid_moments
@@ -204,6 +205,7 @@ contains
         integer :: k
 
         call walk(gpu, solid, .true., old, bytes, err)
+        gpu%bodies%packed = .false.
         call reserve_buffer(gpu%seat, 4_int64*gpu%n, err)
         call copy_in([(k, k=1, gpu%n)], gpu%seat, 4_int64*gpu%n, err)
         if (.not. failed(err)) call see_arrays(gpu)

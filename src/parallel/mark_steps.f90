@@ -5,8 +5,9 @@ module brz_mark_steps
     !@gpu use brz_gpu_lists, only: put_changed
     use brz_kinds, only: int64
     use brz_lists, only: at_least, clear_list, put_list, read_first, running_sum, swap
-    use brz_place_loops, only: each_give_place, each_join_place, each_list_marked
-    use brz_place_loops, only: each_pick_integer
+    use brz_mark_items, only: marks_of_a_chunk
+    use brz_mark_loops, only: each_count_chunk, each_list_chunk, each_marked_before
+    use brz_place_loops, only: each_give_place, each_join_place
     use brz_places, only: find_firsts, find_joined, find_pieces, marks_t, parcels_t
     implicit none
     private
@@ -20,7 +21,7 @@ contains
         integer, intent(in) :: rows
         type(marks_t), intent(inout) :: marks
 
-        call at_least(marks%mark, n*rows + 1)
+        call at_least(marks%mark, n*rows)
     end subroutine reserve_marks
 
     !> The same, and no place is marked.
@@ -33,21 +34,25 @@ contains
         call clear_list(n*rows, marks%mark)
     end subroutine begin_marks
 
-    !> How many places of each body are marked for each process. Marks become running sums.
+    !> How many places of each body are marked for each process. Chunks of marks get running sums.
     subroutine count_marks(n, first, marks, number)
         integer, intent(in) :: n !! places
         integer, dimension(:), intent(in) :: first !! (bodies) their first places, on the host
         type(marks_t), intent(inout) :: marks
         integer(int64), intent(out) :: number(:, :) !! (bodies, processes)
-        integer :: at(size(number) + 1), b, r
+        integer :: at(size(number) + 1), b, chunks, r
 
-        call running_sum(marks%mark, n*size(number, 2))
-        at = [((first(b) + r*n, b=1, size(first)), r=0, size(number, 2) - 1), &
-              n*size(number, 2) + 1]
+        associate (m => n*size(number, 2))
+            chunks = chunks_of(m)
+            call at_least(marks%before, chunks + 1)
+            call each_count_chunk(chunks, m, marks%mark, marks%before)
+            call running_sum(marks%before, chunks)
+            at = [((first(b) + r*n, b=1, size(first)), r=0, size(number, 2) - 1), m + 1]
+        end associate
         call put_list(at, marks%ends) !@cpu
         !@gpu call put_changed(at, marks%ends_there, marks%ends)
         call at_least(marks%sums, size(at))
-        call each_pick_integer(size(at), marks%ends, marks%mark, marks%sums)
+        call each_marked_before(size(at), marks%ends, marks%mark, marks%before, marks%sums)
         call read_first(size(at), marks%sums, at)
         number = reshape(at(2:) - at(:size(at) - 1), shape(number))
     end subroutine count_marks
@@ -56,13 +61,23 @@ contains
     subroutine list_marks(n, number, marks, list)
         integer, intent(in) :: n !! places
         integer(int64), intent(in) :: number(:, :) !! (bodies, processes)
-        type(marks_t), intent(in) :: marks !! running sums
+        type(marks_t), intent(in) :: marks !! that are counted
         type(parcels_t), intent(inout) :: list
 
         call find_firsts(number, list%first) !@host
         call at_least(list%place, int(sum(number)))
-        if (sum(number) > 0) call each_list_marked(n*size(number, 2), n, marks%mark, list%place)
+        associate (m => n*size(number, 2))
+            if (sum(number) > 0) call each_list_chunk(chunks_of(m), m, n, marks%mark, &
+                                                       marks%before, list%place)
+        end associate
     end subroutine list_marks
+
+    !> Chunks of a row of marks.
+    pure integer function chunks_of(m)
+        integer, intent(in) :: m !! marks
+
+        chunks_of = (m - 1)/marks_of_a_chunk + 1
+    end function chunks_of
 
     !> Places of what comes, that of a process and body in one piece, process by process.
     subroutine place_pieces(number, before, marks, list)

@@ -9,8 +9,7 @@ module brz_place_items
     implicit none
     private
     public :: tile, pick_reals, pick_cells, put_cells, pick_marks, put_marks, pick_bytes, put_bytes
-    public :: pick_integer, pick_record, put_record, carry_words, give_place, join_place, &
-        list_marked
+    public :: pick_record, put_record, carry_words, give_place, join_place
 
     integer, parameter :: tile = 32 !! cells or particles whose numbers lie one by one
     integer, parameter :: real_bytes = storage_size(1.0_rk)/8
@@ -174,18 +173,6 @@ contains
 
         array(place(t)) = row(t)
     end subroutine put_bytes
-
-    !> The number of a listed element, into its row.
-    !@item
-    !@cuf attributes(host,device) &
-    pure subroutine pick_integer(t, place, array, row)
-        integer, intent(in) :: t !! elements of the list
-        integer(int32), intent(in) :: place(*) !! of each element, from 1
-        integer(int32), intent(in) :: array(*)
-        integer(int32), intent(inout) :: row(*)
-
-        row(t) = array(place(t))
-    end subroutine pick_integer
 
     !> A word of 4 B of a listed particle, into its record of `wide` words, of which the last may be
     !> of no array. Records lie in tiles, a word of all particles of a tile behind the other:
@@ -369,17 +356,4 @@ contains
             place(k) = other(k + piece(2*j))
         end if
     end subroutine join_place
-
-    !> List the places that are marked: `mark`, a row for each process, was 1 there, and is now how
-    !> many were marked before.
-    !@item
-    !@cuf attributes(host,device) &
-    pure subroutine list_marked(k, row, mark, place)
-        integer, intent(in) :: k !! marks
-        integer, intent(in) :: row !! places of a process
-        integer(int32), intent(in) :: mark(*)
-        integer(int32), intent(inout) :: place(*)
-
-        if (mark(k + 1) > mark(k)) place(mark(k) + 1) = mod(k - 1, row) + 1
-    end subroutine list_marked
 end module brz_place_items

@@ -17,6 +17,7 @@ module brz_places
         integer(int32), allocatable :: mark(:) !! (places, processes)
         integer(int32), allocatable :: sent(:) !! (places, processes) 1: listed before, if kept
         integer(int32), allocatable :: joined(:) !! two lists in one
+        integer(int32), allocatable :: before(:) !! chunks of marks: how many are marked before
         integer(int32), allocatable :: ends(:), sums(:) !! of bodies, in a row; marks before them
         integer(int32), allocatable :: pieces(:), asks(:) !! small tables
     end type marks_t

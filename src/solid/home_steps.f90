@@ -217,6 +217,7 @@ contains
             !@gpu call place_pieces(in, next, gpu%part, ghosts%come)
             !@gpu call ghosts%aim(sum(all, 1), ghosts%gone)
             !@gpu call ghosts%send(ghosts%gone, ghosts%come, gpu%record, gpu%record)
+            !@gpu where (sum(in, 2) > 0) gpu%bodies%packed = .false.
             !@gpu call join_lists(was(:, :, me), keeps, out, ghosts%gone, gpu%part, ghosts%out)
             !@gpu call join_lists(was(:, me, :), keeps, in, ghosts%come, gpu%part, ghosts%in)
             !@gpu call ghosts%aim(sum(solid%part%kept, 1), ghosts%out)
