@@ -159,18 +159,19 @@ contains
                 box(:, 2) = body%scale*mesh%hi + body%move
             end associate
         else
-            call move_particles(body, mirror, points)
             do a = 1, 3
-                box(a, 1) = minval(points%x(a, :)) - body%spacing/2
+                points%x(a, :) = body%scale*points%x(a, :) + body%move(a)
+                box(a, 1) = minval(points%x(a, :)) - body%spacing/2 ! of all: plies count in it
                 box(a, 2) = maxval(points%x(a, :)) + body%spacing/2
             end do
+            call drop_images(body, mirror, points)
         end if
         call lay_shape(body, 3, mirror, depth, middle, points%shape, box)
         if (body%shape == 'stl') points%exact = points%mesh%volume*modelled_share(points%shape)
     end subroutine from_file
 
-    !> Scale and move particles, and leave out those behind planes of symmetry.
-    subroutine move_particles(body, mirror, points)
+    !> Leave out the particles behind planes of symmetry, and scale the volume of the others.
+    subroutine drop_images(body, mirror, points)
         type(body_case_t), intent(in) :: body
         logical, intent(in) :: mirror(3)
         type(points_t), intent(inout) :: points
@@ -180,7 +181,6 @@ contains
 
         allocate (stay(size(points%x, 2)), source=.true.)
         do a = 1, 3
-            points%x(a, :) = body%scale*points%x(a, :) + body%move(a)
             if (mirror(a)) stay = stay .and. points%x(a, :) > 0
         end do
         kept = pack([(i, i=1, size(stay))], stay)
@@ -192,7 +192,7 @@ contains
         points%x = points%x(:, kept)
         if (size(points%line) > 0) points%line = points%line(kept)
         points%exact = sum(points%volume)
-    end subroutine move_particles
+    end subroutine drop_images
 
     !> Find the points of the lattice that lie within the surface.
     subroutine mark_lattice(body, points, err)

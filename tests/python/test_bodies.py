@@ -177,6 +177,29 @@ def test_particles_come_from_hdf5(tmp_path):
     assert mass_of(tmp_path / "out/own", "block") == pytest.approx(1e-5, rel=1e-12)
 
 
+LAMINATE = """\
+&run title='laminate', t_end=1, max_steps=1 /
+&material id='cfrp', preset='cfrp_ud' /
+&body id='block', shape='particles', file='block.csv', spacing=1e-3, material='cfrp',
+      plies='0/90/90/0', ply_axis='x' /
+"""
+
+
+def test_particles_that_a_plane_cuts_have_the_plies_of_all(tmp_path):
+    """Plies count in the box of all particles of the file, those behind the plane too."""
+    places = [(i + 0.5, j + 0.5, 0.5) for i in range(-4, 4) for j in range(3)]
+    rows = [",".join(f"{1e-3 * x:g}" for x in place) for place in places]
+    (tmp_path / "block.csv").write_text("\n".join(["x,y,z", *rows, ""]))
+    plies = []
+    for name, planes in (("whole", ""), ("half", "symmetry='x' /")):
+        (tmp_path / f"{name}.nml").write_text(LAMINATE.replace("/", planes or "/", 1))
+        run("run", f"{name}.nml", cwd=tmp_path)
+        with h5py.File(tmp_path / f"out/{name}/solid_00000.vtkhdf") as file:
+            x, ply = file["VTKHDF/Points"][:, 0], file["VTKHDF/PointData/ply"][:]
+        plies.append(sorted({(round(1e3 * a, 2), p) for a, p in zip(x, ply, strict=True) if a > 0}))
+    assert plies[0] == plies[1] == [(0.5, 3), (1.5, 3), (2.5, 4), (3.5, 4)]
+
+
 def flat(file):
     file["VTKHDF/Points"] = [0.0, 1.0, 2.0]
 
