@@ -89,7 +89,7 @@ $(PTX): $(SRC) $(KERNELS) $(PARTS_OF_KERNELS) scripts/cuda_fortran.py scripts/gp
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(if $(filter off,$(FMA)),--no-fma) $(SRC) $(KERNELS)
 EMULATOR := build/gpu/emulator$(KIND)/libcuda.so.1
 emulator: $(EMULATOR) ## a CUDA driver that runs the kernels on the CPU: LD_LIBRARY_PATH=build/gpu/emulator
-$(EMULATOR): $(DEVICE) $(KERNELS) scripts/gpu_emulate.py tests/gpu/emulator.c tests/gpu/emulated_cuda.f90
+$(EMULATOR): $(DEVICE) $(KERNELS) scripts/gpu_emulate.py $(wildcard tests/gpu/emul*)
 	$(call say,emulate $@)
 	$(Q)$(PY) scripts/gpu_emulate.py --work build/gpu/emulated$(KIND) --out $@ \
 	    $(if $(filter mixed,$(PRECISION)),-D BRZ_MIXED) $(SRC) $(KERNELS) >/dev/null

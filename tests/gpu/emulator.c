@@ -15,16 +15,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-typedef void (*kernel_code)();
-struct kernel {
-    const char *name;
-    kernel_code code;
-    const char *arguments; // one letter each: a = array, s = scalar
-};
-extern const struct kernel kernels[];
-extern void set_grid(int, int, int, int, int, int);
-extern void set_block(int, int, int);
-extern void set_thread(int, int, int);
+#include "emulator.h"
 
 enum { success = 0, invalid = 1, out_of_memory = 2, no_device = 100, not_found = 500,
        already_pinned = 712, not_pinned = 713, failed = 719 };
@@ -252,19 +243,6 @@ int cuMemsetD8_v2(size_t d, unsigned char value, size_t n) {
     return success;
 }
 
-static void run_block(const struct kernel *k, int x, int y, int z, const int *b, void **p) {
-    set_block(x, y, z);
-    for (int tz = 1; tz <= b[2]; tz++)
-        for (int ty = 1; ty <= b[1]; ty++)
-            for (int tx = 1; tx <= b[0]; tx++) {
-                set_thread(tx, ty, tz);
-                k->code(p[0], p[1], p[2], p[3], p[4], p[5], p[6], p[7], p[8], p[9], p[10], p[11],
-                        p[12], p[13], p[14], p[15], p[16], p[17], p[18], p[19], p[20], p[21],
-                        p[22], p[23], p[24], p[25], p[26], p[27], p[28], p[29], p[30], p[31],
-                        p[32], p[33], p[34], p[35], p[36], p[37], p[38], p[39]);
-            }
-}
-
 static char streams[1];
 int cuStreamCreate(void **stream, unsigned flags) { *stream = streams; return flags; }
 
@@ -282,8 +260,12 @@ int cuLaunchKernel(void *f, unsigned gx, unsigned gy, unsigned gz, unsigned bx, 
         p[i] = k->arguments[i] == 'a' ? *(void **)arguments[i] : arguments[i];
 #pragma omp parallel for if (n > 8)
     for (int i = 0; i < n; i++) {
-        set_grid(gx, gy, gz, bx, by, bz);
-        run_block(k, i % gx + 1, i / gx % gy + 1, i / (gx * gy) + 1, block, p);
+        const struct dim3 grid = {gx, gy, gz}, threads = {bx, by, bz};
+        const struct dim3 place = {i % gx + 1, i / gx % gy + 1, i / (gx * gy) + 1};
+        emulated_grid = grid;
+        emulated_threads = threads;
+        emulated_block = place;
+        k->run_block(p, block);
     }
     look_at_guards(k->name);
     return success;
