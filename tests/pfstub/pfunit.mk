@@ -26,9 +26,12 @@ PF_FLAGS  += -ffree-line-length-none -Wno-unused-function -Wno-unused-dummy-argu
 # in a folder of their own, where genuine pFUnit does not look.)
 $(B)/pf_command: FORCE
 	@echo '$(PF_PROC) $(PF_DRIVER) $(PF_PLAIN) $(PF_FLAGS) $(PF_LIBS)' | $(SAVE) $@
-# The tests are not optimised at link time, the library under test is (private: not inherited by
-# what a test depends on).
+# The library under test is optimised at link time. Its tests are not: suites are built as they are,
+# what helps them quickly; what measures speed is as fast as the library. (private: not inherited by
+# what a test depends on)
 $(B)/obj/tests/%.o: private FAST := $(filter-out -flto=auto,$(FAST))
+$(foreach part,unit/% verify/% gpu/gpu_%,$(B)/obj/tests/$(part).o): private FAST := $(QUICKLY)
+$(foreach part,unit/test_% verify/verify_% gpu/test_%,$(B)/obj/tests/$(part).o): private FAST := -O0 -march=$(ARCH)
 $(B)/%.F90: %.pf $(PF_PROC) $(wildcard tests/pfstub/*.py) $(B)/pf_command
 	@mkdir -p $(@D)
 	@$(PF_PROC) $< $@
