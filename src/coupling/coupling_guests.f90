@@ -3,6 +3,7 @@
 module brz_coupling_guests
     use brz_air_part, only: window_of
     use brz_air_state, only: air_t
+    use brz_boxes, only: widened
     use brz_coupling_state, only: coupling_t
     use brz_fetch, only: fetch
     use brz_kinds, only: dp
@@ -30,8 +31,7 @@ contains
             end do
             part%near = part%windows ! a particle may move for some steps until it is missed
             do r = 0, ubound(part%near, 1)
-                part%near(r)%lo = max(part%near(r)%lo - 1, 1)
-                part%near(r)%hi = min(part%near(r)%hi + 1, air%whole)
+                part%near(r) = widened(part%near(r), [1, 1, 1]) ! beyond the grid, too
             end do
             part%parcels%ranks = air%part%ranks
         end associate

@@ -7,13 +7,19 @@
 !> and what is beside the box is computed twice, from the same numbers.
 module brz_coupling_part
     use brz_boxes, only: cells_t
-    use brz_kinds, only: int32, int64, rk
+    use brz_kinds, only: dp, int32, int64, rk
     use brz_parcels, only: courier_t
     use brz_places, only: marks_t, parcels_t
-    use brz_solid_state, only: solid_t
+    use brz_solid_state, only: form_total, solid_t
     implicit none
     private
-    public :: coupling_part_t, introduce
+    public :: coupling_part_t, listing_t, introduce, list_now, may_have_come
+
+    !> How far bodies had come when guests were listed.
+    type :: listing_t
+        integer(int64) :: rebuilds = -1 !! of the bodies' lists
+        real(dp), allocatable :: drift(:, :) !! (3, bodies) see brz_list_drift [m]
+    end type listing_t
 
     type :: coupling_part_t
         type(cells_t), allocatable :: boxes(:) !! (0:processes-1) cells of the grid that each has
@@ -26,6 +32,7 @@ module brz_coupling_part
         type(parcels_t) :: out, in !! their places; those of the guests that came
         type(parcels_t) :: home !! 1, 2, 3, ... for what comes back
         type(marks_t) :: listed !! which particles those are
+        type(listing_t) :: since
         integer(int32), allocatable :: bodies_at(:) !! (2*bodies) first and last particle
         integer(int32), allocatable :: first_at(:) !! (processes + 1) those of `out`
         integer(int32), allocatable :: seat(:) !! 1, 2, 3, ... for as many as there is room for
@@ -50,4 +57,37 @@ contains
             guests%bodies(b)%asleep = solid%bodies(b)%asleep
         end do
     end subroutine introduce
+
+    !> Guests are listed for the bodies of now.
+    pure subroutine list_now(solid, since)
+        class(solid_t), intent(in) :: solid
+        type(listing_t), intent(inout) :: since
+        integer :: b
+
+        since%rebuilds = solid%rebuilds
+        since%drift = reshape([(solid%bodies(b)%drift, b=1, size(solid%bodies))], &
+                              [3, size(solid%bodies)])
+    end subroutine list_now
+
+    !> False where no particle can have moved through the layer of cells around a window since
+    !> guests were listed: all lists of neighbours are those of then, so each has moved within its
+    !> body by half a skin at most before, and now. All processes find the same.
+    pure logical function may_have_come(solid, since, whole, dx) result(may)
+        class(solid_t), intent(in) :: solid
+        type(listing_t), intent(in) :: since
+        integer, intent(in) :: whole(3) !! cells of the grid
+        real(dp), intent(in) :: dx(3) !! sides of a cell [m]
+        real(dp) :: layer
+        integer :: b
+
+        ! such bodies keep their lists however far their particles go
+        may = solid%rebuilds /= since%rebuilds .or. &
+              any(solid%bodies%formulation == form_total) .and. .not. solid%links%present
+        if (may) return
+        layer = minval(dx, mask=whole > 1)*(1 - 1e-6_dp)
+        do b = 1, size(solid%bodies)
+            may = may .or. &
+                  norm2(solid%bodies(b)%drift - since%drift(:, b)) + solid%skin >= layer
+        end do
+    end function may_have_come
 end module brz_coupling_part

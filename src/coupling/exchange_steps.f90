@@ -8,6 +8,8 @@ module brz_exchange_steps
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: find_velocities
     use brz_event_steps, only: move_on
+    !@gpu use brz_gpu_air_state, only: ghosts_there
+    !@gpu use brz_gpu_peers, only: has_met
     use brz_guest_steps, only: invite_guests, send_loads_home
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least, clear_list, read_first
@@ -133,13 +135,16 @@ contains
         type(coupling_t), intent(inout) :: c
 
         if (several(solid%ranks)) then
-            call invite_guests(solid, p, c)
+            !@gpu call c%part%window%offer_reals(air%grid%apart, air%u)
+            call invite_guests(solid, p, c) ! where all meet
             call see_window(air) !@cpu
-            !@gpu call c%part%window%reals_of_others(air%grid%apart, air%u)
+            !@gpu call c%part%window%take_reals(air%grid%apart, air%u, has_met)
             call share_debts(c)
             call move_on(air, c%crowd, c%guests, c)
             call see_window(air) !@cpu
             !@gpu call c%part%window%reals_of_others(air%grid%apart, air%u)
+            air%part%fresh = .true. !@cpu
+            !@gpu air%ghosts = ghosts_there
         else
             call move_on(air, solid, p, c)
         end if

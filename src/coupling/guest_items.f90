@@ -17,7 +17,8 @@ module brz_guest_items
 
 contains
 
-    !> mark = 1 for a particle of a body that is in a box, else 0.
+    !> mark = 1 for a particle of a body that is in a box, else 0; boxes may reach a layer of cells
+    !> beyond the grid.
     !@item
     !@cuf attributes(host,device) &
     pure subroutine mark_guest(i, row, bodies, body, boxes, asks, box, wide, x, fixed, mark)
@@ -33,7 +34,7 @@ contains
         integer(int32), intent(inout) :: mark(*) !! (places, boxes)
         integer :: ijk(3), r
 
-        ijk = cell_of_grid(box, x(1, i), fixed(i))
+        ijk = cell_about(box, x(1, i), fixed(i))
         do r = 1, boxes
             mark((r - 1)*row + i) = 0
             if (.not. is_in(asks(1, r), ijk)) cycle
@@ -100,6 +101,28 @@ contains
         if (c > 0) ijk = cell_at(box%whole, c)
     end function cell_of_grid
 
+    !> The same of a grid that goes on beyond its ends, where cells are 0 and whole + 1, those
+    !> farther out -1 and whole + 2; -1, -1, -1 where the particle is gone.
+    !@cuf attributes(host,device) &
+    pure function cell_about(box, x, fixed) result(ijk)
+        type(box_t), intent(in) :: box
+        real(dp), intent(in) :: x(3) !! [m]
+        integer(int32), intent(in) :: fixed
+        real(dp) :: s
+        integer :: d, ijk(3)
+
+        do d = 1, 3
+            ijk(d) = -1
+        end do
+        if (fixed == is_gone) return
+        do d = 1, 3
+            s = (x(d) - box%lo(d))/box%dx(d)
+            if (box%wraps(d)) s = s - box%whole(d)*floor(s/box%whole(d))
+            ijk(d) = floor(min(max(s, -2.0_dp), box%whole(d) + 1.0_dp)) + 1
+            if (box%whole(d) == 1) ijk(d) = 1
+        end do
+    end function cell_about
+
     !> True for a cell of the grid that is asked for.
     !@cuf attributes(host,device) &
     pure function is_in(ask, ijk) result(inside)
@@ -142,24 +165,25 @@ contains
     !@cuf attributes(host,device) &
     pure subroutine take_load(k, boxes, first, asks, box, wide, x, fixed, step_d, step_p, place, &
                               came, load)
-        integer, intent(in) :: k !! copies of particles that processes have, box by box
+        integer, intent(in) :: k !! copies of particles that others have, box by box
         integer, intent(in) :: boxes
-        integer(int32), intent(in) :: first(*) !! (boxes + 1) first copy of each
+        integer(int32), intent(in) :: first(*)
+        !! (boxes + 1, 2) first copy of each, and how far its particles are behind those in `place`
         integer(int32), intent(in) :: asks(6, *) !! lowest and highest cell of the grid
         type(box_t), intent(in) :: box
         integer, intent(in) :: wide !! rows of x
         real(dp), intent(in) :: x(wide, *) !! [m]
         integer(int32), intent(in) :: fixed(*)
         integer, intent(in) :: step_d, step_p !! distances of directions and particles in load
-        integer(int32), intent(in) :: place(*) !! of the particle
+        integer(int32), intent(in) :: place(*) !! of particles, those without copies elsewhere too
         real(rk), intent(in) :: came(3, *) !! loads of the copies [N]
         real(rk), intent(inout) :: load(*)
         integer :: d, p, r
 
-        p = place(k)
         do r = 1, boxes
             if (k < first(r + 1)) exit
         end do
+        p = place(k + first(boxes + 1 + r))
         if (.not. is_in(asks(1, r), cell_of_grid(box, x(1, p), fixed(p)))) return
         do d = 1, 3
             load(1 + (d - 1)*step_d + (p - 1)*step_p) = came(d, k)

@@ -5,7 +5,7 @@ module brz_guest_steps
     use brz_carrier_steps, only: sum_shifts
     use brz_coupling_guests, only: send_guests !@cpu
     !@gpu use brz_gpu_coupling_guests, only: find_runs, send_guests
-    use brz_coupling_part, only: introduce
+    use brz_coupling_part, only: introduce, list_now, may_have_come
     use brz_coupling_state, only: coupling_t
     use brz_guest_loops, only: each_mark_guest, each_miss_guest, each_take_load
     use brz_kinds, only: int64
@@ -37,20 +37,23 @@ contains
         missed = merge(0, 1, c%part%rebuilds == p%rebuilds)
         if (missed == 0) then
             ! as others do when loads come home
-            call each_keep_velocity(c%guests%n, c%guests%wide, c%guests%step_d, c%guests%step_p, &
-                                    c%guests%v, c%part%seat, c%guests%v_before)
+            call each_keep_velocity(c%guests%n, c%guests%wide, 1, 3, c%guests%v, c%part%seat, &
+                                    c%guests%v_before)
             call send_guests(p, c, .false.)
-            !@gpu call clear_buffer(c%counts)
-            call each_miss_guest(p%n, p%n, size(p%bodies), c%part%bodies_at, c%ranks%n, &
-                                 c%part%windows_at, c%box, p%wide, p%x, p%fixed, &
-                                 c%part%listed%mark, missed) !@gpu count_missed
-            most = missed
-            call most_of_all(c%ranks, most) !@host
-            missed = int(most(1))
+            if (may_have_come(solid, c%part%since, c%box%whole, c%box%dx)) then
+                !@gpu call clear_buffer(c%counts)
+                call each_miss_guest(p%n, p%n, size(p%bodies), c%part%bodies_at, c%ranks%n, &
+                                     c%part%windows_at, c%box, p%wide, p%x, p%fixed, &
+                                     c%part%listed%mark, missed) !@gpu count_missed
+                most = missed
+                call most_of_all(c%ranks, most) !@host
+                missed = int(most(1))
+            end if
         end if
         if (missed > 0) then
             call list_guests(p, c)
             call send_guests(p, c, .true.)
+            call list_now(solid, c%part%since) !@host
             c%part%rebuilds = p%rebuilds
             c%rebuilds = -1 ! a guest's place was another one's
         end if
@@ -62,7 +65,7 @@ contains
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
         integer(int64), dimension(size(p%bodies), c%ranks%n) :: out, in
-        integer(int64) :: all(size(out, 1), c%ranks%n, c%ranks%n)
+        integer(int64) :: all(size(out, 1), c%ranks%n, c%ranks%n), away(1, c%ranks%n)
         integer :: b, none(1)
 
         associate (part => c%part, n => p%n, boxes => c%ranks%n)
@@ -76,10 +79,12 @@ contains
             in = all(:, c%ranks%rank + 1, :)
             call list_marks(n, out, part%listed, part%out)
             call seat_guests(c, in, n)
-            ! on their way home loads come in the order of the list
+            ! on their way home loads of others come in the order of the list
             none = 0
-            call place_pieces(reshape(sum(out, 1), [1, boxes]), none, part%marks, part%home)
-            call put_list(part%home%first, part%first_at)
+            away = reshape(sum(out, 1), [1, boxes])
+            away(1, c%ranks%rank + 1) = 0
+            call place_pieces(away, none, part%marks, part%home)
+            call put_list([part%home%first, part%out%first - part%home%first], part%first_at)
             call at_least(part%loads, 3, part%home%first(boxes) - 1)
             !@gpu call find_runs(p, out, in, c)
             !@gpu call part%parcels%aim(sum(all, 1), part%out)
@@ -121,6 +126,7 @@ contains
         integer, intent(in) :: n
 
         c%guests%n = n
+        !@gpu c%guests%step_d = n
         call at_least(c%guests%x, c%guests%wide, n)
         call at_least(c%guests%v, c%guests%wide, n)
         call at_least(c%guests%load, 3, n)
@@ -134,16 +140,21 @@ contains
         call at_least(c%binned, n)
     end subroutine size_guests
 
-    !> Give every particle the load that the process found in whose cell it is; none outside.
+    !> Give every particle the load that the process found in whose cell it is; none outside. Those
+    !> in the window of their own process have what this found, unless another one says better.
     subroutine send_loads_home(p, c)
-        type(solid_t), intent(inout) :: p
+        type(solid_t), intent(inout), target :: p
         type(coupling_t), intent(inout), target :: c
-        type(rows_t) :: from(1), to(1)
+        type(rows_t) :: from(1), to(1), own(1)
 
-        from = [rows_of(c%guests%load, 3*words_of_real)]
+        from = [rows_of(c%guests%load, 3*words_of_real)] !@cpu
+        own = [rows_of(p%load, 3*words_of_real)] !@cpu
+        !@gpu from = [rows_of(c%guests%load, words_of_real, 3, c%guests%n)]
+        !@gpu own = [rows_of(p%load, words_of_real, 3, p%step_d)]
         to = [rows_of(c%part%loads, 3*words_of_real)]
-        call c%part%parcels%send(c%part%in, c%part%home, from, to)
-        call clear_reals(3*p%n, p%load)
+        call clear_reals(3*p%n, p%load) !@cpu
+        !@gpu call clear_reals(3*p%step_d, p%load)
+        call c%part%parcels%send_apart(c%part%in, c%part%home, from, to, c%part%out, own)
         call each_take_load(c%part%home%first(c%ranks%n) - 1, c%ranks%n, c%part%first_at, &
                             c%part%boxes_at, c%box, p%wide, p%x, p%fixed, p%step_d, p%step_p, &
                             c%part%out%place, c%part%loads, p%load)

@@ -11,12 +11,14 @@ module brz_gpu_air_operations
     use brz_device, only: clear_buffer, copy_out, kernel_t
     use brz_errors, only: error_t, failed
     use brz_fallback_items, only: to_redo
-    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
+    use brz_gpu_air_state, only: bytes_of_real, ghosts_offered, ghosts_old, gpu_air_t
+    use brz_gpu_peers, only: has_met
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: agree
     implicit none
     private
     public :: get_ready, sweep_all, find_bad, take_found, redo, find_lost_cell
+    public :: offer_ghosts, take_ghosts
 
 contains
 
@@ -58,6 +60,29 @@ contains
         end do
         if (gpu%n_near > 0) call redo_cells(gpu, air, stage, gpu%n_near, 0, to_redo, err)
     end subroutine sweep_all
+
+    !> Others get ghosts of the next state, before all of them vote on it: see take_ghosts.
+    subroutine offer_ghosts(gpu, err)
+        type(gpu_air_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+
+        call gpu%halo%offer_reals(gpu%grid%apart, gpu%new, err)
+        gpu%ghosts = ghosts_offered
+    end subroutine offer_ghosts
+
+    !> Ghosts of the boxes of others.
+    subroutine take_ghosts(gpu, err)
+        type(gpu_air_t), intent(inout) :: gpu
+        type(error_t), intent(inout) :: err
+
+        select case (gpu%ghosts)
+        case (ghosts_old)
+            call gpu%halo%reals_of_others(gpu%grid%apart, gpu%u, err)
+        case (ghosts_offered)
+            call gpu%halo%take_reals(gpu%grid%apart, gpu%u, has_met, err)
+        end select
+        gpu%ghosts = ghosts_old
+    end subroutine take_ghosts
 
     !> Compute marked cells and their neighbours again.
     subroutine redo(gpu, air, stage, pass, task, err)

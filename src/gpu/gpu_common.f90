@@ -10,7 +10,7 @@ module brz_gpu_common
     use brz_kinds, only: dp, int64
     implicit none
     private
-    public :: gpu_common_t, pick
+    public :: gpu_common_t, partials_of, pick
 
     integer, parameter :: first_fold = 32768, last_fold = 1024 !! of the largest number
     integer, parameter :: most_rows = 8192 !! partial results that are folded at once
@@ -122,6 +122,16 @@ contains
             call common_kernels%fold_columns([rows_left, columns, 1], m, rows_left, part, to, err)
         end if
     end subroutine fold
+
+    !> How many partial results of n numbers there are to fold: `most` at most, and no more than
+    !> fold needs to add up as it does with any more, of which those behind the last number are 0.
+    pure integer function partials_of(n, most) result(m)
+        integer, intent(in) :: n, most
+
+        m = rows_between*((n - 1)/rows_between + 1)
+        m = min(most, max(m, most_rows + rows_between))
+        if (n <= rows_between) m = rows_left*((max(n, 1) - 1)/rows_left + 1)
+    end function partials_of
 
     !> The sums of the sets that wait.
     subroutine read_sums(self, sums, err)

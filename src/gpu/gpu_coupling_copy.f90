@@ -20,6 +20,7 @@ module brz_gpu_coupling_copy
     use brz_load_launches, only: load_kernels
     use brz_ranks, only: agree, several
     use brz_snapshots, only: snapshot_t
+    use brz_solid_state, only: solid_t
     implicit none
     private
     public :: open_gpu_coupling, fetch_coupling, note_coupling, fetch_books, gpu_fastest_wall
@@ -28,8 +29,9 @@ contains
 
     !> Reserve memory on the GPU and put the walls up where the particles are there. Debts and books
     !> are those of the host; the ledgers are in the air.
-    subroutine open_gpu_coupling(air, coupling, particles, there, gpu, err)
+    subroutine open_gpu_coupling(air, solid, coupling, particles, there, gpu, err)
         type(air_t), intent(in) :: air
+        type(solid_t), intent(in) :: solid !! its bodies
         type(coupling_t), intent(inout) :: coupling !! its guests are those on the GPU
         type(seen_t), intent(in) :: particles
         type(gpu_air_t), intent(inout) :: there !! opened with walls
@@ -44,7 +46,7 @@ contains
         if (several(air%part%ranks)) then
             call open_gpu_windows(air, coupling, gpu, err)
             call put_windows(gpu, err)
-            call invite_guests(coupling%crowd, p, gpu, err)
+            call invite_guests(solid, p, gpu, err)
             p = gpu%guests
         end if
         gpu%wall = there%walls

@@ -46,8 +46,6 @@ contains
             part%near = coupling%part%near
             gpu%crowd = coupling%crowd
             allocate (gpu%guests%bodies(size(gpu%crowd%bodies)))
-            gpu%guests%step_d = 1
-            gpu%guests%step_p = 3
             call part%window%open(ranks, air%part%window, held, air%n_var, err)
             if (.not. any(gpu%box%wraps)) call map_blocks(gpu, air%part%window, held, err)
             call part%parcels%open(ranks, solid_part_t(out=parcels_t([integer ::], none), &
@@ -121,13 +119,12 @@ contains
         n = int(out(:, me))
         whole = p%bodies%last - p%bodies%first + 1
         associate (part => gpu%part)
-            if (allocated(part%out%run)) deallocate (part%out%run, part%in%run, part%home%run)
+            if (allocated(part%out%run)) deallocate (part%out%run, part%in%run)
             if (count(n > 0) > most_runs .or. any(n > 0 .and. n < whole)) return
             from = p%bodies%first
             to = gpu%guests%bodies%first + int(sum(in(:, :me - 1), 2))
             part%out%run = listed(from)
             part%in%run = listed(to)
-            part%home%run = listed([(part%home%first(me - 1) + sum(n(:b - 1)), b=1, size(n))])
         end associate
 
     contains
@@ -151,26 +148,18 @@ contains
         integer :: n
 
         n = merge(n_known, n_moving, all_of_it)
-        from = rows_of_seen(p)
-        to = rows_of_seen(gpu%guests)
+        from = rows_of_seen(p, rows_of(p%v_before, w, 3, p%step_d))
+        to = rows_of_seen(gpu%guests, rows_of(gpu%guests%v_before, 3*w))
         call gpu%part%parcels%send(gpu%part%out, gpu%part%in, from(:n), to(:n), err)
     end subroutine send_guests
 
     !> What of a particle its copies have.
-    pure function rows_of_seen(p) result(rows)
+    pure function rows_of_seen(p, v_before) result(rows)
         type(seen_t), intent(in) :: p
+        type(gpu_rows_t), intent(in) :: v_before
         type(gpu_rows_t) :: rows(n_known)
 
-        rows = [rows_of(p%x, 2*p%wide), rows_of(p%v, p%wide*w), vectors(p%load), &
-                rows_of(p%fixed, 1), vectors(p%v_before), rows_of(p%mass, w), rows_of(p%id, 1)]
-
-    contains
-
-        !> Rows of three numbers, or three columns.
-        pure type(gpu_rows_t) function vectors(x)
-            type(reals_t), intent(in) :: x
-
-            vectors = rows_of(x, p%step_p*w, 3/p%step_p, p%n)
-        end function vectors
+        rows = [rows_of(p%x, 2*p%wide), rows_of(p%v, p%wide*w), rows_of(p%load, w, 3, p%step_d), &
+                rows_of(p%fixed, 1), v_before, rows_of(p%mass, w), rows_of(p%id, 1)]
     end function rows_of_seen
 end module brz_gpu_coupling_guests

@@ -6,6 +6,7 @@
 !> by their places in lists, in the order of the CPU.
 module brz_gpu_coupling_state
     use brz_carrier_rules, only: carrier_t
+    use brz_coupling_part, only: listing_t
     use brz_coupling_state, only: coupling_known_t, coupling_t, n_sums
     use brz_boxes, only: cells_t
     use brz_buffers, only: buffer_t, bytes_t, doubles_t, from, integers_t, reals_t
@@ -70,6 +71,7 @@ module brz_gpu_coupling_state
         type(gpu_parcels_t) :: parcels
         type(gpu_places_t) :: out, in, home
         type(gpu_marks_t) :: listed, marks
+        type(listing_t) :: since
         type(integers_t) :: bodies_at, first_at, seat
         type(reals_t) :: loads
         type(gpu_places_t) :: faces_out, faces_in, debts_out, debts_in

@@ -3,10 +3,10 @@
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t, part_from => from
-    use brz_device, only: copy_within
+    use brz_device, only: copy_within, wait_for_device
     use brz_errors, only: error_t, exit_device, raise
     use brz_gpu_lists, only: put_list
-    use brz_gpu_peers, only: peers_t
+    use brz_gpu_peers, only: has_waited, peers_t
     use brz_gpu_places, only: gpu_places_t
     use brz_kinds, only: int64
     use brz_mail, only: tell_all
@@ -31,8 +31,9 @@ module brz_gpu_parcels
         type(gpu_places_t) :: out, in !! particles, and their ghosts
         type(gpu_places_t) :: gone, come !! who changes the process
         type(peers_t) :: peers
+        type(integers_t) :: row !! where the parcels of an exchange lie
     contains
-        procedure :: open, refresh, aim, announce, send
+        procedure :: open, refresh, aim, announce, send, send_apart, offer, take
     end type gpu_parcels_t
 
 contains
@@ -108,23 +109,69 @@ contains
         type(gpu_places_t), intent(inout) :: out, in !! all processes have aimed `out`
         type(gpu_rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
+        type(gpu_places_t) :: own_in
+
+        own_in = in
+        call self%send_apart(out, in, from, to, own_in, to, err)
+    end subroutine send
+
+    !> The same, where what the process has for itself goes to the places of its parcel in another
+    !> list, in other arrays: while all meet.
+    subroutine send_apart(self, out, in, from, to, own_in, own_to, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        type(gpu_places_t), intent(inout) :: out, in
+        type(gpu_rows_t), intent(in) :: from(:), to(:), own_to(:)
+        type(gpu_places_t), intent(in) :: own_in
+        type(error_t), intent(inout) :: err
+
+        call self%offer(out, in, from, err)
+        if (self%peers%linked) call wait_for_device(err)
+        call carry(self, out, own_in, from, own_to, err)
+        call self%take(in, to, has_waited, err)
+    end subroutine send_apart
+
+    !> The first half of it: others get their rows. It may be repeated.
+    subroutine offer(self, out, in, from, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        type(gpu_places_t), intent(inout) :: out, in
+        type(gpu_rows_t), intent(in) :: from(:)
+        type(error_t), intent(inout) :: err
         integer :: wide
-        type(integers_t) :: a(most_arrays), row
+        type(integers_t) :: a(most_arrays)
         type(record_t) :: record
 
-        wide = (sum(from%words*from%columns) + 1)/2*2
+        wide = words_of(from)
         if (wide > self%most) call raise(err, exit_device, 'a message of particles is '// &
             'longer than what was reserved for it: this is an error of the program')
-        call self%peers%begin(out, in, 4*wide, row, err)
+        call self%peers%begin(out, in, 4*wide, self%row, err)
         call make_record(from, record, a)
         if (out%tiled > 0) call place_kernels%pick_record(wide*out%tiled, wide, record, &
-            out%parcels, out%place, a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), row, err)
-        call self%peers%swap(err)
+            out%parcels, out%place, a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), self%row, err)
+    end subroutine offer
+
+    !> The second half.
+    subroutine take(self, in, to, done, err)
+        class(gpu_parcels_t), intent(inout) :: self
+        type(gpu_places_t), intent(inout) :: in
+        type(gpu_rows_t), intent(in) :: to(:)
+        integer, intent(in) :: done !! see swap
+        type(error_t), intent(inout) :: err
+        type(integers_t) :: a(most_arrays)
+        type(record_t) :: record
+
+        call self%peers%swap(done, err)
         call make_record(to, record, a)
-        if (in%tiled > 0) call place_kernels%put_record(wide*in%tiled, wide, record, &
-            in%parcels, in%place, row, a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), err)
-        call carry(self, out, in, from, to, err)
-    end subroutine send
+        if (in%tiled > 0) call place_kernels%put_record(words_of(to)*in%tiled, words_of(to), &
+            record, in%parcels, in%place, self%row, a(1), a(2), a(3), a(4), a(5), a(6), a(7), &
+            a(8), err)
+    end subroutine take
+
+    !> Words of a particle in a message.
+    pure integer function words_of(rows) result(wide)
+        type(gpu_rows_t), intent(in) :: rows(:)
+
+        wide = (sum(rows%words*rows%columns) + 1)/2*2
+    end function words_of
 
     !> The places of parcel r and those behind it.
     pure type(integers_t) function from_place(list, r) result(place)

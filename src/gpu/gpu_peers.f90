@@ -2,10 +2,11 @@
 !> Parcels between the GPUs of several processes: written straight into each other's memory on one
 !> machine (CUDA IPC), or by way of the host and MPI, which always works.
 !>
-!> Every process has an arena for what comes to it, in two halves that take turns. After each
-!> exchange partners greet each other, both ways, so that nobody writes into a half before its
-!> owner has unpacked what lay there. Where a GPU cannot see the memory of another one, or
-!> BRISANCE_TRANSPORT=mpi is set, `linked` is false in all processes, and parcels go by the host.
+!> Every process has an arena for what comes to it, in two halves that take turns. In each exchange
+!> all processes greet each other, or vote, after their GPUs have written the parcels and before
+!> any is unpacked. So nobody writes into a half before its owner has unpacked what lay there.
+!> Where a GPU cannot see the memory of another one, or BRISANCE_TRANSPORT=mpi is set, `linked` is
+!> false in all processes, and parcels go by the host.
 module brz_gpu_peers
     use, intrinsic :: iso_c_binding, only: c_intptr_t
     use brz_buffers, only: buffer_t
@@ -21,8 +22,11 @@ module brz_gpu_peers
     use brz_ranks, only: agree, least_of_all, ranks_t, several
     implicit none
     private
-    public :: peers_t
+    public :: peers_t, has_written, has_waited, has_met
 
+    ! what this process has done in an exchange: its GPU has begun to write the parcels, it is done,
+    ! and since then the process has met all others
+    integer, parameter :: has_written = 0, has_waited = 1, has_met = 2
     integer(int64), parameter :: block = 2_int64**21
     !! bytes: the driver shares whole blocks of memory, so an arena fills its own
     integer(int64), parameter :: line = 256 !! bytes: where a half may begin
@@ -169,14 +173,15 @@ contains
 
     !> Wait until every parcel that has been written is with its process, and those of others are
     !> here. Who has an error takes part with what there is.
-    subroutine swap(self, err)
+    subroutine swap(self, done, err)
         class(peers_t), intent(inout) :: self
+        integer, intent(in) :: done !! has_written, has_waited, has_met
         type(error_t), intent(inout) :: err
 
         associate (ranks => self%ranks, mail => self%mail)
             if (self%linked) then
-                call wait_for_device(err)
-                call greet(ranks, mail)
+                if (done < has_waited) call wait_for_device(err)
+                if (done < has_met) call greet(ranks)
                 self%turn = 1 - self%turn
             else
                 call copy_out(self%words, mail%out, mail%out_first(ranks%n) - 1, err)

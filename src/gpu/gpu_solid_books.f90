@@ -7,10 +7,12 @@ module brz_gpu_solid_books
     use brz_errors, only: error_t, failed
     use brz_exact_sum, only: exact_sums
     use brz_force_items, only: n_sum
+    use brz_gpu_common, only: partials_of
     use brz_gpu_solid_layout, only: book_ahead, book_clamped, book_contact, &
         book_contact_early, book_contact_heat, book_damage, book_early, book_force, &
         book_friction, book_stiff, book_load, book_plastic, book_rub, book_viscous, n_book
-    use brz_gpu_solid_state, only: book_of, gpu_solid_t, total_threads
+    use brz_gpu_solid_state, only: book_of, gpu_solid_body_t, gpu_solid_t, &
+        total_threads
     use brz_kinds, only: dp, int64, rk
     use brz_ranks, only: least_of_all
     use brz_solid_launches, only: solid_kernels
@@ -29,28 +31,38 @@ contains
         real(dp), intent(out) :: sums(n_sum, size(gpu%bodies)) !! see sum_state
         type(error_t), intent(inout) :: err
         real(dp) :: own(n_sum, size(gpu%bodies)), all(n_sum*size(gpu%bodies))
-        integer :: b
+        integer :: b, m
 
         do b = 1, size(gpu%bodies)
-            call solid_kernels%solid_state_of([total_threads, 1, 1], gpu%n, total_threads, &
-                gpu%bodies(b)%first, gpu%bodies(b)%last, real(solid%dt_last/2, rk), gpu%region, &
-                gpu%place, gpu%motion, gpu%state, gpu%tag, gpu%partial, err)
-            call gpu%common%fold(gpu%partial, total_threads, n_sum, b, err)
+            m = adders(gpu%bodies(b))
+            call solid_kernels%solid_state_of([m, 1, 1], gpu%step_d, m, gpu%bodies(b)%first, &
+                gpu%bodies(b)%last, real(solid%dt_last/2, rk), gpu%region, gpu%place, gpu%motion, &
+                gpu%state, gpu%tag, gpu%partial, err)
+            call gpu%common%fold(gpu%partial, m, n_sum, b, err)
         end do
         call gpu%common%read_sums(own, err)
         call exact_sums(solid%ranks, reshape(own, [size(own), 1]), all)
         sums = reshape(all, shape(sums))
     end subroutine sum_states
 
+    !> Threads that add up the particles of a body.
+    pure integer function adders(body)
+        type(gpu_solid_body_t), intent(in) :: body
+
+        adders = partials_of(body%last - body%first + 1, total_threads)
+    end function adders
+
     !> Fold the columns of `book` over body b.
     subroutine fold_book(gpu, b, set, err)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: b, set !! body, and where its sums wait
         type(error_t), intent(inout) :: err
+        integer :: m
 
-        call solid_kernels%solid_book_of([total_threads, n_book, 1], gpu%n, total_threads, &
-            gpu%bodies(b)%first, gpu%bodies(b)%last, gpu%book, gpu%partial, err)
-        call gpu%common%fold(gpu%partial, total_threads, n_book, set, err)
+        m = adders(gpu%bodies(b))
+        call solid_kernels%solid_book_of([m, n_book, 1], gpu%step_d, m, gpu%bodies(b)%first, &
+            gpu%bodies(b)%last, gpu%book, gpu%partial, err)
+        call gpu%common%fold(gpu%partial, m, n_book, set, err)
     end subroutine fold_book
 
     !> Bring the ledgers and the reactions of all bodies up to date.
@@ -134,12 +146,14 @@ contains
         integer, intent(in) :: b
         type(doubles_t), intent(in) :: place
         type(error_t), intent(inout) :: err
+        integer :: m
 
+        m = adders(gpu%bodies(b))
         associate (first => gpu%bodies(b)%first, last => gpu%bodies(b)%last)
-            call solid_kernels%solid_extent([total_threads, 1, 1], first, last, total_threads, &
-                                            gpu%fixed, place, gpu%partial, err)
+            call solid_kernels%solid_extent([m, 1, 1], first, last, m, gpu%fixed, place, &
+                                            gpu%partial, err)
         end associate
-        call gpu%common%fold_boxes(gpu%partial, total_threads, b, err)
+        call gpu%common%fold_boxes(gpu%partial, m, b, err)
     end subroutine find_extent
 
     !> Corners of some bodies at their positions `built`, where links are chosen by them.

@@ -29,7 +29,7 @@ contains
         if (.not. gpu%bonded) return
         call list_linked(gpu, err)
         associate (l => gpu%links)
-            call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%n, l%n_linked, &
+            call solid_kernels%solid_bond_moments([l%n_linked, 1, 1], gpu%step_d, l%n_linked, &
                 l%linked, l%lay, l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%volume, &
                 gpu%mass, l%bond, l%slice, l%count, l%list, gpu%row, gpu%grad, gpu%k_axes, &
                 gpu%held, err)
@@ -149,15 +149,15 @@ contains
                 call forget(book_of(gpu, book_contact), l%awake(:, k), err)
                 call forget(book_of(gpu, book_contact_early), l%awake(:, k), err)
             end do
-            call contact_kernels%push_links(l%n_touching, l%touching, gpu%n, l%lay, dt, &
+            call contact_kernels%push_links(l%n_touching, l%touching, gpu%step_d, l%lay, dt, &
                 l%ends, l%table, l%cell, gpu%x, gpu%v, gpu%mass, l%weight, gpu%stress, gpu%pair, &
                 l%press, l%bond, l%joined, l%row, l%slice, links_that_touch(gpu), l%list, &
                 gpu%energy, book_of(gpu, book_contact), book_of(gpu, book_contact_early), &
                 book_of(gpu, book_contact_heat), book_of(gpu, book_rub), gpu%rate, gpu%extra, err)
-            if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%n, l%lay, &
+            if (gpu%bonded) call bond_kernels%pull_links(l%n_linked, l%linked, gpu%step_d, l%lay, &
                 l%ends, l%table, gpu%x, gpu%x_ref, gpu%v, gpu%mass, gpu%pair, gpu%k_axes, &
                 gpu%held, l%bond, l%row, l%slice, l%count, l%list, gpu%extra, err)
-            if (solid%cohesive%present) call cohesive_kernels%add_pull(glue%nodes, gpu%n, &
+            if (solid%cohesive%present) call cohesive_kernels%add_pull(glue%nodes, gpu%step_d, &
                 glue%place, glue%push, gpu%extra, err)
         end associate
     end subroutine contact_pass

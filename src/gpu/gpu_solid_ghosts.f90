@@ -4,7 +4,8 @@ module brz_gpu_solid_ghosts
     use brz_buffers, only: from
     use brz_device, only: copy_in
     use brz_errors, only: error_t
-    use brz_gpu_parcels, only: rows_of
+    use brz_gpu_parcels, only: gpu_rows_t, rows_of
+    use brz_gpu_peers, only: has_met
     use brz_gpu_solid_layout, only: at_damage, flag_drawn
     use brz_gpu_solid_state, only: column_of, gpu_solid_t, words_of_real
     use brz_kinds, only: int64
@@ -13,10 +14,22 @@ module brz_gpu_solid_ghosts
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: refresh_kept, refresh_motion, refresh_rows, refresh_press, refresh_bonds, &
-        refresh_joined
+    public :: offer_motion, take_motion, refresh_kept, refresh_motion, refresh_rows, &
+        refresh_press, refresh_bonds, refresh_joined
 
 contains
+
+    !> Others get what take_motion takes, before all of them vote on lists: mostly these last.
+    subroutine offer_motion(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (.not. several(solid%ranks)) return
+        gpu%offered = gpu%rebuilds == solid%rebuilds
+        gpu%rebuilds = solid%rebuilds
+        if (gpu%offered) call gpu%ghosts%offer(gpu%ghosts%out, gpu%ghosts%in, motion_of(gpu), err)
+    end subroutine offer_motion
 
     !> Places, velocities, volumes and smoothing lengths: what pass 1 reads.
     subroutine refresh_motion(gpu, solid, err)
@@ -24,16 +37,35 @@ contains
         type(solid_t), intent(in) :: solid
         type(error_t), intent(inout) :: err
 
-        if (.not. several(solid%ranks)) return
-        call gpu%ghosts%refresh([rows_of(gpu%place, 8), rows_of(gpu%motion, 4*words_of_real)], err)
+        if (several(solid%ranks)) call gpu%ghosts%refresh(motion_of(gpu), err)
     end subroutine refresh_motion
+
+    !> The same after the vote.
+    subroutine take_motion(gpu, solid, err)
+        type(gpu_solid_t), intent(inout) :: gpu
+        type(solid_t), intent(in) :: solid
+        type(error_t), intent(inout) :: err
+
+        if (gpu%offered) then
+            call gpu%ghosts%take(gpu%ghosts%in, motion_of(gpu), has_met, err)
+        else
+            call refresh_motion(gpu, solid, err)
+        end if
+    end subroutine take_motion
+
+    pure function motion_of(gpu) result(rows)
+        type(gpu_solid_t), intent(in) :: gpu
+        type(gpu_rows_t) :: rows(2)
+
+        rows = [rows_of(gpu%place, 8), rows_of(gpu%motion, 4*words_of_real)]
+    end function motion_of
 
     !> The same before lists are built anew in part, and the damage, which end_support reads then.
     subroutine refresh_kept(gpu, err)
         type(gpu_solid_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
 
-        call gpu%ghosts%refresh([rows_of(gpu%place, 8), rows_of(gpu%motion, 4*words_of_real), &
+        call gpu%ghosts%refresh([motion_of(gpu), &
                                  rows_of(column_of(gpu, at_damage), words_of_real)], err)
     end subroutine refresh_kept
 
@@ -48,8 +80,8 @@ contains
         if (.not. several(solid%ranks)) return
         n = gpu%n_left
         if (gpu%linked) then
-            call gpu%ghosts%refresh([gpu%left(:n), rows_of(gpu%stress, words_of_real, 6, gpu%n)], &
-                                    err)
+            call gpu%ghosts%refresh([gpu%left(:n), &
+                                     rows_of(gpu%stress, words_of_real, 6, gpu%step_d)], err)
         else
             call gpu%ghosts%refresh(gpu%left(:n), err)
         end if

@@ -144,7 +144,7 @@ contains
             near = gpu%far
             far = gpu%near
         end if
-        call launch_solid_moments(body%moments, threads_of(body), gpu%n, body%params, place, &
+        call launch_solid_moments(body%moments, threads_of(body), gpu%step_d, body%params, place, &
             other, near, far, gpu%motion, body%slice, gpu%count, body%list, gpu%row, gpu%grad, &
             gpu%state, gpu%tag, gpu%k_axes, gpu%held, gpu%acting, body%pairs, err)
     end subroutine sum_moments
@@ -155,7 +155,7 @@ contains
         real(rk), intent(in) :: dt !! step just made, 0: none [s]
         type(error_t), intent(inout) :: err
 
-        call solid_kernels%solid_gradients(threads_of(body), gpu%n, body%params, gpu%row, &
+        call solid_kernels%solid_gradients(threads_of(body), gpu%step_d, body%params, gpu%row, &
             gpu%grad, gpu%tag, gpu%k_axes, gpu%held, gpu%state, dt, err)
     end subroutine find_gradients
 
@@ -167,7 +167,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (body%layer) call row_kernels%free_face(body%last - body%gone - body%first + 1, &
-            body%first, gpu%n, 4, time, gpu%row, gpu%grad, gpu%stress, gpu%volume, gpu%mass, &
+            body%first, gpu%step_d, 4, time, gpu%row, gpu%grad, gpu%stress, gpu%volume, gpu%mass, &
             gpu%energy, err)
     end subroutine free_faces
 
@@ -177,7 +177,7 @@ contains
         real(rk), intent(in) :: dt !! [s]
         type(error_t), intent(inout) :: err
 
-        call launch_advance_point(body%update, threads_of(body), gpu%n, dt, body%params, &
+        call launch_advance_point(body%update, threads_of(body), gpu%step_d, dt, body%params, &
             body%material, gpu%grad, gpu%state, gpu%tag, gpu%book, gpu%flags, err)
     end subroutine update_material
 
@@ -186,7 +186,7 @@ contains
         type(gpu_solid_body_t), intent(in) :: body
         type(error_t), intent(inout) :: err
 
-        call solid_kernels%solid_rows(threads_of(body), gpu%n, body%params, body%material, &
+        call solid_kernels%solid_rows(threads_of(body), gpu%step_d, body%params, body%material, &
             gpu%place, gpu%grad, gpu%state, gpu%tag, gpu%motion, gpu%row, gpu%rate, gpu%axes, &
             gpu%k_axes, gpu%held, gpu%flags, err)
     end subroutine fill_rows

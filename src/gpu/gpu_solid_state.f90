@@ -23,6 +23,7 @@ module brz_gpu_solid_state
     use brz_link_layout, only: link_layout_t, n_press
     use brz_move_level, only: lost_level
     use brz_solid_fields, only: column_of_field, fields_of, fields_t
+    use brz_solid_places, only: whole_lanes
     use brz_solid_state, only: form_total, ledger_t, n_held, n_pair, solid_t
     use brz_tallies, only: tally_threads
     use brz_text, only: to_text
@@ -146,6 +147,8 @@ module brz_gpu_solid_state
         type(gpu_rows_t) :: record(7) !! what a particle takes along to another process
         type(gpu_rows_t) :: left(3) !! what pass 1 leaves for pass 2
         type(gpu_parcels_t) :: ghosts
+        logical :: offered = .false. !! others have written what they move, and all have met since
+        integer(int64) :: rebuilds = -1 !! of lists before the last step
     end type gpu_solid_t
 
     ! what becomes of an array of the particles
@@ -220,8 +223,10 @@ contains
         integer(int64), intent(out) :: bytes
         type(error_t), intent(inout) :: err
         integer, parameter :: w = words_of_real
+        integer :: apart
 
         bytes = 0
+        apart = whole_lanes(gpu%n)
         gpu%n_record = 0
         gpu%n_left = 0
         call visit(gpu%place, 8, 1, goes)
@@ -262,12 +267,12 @@ contains
             type(buffer_t) :: before, from, to
             integer :: b, c
 
-            bytes = bytes + 4_int64*words*columns*gpu%n
+            bytes = bytes + 4_int64*words*columns*apart
             if (.not. lays) return
             before%address = array%address
-            call allocate_buffer(array, 4_int64*words*columns*gpu%n + 8, err)
+            call allocate_buffer(array, 4_int64*words*columns*apart + 8, err)
             if (how == goes) gpu%n_record = gpu%n_record + 1
-            if (how == goes) gpu%record(gpu%n_record) = rows_of(array, words, columns, gpu%n)
+            if (how == goes) gpu%record(gpu%n_record) = rows_of(array, words, columns, apart)
             if (how == is_left) gpu%n_left = gpu%n_left + 1
             if (how == is_left) gpu%left(gpu%n_left) = rows_of(array, words)
             do c = 1, merge(columns, 0, how /= passes)
@@ -277,7 +282,7 @@ contains
                         from%address = before%address &
                             + 4*words*((c - 1_int64)*gpu%step_d + old(b) - 1)
                         to%address = array%address &
-                            + 4*words*((c - 1_int64)*gpu%n + body%first - 1)
+                            + 4*words*((c - 1_int64)*apart + body%first - 1)
                         call copy_within(from, to, 4_int64*words*(body%rim - body%first + 1), err)
                     end associate
                 end do
@@ -291,7 +296,7 @@ contains
         type(gpu_solid_t), intent(inout) :: gpu
         type(integers_t) :: tags
 
-        gpu%step_d = gpu%n
+        gpu%step_d = whole_lanes(gpu%n)
         gpu%x = gpu%place
         gpu%x_ref = gpu%reference
         gpu%x_built = gpu%built
@@ -320,7 +325,7 @@ contains
             tags = tags_of(gpu, tag_weight)
             links%weight = tags%buffer_t
             links%row = links%count
-            links%lay%step_c = gpu%n
+            links%lay%step_c = gpu%step_d
         end associate
     end subroutine see_arrays
 
@@ -362,14 +367,14 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: column
 
-        column_of = from(gpu%state, (column - 1_int64)*gpu%n + 1)
+        column_of = from(gpu%state, (column - 1_int64)*gpu%step_d + 1)
     end function column_of
 
     pure type(integers_t) function tags_of(gpu, column)
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: column
 
-        tags_of = from(gpu%tag, (column - 1_int64)*gpu%n + 1)
+        tags_of = from(gpu%tag, (column - 1_int64)*gpu%step_d + 1)
     end function tags_of
 
     !> A column of the books.
@@ -377,7 +382,7 @@ contains
         type(gpu_solid_t), intent(in) :: gpu
         integer, intent(in) :: column
 
-        book_of = from(gpu%book, (column - 1_int64)*gpu%n + 1)
+        book_of = from(gpu%book, (column - 1_int64)*gpu%step_d + 1)
     end function book_of
 
     !> One thread for each particle of a body that is there.

@@ -25,7 +25,7 @@ module brz_parcels
         type(ranks_t) :: ranks
         type(mail_t) :: mail
     contains
-        procedure :: send
+        procedure :: send, send_apart
     end type courier_t
 
 contains
@@ -47,29 +47,36 @@ contains
         call send_rows(self%ranks, out, in, from, to, self%mail)
     end subroutine send
 
+    !> The same, where what the process has for itself goes to the places of its parcel in another
+    !> list, in other arrays.
+    subroutine send_apart(self, out, in, from, to, own_in, own_to)
+        class(courier_t), intent(inout) :: self
+        type(parcels_t), intent(in) :: out, in, own_in
+        type(rows_t), intent(in) :: from(:), to(:), own_to(:)
+
+        call send_rows(self%ranks, out, in, from, to, self%mail, own_in, own_to)
+    end subroutine send_apart
+
     !> Send the rows of listed particles, and put those that come where a list says, in arrays with
     !> as many bytes in a row. In copies of the processes, by files: see mail_t.
-    subroutine send_rows(ranks, out, in, from, to, mail)
+    subroutine send_rows(ranks, out, in, from, to, mail, own_in, own_to)
         type(ranks_t), intent(in) :: ranks
         type(parcels_t), intent(in) :: out, in
         type(rows_t), intent(in) :: from(:), to(:)
         type(mail_t), intent(inout) :: mail
-        integer(int64) :: at, long(0:ranks%n - 1, 2)
-        integer :: k, r
+        type(parcels_t), intent(in), optional :: own_in !! see send_apart
+        type(rows_t), intent(in), optional :: own_to(:)
+        integer(int64) :: long(0:ranks%n - 1, 2)
+        integer :: r
 
         do r = 0, ranks%n - 1
             long(r, 1) = sum(length(from, out%first(r + 1) - out%first(r)))
             long(r, 2) = sum(length(to, in%first(r + 1) - in%first(r)))
         end do
+        if (present(own_to)) long(ranks%rank, 2) = long(ranks%rank, 1)
         call make_room(ranks, long(:, 1), long(:, 2), mail)
         do r = 0, ranks%n - 1
-            at = mail%out_first(r)
-            associate (place => out%place(out%first(r):out%first(r + 1) - 1))
-                do k = 1, merge(size(from), 0, size(place) > 0)
-                    call pack_rows(from(k), place, mail%out(at:))
-                    at = at + length(from(k), size(place))
-                end do
-            end associate
+            call pack_parcel(from, out, r, mail)
         end do
         if (allocated(mail%path)) then
             call post_by_files(ranks, mail, mail%path, mail%fault)
@@ -77,15 +84,49 @@ contains
             call post(ranks, mail)
         end if
         do r = 0, ranks%n - 1
-            at = mail%in_first(r)
-            associate (place => in%place(in%first(r):in%first(r + 1) - 1))
-                do k = 1, merge(size(to), 0, size(place) > 0)
-                    call unpack_rows(to(k), place, mail%in(at:))
-                    at = at + length(to(k), size(place))
-                end do
-            end associate
+            if (present(own_to) .and. r == ranks%rank) then
+                call unpack_parcel(own_to, own_in, r, mail)
+            else
+                call unpack_parcel(to, in, r, mail)
+            end if
         end do
     end subroutine send_rows
+
+    !> Fill the parcel to process r.
+    subroutine pack_parcel(from, list, r, mail)
+        type(rows_t), intent(in) :: from(:)
+        type(parcels_t), intent(in) :: list
+        integer, intent(in) :: r
+        type(mail_t), intent(inout) :: mail
+        integer(int64) :: at
+        integer :: k
+
+        at = mail%out_first(r)
+        associate (place => list%place(list%first(r):list%first(r + 1) - 1))
+            do k = 1, merge(size(from), 0, size(place) > 0)
+                call pack_rows(from(k), place, mail%out(at:))
+                at = at + length(from(k), size(place))
+            end do
+        end associate
+    end subroutine pack_parcel
+
+    !> Put the parcel from process r where a list says.
+    subroutine unpack_parcel(to, list, r, mail)
+        type(rows_t), intent(in) :: to(:)
+        type(parcels_t), intent(in) :: list
+        integer, intent(in) :: r
+        type(mail_t), intent(in) :: mail
+        integer(int64) :: at
+        integer :: k
+
+        at = mail%in_first(r)
+        associate (place => list%place(list%first(r):list%first(r + 1) - 1))
+            do k = 1, merge(size(to), 0, size(place) > 0)
+                call unpack_rows(to(k), place, mail%in(at:))
+                at = at + length(to(k), size(place))
+            end do
+        end associate
+    end subroutine unpack_parcel
 
     !> Bytes of n rows in a parcel: whole numbers of eight.
     elemental integer(int64) function length(rows, n)

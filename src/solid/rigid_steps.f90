@@ -94,7 +94,7 @@ contains
 
         push = 0
         lay = layout_of_pushes(solid) !@cpu
-        !@gpu lay = push_layout_t(0, gpu%n, 1, at_drag, at_stiff, at_heat, 0)
+        !@gpu lay = push_layout_t(0, gpu%step_d, 1, at_drag, at_stiff, at_heat, 0)
         do b = 1, merge(size(solid%bodies), 0, solid%links%present)
             associate (body => solid%bodies(b), there => solid%bodies(b), l => solid%links)
                 if (body%formulation /= form_rigid .or. body%asleep .and. dt > 0) cycle
@@ -114,7 +114,7 @@ contains
         integer :: b
 
         lay = layout_of_pushes(solid) !@cpu
-        !@gpu lay = push_layout_t(0, gpu%n, 1, at_drag, at_stiff, at_heat, 0)
+        !@gpu lay = push_layout_t(0, gpu%step_d, 1, at_drag, at_stiff, at_heat, 0)
         do b = 1, merge(size(solid%bodies), 0, solid%links%present .and. dt > 0)
             associate (body => solid%bodies(b), there => solid%bodies(b), l => solid%links)
                 if (body%formulation /= form_rigid .or. body%asleep) cycle

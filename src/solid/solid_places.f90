@@ -5,7 +5,9 @@ module brz_solid_places
     use brz_places, only: find_firsts, parcels_t
     implicit none
     private
-    public :: choose_places, lay_rooms
+    public :: choose_places, lay_rooms, whole_lanes
+
+    integer, parameter :: lane = 32 !! particles whose numbers of a column are in one row of memory
 
 contains
 
@@ -67,7 +69,15 @@ contains
         end subroutine move
     end subroutine choose_places
 
-    !> Lay the places of all bodies one after the other, with room for so many in each.
+    !> Places that fill whole rows of memory. Columns that begin with one are read by a warp of a
+    !> GPU in as few rows as there are.
+    pure integer function whole_lanes(n)
+        integer, intent(in) :: n !! places that are needed
+
+        whole_lanes = (n + lane - 1)/lane*lane
+    end function whole_lanes
+
+    !> Lay the places of all bodies one after the other, with room for so many in each, whole lanes.
     pure subroutine lay_rooms(need, first, last, rim, room, n)
         integer, intent(in) :: need(:) !! (bodies) places
         integer, intent(inout) :: first(:), last(:), rim(:), room(:) !! (bodies) see body_t
@@ -77,6 +87,7 @@ contains
         n = 0
         do b = 1, size(need)
             if (need(b) > room(b)) room(b) = need(b) + need(b)/4 + 64
+            room(b) = whole_lanes(room(b))
             shift = n + 1 - first(b)
             first(b) = first(b) + shift
             last(b) = last(b) + shift

@@ -20,6 +20,8 @@ module brz_air_steps
     use brz_fallback_items, only: to_hold, to_lose, to_redo
     use brz_fallback_loops, only: each_count_marked
     use brz_fetch, only: fetch !@cpu
+    !@gpu use brz_gpu_air_state, only: ghosts_old
+    !@gpu use brz_gpu_air_operations, only: offer_ghosts, take_ghosts
     use brz_ghost_loops, only: each_fill_end
     use brz_kinds, only: dp, int64
     use brz_positivity, only: hold_step, most_holds
@@ -47,6 +49,7 @@ contains
         call begin_step(air, wall)
         do m = 1, air%n_stages
             stage = stage_of(air, dt, m)
+            !@gpu gpu%offers = m < air%n_stages
             call take_rates(air, wall, stage, status)
             if (status /= air_ok) return
             call update(air, stage%dt, stage%weight, m == 1) !@cpu
@@ -79,7 +82,9 @@ contains
         status = air_ok
         call fill_ghosts(air, wall)
         call sweep_all(air, wall, stage)
+        !@gpu if (gpu%offers) call offer_ghosts(gpu)
         call find_bad(air, found)
+        !@gpu if (found) gpu%ghosts = ghosts_old
         if (found) call repair(air, wall, stage, status)
         if (status /= air_ok) return
         call add_outflow(air, stage)
@@ -105,9 +110,11 @@ contains
         type(wall_t), intent(in) :: wall
 
         call keep_outside(air) !@cpu
-        call fetch(air%part%ranks, air%part%halo, air%n_var, air%before + 1 - air%g, &
-                   air%before + air%n + air%g, air%u) !@cpu
-        !@gpu call gpu%halo%reals_of_others(gpu%grid%apart, gpu%u)
+        if (.not. air%part%fresh) &
+            call fetch(air%part%ranks, air%part%halo, air%n_var, air%before + 1 - air%g, &
+                       air%before + air%n + air%g, air%u) !@cpu
+        air%part%fresh = .false. !@cpu
+        !@gpu call take_ghosts(gpu)
         call each_fill_end(2*air%grid%lines, air%grid, air%scheme, air%outside, wall%solid, air%u)
     end subroutine fill_ghosts
 

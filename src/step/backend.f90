@@ -134,7 +134,7 @@ contains
         type(seen_t) :: p
         integer :: b
 
-        p = seen_t(n=solid%n, step_d=solid%n, x=solid%x, v=solid%v, mass=solid%mass, &
+        p = seen_t(n=solid%n, step_d=solid%step_d, x=solid%x, v=solid%v, mass=solid%mass, &
                    load=solid%load, fixed=solid%fixed, id=solid%id, v_before=solid%v_before, &
                    rebuilds=solid%laid)
         p%bodies = [(range_t(solid%bodies(b)%first, solid%bodies(b)%last), b=1, size(solid%bodies))]

@@ -47,8 +47,8 @@ contains
         if (backend%bodies_on_gpu) &
             call open_gpu_solid(backend%device, solid, coupling%present, backend%solid, err)
         if (.not. backend%coupling_on_gpu) return
-        call open_gpu_coupling(air, coupling, particles_of(backend%solid), backend%air, &
-                               backend%coupling, err)
+        call open_gpu_coupling(air, solid, coupling, particles_of(backend%solid), &
+                               backend%air, backend%coupling, err)
     end subroutine start_backend
 
     !> The gas outside open faces in a step, where it is a history.

@@ -160,9 +160,9 @@ contains
         integer :: b, cell(3), i, r
 
         do r = 0, ubound(guests, 1)
-            windows(r) = widened(boxes(r), spread(layers_seen(case%coupling%spread) + 1, &
-                                                        1, 3))
+            windows(r) = widened(boxes(r), spread(layers_seen(case%coupling%spread), 1, 3))
             windows(r) = common(windows(r), cells_t([1, 1, 1], case%air%cells))
+            windows(r) = widened(windows(r), [1, 1, 1])
         end do
         guests = 0
         do b = 1, size(solid%bodies)

@@ -6,7 +6,8 @@ module brz_solid_steps
     use brz_errors, only: error_t
     !@gpu use brz_gpu_solid_contact, only: break_bonds, contact_pass, note_awake
     !@gpu use brz_gpu_solid_copy, only: fetch_faults
-    !@gpu use brz_gpu_solid_ghosts, only: refresh_bonds, refresh_motion, refresh_rows
+    !@gpu use brz_gpu_solid_ghosts, only: offer_motion, refresh_bonds, refresh_rows
+    !@gpu use brz_gpu_solid_ghosts, only: take_motion
     !@gpu use brz_gpu_solid_forces, only: force_pass
     !@gpu use brz_gpu_solid_gradients, only: gradient_pass
     !@gpu use brz_gpu_solid_motion, only: begin_step, book_first_half, end_support
@@ -50,6 +51,7 @@ contains
         call drift_bodies(solid, dt) !@host
         call move_rigid(solid, dt)
         call kick_bodies(solid, dt)
+        !@gpu call offer_motion(gpu, solid)
         solid%time = solid%time + dt
         solid%dt_last = dt
         solid%steps = solid%steps + 1
@@ -68,7 +70,8 @@ contains
             call end_support(solid, stale)
             call enter_part('bodies', go_on=.true.)
         else
-            call refresh_motion(solid)
+            call refresh_motion(solid) !@cpu
+            !@gpu call take_motion(gpu, solid)
         end if
         call find_forces(solid, dt, err)
     end subroutine solid_step

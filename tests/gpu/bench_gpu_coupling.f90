@@ -101,7 +101,7 @@ contains
         call copy_in(ones, particles%mass, bytes_of_real*particles%n, err)
         call copy_in([(p, p=1, particles%n)], particles%id, 4_int64*particles%n, err)
         allocate (coupling%v_before(3, particles%n), source=0.0_rk)
-        call open_gpu_coupling(air, coupling, particles, there, gpu, err)
+        call open_gpu_coupling(air, solid, coupling, particles, there, gpu, err)
     end subroutine set_up
 
     !> Ten steps, in which the middle of the plate goes down so much.

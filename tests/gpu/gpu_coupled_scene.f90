@@ -63,7 +63,7 @@ contains
         call at_least(s%particles%id, count, s%err)
         call at_least(s%particles%fixed, count, s%err)
         call put_particles(s)
-        call open_gpu_coupling(s%other, s%far, s%particles, s%there, s%gpu, s%err)
+        call open_gpu_coupling(s%other, s%solid, s%far, s%particles, s%there, s%gpu, s%err)
         if (failed(s%err)) print *, s%err%text
     end subroutine start
 

@@ -164,6 +164,33 @@ def test_bodies_across_periodic_ends_do_not_depend_on_processes(tmp_path):
     equal_runs(tmp_path / "0/out", tmp_path / "3/out")
 
 
+FLYING_IN = """\
+&run title = 'flies in', t_end = 3e-4 /
+&air box = 0, 0.4, 0, 0.1, 0, 0.1, cells = 40, 10, 10, bc = 6*'outflow',
+     reconstruction = 'muscl', flux = 'hllc', integrator = 'ssprk2' /
+&gas id = 'hot', box = 0.15, 0.3,  0.02, 0.08,  0.02, 0.08, density = 4, pressure = 1e6 /
+&material id = 's', model = 'linear_elastic', density = 2000, youngs_modulus = 2e8,
+     poisson_ratio = 0.3 /
+&interaction law = 'none' /
+&body id = 'soft', shape = 'box', box = -0.045, 0.005, 0.03, 0.07, 0.03, 0.07, spacing = 5e-3,
+      material = 's', velocity = 500, 0, 0 /
+&body id = 'hard', shape = 'sphere', centre = 0.41, 0.05, 0.05, radius = 0.02, spacing = 5e-3,
+      material = 's', formulation = 'rigid', velocity = -400, 10, 0 /
+&gauge id = 'soft', body = 'soft', at = -0.03, 0.05, 0.05, quantity = 'velocity_x' /
+&gauge id = 'hard', body = 'hard', at = 0.41, 0.05, 0.05, quantity = 'velocity_x' /
+&output dump_every = 1e-4, history_every = 0 /
+"""
+
+
+@needs_mpirun
+@pytest.mark.parametrize("n", [2, 3])
+def test_bodies_that_fly_into_the_air_do_not_depend_on_processes(n, tmp_path):
+    """They drift through many cells without new lists; each part is a guest as soon as it is in."""
+    go(0, FLYING_IN, tmp_path, out="one")
+    go(n, FLYING_IN, tmp_path, out="several")
+    equal_runs(tmp_path / "one", tmp_path / "several")
+
+
 @needs_mpirun
 @pytest.mark.parametrize(("n", "m"), [(0, 3), (2, 0), (4, 2)])
 def test_bodies_in_air_go_on_on_other_processes(n, m, alone, tmp_path):
