@@ -65,29 +65,15 @@ contains
         call look_ahead(at_once, first + at_once, last, binned, next)
     end subroutine take_some
 
-    !> Three numbers of each of some particles.
-    !@cuf attributes(host,device) &
-    pure subroutine look_at_some(some, step_d, step_p, x, rows)
-        integer, intent(in) :: some(at_once)
-        integer, intent(in) :: step_d, step_p !! distances in x of the numbers, of particles
-        real(rk), intent(in) :: x(*)
-        real(rk), intent(out) :: rows(3, at_once)
-        integer :: q
-
-        do q = 1, at_once
-            rows(1, q) = x(1 + (some(q) - 1)*step_p)
-            rows(2, q) = x(1 + step_d + (some(q) - 1)*step_p)
-            rows(3, q) = x(1 + 2*step_d + (some(q) - 1)*step_p)
-        end do
-    end subroutine look_at_some
-
     !> Give each solid cell the mean velocity by mass of its particles: at the step where a body
-    !> carries them, else as it is kept, half a step before. One that has none is at rest.
-    !@item if(27*n >= worth_threads) schedule(static, 64)
+    !> carries them, else as it is kept, half a step before. One that has none is at rest. Each
+    !> direction of a cell is an item of its own: three threads of a GPU side by side read the same
+    !> rows.
+    !@item if(9*n >= worth_threads) schedule(static, 192)
     !@cuf attributes(host,device) &
-    pure subroutine mean_velocity_of(c, box, wide, bodies, carrier, ends, binned, x, v, mass, &
+    pure subroutine mean_velocity_of(t, box, wide, bodies, carrier, ends, binned, x, v, mass, &
                                      fixed, v_wall)
-        integer, intent(in) :: c !! solid cells
+        integer, intent(in) :: t !! directions of solid cells
         type(box_t), intent(in) :: box
         integer, intent(in) :: wide, bodies !! rows of x and v, bodies
         type(carrier_t), intent(in) :: carrier(bodies)
@@ -96,27 +82,31 @@ contains
         real(rk), intent(in) :: v(wide, *), mass(*)
         integer(int32), intent(in) :: fixed(*)
         real(rk), intent(inout) :: v_wall(3, *)
-        real(rk) :: m(at_once), now(3, at_once), total, sums(3), w(3)
-        integer :: b, d, hold(at_once), i, next(at_once), q, some(at_once)
+        real(rk) :: m(at_once), now(at_once), total, momentum, w(3)
+        integer :: b, c, d, hold(at_once), i, next(at_once), q, some(at_once)
 
+        c = (t - 1)/3 + 1
+        d = t - 3*(c - 1)
         total = 0
-        sums = 0
+        momentum = 0
         call look_ahead(at_once, ends(c) + 1, ends(c + 1), binned, next)
         do i = ends(c) + 1, ends(c + 1), at_once
             call take_some(i, ends(c + 1), binned, mass, fixed, next, some, m, hold)
-            call look_at_some(some, 1, wide, v, now)
+            do q = 1, at_once
+                now(q) = v(d, some(q))
+            end do
             do q = 1, at_once
                 if (i + q - 1 > ends(c + 1)) exit
                 b = carrier_of(bodies, carrier, some(q), hold(q))
-                w = now(:, q)
-                if (b > 0) w = carried_at(box, carrier(b), x(1, some(q)))
+                if (b > 0) then
+                    w = carried_at(box, carrier(b), x(1, some(q)))
+                    now(q) = along(d, w)
+                end if
                 total = total + m(q)
-                sums = sums + m(q)*w
+                momentum = momentum + m(q)*now(q)
             end do
         end do
-        do d = 1, 3
-            v_wall(d, c) = sums(d)/max(total, tiny(total))
-        end do
+        v_wall(d, c) = momentum/max(total, tiny(total))
     end subroutine mean_velocity_of
 
     !> Carry each wall to the middle of the step, in the directions in which it meets gas.
@@ -124,13 +114,14 @@ contains
     !> What a body carries goes on with it. The rest of the mass of a cell goes on as it did in the
     !> last step of the air, changed by what the gas, spread as a load will be, now pushes more. So
     !> a body that holds against the pressure does not seem to give way, as it would if the gas
-    !> alone pushed. Cells with fixed particles stay at the mean.
-    !@item if(27*n >= worth_threads) schedule(dynamic, 64)
+    !> alone pushed. Cells with fixed particles stay at the mean. Each direction of a cell is an
+    !> item of its own: three threads of a GPU side by side read the same rows.
+    !@item if(9*n >= worth_threads) schedule(dynamic, 192)
     !@cuf attributes(host,device) &
-    pure subroutine push_wall(c, box, wide, step_d, step_p, bodies, dt, dt_before, carrier, gas, &
+    pure subroutine push_wall(t, box, wide, step_d, step_p, bodies, dt, dt_before, carrier, gas, &
                               rows, owner, face_of, above, ends, binned, x, v, mass, load, &
                               v_before, id, fixed, surface, weight, force, impedance, v_wall)
-        integer, intent(in) :: c !! solid cells
+        integer, intent(in) :: t !! directions of solid cells
         type(box_t), intent(in) :: box
         integer, intent(in) :: wide, bodies !! rows of x and v, bodies
         integer, intent(in) :: step_d, step_p !! distances in `load` of directions, of particles
@@ -146,12 +137,14 @@ contains
         real(dp), intent(in) :: surface(*)
         real(rk), intent(in) :: weight(*), force(*), impedance(*)
         real(rk), intent(inout) :: v_wall(3, *)
-        real(rk) :: all_force(3), gas_load(3), momentum(3), own(3)
-        real(rk) :: carried, change, m(at_once), part, speed, total, z
-        real(rk), dimension(3, at_once) :: before, loads, now
-        integer :: b, d, f, hold(at_once), i, next(at_once), q, row, side, some(at_once)
+        real(rk) :: all_force, carried, change, gas_load, momentum, own, part, speed, total, z
+        real(rk) :: w(3)
+        real(rk), dimension(at_once) :: before, loads, m, now
+        integer :: b, c, d, f, hold(at_once), i, next(at_once), q, row, side, some(at_once)
         logical :: held
 
+        c = (t - 1)/3 + 1
+        d = t - 3*(c - 1)
         if (faces_at(c, face_of) == 0) return
         held = .false.
         total = 0
@@ -163,49 +156,47 @@ contains
         call look_ahead(at_once, ends(c) + 1, ends(c + 1), binned, next)
         do i = ends(c) + 1, ends(c + 1), at_once
             call take_some(i, ends(c + 1), binned, mass, fixed, next, some, m, hold)
-            call look_at_some(some, 1, wide, v, now)
-            if (dt_before > 0) then
-                call look_at_some(id(some), 1, 3, v_before, before)
-                call look_at_some(some, step_d, step_p, load, loads)
-            end if
+            do q = 1, at_once
+                now(q) = v(d, some(q))
+                if (.not. dt_before > 0) cycle
+                before(q) = v_before(d, id(some(q)))
+                loads(q) = load(1 + (d - 1)*step_d + (some(q) - 1)*step_p)
+            end do
             do q = 1, at_once
                 if (i + q - 1 > ends(c + 1)) exit
                 held = held .or. hold(q) == is_held
                 b = carrier_of(bodies, carrier, some(q), hold(q))
                 if (b > 0) then
+                    w = carried_at(box, carrier(b), x(1, some(q)))
                     carried = carried + m(q)
-                    momentum = momentum + m(q)*carried_at(box, carrier(b), x(1, some(q)))
+                    momentum = momentum + m(q)*along(d, w)
                     cycle
                 end if
                 total = total + m(q)
-                do d = 1, 3
-                    own(d) = own(d) + m(q)*now(d, q)
-                    if (.not. dt_before > 0) cycle
-                    gas_load(d) = gas_load(d) + loads(d, q)
-                    all_force(d) = all_force(d) + m(q)*(now(d, q) - before(d, q))/dt_before
-                end do
+                own = own + m(q)*now(q)
+                if (.not. dt_before > 0) cycle
+                gas_load = gas_load + loads(q)
+                all_force = all_force + m(q)*(now(q) - before(q))/dt_before
             end do
         end do
-        do d = 1, 3
-            speed = 0
-            if (total > 0) speed = along(d, own)/total
-            if (total > 0 .and. .not. held .and. box%n(d) > 1 &
-                .and. max(face_of(2*d - 1, c), face_of(2*d, c)) > 0) then
-                z = 0
-                change = -along(d, gas_load)
-                do side = 0, 1
-                    row = 2*d - side
-                    f = above(row, c)
-                    if (f == 0) cycle
-                    part = share_of_face(c, box, rows(f), row, gas(f), surface(f), wide, bodies, &
-                                         carrier, ends, binned, x, mass, fixed)/weight(f)
-                    change = change + part*force_from(rows(f), row, force(f))
-                    if (owner(f) == c .and. rows(f) == row) z = z + part*impedance(f)
-                end do
-                speed = pushed_velocity(speed, along(d, all_force), change, z, total, dt)
-            end if
-            v_wall(d, c) = (total*speed + along(d, momentum))/(total + carried)
-        end do
+        speed = 0
+        if (total > 0) speed = own/total
+        if (total > 0 .and. .not. held .and. box%n(d) > 1 &
+            .and. max(face_of(2*d - 1, c), face_of(2*d, c)) > 0) then
+            z = 0
+            change = -gas_load
+            do side = 0, 1
+                row = 2*d - side
+                f = above(row, c)
+                if (f == 0) cycle
+                part = share_of_face(c, box, rows(f), row, gas(f), surface(f), wide, bodies, &
+                                     carrier, ends, binned, x, mass, fixed)/weight(f)
+                change = change + part*force_from(rows(f), row, force(f))
+                if (owner(f) == c .and. rows(f) == row) z = z + part*impedance(f)
+            end do
+            speed = pushed_velocity(speed, all_force, change, z, total, dt)
+        end if
+        v_wall(d, c) = (total*speed + momentum)/(total + carried)
     end subroutine push_wall
 
     !> A number of three. Spelled out: a kernel keeps what it indexes at run time in local memory.

@@ -21,7 +21,7 @@ contains
         type(solid_t), intent(in) :: p !! particles
         type(coupling_t), intent(inout) :: c
 
-        call each_mean_velocity_of(c%wall%n_cells, c%box, p%wide, c%bodies, c%carrier, c%ends, &
+        call each_mean_velocity_of(3*c%wall%n_cells, c%box, p%wide, c%bodies, c%carrier, c%ends, &
                                    c%binned, p%x, p%v, p%mass, p%fixed, c%wall%v)
     end subroutine find_mean_velocity
 
@@ -53,7 +53,7 @@ contains
         real(rk), intent(in) :: v_before(:, :) !! [m/s]
         integer(int32), intent(in) :: column(:) !! of each particle in it
 
-        call each_push_wall(c%wall%n_cells, c%box, p%wide, p%step_d, p%step_p, c%bodies, &
+        call each_push_wall(3*c%wall%n_cells, c%box, p%wide, p%step_d, p%step_p, c%bodies, &
                             real(dt, rk), real(c%dt_before, rk), c%carrier, c%gas, c%rows, &
                             c%wall%face_cell, c%wall%face_of, c%above, c%ends, c%binned, p%x, &
                             p%v, p%mass, p%load, v_before, column, p%fixed, c%surface, c%weight, &
