@@ -3,6 +3,7 @@
 !> run slower, by some 20 us a launch, and nothing runs beside anything else.
 module brz_kernel_profile
     use brz_kinds, only: dp, int64
+    use brz_ranks, only: ranks_t, several, sum_of_all
     implicit none
     private
     public :: profiling, start_profile, book_launch, print_profile
@@ -43,25 +44,58 @@ contains
         table(k)%seconds = table(k)%seconds + seconds
     end subroutine book_launch
 
-    !> The kernels that took at least a thousandth of the time, the longest first, and their sum.
-    subroutine print_profile(unit)
+    !> The kernels of each process that took at least a thousandth of its time, the longest first,
+    !> and their sum; all must call.
+    subroutine print_profile(unit, ranks)
         integer, intent(in) :: unit
+        type(ranks_t), intent(in) :: ranks
+        type(launches_t) :: of_one(most_kernels)
+        integer :: r
+
+        do r = 0, ranks%n - 1
+            if (several(ranks)) write (unit, '(a, i0)') 'kernels of process ', r + 1
+            call tell_table(ranks, r, of_one)
+            call print_table(unit, pack(of_one, of_one%launches > 0))
+        end do
+    end subroutine print_profile
+
+    !> The table of one process, in all of them.
+    subroutine tell_table(ranks, r, of_one)
+        type(ranks_t), intent(in) :: ranks
+        integer, intent(in) :: r !! process
+        type(launches_t), intent(out) :: of_one(:)
+        integer(int64) :: row(6)
+        integer :: k
+
+        of_one = table
+        if (.not. several(ranks)) return
+        do k = 1, size(table)
+            row = 0
+            if (r == ranks%rank) row = [transfer(table(k)%name, row), table(k)%launches, &
+                                        nint(1e9_dp*table(k)%seconds, int64)]
+            call sum_of_all(ranks, row)
+            of_one(k) = launches_t(transfer(row(:4), of_one(k)%name), row(5), 1e-9_dp*row(6))
+        end do
+    end subroutine tell_table
+
+    subroutine print_table(unit, rows)
+        integer, intent(in) :: unit
+        type(launches_t), intent(in) :: rows(:)
         real(dp) :: total
-        logical :: left(most_kernels)
+        logical :: left(size(rows))
         integer :: i, k
 
-        total = max(sum(table(:n)%seconds), tiny(1.0_dp))
+        total = max(sum(rows%seconds), tiny(1.0_dp))
         left = .true.
         write (unit, '(a)') 'kernel                             launches   seconds   us each  share'
-        do i = 1, n
-            k = maxloc(table(:n)%seconds, 1, left(:n))
+        do i = 1, size(rows)
+            k = maxloc(rows%seconds, 1, left)
             left(k) = .false.
-            if (table(k)%seconds < 1e-3_dp*total) exit
-            call print_row(unit, table(k), total)
+            if (rows(k)%seconds < 1e-3_dp*total) exit
+            call print_row(unit, rows(k), total)
         end do
-        call print_row(unit, launches_t('all', sum(table(:n)%launches), sum(table(:n)%seconds)), &
-            total)
-    end subroutine print_profile
+        call print_row(unit, launches_t('all', sum(rows%launches), sum(rows%seconds)), total)
+    end subroutine print_table
 
     subroutine print_row(unit, entry, total)
         integer, intent(in) :: unit

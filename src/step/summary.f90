@@ -58,7 +58,7 @@ contains
             call gauge_summary(outputs%gauges, outputs%folder//'/gauges.csv', text, err)
             if (.not. failed(err)) write (output_unit, '(/, a)') text
         end if
-        if (profiling) call print_profile(output_unit)
+        if (profiling) call print_profile(output_unit, sim%ranks)
         if (counting) call print_calls(output_unit, sim%ranks)
         call print_cost(sim, outputs)
         if (several(sim%ranks)) call print_share(sim)
