@@ -3,7 +3,6 @@
 VERSION := 0.1.0
 .DEFAULT_GOAL := all
 .DELETE_ON_ERROR:
-.SECONDARY:
 .SUFFIXES:
 
 # --- what to build: each choice has a build folder and a binary of its own -------------------

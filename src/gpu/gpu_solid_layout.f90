@@ -11,7 +11,8 @@
 !>     held(n_held, n)  the hold, where bodies have it, slots of brz_solid_state; in pass 1 the sums
 !>                      S of brz_tension_hold in 1..6, then F in held_affine and what is named below
 !> What only the particle itself reads lies column by column: state(n, ...), tag(n, ...), and
-!> book(n, ...), whose sums over a body are its ledger.
+!> book(n, ...), whose sums over a body are its ledger. There n is a few places more than there
+!> are, so that every column begins on a whole row of memory, see whole_lanes.
 module brz_gpu_solid_layout
     use brz_kinds, only: dp, rk
     use brz_link_layout, only: mask_unit, slice_width

@@ -32,6 +32,9 @@ $(B)/pf_command: FORCE
 $(B)/obj/tests/%.o: private FAST := $(filter-out -flto=auto,$(FAST))
 $(foreach part,unit/% verify/% gpu/gpu_%,$(B)/obj/tests/$(part).o): private FAST := $(QUICKLY)
 $(foreach part,unit/test_% verify/verify_% gpu/test_%,$(B)/obj/tests/$(part).o): private FAST := -O0 -march=$(ARCH)
+# (These are kept. Without a list .SECONDARY is for all files, and then make looks through what they
+# depend on again and again: minutes before the first one is compiled.)
+.SECONDARY: $(PF:%.pf=$(B)/%.F90) $(foreach part,unit verify gpu,$(B)/tests/$(part)/suites.inc)
 $(B)/%.F90: %.pf $(PF_PROC) $(wildcard tests/pfstub/*.py) $(B)/pf_command
 	@mkdir -p $(@D)
 	@$(PF_PROC) $< $@

@@ -25,7 +25,7 @@ THIRD = "module brz_third\n use brz_second, only: a\n implicit none\nend module\
 
 
 def run(*command, cwd, **more):
-    env = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS"))} | more
+    env = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS", "ARGS"))} | more
     return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, check=False)
 
 
