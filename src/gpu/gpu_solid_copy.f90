@@ -163,7 +163,7 @@ contains
                     if (lies == in_motion) then
                         call carry_rows(field, motion(first:last, :), puts)
                     else
-                        call carry_rows(field, room(first:last, :), puts)
+                        call carry_rows(field, room(first:last, :gpu%n), puts)
                     end if
                 end associate
             end do
