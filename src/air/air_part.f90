@@ -19,7 +19,6 @@ module brz_air_part
         type(ranks_t) :: ranks !! the processes that share the grid
         type(cells_t), allocatable :: boxes(:) !! (0:processes-1) cells of each
         type(fetch_t) :: halo !! the cells as near as a stencil reaches
-        logical :: fresh = .false. !! they are those of now
         type(fetch_t) :: beside !! the cells next to the box
         type(fetch_t) :: bricks !! the bricks as near as a step reaches
         type(fetch_t) :: window !! the cells as far as the coupling looks, where there are bodies

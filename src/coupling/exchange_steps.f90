@@ -8,7 +8,6 @@ module brz_exchange_steps
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: find_velocities
     use brz_event_steps, only: move_on
-    !@gpu use brz_gpu_air_state, only: ghosts_there
     !@gpu use brz_gpu_peers, only: has_met
     use brz_guest_steps, only: invite_guests, send_loads_home
     use brz_kinds, only: dp, int64
@@ -143,8 +142,6 @@ contains
             call move_on(air, c%crowd, c%guests, c)
             call see_window(air) !@cpu
             !@gpu call c%part%window%reals_of_others(air%grid%apart, air%u)
-            air%part%fresh = .true. !@cpu
-            !@gpu air%ghosts = ghosts_there
         else
             call move_on(air, solid, p, c)
         end if

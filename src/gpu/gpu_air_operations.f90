@@ -11,7 +11,7 @@ module brz_gpu_air_operations
     use brz_device, only: clear_buffer, copy_out, kernel_t
     use brz_errors, only: error_t, failed
     use brz_fallback_items, only: to_redo
-    use brz_gpu_air_state, only: bytes_of_real, ghosts_offered, ghosts_old, gpu_air_t
+    use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
     use brz_gpu_peers, only: has_met
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: agree
@@ -67,7 +67,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call gpu%halo%offer_reals(gpu%grid%apart, gpu%new, err)
-        gpu%ghosts = ghosts_offered
+        gpu%offered = .true.
     end subroutine offer_ghosts
 
     !> Ghosts of the boxes of others.
@@ -75,13 +75,12 @@ contains
         type(gpu_air_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
 
-        select case (gpu%ghosts)
-        case (ghosts_old)
-            call gpu%halo%reals_of_others(gpu%grid%apart, gpu%u, err)
-        case (ghosts_offered)
+        if (gpu%offered) then
             call gpu%halo%take_reals(gpu%grid%apart, gpu%u, has_met, err)
-        end select
-        gpu%ghosts = ghosts_old
+        else
+            call gpu%halo%reals_of_others(gpu%grid%apart, gpu%u, err)
+        end if
+        gpu%offered = .false.
     end subroutine take_ghosts
 
     !> Compute marked cells and their neighbours again.

@@ -29,8 +29,7 @@ module brz_gpu_air_state
     use brz_text, only: to_text
     implicit none
     private
-    public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air, ghosts_old, ghosts_offered, &
-        ghosts_there
+    public :: gpu_air_t, gpu_walls_t, gpu_bricks_t, open_gpu_air
     public :: mark_near_walls, fetch_air, note_air, fetch_cells, fetch_walls, bytes_of_real
 
     integer(int64), parameter :: bytes_of_real = storage_size(1.0_rk)/8
@@ -56,10 +55,6 @@ module brz_gpu_air_state
         type(gpu_fetch_t) :: others
     end type gpu_bricks_t
 
-    ! ghosts of the boxes of others: not those of the present state; others have written them, and
-    ! all have met since; in their places
-    integer, parameter :: ghosts_old = 0, ghosts_offered = 1, ghosts_there = 2
-
     type :: gpu_air_t
         type(grid_t) :: grid
         logical :: fetched = .true. !! the host arrays hold the state of the GPU
@@ -77,8 +72,8 @@ module brz_gpu_air_state
         type(doubles_t) :: part !! a number for each column along z; sums of bricks
         type(kernel_t) :: faces, march, last, redo !! of the scheme
         type(gpu_fetch_t) :: halo, beside !! as in air_part_t: states, marks of bad cells
-        integer :: ghosts = ghosts_old !! of the boxes of others
-        logical :: offers = .false. !! others get them as soon as a stage has its state
+        logical :: offers = .false. !! others get ghosts as soon as a stage has its state
+        logical :: offered = .false. !! they have written theirs, and all have met since
         type(gpu_common_t) :: common
         type(gpu_walls_t) :: walls
         integer :: n_near = 0 !! cells near walls, and solid ones

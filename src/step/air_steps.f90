@@ -20,7 +20,6 @@ module brz_air_steps
     use brz_fallback_items, only: to_hold, to_lose, to_redo
     use brz_fallback_loops, only: each_count_marked
     use brz_fetch, only: fetch !@cpu
-    !@gpu use brz_gpu_air_state, only: ghosts_old
     !@gpu use brz_gpu_air_operations, only: offer_ghosts, take_ghosts
     use brz_ghost_loops, only: each_fill_end
     use brz_kinds, only: dp, int64
@@ -84,7 +83,7 @@ contains
         call sweep_all(air, wall, stage)
         !@gpu if (gpu%offers) call offer_ghosts(gpu)
         call find_bad(air, found)
-        !@gpu if (found) gpu%ghosts = ghosts_old
+        !@gpu if (found) gpu%offered = .false.
         if (found) call repair(air, wall, stage, status)
         if (status /= air_ok) return
         call add_outflow(air, stage)
@@ -110,10 +109,8 @@ contains
         type(wall_t), intent(in) :: wall
 
         call keep_outside(air) !@cpu
-        if (.not. air%part%fresh) &
-            call fetch(air%part%ranks, air%part%halo, air%n_var, air%before + 1 - air%g, &
-                       air%before + air%n + air%g, air%u) !@cpu
-        air%part%fresh = .false. !@cpu
+        call fetch(air%part%ranks, air%part%halo, air%n_var, air%before + 1 - air%g, &
+                   air%before + air%n + air%g, air%u) !@cpu
         !@gpu call take_ghosts(gpu)
         call each_fill_end(2*air%grid%lines, air%grid, air%scheme, air%outside, wall%solid, air%u)
     end subroutine fill_ghosts

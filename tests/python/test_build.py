@@ -25,7 +25,8 @@ THIRD = "module brz_third\n use brz_second, only: a\n implicit none\nend module\
 
 
 def run(*command, cwd, **more):
-    env = {k: v for k, v in os.environ.items() if not k.startswith(("MAKE", "MFLAGS", "ARGS"))} | more
+    ours = ("MAKE", "MFLAGS", "ARGS")
+    env = {k: v for k, v in os.environ.items() if not k.startswith(ours)} | more
     return subprocess.run(command, cwd=cwd, env=env, capture_output=True, text=True, check=False)
 
 
