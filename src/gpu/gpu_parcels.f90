@@ -109,10 +109,11 @@ contains
         type(gpu_places_t), intent(inout) :: out, in !! all processes have aimed `out`
         type(gpu_rows_t), intent(in) :: from(:), to(:)
         type(error_t), intent(inout) :: err
-        type(gpu_places_t) :: own_in
 
-        own_in = in
-        call self%send_apart(out, in, from, to, own_in, to, err)
+        call self%offer(out, in, from, err)
+        if (self%peers%linked) call wait_for_device(err)
+        call carry(self, out, in, from, to, err)
+        call self%take(in, to, has_waited, err)
     end subroutine send
 
     !> The same, where what the process has for itself goes to the places of its parcel in another
