@@ -225,8 +225,7 @@ figures: ## are the figures in the tables of docs those of the tests? (after ver
 check-docs: all ## is docs/deck_reference.md what the program says?
 	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
 	else echo 'skipped: there is no $(BIN)'; fi
-gpu-check: $(MADE)/model_list.f90 ## compile all point physics as CUDA Fortran for the GPU
-	@$(PY) scripts/gpu_check.py --work build/gpu/double $(SRC) $<
+gpu-check: $(MADE)/model_list.f90 ## compile all point physics as CUDA Fortran for the GPU, in mixed precision (make gpu compiles the other)
 	@$(PY) scripts/gpu_check.py --work build/gpu/mixed -D BRZ_MIXED $(SRC) $<
 
 # Files that change when the command or the list of sources does, and the rules of dependence.

@@ -8,7 +8,6 @@ module brz_exchange_steps
     use brz_coupling_state, only: coupling_t
     use brz_coupling_steps, only: find_velocities
     use brz_event_steps, only: move_on
-    !@gpu use brz_gpu_peers, only: has_met
     use brz_guest_steps, only: invite_guests, send_loads_home
     use brz_kinds, only: dp, int64
     use brz_lists, only: at_least, clear_list, read_first
@@ -56,11 +55,11 @@ contains
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
 
         if (several(solid%ranks)) then
+            ! the guests keep theirs when new ones come
+            call each_keep_velocity(p%n, p%wide, p%step_d, p%step_p, p%v, c%part%seat, p%v_before)
             call share_impulses(c)
             call press_bodies(c%guests, c, dt)
             call send_loads_home(p, c)
-            ! the guests have kept theirs
-            call each_keep_velocity(p%n, p%wide, p%step_d, p%step_p, p%v, c%part%seat, p%v_before)
         else
             call press_bodies(p, c, dt)
         end if
@@ -137,7 +136,7 @@ contains
             !@gpu call c%part%window%offer_reals(air%grid%apart, air%u)
             call invite_guests(solid, p, c) ! where all meet
             call see_window(air) !@cpu
-            !@gpu call c%part%window%take_reals(air%grid%apart, air%u, has_met)
+            !@gpu call c%part%window%take_reals(air%grid%apart, air%u, .true.)
             call share_debts(c)
             call move_on(air, c%crowd, c%guests, c)
             call see_window(air) !@cpu

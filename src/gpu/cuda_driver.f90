@@ -45,6 +45,9 @@ module brz_cuda_driver
     !@foreign cuLaunchKernel cu_launch(pointer kernel, int gx, int gy, int gz, int bx, int by, &
     !@      int bz, int shared, pointer stream, in pointer arguments, pointer extra)
     !@foreign cuStreamCreate cu_stream_create(out pointer stream, int flags)
+    !@foreign cuEventCreate cu_event_create(out pointer event, int flags)
+    !@foreign cuEventRecord cu_event_record(pointer event, pointer stream)
+    !@foreign cuEventSynchronize cu_event_synchronize(pointer event)
     !@foreign cuCtxSynchronize cu_synchronize()
     !@foreign cuGetErrorString cu_message(int error, out pointer text)
 

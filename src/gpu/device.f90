@@ -23,7 +23,7 @@ module brz_device
     implicit none
     private
     public :: device_t, buffer_t, kernel_t, arguments_t, open_device, measure_memory, load_kernels
-    public :: find_kernel, find_once, launch, side_by_side, wait_for_device
+    public :: find_kernel, find_once, launch, side_by_side, wait_for_device, check
     public :: allocate_buffer, put_buffer, reserve_buffer, free_buffer, free_all
     public :: copy_in, copy_out, copy_within, clear_buffer, pin
 

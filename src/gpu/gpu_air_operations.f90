@@ -12,7 +12,6 @@ module brz_gpu_air_operations
     use brz_errors, only: error_t, failed
     use brz_fallback_items, only: to_redo
     use brz_gpu_air_state, only: bytes_of_real, gpu_air_t
-    use brz_gpu_peers, only: has_met
     use brz_kinds, only: dp, int64, int8, rk
     use brz_ranks, only: agree
     implicit none
@@ -76,7 +75,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (gpu%offered) then
-            call gpu%halo%take_reals(gpu%grid%apart, gpu%u, has_met, err)
+            call gpu%halo%take_reals(gpu%grid%apart, gpu%u, .true., err)
         else
             call gpu%halo%reals_of_others(gpu%grid%apart, gpu%u, err)
         end if

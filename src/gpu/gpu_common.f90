@@ -6,7 +6,7 @@ module brz_gpu_common
     use brz_common_launches, only: common_kernels
     use brz_device, only: allocate_buffer, clear_buffer, copy_in, copy_out, reserve_buffer
     use brz_errors, only: error_t, failed
-    use brz_gpu_solid_layout, only: pick_chunk, scan_chunk
+    use brz_gpu_solid_layout, only: pick_chunk
     use brz_kinds, only: dp, int64
     implicit none
     private
@@ -16,6 +16,10 @@ module brz_gpu_common
     integer, parameter :: most_rows = 8192 !! partial results that are folded at once
     integer, parameter :: rows_between = 2048
     integer, parameter :: rows_left = 32 !! for the host
+    integer, parameter :: many = 2**18 !! numbers of a scan that fill the GPU
+    integer, parameter :: chunks(2) = [64, 8]
+    !! numbers that a thread of a scan adds: of few, so that it is done in few launches, and of
+    !! many, so that threads side by side read the same lines of memory
 
     type :: gpu_common_t
         type(integers_t) :: levels !! of running sums
@@ -57,25 +61,25 @@ contains
         integer, intent(in) :: n
         type(error_t), intent(inout) :: err
         integer, intent(out), optional :: total
-        type(integers_t) :: level(0:5)
-        integer :: length(0:5), l, last, word(1)
+        type(integers_t) :: level(0:8)
+        integer :: length(0:8), l, last, word(1)
 
         call clear_buffer(from(x, n + 1_int64), err, 4_int64)
         length(0) = n + 1
         level(0) = x
         last = 0
-        call reserve_buffer(self%levels, 4_int64*(n/scan_chunk + 1)*2 + 1024, err)
+        call reserve_buffer(self%levels, 4_int64*(n/chunk_of(n + 1) + 1)*2 + 1024, err)
         level(1) = self%levels
-        do while (length(last) > scan_chunk)
-            length(last + 1) = chunks(length(last))
-            call common_kernels%scan_up([length(last + 1), 1, 1], length(last), level(last), &
-                                      level(last + 1), err)
+        do while (length(last) > chunk_of(length(last)))
+            length(last + 1) = chunks_of(length(last))
+            call common_kernels%scan_up([length(last + 1), 1, 1], length(last), &
+                chunk_of(length(last)), level(last), level(last + 1), err)
             last = last + 1
             level(last + 1) = from(level(last), (length(last)/64 + 1)*64_int64 + 1)
         end do
         do l = last, 0, -1
-            call common_kernels%scan_down([chunks(length(l)), 1, 1], length(l), level(l + 1), &
-                                        level(l), err)
+            call common_kernels%scan_down([chunks_of(length(l)), 1, 1], length(l), &
+                chunk_of(length(l)), level(l + 1), level(l), err)
         end do
         if (.not. present(total)) return
         word = 0
@@ -96,11 +100,18 @@ contains
                                         list, err)
     end subroutine pick
 
-    pure integer function chunks(n)
+    !> Numbers that a thread of a scan of n numbers adds.
+    pure integer function chunk_of(n)
         integer, intent(in) :: n
 
-        chunks = (n - 1)/scan_chunk + 1
-    end function chunks
+        chunk_of = merge(chunks(2), chunks(1), n > many)
+    end function chunk_of
+
+    pure integer function chunks_of(n)
+        integer, intent(in) :: n
+
+        chunks_of = (n - 1)/chunk_of(n) + 1
+    end function chunks_of
 
     !> Sums over the m rows of `part`, column by column, in a fixed order: what is left waits in a
     !> set for read_sums.

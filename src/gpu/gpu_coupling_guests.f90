@@ -34,7 +34,7 @@ contains
         type(coupling_t), intent(in) :: coupling
         type(gpu_coupling_t), intent(inout) :: gpu
         type(error_t), intent(inout) :: err
-        integer, parameter :: most = 8 + 11*w + 2 !! words of a guest
+        integer, parameter :: most = 6 + 10*w + 2 !! words of a guest
         integer :: none(0:air%part%ranks%n)
         type(cells_t) :: held
 
@@ -149,7 +149,7 @@ contains
 
         n = merge(n_known, n_moving, all_of_it)
         from = rows_of_seen(p, rows_of(p%v_before, w, 3, p%step_d))
-        to = rows_of_seen(gpu%guests, rows_of(gpu%guests%v_before, 3*w))
+        to = rows_of_seen(gpu%guests, rows_of(gpu%guests%v_before, 3*w, pitch=gpu%guests%wide*w))
         call gpu%part%parcels%send(gpu%part%out, gpu%part%in, from(:n), to(:n), err)
     end subroutine send_guests
 
@@ -159,7 +159,8 @@ contains
         type(gpu_rows_t), intent(in) :: v_before
         type(gpu_rows_t) :: rows(n_known)
 
-        rows = [rows_of(p%x, 2*p%wide), rows_of(p%v, p%wide*w), rows_of(p%load, w, 3, p%step_d), &
-                rows_of(p%fixed, 1), v_before, rows_of(p%mass, w), rows_of(p%id, 1)]
+        rows = [rows_of(p%x, 6, pitch=2*p%wide), rows_of(p%v, 3*w, pitch=p%wide*w), &
+                rows_of(p%load, w, 3, p%step_d), rows_of(p%fixed, 1), v_before, &
+                rows_of(p%mass, w), rows_of(p%id, 1)]
     end function rows_of_seen
 end module brz_gpu_coupling_guests

@@ -11,7 +11,7 @@ module brz_gpu_fetch
     use brz_errors, only: error_t
     use brz_fetch, only: fetch_t, parcel_t
     use brz_gpu_lists, only: put_list
-    use brz_gpu_peers, only: has_written, peers_t
+    use brz_gpu_peers, only: peers_t
     use brz_gpu_places, only: gpu_places_t
     use brz_kinds, only: int64, int8, rk
     use brz_mail, only: tell_all
@@ -88,7 +88,7 @@ contains
         type(error_t), intent(inout) :: err
 
         call self%offer_reals(apart, field, err)
-        call self%take_reals(apart, field, has_written, err)
+        call self%take_reals(apart, field, .false., err)
     end subroutine reals_of_others
 
     !> The first half of it: others get what they see of a field. It may be repeated.
@@ -102,18 +102,19 @@ contains
         call self%peers%begin(self%out, self%in, self%wide*storage_size(1.0_rk)/8, self%row, err)
         if (self%out%tiled > 0) call place_kernels%pick_cells(self%out%tiled, self%wide, apart, &
             self%out%parcels, self%out%place, self%out_block, self%near, field, self%row, err)
+        call self%peers%finish(err)
     end subroutine offer_reals
 
     !> The second half.
-    subroutine take_reals(self, apart, field, done, err)
+    subroutine take_reals(self, apart, field, met, err)
         class(gpu_fetch_t), intent(inout) :: self
         integer(int64), intent(in) :: apart
         type(reals_t), intent(in) :: field
-        integer, intent(in) :: done !! see swap
+        logical, intent(in) :: met !! see swap
         type(error_t), intent(inout) :: err
 
         if (.not. several(self%peers%ranks)) return
-        call self%peers%swap(done, err)
+        call self%peers%swap(met, err)
         if (self%in%tiled > 0) call place_kernels%put_cells(self%in%tiled, self%wide, apart, &
             self%in%parcels, self%in%place, self%in_block, self%near, self%row, field, err)
     end subroutine take_reals
@@ -129,7 +130,8 @@ contains
         call self%peers%begin(self%out, self%in, 1, row, err)
         if (self%out%tiled > 0) call place_kernels%pick_marks(self%out%tiled/4, &
             self%out%parcels, self%out%place, field, row, err)
-        call self%peers%swap(has_written, err)
+        call self%peers%finish(err)
+        call self%peers%swap(.false., err)
         if (self%in%tiled > 0) call place_kernels%put_marks(self%in%tiled/4, &
             self%in%parcels, self%in%place, row, field, err)
     end subroutine bytes_of_others

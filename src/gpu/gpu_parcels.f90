@@ -3,10 +3,10 @@
 !> places that change whenever neighbours are looked for anew.
 module brz_gpu_parcels
     use brz_buffers, only: buffer_t, integers_t, part_from => from
-    use brz_device, only: copy_within, wait_for_device
+    use brz_device, only: copy_within
     use brz_errors, only: error_t, exit_device, raise
     use brz_gpu_lists, only: put_list
-    use brz_gpu_peers, only: has_waited, peers_t
+    use brz_gpu_peers, only: peers_t
     use brz_gpu_places, only: gpu_places_t
     use brz_kinds, only: int64
     use brz_mail, only: tell_all
@@ -18,10 +18,11 @@ module brz_gpu_parcels
     private
     public :: gpu_parcels_t, gpu_rows_t, rows_of, carry_rows
 
-    !> An array of particles as words of 4 B: a row of some for each particle, in each column.
+    !> An array of particles as words of 4 B: some of the row of each particle, in each column.
     type :: gpu_rows_t
         type(integers_t) :: of
         integer :: words = 0, columns = 1
+        integer :: pitch = 0 !! words from a particle to the next
         integer(int64) :: stride = 0 !! words from a column to the next
     end type gpu_rows_t
 
@@ -70,17 +71,20 @@ contains
     end subroutine announce
 
     !> An array of rows, or of columns of rows.
-    pure type(gpu_rows_t) function rows_of(array, words, columns, n) result(rows)
+    pure type(gpu_rows_t) function rows_of(array, words, columns, n, pitch) result(rows)
         class(buffer_t), intent(in) :: array
         integer, intent(in) :: words !! of a row
         integer, intent(in), optional :: columns, n !! n rows each
+        integer, intent(in), optional :: pitch !! words from row to row, else those of a row
 
         rows%of%address = array%address
         rows%of%bytes = array%bytes
         rows%words = words
+        rows%pitch = words
+        if (present(pitch)) rows%pitch = pitch
         if (.not. present(columns)) return
         rows%columns = columns
-        rows%stride = int(words, int64)*n
+        rows%stride = int(rows%pitch, int64)*n
     end function rows_of
 
     !> Bring the rows of ghosts in some arrays up to date.
@@ -111,9 +115,8 @@ contains
         type(error_t), intent(inout) :: err
 
         call self%offer(out, in, from, err)
-        if (self%peers%linked) call wait_for_device(err)
         call carry(self, out, in, from, to, err)
-        call self%take(in, to, has_waited, err)
+        call self%take(in, to, .false., err)
     end subroutine send
 
     !> The same, where what the process has for itself goes to the places of its parcel in another
@@ -126,9 +129,8 @@ contains
         type(error_t), intent(inout) :: err
 
         call self%offer(out, in, from, err)
-        if (self%peers%linked) call wait_for_device(err)
         call carry(self, out, own_in, from, own_to, err)
-        call self%take(in, to, has_waited, err)
+        call self%take(in, to, .false., err)
     end subroutine send_apart
 
     !> The first half of it: others get their rows. It may be repeated.
@@ -148,19 +150,20 @@ contains
         call make_record(from, record, a)
         if (out%tiled > 0) call place_kernels%pick_record(wide*out%tiled, wide, record, &
             out%parcels, out%place, a(1), a(2), a(3), a(4), a(5), a(6), a(7), a(8), self%row, err)
+        call self%peers%finish(err)
     end subroutine offer
 
     !> The second half.
-    subroutine take(self, in, to, done, err)
+    subroutine take(self, in, to, met, err)
         class(gpu_parcels_t), intent(inout) :: self
         type(gpu_places_t), intent(inout) :: in
         type(gpu_rows_t), intent(in) :: to(:)
-        integer, intent(in) :: done !! see swap
+        logical, intent(in) :: met !! see swap
         type(error_t), intent(inout) :: err
         type(integers_t) :: a(most_arrays)
         type(record_t) :: record
 
-        call self%peers%swap(done, err)
+        call self%peers%swap(met, err)
         call make_record(to, record, a)
         if (in%tiled > 0) call place_kernels%put_record(words_of(to)*in%tiled, words_of(to), &
             record, in%parcels, in%place, self%row, a(1), a(2), a(3), a(4), a(5), a(6), a(7), &
@@ -194,7 +197,8 @@ contains
         runs = allocated(out%run) .and. allocated(in%run)
         associate (me => self%ranks%rank)
             do k = 1, size(from)
-                if (runs .and. from(k)%columns == to(k)%columns) then
+                if (runs .and. from(k)%columns == to(k)%columns .and. &
+                    from(k)%pitch == to(k)%pitch) then
                     call copy_runs(from(k), out%run, to(k), in%run, err)
                     cycle
                 end if
@@ -212,12 +216,13 @@ contains
         type(error_t), intent(inout) :: err
 
         associate (wide => from%words*from%columns)
-            if (n > 0) call place_kernels%carry_words(n*wide, wide, from%words, from%stride, &
-                from_place, from%of, to%words, to%stride, to_place, to%of, err)
+            if (n > 0) call place_kernels%carry_words(n*wide, wide, from%words, from%pitch, &
+                from%stride, from_place, from%of, to%words, to%pitch, to%stride, to_place, &
+                to%of, err)
         end associate
     end subroutine carry_rows
 
-    !> The rows of runs of particles, column by column.
+    !> The whole rows of runs of particles, column by column.
     subroutine copy_runs(from, out, to, in, err)
         type(gpu_rows_t), intent(in) :: from, to
         integer, intent(in) :: out(:, :), in(:, :) !! (2, runs) first place, number
@@ -225,7 +230,7 @@ contains
         integer(int64) :: word
         integer :: c, r
 
-        word = from%words
+        word = from%pitch
         do c = 0, from%columns - 1
             do r = 1, size(out, 2)
                 call copy_within(part_from(from%of, c*from%stride + (out(1, r) - 1)*word + 1), &
@@ -243,7 +248,8 @@ contains
         integer :: k
 
         do k = 1, size(arrays)
-            call add_array(arrays(k)%words, arrays(k)%columns, arrays(k)%stride, record)
+            call add_array(arrays(k)%words, arrays(k)%pitch, arrays(k)%columns, &
+                           arrays(k)%stride, record)
             array(k) = arrays(k)%of
         end do
     end subroutine make_record

@@ -13,6 +13,7 @@ module brz_gpu_peers
     use brz_cuda_driver, only: cu_ipc_close, cu_ipc_export, cu_ipc_open, ipc_handle_t, ipc_lazily
     use brz_device, only: allocate_buffer, copy_in, copy_out, free_buffer, reserve_buffer, &
         wait_for_device
+    use brz_device_events, only: event_t, record_event, wait_for_event
     use brz_errors, only: error_t, failed
     use brz_gpu_lists, only: put_changed
     use brz_gpu_places, only: gpu_places_t
@@ -22,11 +23,8 @@ module brz_gpu_peers
     use brz_ranks, only: agree, least_of_all, ranks_t, several
     implicit none
     private
-    public :: peers_t, has_written, has_waited, has_met
+    public :: peers_t
 
-    ! what this process has done in an exchange: its GPU has begun to write the parcels, it is done,
-    ! and since then the process has met all others
-    integer, parameter :: has_written = 0, has_waited = 1, has_met = 2
     integer(int64), parameter :: block = 2_int64**21
     !! bytes: the driver shares whole blocks of memory, so an arena fills its own
     integer(int64), parameter :: line = 256 !! bytes: where a half may begin
@@ -38,10 +36,11 @@ module brz_gpu_peers
         integer(int64) :: half = 0 !! its bytes, in all processes
         type(buffer_t) :: arena
         integer(c_intptr_t), allocatable :: place(:) !! (0:processes - 1) the arenas of all
+        type(event_t) :: written !! the parcels of this exchange are
         type(mail_t) :: mail
         type(buffer_t) :: words !! of parcels, where they go by the host
     contains
-        procedure :: open, close, aim, begin, swap
+        procedure :: open, close, aim, begin, finish, swap
     end type peers_t
 
 contains
@@ -62,6 +61,7 @@ contains
         allocate (self%place(0:ranks%n - 1), source=0_c_intptr_t)
         self%half = (bytes + line - 1)/line*line
         call allocate_buffer(self%arena, max(2*self%half + block - 1, block)/block*block, err)
+        call wait_for_device(err) ! it is zero before anybody writes there
         good = 0
         if (ranks%here == ranks%n .and. .not. (failed(err) .or. by_mpi())) &
             good = merge(1, 0, cu_ipc_export(handle, self%arena%address) == 0)
@@ -140,6 +140,14 @@ contains
         row%address = self%words%address
     end subroutine begin
 
+    !> The kernel that writes the parcels has been launched.
+    subroutine finish(self, err)
+        class(peers_t), intent(inout) :: self
+        type(error_t), intent(inout) :: err
+
+        if (self%linked) call record_event(self%written, err)
+    end subroutine finish
+
     !> Tell kernels where the parcels of a list lie, see brz_place_items.
     subroutine tell_parcels(self, list, tiled, err)
         class(peers_t), intent(in) :: self
@@ -173,15 +181,15 @@ contains
 
     !> Wait until every parcel that has been written is with its process, and those of others are
     !> here. Who has an error takes part with what there is.
-    subroutine swap(self, done, err)
+    subroutine swap(self, met, err)
         class(peers_t), intent(inout) :: self
-        integer, intent(in) :: done !! has_written, has_waited, has_met
+        logical, intent(in) :: met !! all processes have since their GPUs had written the parcels
         type(error_t), intent(inout) :: err
 
         associate (ranks => self%ranks, mail => self%mail)
             if (self%linked) then
-                if (done < has_waited) call wait_for_device(err)
-                if (done < has_met) call greet(ranks)
+                if (.not. met) call wait_for_event(self%written, err)
+                if (.not. met) call greet(ranks)
                 self%turn = 1 - self%turn
             else
                 call copy_out(self%words, mail%out, mail%out_first(ranks%n) - 1, err)

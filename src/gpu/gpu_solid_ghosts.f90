@@ -5,7 +5,6 @@ module brz_gpu_solid_ghosts
     use brz_device, only: copy_in
     use brz_errors, only: error_t
     use brz_gpu_parcels, only: gpu_rows_t, rows_of
-    use brz_gpu_peers, only: has_met
     use brz_gpu_solid_layout, only: at_damage, flag_drawn
     use brz_gpu_solid_state, only: column_of, gpu_solid_t, words_of_real
     use brz_kinds, only: int64
@@ -47,7 +46,7 @@ contains
         type(error_t), intent(inout) :: err
 
         if (gpu%offered) then
-            call gpu%ghosts%take(gpu%ghosts%in, motion_of(gpu), has_met, err)
+            call gpu%ghosts%take(gpu%ghosts%in, motion_of(gpu), .true., err)
         else
             call refresh_motion(gpu, solid, err)
         end if

@@ -234,11 +234,12 @@ contains
     !> A word of a listed particle, to the particle of another list in another array.
     !@item
     !@cuf attributes(host,device) &
-    pure subroutine carry_words(t, wide, words, stride, place, array, words_to, stride_to, &
-                                place_to, array_to)
+    pure subroutine carry_words(t, wide, words, pitch, stride, place, array, words_to, pitch_to, &
+                                stride_to, place_to, array_to)
         integer, intent(in) :: t !! words of all particles
         integer, intent(in) :: wide !! of each
         integer, intent(in) :: words, words_to !! of a particle in a column
+        integer, intent(in) :: pitch, pitch_to !! words from a particle to the next
         integer(int64), intent(in) :: stride, stride_to !! words from a column to the next
         integer(int32), intent(in) :: place(*), place_to(*) !! of each particle, from 1
         integer(int32), intent(in) :: array(*)
@@ -247,21 +248,22 @@ contains
 
         p = (t - 1)/wide
         c = t - 1 - p*wide
-        array_to(place_of_word(place_to(p + 1), c, words_to, stride_to)) = &
-            array(place_of_word(place(p + 1), c, words, stride))
+        array_to(place_of_word(place_to(p + 1), c, words_to, pitch_to, stride_to)) = &
+            array(place_of_word(place(p + 1), c, words, pitch, stride))
     end subroutine carry_words
 
     !> Where a word of a particle lies in an array of columns.
     !@cuf attributes(host,device) &
-    pure integer(int64) function place_of_word(place, before, words, stride) result(at)
+    pure integer(int64) function place_of_word(place, before, words, pitch, stride) result(at)
         integer(int32), intent(in) :: place !! of the particle
         integer, intent(in) :: before !! its words before this one
         integer, intent(in) :: words !! of a particle in a column
+        integer, intent(in) :: pitch !! words from a particle to the next
         integer(int64), intent(in) :: stride !! words from a column to the next
         integer :: column
 
         column = before/words
-        at = column*stride + (place - 1)*int(words, int64) + (before - column*words) + 1
+        at = column*stride + (place - 1)*int(pitch, int64) + (before - column*words) + 1
     end function place_of_word
 
     !> A word of one of the arrays.

@@ -58,6 +58,9 @@ int cuDeviceGetName(char *s, int n, int d) { snprintf(s, n, d ? "Emulated GPU %d
 int cuDeviceGetAttribute(int *v, int which, int d) { *v = (which == 75 ? 9 : 0) + 0 * d; return success; }
 int cuDevicePrimaryCtxRetain(void **c, int d) { *c = (void *)1; return 0 * d; }
 int cuCtxSetCurrent(void *c) { return c ? success : invalid; }
+int cuEventCreate(void **event, unsigned flags) { *event = (void *)3; return flags == 2 ? success : invalid; }
+int cuEventRecord(void *event, void *stream) { return event && !stream ? success : invalid; }
+int cuEventSynchronize(void *event) { return event && !fails("cuEventSynchronize") ? success : failed; }
 int cuCtxSynchronize(void) { return fails("cuCtxSynchronize") ? failed : success; }
 
 int cuMemGetInfo_v2(size_t *left, size_t *total) {
