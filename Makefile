@@ -141,8 +141,9 @@ $(B)/tests/bench/%: $(B)/obj/tests/bench/%.o $(FLOORS:%.f90=$(B)/obj/%.o) $(LIB)
 
 include studies.mk
 .PHONY: unit verify try python figures lint format check-docs gpu-check setup test demo bench bench-ranks golden vectors coverage planted install dist
-# The figures that tests measure go to NOTES; a whole run of the verification tests begins it anew.
+# The figures that tests measure go to NOTES and PYTHON_NOTES; a whole run begins them anew.
 NOTES := build/log/notes$(KIND).csv
+PYTHON_NOTES := build/log/notes-python$(KIND).csv
 unit verify: %: $(B)/tests/%/run ## run the unit tests, the verification tests (ARGS="-v -f name")
 	@mkdir -p build/log
 	@$(if $(ARGS)$(filter unit,$@),,rm -f $(NOTES))
@@ -175,7 +176,8 @@ $(B)/tests/gpu/bench_%: $(B)/obj/tests/gpu/bench_%.o $(patsubst %.f90,$(B)/obj/%
 
 # --- what users and CI call ---------------------------------------------------------------------
 FORMAT  = $(shell git ls-files -co --exclude-standard '*.f90' '*.F90' '*.CUF')
-PARTS  := all unit verify+unit-mixed+lint+gpu-check+gpu+emulated python figures check-docs vectors
+# (verify is one thread nearly all the time: the other parts fill the second core beside it)
+PARTS  := all unit verify+unit-mixed+lint+gpu-check+gpu+emulated+python figures check-docs vectors
 setup: ## install what is missing
 	@scripts/setup.sh
 test: setup ## build and run every test
@@ -207,7 +209,8 @@ dist: ## the release archive of the last commit: sources, and the GPU code of bo
 golden: all ## write the golden curves of tests/golden anew from inputs/material
 	@$(PY) tests/python/golden.py
 python: all emulator ## tests of the Python tools and of the whole program (ARGS="-k name": those alone)
-	@BRZ_NOTES=$(abspath $(NOTES)) $(if $(ARGS),,OMP_NUM_THREADS=1) $(PY) -m pytest --junitxml=build/log/python.xml \
+	@mkdir -p build/log; $(if $(ARGS),,rm -f $(PYTHON_NOTES))
+	@BRZ_NOTES=$(abspath $(PYTHON_NOTES)) $(if $(ARGS),,OMP_NUM_THREADS=1) $(PY) -m pytest --junitxml=build/log/python.xml \
 	    $(or $(ARGS),-n auto --dist loadfile)
 lint: ## format, linters, the rules of the house
 	@bad=0; $(PY) scripts/format.py --check $(FORMAT) || bad=1; \
@@ -221,7 +224,7 @@ format: ## format all sources
 	@.venv/bin/ruff check -q --fix .
 figures: ## are the figures in the tables of docs those of the tests? (after verify and python; ARGS=--write)
 	@$(if $(filter mixed,$(PRECISION)),echo 'skipped: the tables are those of real64',\
-	$(PY) scripts/figures.py $(NOTES) $(ARGS))
+	cat $(NOTES) $(PYTHON_NOTES) > build/log/figures.csv && $(PY) scripts/figures.py build/log/figures.csv $(ARGS))
 check-docs: all ## is docs/deck_reference.md what the program says?
 	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
 	else echo 'skipped: there is no $(BIN)'; fi

@@ -63,17 +63,17 @@ def test_beam_on_rollers_under_its_weight(tmp_path):
     assert -g["f"][period].mean() == pytest.approx(weight, rel=0.02)
 
 
-@pytest.mark.parametrize(("layers", "half", "bound"), [(3, 0.05, 0.08), (5, 0.04, 0.02)])
-def test_first_period_of_a_plate_on_rollers(tmp_path, layers, half, bound):
+@pytest.mark.parametrize(("layers", "bound"), [(3, 0.08), (5, 0.02)])
+def test_first_period_of_a_plate_on_rollers(tmp_path, layers, bound):
     """A square plate, simply supported on lines in its middle layer: time to its largest deflection
     after a push against half the first period of a thick plate (Mindlin). What rollers hold is a
     spacing wide, so that three layers are too stiff; five are not."""
-    high = 0.005
+    half, high = 0.05, 0.005
     spacing = high / layers
     at = half - spacing / 2
     line = f"{at - 1e-4},{half}, 0,{half}, -1e-4,1e-4, 0,{half}, {at - 1e-4},{half}, -1e-4,1e-4"
     deck = f"""\
-&run t_end={2.9e-4 * (half / 0.05) ** 2}, symmetry='x','y' /
+&run t_end=2.9e-4, symmetry='x','y' /
 {STEEL}
 &body id='b', box=0,{half}, 0,{half}, {-high / 2},{high / 2}, spacing={spacing}, material='s',
     roller_box={line}, roller_axis='z','z' /
