@@ -55,7 +55,7 @@ contains
         real(dp), intent(in) :: dt !! step of the air, over which the impulses were added up [s]
 
         if (several(solid%ranks)) then
-            ! the guests keep theirs when new ones come
+            ! the guests keep theirs when they are renewed
             call each_keep_velocity(p%n, p%wide, p%step_d, p%step_p, p%v, c%part%seat, p%v_before)
             call share_impulses(c)
             call press_bodies(c%guests, c, dt)

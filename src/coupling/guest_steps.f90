@@ -9,7 +9,7 @@ module brz_guest_steps
     use brz_coupling_state, only: coupling_t
     use brz_guest_loops, only: each_mark_guest, each_miss_guest, each_take_load
     use brz_kinds, only: int64
-    use brz_lists, only: at_least, clear_reals, put_list, room_of, swap
+    use brz_lists, only: at_least, clear_reals, put_list, room_of
     use brz_mail, only: tell_all
     use brz_mark_steps, only: count_marks, list_marks, place_pieces, reserve_marks
     use brz_parcels, only: rows_of, rows_t
@@ -17,6 +17,7 @@ module brz_guest_steps
     use brz_ranks, only: most_of_all
     use brz_record_rules, only: words_of_real
     use brz_solid_state, only: solid_t
+    use brz_velocity_loops, only: each_keep_velocity
     implicit none
     private
     public :: invite_guests, send_loads_home
@@ -35,8 +36,9 @@ contains
         call introduce(solid, c%crowd) !@host
         missed = merge(0, 1, c%part%rebuilds == p%rebuilds)
         if (missed == 0) then
-            ! all guests get new ones; others keep theirs when loads come home
-            call swap(c%guests%v, c%guests%v_before)
+            ! as others do when loads come home
+            call each_keep_velocity(c%guests%n, c%guests%wide, 1, 3, c%guests%v, c%part%seat, &
+                                    c%guests%v_before)
             call send_guests(p, c, .false.)
             if (may_have_come(solid, c%part%since, c%box%whole, c%box%dx)) then
                 !@gpu call clear_buffer(c%counts)
@@ -128,7 +130,7 @@ contains
         call at_least(c%guests%x, c%guests%wide, n)
         call at_least(c%guests%v, c%guests%wide, n)
         call at_least(c%guests%load, 3, n)
-        call at_least(c%guests%v_before, c%guests%wide, n)
+        call at_least(c%guests%v_before, 3, n)
         call at_least(c%guests%mass, n)
         call at_least(c%guests%volume, n) !@cpu
         call at_least(c%guests%id, n)

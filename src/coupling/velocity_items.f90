@@ -132,7 +132,7 @@ contains
         integer(int32), intent(in) :: ends(*), binned(*)
         real(dp), intent(in) :: x(wide, *)
         real(rk), intent(in) :: v(wide, *), mass(*), load(*)
-        real(rk), intent(in) :: v_before(wide, *) !! by `id`, a step ago [m/s]
+        real(rk), intent(in) :: v_before(3, *) !! by the number of a particle, a step ago [m/s]
         integer(int32), intent(in) :: id(*), fixed(*)
         real(dp), intent(in) :: surface(*)
         real(rk), intent(in) :: weight(*), force(*), impedance(*)

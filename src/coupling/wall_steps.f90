@@ -65,7 +65,7 @@ contains
         type(solid_t), intent(in) :: p
         type(coupling_t), intent(inout) :: c
 
-        call each_keep_velocity(p%n, p%wide, 1, p%wide, p%v, p%id, c%v_before)
+        call each_keep_velocity(p%n, p%wide, 1, 3, p%v, p%id, c%v_before)
     end subroutine keep_velocities
 
     !> Loads of the particles, and the books of the walls. The columns are those of before the step.

@@ -55,7 +55,8 @@ contains
         call clear_buffer(gpu%wall%index, err)
         call put_up_walls(there, p, gpu, err)
         call find_mean_velocity(p, gpu, err)
-        if (allocated(coupling%v_before)) call put_velocities(gpu, coupling%v_before, err)
+        if (allocated(coupling%v_before)) &
+            call copy_in(coupling%v_before, gpu%v_before, 3*bytes_of_real*particles%n, err)
         call put_debts(gpu, coupling, err)
         call put_books(gpu, coupling, err)
     end subroutine open_gpu_coupling
@@ -120,34 +121,11 @@ contains
             gpu%walls_fetched = .true.
         end if
         call copy_out(there%walls%v, coupling%wall%v, 3*bytes_of_real*gpu%wall%n_cells, err)
-        if (allocated(coupling%v_before)) call fetch_velocities(gpu, coupling%v_before, err)
+        if (allocated(coupling%v_before)) call copy_out(gpu%v_before, coupling%v_before, &
+                      size(coupling%v_before, kind=int64)*bytes_of_real, err)
         call fetch_debts(gpu, coupling, err)
         call fetch_books(gpu, coupling, err)
     end subroutine fetch_coupling
-
-    !> Velocities of before, in rows as long as those of now.
-    subroutine put_velocities(gpu, v, err)
-        type(gpu_coupling_t), intent(in) :: gpu
-        real(rk), intent(in) :: v(:, :) !! (3, particles) [m/s]
-        type(error_t), intent(inout) :: err
-        real(rk), allocatable :: rows(:, :)
-
-        allocate (rows(4, size(v, 2)), source=0.0_rk)
-        rows(:3, :) = v
-        call copy_in(rows, gpu%v_before, bytes_of_real*size(rows, kind=int64), err)
-    end subroutine put_velocities
-
-    !> The way back.
-    subroutine fetch_velocities(gpu, v, err)
-        type(gpu_coupling_t), intent(in) :: gpu
-        real(rk), intent(inout) :: v(:, :) !! (3, particles) [m/s]
-        type(error_t), intent(inout) :: err
-        real(rk), allocatable :: rows(:, :)
-
-        allocate (rows(4, size(v, 2)))
-        call copy_out(gpu%v_before, rows, bytes_of_real*size(rows, kind=int64), err)
-        if (.not. failed(err)) v = rows(:3, :)
-    end subroutine fetch_velocities
 
     !> What fetch_coupling reads.
     subroutine note_coupling(gpu, there, snapshot)

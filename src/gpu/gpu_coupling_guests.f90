@@ -149,7 +149,7 @@ contains
 
         n = merge(n_known, n_moving, all_of_it)
         from = rows_of_seen(p, rows_of(p%v_before, w, 3, p%step_d))
-        to = rows_of_seen(gpu%guests, rows_of(gpu%guests%v_before, 3*w, pitch=gpu%guests%wide*w))
+        to = rows_of_seen(gpu%guests, rows_of(gpu%guests%v_before, 3*w))
         call gpu%part%parcels%send(gpu%part%out, gpu%part%in, from(:n), to(:n), err)
     end subroutine send_guests
 

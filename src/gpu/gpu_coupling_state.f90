@@ -95,7 +95,7 @@ module brz_gpu_coupling_state
         type(seen_t) :: guests !! as in coupling_t
         type(solid_t) :: crowd !! what the host knows of the bodies of the guests
         type(integers_t) :: cell_of, place_of, binned !! (particles) cell, its place, bins
-        type(reals_t) :: v_before !! (4, particles by id) velocity a step of the air before [m/s]
+        type(reals_t) :: v_before !! (3, particles by id) velocity a step of the air before [m/s]
         type(integers_t) :: ends !! (n_cells + 1) of the bins
         type(integers_t) :: cell !! (n_cells) number of each solid cell
         type(integers_t) :: above !! (6, n_cells) face that loads the column of a cell, or 0
@@ -136,7 +136,7 @@ contains
         call allocate_buffer(gpu%cell_of, 4_int64*particles, err)
         call allocate_buffer(gpu%place_of, 4_int64*particles, err)
         call allocate_buffer(gpu%binned, 4_int64*particles, err)
-        call allocate_buffer(gpu%v_before, 4*bytes_of_real*particles, err)
+        call allocate_buffer(gpu%v_before, 3*bytes_of_real*particles, err)
         gpu%carrier = coupling%carrier
         bytes = storage_size(coupling%carrier)/8
         call put_buffer(gpu%carrier, gpu%carrier_there, gpu%bodies*bytes, err)
