@@ -224,7 +224,7 @@ format: ## format all sources
 	@.venv/bin/ruff check -q --fix .
 figures: ## are the figures in the tables of docs those of the tests? (after verify and python; ARGS=--write)
 	@$(if $(filter mixed,$(PRECISION)),echo 'skipped: the tables are those of real64',\
-	cat $(NOTES) $(PYTHON_NOTES) > build/log/figures.csv && $(PY) scripts/figures.py build/log/figures.csv $(ARGS))
+	$(PY) scripts/figures.py $(NOTES) $(PYTHON_NOTES) $(ARGS))
 check-docs: all ## is docs/deck_reference.md what the program says?
 	@if [ -x $(BIN) ]; then $(BIN) --describe --markdown | diff -u docs/deck_reference.md -; \
 	else echo 'skipped: there is no $(BIN)'; fi

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Compare the figures in the tables of the manual with those that the tests have measured.
 
-usage: figures.py NOTES [--write] [PAGE...]     (NOTES: lines `key,value`, the last one counts)
+usage: figures.py NOTES.csv... [--write] [PAGE...]   (NOTES: lines `key,value`, the last one counts)
 
 A cell names the keys of its figures, in their order, in a comment that begins with `=`:
 
@@ -28,11 +28,14 @@ PAGES = ["docs/verification.md", "docs/coupling.md"]
 ROUNDING = 1e-11
 
 
-def read_notes(path):
+def read_notes(paths):
     notes = {}
-    for line in path.read_text(encoding="utf-8").splitlines():
-        key, _, value = line.rpartition(",")
-        notes[key] = float(value)
+    for path in paths:
+        if not path.exists():
+            sys.exit(f"{path} is missing: run `make verify python`")
+        for line in path.read_text(encoding="utf-8").splitlines():
+            key, _, value = line.rpartition(",")
+            notes[key] = float(value)
     return notes
 
 
@@ -133,20 +136,20 @@ class Page:
 
 
 def main():
-    words = [word for word in sys.argv[1:] if word != "--write"]
-    if not words:
+    paths = [Path(word) for word in sys.argv[1:] if word != "--write"]
+    files = [path for path in paths if path.suffix == ".csv"]
+    if not files:
         sys.exit(__doc__)
-    notes_file = Path(words[0])
-    if not notes_file.exists():
-        sys.exit(f"{notes_file} is missing: run `make verify python`")
-    notes, used = read_notes(notes_file), set()
-    pages = [Page(Path(name), notes, used) for name in words[1:] or PAGES]
+    notes, used = read_notes(files), set()
+    chosen = [path for path in paths if path not in files] or [Path(name) for name in PAGES]
+    pages = [Page(path, notes, used) for path in chosen]
     for page in pages:
         page.check()
         if "--write" in sys.argv:
             page.path.write_text("\n".join(page.lines) + "\n", encoding="utf-8")
     faults = [fault for page in pages for fault in page.faults]
-    faults += [f"{notes_file}: {key} stands in no table" for key in notes if key not in used]
+    where = ", ".join(map(str, files))
+    faults += [f"{where}: {key} stands in no table" for key in notes if key not in used]
     if faults and "--write" in sys.argv:
         print("\n".join(faults))
         return
