@@ -26,6 +26,12 @@ class Body:
     high: np.ndarray  # (3) [m]
     spacing: float  # [m]
     material: str = ""
+    aspect: tuple[float, float, float] = (1.0, 1.0, 1.0)  # sides of a particle over the spacing
+
+    @property
+    def step(self) -> np.ndarray:
+        """Sides of a particle along x, y, z, shape (3) [m]."""
+        return self.spacing * np.array(self.aspect)
 
 
 class Deck:
@@ -124,4 +130,6 @@ def _body(group: dict[str, Any], number: int) -> Body:
         low, high = centre - half, centre + half
     spacing = float(group.get("spacing") or math.nan)
     material = str(group.get("material", ""))
-    return Body(str(group.get("id", number)), number, shape, low, high, spacing, material)
+    aspect = tuple(float(a) for a in (as_list(group.get("aspect")) + [1.0] * 3)[:3])
+    name = str(group.get("id", number))
+    return Body(name, number, shape, low, high, spacing, material, aspect)

@@ -67,7 +67,7 @@ def face_map(run: Run, frame: Frame, body: str, face: str, field: str = "damage"
     if not len(own):
         raise PostError(f"body '{body}' has no particles in this dump")
     rest = solid.points[own] - solid.field["displacement"][own]
-    lattice = find_lattice(rest, which.spacing)
+    lattice = find_lattice(rest, which.step)
     if lattice is None:
         raise PostError(f"body '{body}': its particles do not lie on a lattice")
     values = _component(solid.field[name][own].astype(float), name, component)

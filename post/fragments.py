@@ -89,19 +89,19 @@ def find_fragments(run: Run, frame: Frame, name: str) -> list[Fragment]:
     own = np.flatnonzero((solid.field["body"] == number) & solid.known)
     if number is None or not len(own):
         raise PostError(f"{run.job}: there is no body '{name}' in this dump", USAGE)
-    spacing = next(body.spacing for body in run.deck.bodies() if body.id == name)
+    step = next(body.step for body in run.deck.bodies() if body.id == name)
     points = solid.points[own]
     rest = points - solid.field["displacement"][own]
-    lattice = find_lattice(rest, spacing)
+    lattice = find_lattice(rest, step)
     if lattice is None:
         raise PostError(f"body '{name}': its particles do not lie on a lattice")
     names = hanging_together(lattice, edges_of(points, lattice)[1], np.ones(len(own), bool))
     field = {key: solid.field[key][own].astype(float) for key in ("mass", "density", "velocity")}
-    return _measure_pieces(names, points, rest, field, (run.deck.mirrors, spacing))
+    return _measure_pieces(names, points, rest, field, (run.deck.mirrors, step))
 
 
 def _measure_pieces(names, points, rest, field: dict, scene: tuple) -> list[Fragment]:
-    mirrors, spacing = scene
+    mirrors, step = scene
     kinds, piece = np.unique(names, return_inverse=True)
     count = np.bincount(piece)
     mass = np.bincount(piece, field["mass"])
@@ -114,7 +114,7 @@ def _measure_pieces(names, points, rest, field: dict, scene: tuple) -> list[Frag
         if cut:
             nearest = np.full(len(kinds), np.inf)
             np.minimum.at(nearest, piece, np.abs(rest[:, d]))
-            touches = nearest < 0.75 * spacing
+            touches = nearest < 0.75 * step[d]
             joined[touches] *= 2
             copies[~touches] *= 2
             middle[touches, d] = velocity[touches, d] = 0.0

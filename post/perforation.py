@@ -114,7 +114,7 @@ def load_plate(run: Run, frame: Frame, name: str | None = None) -> Plate:
         raise PostError(f"body '{body.id}': places of particles are not finite", NUMERICAL)
     points = solid.points[own]
     field = {key: values[own] for key, values in solid.field.items()}
-    lattice = find_lattice(points - field["displacement"], body.spacing)
+    lattice = find_lattice(points - field["displacement"], body.step)
     if lattice is None:
         raise PostError(f"body '{body.id}': its particles do not lie on a lattice")
     edges, held = edges_of(points, lattice)

@@ -154,7 +154,7 @@ def gather_solids(run: Run, frame: Frame, magnification: float | None = None) ->
     corners, face, points, point, size = [np.zeros((0, 4, 3))], [], [np.zeros((0, 3))], [], 0.0
     for body in run.deck.bodies():
         own = np.flatnonzero((solid.field["body"] == body.number) & known)
-        skin = skin_of(solid.points[own], move[own], body.spacing, mirrors, magnification)
+        skin = skin_of(solid.points[own], move[own], body.step, mirrors, magnification)
         if skin is not None:
             corners.append(mirrored(skin.corners, mirrors))
             face.append(np.tile(own[skin.particle], run.deck.images))
@@ -162,7 +162,7 @@ def gather_solids(run: Run, frame: Frame, magnification: float | None = None) ->
             moved = solid.points[own] + (magnification - 1) * move[own]
             points.append(mirrored(moved, mirrors))
             point.append(np.tile(own, run.deck.images))
-            size = max(size, body.spacing)
+            size = max(size, float(body.step.max()))
     return Solids(
         np.concatenate(corners),
         np.concatenate([np.zeros(0, int), *face]),

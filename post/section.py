@@ -11,7 +11,16 @@ from matplotlib.collections import PolyCollection
 
 from post.errors import PostError
 from post.reader import AirGrid, Frame, Run
-from post.space import Cut, air_in, choose_cut, particles_in, pick_frames, whole_air
+from post.space import (
+    Cut,
+    air_in,
+    boxes_of,
+    choose_cut,
+    outlines_in,
+    particles_in,
+    pick_frames,
+    whole_air,
+)
 from post.style import (
     DAMAGE_COLOURS,
     DPI,
@@ -29,6 +38,7 @@ from post.tints import Tints, tints_of
 AXES = "xyz"
 WIDE = 0.75  # height over width of a scene whose times stand below each other
 FAR_ABOVE = 10  # times the pressure of the other times: shown in the darkest colour
+OVERLAP = 1.12  # of the outlines of neighbours, so that no paper shines through between them
 DARK = "#2b3138"  # of bodies over the air
 
 
@@ -116,17 +126,14 @@ def cut_air(run: Run, frame: Frame) -> AirGrid | None:
 
 
 def cut_bodies(run: Run, frame: Frame, cut: Cut, tints: Tints) -> tuple[np.ndarray, ...]:
-    """Boxes (m, 4, 2) [m] of the particles in the cut, their colours (m, 3) and bodies (m)."""
+    """Outlines (m, 4, 2) [m] of the particles in the cut, their colours (m, 3) and bodies (m)."""
     if frame.solid_path is None:
         return np.zeros((0, 4, 2)), np.zeros((0, 3)), np.zeros(0, int)
-    solid = frame.solid("displacement", "body", "damage")
-    rows = particles_in(cut, run, solid)
-    size = {body.number: body.spacing for body in run.deck.bodies()}
+    solid = frame.solid("displacement", "body", "damage", "volume", lacking=True)
+    edges = boxes_of(run, solid)
+    rows = particles_in(cut, solid, edges)
     body = solid.field["body"][rows]
-    half = np.array([size.get(b, 0.0) for b in body]) * 0.56
-    centre = solid.points[rows][:, [cut.across, cut.up]]
-    ring = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
-    quads = centre[:, None, :] + half[:, None, None] * ring
+    quads = outlines_in(cut, solid.points[rows], OVERLAP * edges[rows])
     paint = tints.paint(solid.field["damage"][rows], body)
     for place, axis in enumerate((cut.across, cut.up)):
         if run.deck.mirrors[axis]:

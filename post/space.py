@@ -11,9 +11,10 @@ from post.deck import Deck, as_list
 from post.errors import PostError
 from post.gauges import measure, pressure_gauges
 from post.reader import AirGrid, Frame, Particles, Run
-from post.surface import layer_step
+from post.surface import Lattice, edges_of, find_lattice, on_plane
 
-REACH = 0.55  # of a layer: how far from a plane particles are still drawn in it
+CRUSHED, BLOWN = 0.4, 2.5  # times the volume of the particle: else its neighbours have flowed
+LONGER = 2  # times what it was: the most that an edge that nothing spans is stretched
 NICE = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
@@ -83,22 +84,85 @@ def air_in(cut: Cut, grid: AirGrid, name: str) -> np.ndarray:
     return values[int(np.clip(np.rint(place), 0, last))]
 
 
-def particles_in(cut: Cut, run: Run, solid: Particles) -> np.ndarray:
-    """Rows of the particles that the plane of a cut goes through, body by body.
+def boxes_of(run: Run, solid: Particles) -> np.ndarray:
+    """Edges of the box that each particle stands for, [particle, edge, component] [m].
 
-    A particle reaches half a step of its lattice to both sides, and a little more.
+    Neighbours on the lattice of the unloaded body that still hold together span it, so it is
+    stretched and turned with the body. Edges along which nothing holds are as long as the volume of
+    the particle asks for. Where neighbours have flowed past each other the box is that of the
+    unloaded body, grown or shrunk. `solid` holds displacement, body and, if it is known, volume.
     """
-    if cut.whole:
-        return np.flatnonzero(solid.known)
-    away = np.abs(solid.points[:, cut.normal] - cut.level)
-    rest, known = solid.points - solid.field["displacement"], solid.known
-    found = []
+    edges = np.zeros((len(solid.points), 3, 3))
+    volume = solid.field.get("volume")
+    if int(run.deck.get("run", "dimension", 3)) < 3:
+        volume = None  # that of a slice of 1 m
     for body in run.deck.bodies():
-        own = np.flatnonzero((solid.field["body"] == body.number) & known)
-        if len(own):
-            step = layer_step(rest[own, cut.normal], body.spacing)
-            found.append(own[away[own] <= REACH * step])
-    return np.concatenate([np.zeros(0, int), *found])
+        own = np.flatnonzero((solid.field["body"] == body.number) & solid.known)
+        if not len(own):
+            continue
+        points = solid.points[own]
+        lattice = find_lattice(points - solid.field["displacement"][own], body.step)
+        step = body.step if lattice is None else lattice.step
+        wanted = np.full(len(own), step.prod()) if volume is None else volume[own].astype(float)
+        wanted[~((wanted > 0) & np.isfinite(wanted))] = step.prod()
+        edges[own] = np.cbrt(wanted / step.prod())[:, None, None] * np.diag(step)
+        if lattice is not None:
+            spanned = _spanned(points, lattice, wanted, run.deck.mirrors)
+            ratio = np.abs(np.linalg.det(spanned)) / wanted
+            fair = (ratio > CRUSHED) & (ratio < BLOWN)
+            edges[own[fair]] = spanned[fair]
+    return edges
+
+
+def _spanned(points: np.ndarray, lattice: Lattice, volume: np.ndarray, mirrors) -> np.ndarray:
+    """Edges (n, 3, 3) [m] of boxes between neighbours; those that nothing spans are scaled so that
+    the box has its `volume` (n) [m3]. Beside a plane of symmetry the image is a neighbour.
+    """
+    edges, held = edges_of(points, lattice)
+    for d, cut in enumerate(mirrors):
+        if cut and on_plane(lattice, d):
+            first = (lattice.place[:, d] == 1) & held[d][1]
+            edges[first, d] *= 0.5
+            edges[first, d, d] += np.minimum(points[first, d], lattice.step[d])
+    loose = ~np.array([low | high for low, high in held]).T
+    have = np.maximum(np.abs(np.linalg.det(edges)), 1e-6 * volume)
+    factor = (volume / have) ** (1 / np.maximum(loose.sum(axis=1), 1))
+    factor = np.clip(factor, 1 / LONGER, LONGER)
+    return np.where(loose[:, :, None], factor[:, None, None] * edges, edges)
+
+
+def particles_in(cut: Cut, solid: Particles, edges: np.ndarray) -> np.ndarray:
+    """Rows of the particles that the plane of a cut goes through, the nearest last.
+
+    `edges` as of `boxes_of`. The plane meets the ellipsoid around the box of the particle; for a
+    cube, the sphere through its corners. So where particles have moved off the plane, the next ones
+    on either side are drawn, and what lies nearer is drawn over them.
+    """
+    rows = np.flatnonzero(solid.known)
+    if cut.whole:
+        return rows
+    away = np.abs(solid.points[rows, cut.normal] - cut.level)
+    reach = 0.5 * np.sqrt(3) * np.linalg.norm(edges[rows, :, cut.normal], axis=1)
+    met = away <= reach
+    rows, far = rows[met], away[met] / np.maximum(reach[met], 1e-300)
+    return rows[np.argsort(-far, kind="stable")]
+
+
+def outlines_in(cut: Cut, points: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """What a cut shows of boxes: parallelograms [box, corner, across or up] [m].
+
+    `points` (n, 3) and `edges` (n, 3, 3) [m]: the two edges that lie most in the plane span it.
+    """
+    length = np.maximum(np.linalg.norm(edges, axis=2), 1e-300)
+    drop = np.argmax(np.abs(edges[..., cut.normal]) / length, axis=1)
+    if cut.whole:
+        drop = np.full(len(points), cut.normal)
+    every = np.arange(len(points))
+    plane = [cut.across, cut.up]
+    one, other = (edges[every, (drop + k) % 3][:, plane] for k in (1, 2))
+    signs = np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]) / 2
+    corners = signs[:, :1] * one[:, None] + signs[:, 1:] * other[:, None]
+    return points[:, None, plane] + corners
 
 
 def first_arrival(run: Run) -> float | None:

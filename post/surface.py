@@ -40,14 +40,15 @@ class Lattice:
 def skin_of(
     points: np.ndarray,
     displacement: np.ndarray,
-    spacing: float,
+    spacing: float | np.ndarray,
     mirrors: tuple[bool, bool, bool] = (False, False, False),
     magnification: float = 1.0,
 ) -> Skin | None:
     """Skin of one body, displacements magnified.
 
-    `points`, `displacement` (n, 3) [m]; `spacing` of the particles [m]; planes of symmetry through
-    the origin are left open. None if the unloaded particles do not lie on a lattice.
+    `points`, `displacement` (n, 3) [m]; `spacing` of the particles [m], one or along each axis (3);
+    planes of symmetry through the origin are left open. None if the unloaded particles do not lie
+    on a lattice.
     """
     if len(points) == 0:
         return None
@@ -59,34 +60,33 @@ def skin_of(
     if magnification != 1.0:
         points = rest + magnification * displacement
         edges, _ = edges_of(points, lattice, held)
-    on_plane = [
-        cut and abs(lattice.low[d] - lattice.step[d] / 2) < 0.25 * lattice.step[d]
-        for d, cut in enumerate(mirrors)
-    ]
+    ends = [cut and on_plane(lattice, d) for d, cut in enumerate(mirrors)]
     corners, owner = [], []
     for axis in range(3):
         for side in (-1, 1):
             bare = ~held[axis][(side + 1) // 2]
-            if on_plane[axis] and side < 0:
+            if ends[axis] and side < 0:
                 bare = bare & (lattice.place[:, axis] > 1)
             rows = np.flatnonzero(bare)
             corners.append(_face_corners(points, edges, lattice, rows, (axis, side)))
             owner.append(rows)
-    return _close(Skin(np.concatenate(corners), np.concatenate(owner)), lattice, on_plane)
+    return _close(Skin(np.concatenate(corners), np.concatenate(owner)), lattice, ends)
 
 
-def find_lattice(rest: np.ndarray, spacing: float) -> Lattice | None:
-    """Lattice of the unloaded particles; None if two of them share a place.
+def find_lattice(rest: np.ndarray, spacing: float | np.ndarray) -> Lattice | None:
+    """Lattice of the unloaded particles `rest` (n, 3) [m]; None if two of them share a place.
 
-    Parts of a body that stand apart, such as bars, have empty places between them.
+    `spacing` [m]: one, or along each axis (3). Parts of a body that stand apart, such as bars, have
+    empty places between them.
     """
+    sides = np.broadcast_to(spacing, 3)
     low, step = np.empty(3), np.empty(3)
     place = np.empty(rest.shape, int)
     for d in range(3):
-        starts = _levels(rest[:, d], spacing)
+        starts = _levels(rest[:, d], sides[d])
         gaps = np.diff(starts)
-        beside = gaps < APART * spacing
-        low[d], step[d] = starts[0], layer_step(rest[:, d], spacing)
+        beside = gaps < APART * sides[d]
+        low[d], step[d] = starts[0], _layer_step(starts, sides[d])
         jumps = np.maximum(np.rint(gaps / step[d]).astype(int), np.where(beside, 1, 2))
         number = 1 + np.concatenate([[0], np.cumsum(jumps)])
         place[:, d] = number[np.searchsorted(starts, rest[:, d], side="right") - 1]
@@ -100,15 +100,20 @@ def find_lattice(rest: np.ndarray, spacing: float) -> Lattice | None:
     return Lattice(grid, place, step, low)
 
 
+def on_plane(lattice: Lattice, axis: int) -> bool:
+    """Whether the first layer along an axis lies beside the plane through the origin."""
+    return bool(abs(lattice.low[axis] - lattice.step[axis] / 2) < 0.25 * lattice.step[axis])
+
+
 def _levels(places: np.ndarray, spacing: float) -> np.ndarray:
     """First coordinate of each layer of particles along an axis."""
     places = np.sort(places)
     return places[np.concatenate([[True], np.diff(places) > 0.4 * spacing])]
 
 
-def layer_step(places: np.ndarray, spacing: float) -> float:
+def _layer_step(starts: np.ndarray, spacing: float) -> float:
     """Distance of neighbouring layers along an axis [m]: the spacing where there are none."""
-    gaps = np.diff(_levels(places, spacing))
+    gaps = np.diff(starts)
     gaps = gaps[gaps < APART * spacing]
     return float(np.median(gaps)) if len(gaps) else spacing
 
@@ -177,10 +182,10 @@ def _corner(points, edges, lattice: Lattice, rows: np.ndarray, sign: np.ndarray)
     return total / count[:, None]
 
 
-def _close(skin: Skin, lattice: Lattice, on_plane: list) -> Skin:
+def _close(skin: Skin, lattice: Lattice, ends: list) -> Skin:
     """Put corners that belong to a plane of symmetry exactly on it, so that images meet."""
     for d in range(3):
-        if on_plane[d]:
+        if ends[d]:
             values = skin.corners[..., d]
             values[np.abs(values) < 0.25 * lattice.step[d]] = 0.0
     return skin

@@ -121,7 +121,7 @@ def pack(run: Run, most: int) -> Packed:
         "fields": _fields(dumps, rest, tops),
         "maps": {"damage": _hexes(DAMAGE), "values": _hexes(mpl.colormaps["viridis"]),
                  "blast": _hexes(_blast(air).cmap)},
-        "bodies": [{"name": f"{b.id} ({b.material})", "radius": COVER * b.spacing / share[k]}
+        "bodies": [{"name": f"{b.id} ({b.material})", "radius": COVER * b.step.max() / share[k]}
                    for k, b in enumerate(bodies)],
         "air": air,
         **_camera(run, rest),
@@ -165,7 +165,7 @@ def _on_surfaces(run: Run, first, last: Frame, bodies: list[Body]) -> np.ndarray
     seen = np.zeros(len(rest), bool)
     for body in bodies:
         own = np.flatnonzero((first.field["body"] == body.number) & known)
-        lattice = find_lattice(rest[own], body.spacing) if len(own) else None
+        lattice = find_lattice(rest[own], body.step) if len(own) else None
         if lattice is None:
             seen[own] = True
             continue
