@@ -37,6 +37,7 @@ module brz_air_state
         real(dp) :: cells = 0 !! cells across it
         real(dp) :: mass = 0
         !! inside the box: the whole charge less what symmetry planes cut off [kg]
+        real(dp) :: lost = 0 !! of that mass, in cells that bodies fill [kg]
         real(dp) :: scale = 1 !! factor on the density that makes the mass exact
     end type charge_report_t
 

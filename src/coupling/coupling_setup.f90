@@ -22,7 +22,7 @@ module brz_coupling_setup
     use brz_solid_state, only: solid_t
     implicit none
     private
-    public :: set_up_coupling, couple, restart_coupling, make_box
+    public :: set_up_coupling, couple, restart_coupling, make_box, empty_part
 
 contains
 

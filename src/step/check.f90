@@ -93,7 +93,7 @@ contains
         if (size_of%solid%present) call check_materials(case, size_of%solid)
         call print_cost(case, size_of, early_t())
         call print_verdict(case, size_of%solid, 'sound as far as it can be read; a run builds '// &
-                           'it and looks for bodies that overlap')
+                           'it and looks for bodies that overlap and charges inside them')
     end subroutine print_outline
 
     !> Memory, steps, output and time, and what would be cheaper.
@@ -183,7 +183,7 @@ contains
                 1e-6_dp*air_bytes(sim), ' MB, ', air_bytes(sim)/cells, ' B per cell'
             do c = 1, size(sim%case%charges)
                 write (output_unit, '(3a, es10.3, a, f0.1, a, f6.4)') 'charge       ', &
-                    trim(sim%case%charges(c)%id), ': ', air%charge(c)%mass, &
+                    trim(sim%case%charges(c)%id), ': ', air%charge(c)%mass - air%charge(c)%lost, &
                     ' kg in the model, ', air%charge(c)%cells, &
                     ' cells per radius, density scaled by ', air%charge(c)%scale
             end do

@@ -1,12 +1,15 @@
 ! SPDX-License-Identifier: MIT
-!> What a run prints of a blast that began in one or two dimensions.
+!> What a run prints of its charges: a blast that began in one or two dimensions, and what bodies
+!> take of charges on the grid.
 module brz_print_early
     use, intrinsic :: iso_fortran_env, only: error_unit, output_unit
+    use brz_air_state, only: charge_report_t
+    use brz_case, only: charge_case_t
     use brz_kinds, only: dp
     use brz_early, only: early_t
     implicit none
     private
-    public :: print_early
+    public :: print_early, print_lost
 
     real(dp), parameter :: worth_a_warning = 0.05_dp !! mean change of the products' pressure
 
@@ -40,4 +43,17 @@ contains
             'warning: the blast is mapped so early that the products are no ideal gas yet; '// &
             'their energy is kept, their pressure is not'
     end subroutine print_early
+
+    !> What charges on the grid lose to bodies.
+    subroutine print_lost(charges, report)
+        type(charge_case_t), intent(in) :: charges(:)
+        type(charge_report_t), intent(in) :: report(:) !! (charges)
+        integer :: c
+
+        do c = 1, size(charges)
+            if (report(c)%lost > 0) write (output_unit, '(3a, 2(es10.3, a))') 'charge       ', &
+                trim(charges(c)%id), ':', report(c)%lost, ' kg of', report(c)%mass, &
+                ' lie in cells that bodies fill, and are lost'
+        end do
+    end subroutine print_lost
 end module brz_print_early

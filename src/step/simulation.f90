@@ -7,6 +7,7 @@ module brz_simulation
     use brz_body_setup, only: set_up_solid
     use brz_boxes, only: cells_t
     use brz_case, only: case_t
+    use brz_charge_loss, only: weigh_loss
     use brz_clock, only: clock_t
     use brz_coupling_setup, only: set_up_coupling
     use brz_coupling_state, only: coupling_t
@@ -83,6 +84,9 @@ contains
         call begin_between(sim%solid)
         if (sim%air%present .and. sim%solid%present) call setup_stage('coupling')
         call set_up_coupling(sim%case, sim%air, sim%solid, sim%coupling, err)
+        if (failed(err)) return
+        if (sim%coupling%present) &
+            call weigh_loss(sim%case, sim%air, sim%solid, sim%coupling, err)
         if (sim%coupling%present .and. .not. sim%coupling%paper) call put_to_sleep(sim%solid)
     end subroutine set_up_simulation
 end module brz_simulation
