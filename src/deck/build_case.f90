@@ -177,6 +177,7 @@ contains
             material%given(n) = .not. group%entries(e)%default
             if (group%entries(e)%unconfirmed) &
                 material%unconfirmed = material%unconfirmed//' '//trim(keys(i)%key)
+            if (group%entries(e)%unconfirmed .and. keys(i)%failure) material%doubtful = .true.
         end do
     end subroutine fill_material
 

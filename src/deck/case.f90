@@ -112,6 +112,7 @@ module brz_case
         real(dp), allocatable :: value(:) !! numbers; a logical is 0 or 1; 0 for a text (n)
         character(name_len), allocatable :: word(:) !! texts (n)
         character(:), allocatable :: unconfirmed !! keys whose preset says so, ' a b n'
+        logical :: doubtful = .false. !! constants of failure are among them
         logical, allocatable :: given(:) !! false where the value is the default (n)
     end type material_case_t
 

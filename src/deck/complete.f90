@@ -2,7 +2,7 @@
 !> Groups against the key table: known keys, converted values, defaults, what is missing or double.
 module brz_complete
     use brz_deck, only: add_entry, add_error, add_group, deck_t, entry_t, find_entry, &
-                        find_group, group_label, group_t
+                        find_group, group_label, group_t, move_group
     use brz_errors, only: error_t, exit_internal, raise
     use brz_key, only: key_t, none, required
     use brz_key_text, only: expectation, find_row, group_repeats, key_hint
@@ -13,7 +13,7 @@ module brz_complete
     implicit none
     private
     public :: convert_group, complete_group, parse_defaults, check_repeats, group_owner
-    public :: ensure_group, list_owners
+    public :: ensure_group, list_owners, take_id
 
 contains
 
@@ -27,7 +27,6 @@ contains
 
         if (.not. deck%groups(g)%known) return
         if (deck%groups(g)%broken) deck%groups(g)%bad = .true.
-        call take_id(deck, g)
         call expand_preset(deck, keys, g)
         call check_owner(deck, keys, g)
         label = group_label(deck%groups(g))
@@ -240,14 +239,15 @@ contains
                        expectation(row))
     end subroutine complain_missing
 
-    !> Groups that may stand once, and ids that may be used once.
+    !> Groups that may stand once, and ids that may be used once. Of a group that may stand once the
+    !> first alone is kept: what is filled from it has room for one.
     subroutine check_repeats(deck, keys)
         type(deck_t), intent(inout) :: deck
         type(key_t), intent(in) :: keys(:)
         logical :: repeats
         integer :: g, first
 
-        do g = 1, deck%n
+        do g = deck%n, 1, -1
             if (.not. deck%groups(g)%known) cycle
             repeats = group_repeats(keys, trim(deck%groups(g)%name))
             if (repeats) then
@@ -267,8 +267,22 @@ contains
                                               '; put the keys together')
             end if
             if (first < g) deck%groups(g)%bad = .true.
+            if (first < g .and. .not. repeats) call drop_group(deck, g)
         end do
     end subroutine check_repeats
+
+    !> Take a group out of the deck.
+    subroutine drop_group(deck, g)
+        type(deck_t), intent(inout) :: deck
+        integer, intent(in) :: g
+        integer :: k
+
+        do k = g, deck%n - 1
+            call move_group(deck%groups(k + 1), deck%groups(k))
+        end do
+        deck%groups(deck%n) = group_t()
+        deck%n = deck%n - 1
+    end subroutine drop_group
 
     !> Make sure that a group that may stand once is there, with its defaults.
     subroutine ensure_group(deck, keys, defaults, name)

@@ -234,7 +234,11 @@ contains
                       meaning='Model; it decides on the other keys. A preset brings its own.'), &
                 key_t(group=g, key='preset', kind=kind_text, &
                       meaning='Named set of keys that this group need not give: see brisance '// &
-                      '--describe presets.')]
+                      '--describe presets.'), &
+                key_t(group=g, key='failure', kind=kind_text, default='model', &
+                      choices='model|none', &
+                      meaning="'none': a metal or a ply that never fails, whatever the group "// &
+                      'or its preset says of that.')]
     end subroutine material_group_keys
 
     subroutine gauge_keys(keys)

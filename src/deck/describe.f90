@@ -81,8 +81,9 @@ contains
                paragraph('Written by `brisance --describe --markdown` from the key table: '// &
                          'change the table, not this page.')//lf//lf// &
                paragraph('A deck is a text file of namelist groups in SI units. `&` as the '// &
-                         'first character of a line opens a group, `/` closes it, `!` starts '// &
-                         'a comment; text between groups is comment. Values are separated '// &
+                         'first character of a line, or behind the `/` of the group before, '// &
+                         'opens a group, `/` closes it, `!` starts a comment; text between '// &
+                         'groups is comment. Values are separated '// &
                          'by commas, texts stand in quotes, `3*0.0` is three zeros. Groups '// &
                          'that carry an `id` may stand many times.')//lf
         do i = 1, size(keys)

@@ -165,7 +165,7 @@ contains
         integer, intent(in) :: g
 
         if (reader%end .or. .not. deck%groups(g)%known) return
-        if (index(' !'//achar(9)//achar(10), reader%c) > 0) return
+        if (index(' !&'//achar(9)//achar(10), reader%c) > 0) return
         deck%groups(g)%broken = .true.
         call add_error(deck, reader%line, group_label(deck%groups(g))//"'"// &
                        printable(reader%c, 1)//"' stands right behind the '/' that closes the "// &

@@ -30,6 +30,7 @@ module brz_key
         character(24) :: former = '' !! what the key was called before
         character(300) :: meaning = '' !! one sentence
         character(24) :: owner = '' !! &material: the model that has this key, '' = every model
+        logical :: failure = .false. !! &material: goes with failure = 'none'
         character(24) :: needs = '' !! key without which this one means nothing, '' = none
     end type key_t
 end module brz_key

@@ -10,11 +10,45 @@ module brz_overrides
     use brz_value_text, only: entry_from_text
     implicit none
     private
-    public :: apply_overrides
+    public :: apply_overrides, choose_presets
 
 contains
 
-    !> Put all overrides into the deck; errors are collected there.
+    !> Put the presets that overrides choose in place of those of the deck, before their keys are
+    !> taken: what else the deck gives for the group stands.
+    subroutine choose_presets(deck, keys)
+        type(deck_t), intent(inout) :: deck
+        type(key_t), intent(in) :: keys(:)
+        character(:), allocatable :: group, id, key, value, message
+        type(entry_t) :: entry
+        integer :: e, g, i, row
+
+        do i = 1, size(deck%overrides)
+            call take_apart(deck%overrides(i)%s, group, id, key, value)
+            row = find_row(keys, group, 'preset', '')
+            if (row == 0 .or. key /= 'preset') cycle
+            call choose_group(deck, keys, i, group, id, g)
+            if (g == 0) cycle
+            call entry_from_text(keys(row), value, entry, message)
+            if (message /= '') then
+                call add_error(deck, 0, message, i)
+                cycle
+            end if
+            e = find_entry(deck%groups(g), 'preset')
+            if (e == 0) then
+                call add_entry(deck%groups(g), key, 0)
+                e = deck%groups(g)%n
+            end if
+            associate (chosen => deck%groups(g)%entries(e))
+                chosen%line = deck%groups(g)%line
+                chosen%set = i
+                chosen%n = entry%n
+                chosen%raw = entry%raw
+            end associate
+        end do
+    end subroutine choose_presets
+
+    !> Put all other overrides into the deck; errors are collected there.
     subroutine apply_overrides(deck, keys)
         type(deck_t), intent(inout) :: deck
         type(key_t), intent(in) :: keys(:)
@@ -27,7 +61,9 @@ contains
                 call add_error(deck, 0, 'write group.key=value or group(id).key=value', i)
             else if (.not. group_known(keys, group)) then
                 call add_error(deck, 0, 'unknown group &'//group//group_hint(keys, group), i)
-            else if (key == 'id' .or. key == 'model' .or. key == 'preset') then
+            else if (key == 'preset' .and. find_row(keys, group, key, '') > 0) then
+                cycle
+            else if (key == 'id' .or. key == 'model') then
                 call add_error(deck, 0, "'"//key//"' cannot be set here: change the deck", i)
             else
                 call choose_group(deck, keys, i, group, id, g)

@@ -4,16 +4,16 @@
 !> A group that gives `preset` takes the keys of that file which it does not give itself. The group
 !> is then complete: nothing downstream, the echo included, knows of the preset.
 module brz_preset
-    use brz_deck, only: add_entry, add_error, deck_t, find_entry, group_label, group_t
+    use brz_deck, only: add_entry, add_error, complain, deck_t, find_entry, group_label, group_t
     use brz_entries, only: read_entries
-    use brz_key, only: key_t
+    use brz_key, only: key_t, required
     use brz_key_text, only: find_row
     use brz_preset_files, only: n_presets, preset_names, preset_text
     use brz_reader, only: find_group_start, open_text, reader_t
     use brz_text, only: nearest, printable
     implicit none
     private
-    public :: expand_preset, describe_presets, is_preset, take_back
+    public :: expand_preset, describe_presets, is_preset, leave_failure_out, take_back
 
     character(*), parameter :: lf = new_line('a')
 
@@ -63,7 +63,7 @@ contains
             if (k > 0) hint = "; did you mean '"//trim(preset_names(k))//"'?"
             call add_error(deck, entry%line, group_label(deck%groups(g))//"unknown preset '"// &
                            printable(name, 40)//"'"//hint//' Presets: '//list_names()// &
-                           " (explained by brisance --describe presets)")
+                           " (explained by brisance --describe presets)", entry%set)
         end associate
     end subroutine choose_preset
 
@@ -89,7 +89,8 @@ contains
         if (fault == '') return
         i = 0
         deck%groups(g)%entries(e)%bad = .true.
-        call add_error(deck, deck%groups(g)%entries(e)%line, group_label(deck%groups(g))//fault)
+        call add_error(deck, deck%groups(g)%entries(e)%line, group_label(deck%groups(g))//fault, &
+                       deck%groups(g)%entries(e)%set)
     end subroutine check_model
 
     !> The first value of a key, as written.
@@ -111,7 +112,7 @@ contains
         character(:), allocatable :: text
         character(32) :: name
         integer :: line
-        logical :: found
+        logical :: found, opens
 
         scratch%file = ''
         allocate (scratch%groups(1))
@@ -120,7 +121,10 @@ contains
         allocate (scratch%groups(1)%entries(8))
         call preset_text(i, text)
         call open_text(reader, text)
-        call find_group_start(reader, name, line, found)
+        do
+            call find_group_start(reader, name, line, found, opens)
+            if (opens .or. .not. found) exit
+        end do
         scratch%groups(1)%name = name(:16)
         if (found) call read_entries(reader, scratch, 1)
         group = scratch%groups(1)
@@ -153,15 +157,17 @@ contains
         type(key_t), intent(in) :: keys(:)
         integer, intent(in) :: named !! entry of the group that names the preset
         type(group_t), intent(inout) :: group
-        integer :: e, line, own
+        integer :: e, line, own, set
 
         line = group%entries(named)%line
+        set = group%entries(named)%set
         own = group%n
         do e = 1, preset%n
             if (find_entry(group, trim(preset%entries(e)%key)) > 0) cycle
             call add_entry(group, trim(preset%entries(e)%key), line)
             group%entries(group%n) = preset%entries(e)
             group%entries(group%n)%line = line
+            group%entries(group%n)%set = set
         end do
         do e = own, 1, -1
             if (group%entries(e)%n /= 1) cycle
@@ -190,6 +196,31 @@ contains
         end do
         call remove_entry(group, find_entry(group, key))
     end subroutine take_back
+
+    !> Take the keys of failure out of a material with failure = 'none', its values being converted.
+    subroutine leave_failure_out(deck, keys, g)
+        type(deck_t), intent(inout) :: deck
+        type(key_t), intent(in) :: keys(:)
+        integer, intent(in) :: g
+        integer :: e
+
+        e = find_entry(deck%groups(g), 'failure')
+        if (e == 0 .or. deck%groups(g)%name /= 'material') return
+        if (raw_text(deck%groups(g), e) /= 'none') return
+        do e = deck%groups(g)%n, 1, -1
+            associate (row => deck%groups(g)%entries(e)%row)
+                if (row == 0) cycle
+                if (.not. keys(row)%failure) cycle
+                if (keys(row)%default /= required) then
+                    call remove_entry(deck%groups(g), e)
+                    cycle
+                end if
+                call complain(deck, g, 'failure', "failure = 'none' is for metals and plies: "// &
+                    "the strength of model '"//trim(keys(row)%owner)//"' falls with its "// &
+                    "damage; take 'linear_elastic' or 'drucker_prager' for what must not break")
+            end associate
+        end do
+    end subroutine leave_failure_out
 
     subroutine remove_entry(group, e)
         type(group_t), intent(inout) :: group

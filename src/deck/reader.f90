@@ -19,7 +19,7 @@ module brz_reader
     integer, parameter :: token_quoted = 3 !! a value in quotes
     integer, parameter :: token_comma = 4
     integer, parameter :: token_slash = 5 !! the end of the group
-    integer, parameter :: token_group = 6 !! '&' at the start of a line, not yet consumed
+    integer, parameter :: token_group = 6 !! '&' that may open a group, not yet consumed
     integer, parameter :: token_stray = 7 !! a character that has no place here
     integer, parameter :: token_open_quote = 8 !! a text whose quote is not closed on its line
 
@@ -36,7 +36,7 @@ module brz_reader
         integer :: line = 1 !! of the current character
         character(1) :: c = ' ' !! current character, line ends as LF
         logical :: end = .false. !! nothing is left
-        logical :: line_start = .true. !! only blanks between the line start and here
+        logical :: may_open = .true. !! only blanks since the line began or a group was closed
         integer :: bad_byte = -1 !! code of a byte that no text file has; ends the reading
         logical :: read_failed = .false.
     end type reader_t
@@ -138,9 +138,9 @@ contains
         if (reader%end) return
         if (reader%c == lf) then
             reader%line = reader%line + 1
-            reader%line_start = .true.
+            reader%may_open = .true.
         else if (reader%c /= ' ' .and. reader%c /= tab) then
-            reader%line_start = .false.
+            reader%may_open = .false.
         end if
         if (reader%pos >= reader%n) call fill(reader)
         if (reader%pos >= reader%n) then
@@ -174,24 +174,27 @@ contains
         end select
     end subroutine control_character
 
-    !> Skip the text between groups up to an '&' that starts a line, and read the name behind it.
-    subroutine find_group_start(reader, name, line, found)
+    !> Skip the text between groups up to an '&' that is not behind a '!', and read the name behind
+    !> it. The '&' opens a group where it stands first on its line or behind a group that is closed
+    !> there, and is text elsewhere.
+    subroutine find_group_start(reader, name, line, found, opens)
         type(reader_t), intent(inout) :: reader
         character(32), intent(out) :: name !! in lower case, cut where longer
         integer, intent(out) :: line
         logical, intent(out) :: found !! false: the file has ended
+        logical, intent(out) :: opens !! false: it stands within text
         integer :: n
 
         name = ''
         line = reader%line
         found = .false.
         do while (.not. reader%end)
-            if (reader%c == '&' .and. reader%line_start) then
-                found = .true.
-                exit
-            end if
+            found = reader%c == '&'
+            if (found) exit
+            if (reader%c == '!') call skip_line(reader)
             call advance(reader)
         end do
+        opens = reader%may_open
         if (.not. found) return
         line = reader%line
         call advance(reader)
@@ -225,9 +228,10 @@ contains
         case ('/')
             token%kind = token_slash
             call advance(reader)
+            reader%may_open = .true.
         case ('&')
             token%kind = token_group
-            if (reader%line_start) return
+            if (reader%may_open) return
             call take_stray(reader, token)
         case ('''', '"')
             call take_quoted(reader, token)
@@ -247,14 +251,21 @@ contains
             case (' ', tab, lf)
                 call advance(reader)
             case ('!')
-                do while (reader%c /= lf .and. .not. reader%end)
-                    call advance(reader)
-                end do
+                call skip_line(reader)
             case default
                 exit
             end select
         end do
     end subroutine skip_blank
+
+    !> Go on to the end of the line.
+    subroutine skip_line(reader)
+        type(reader_t), intent(inout) :: reader
+
+        do while (reader%c /= lf .and. .not. reader%end)
+            call advance(reader)
+        end do
+    end subroutine skip_line
 
     subroutine take_stray(reader, token)
         type(reader_t), intent(inout) :: reader

@@ -1,17 +1,19 @@
 ! SPDX-License-Identifier: MIT
 !> Reads a deck against the key table, with errors that an engineer can act on.
 !>
-!> A deck is free text with namelist groups: '&' at the start of a line opens a group, '/'
-!> closes it, '!' starts a comment. Errors are collected in the deck: `build_case`
-!> (or `report_errors`) raises them all together, so that one look at the deck repairs them all.
+!> A deck is free text with namelist groups: '&' at the start of a line, or behind the '/' of the
+!> group before, opens a group, '/' closes it, '!' starts a comment. Errors are
+!> collected in the deck: `build_case` (or `report_errors`) raises them all together, so that one
+!> look at the deck repairs them all.
 module brz_scanner
-    use brz_complete, only: check_repeats, complete_group, convert_group, parse_defaults
+    use brz_complete, only: check_repeats, complete_group, convert_group, parse_defaults, take_id
     use brz_deck, only: add_error, add_group, deck_t, entry_t, max_groups, max_shown, report_errors
     use brz_entries, only: read_entries
     use brz_errors, only: error_t, failed
     use brz_key, only: key_t
     use brz_key_text, only: group_hint, group_known
-    use brz_overrides, only: apply_overrides
+    use brz_overrides, only: apply_overrides, choose_presets
+    use brz_preset, only: leave_failure_out
     use brz_reader, only: close_reader, find_group_start, open_file, open_text, reader_t
     use brz_text, only: printable, string_t, to_text
     implicit none
@@ -87,10 +89,15 @@ contains
             return
         end if
         do g = 1, deck%n
+            call take_id(deck, g)
+        end do
+        call choose_presets(deck, keys)
+        do g = 1, deck%n
             call convert_group(deck, keys, g)
         end do
         call apply_overrides(deck, keys)
         do g = 1, deck%n
+            call leave_failure_out(deck, keys, g)
             call complete_group(deck, keys, defaults, g)
         end do
         call check_repeats(deck, keys)
@@ -103,11 +110,17 @@ contains
         type(deck_t), intent(inout) :: deck
         character(32) :: name
         integer :: line
-        logical :: found
+        logical :: found, opens
 
         do
-            call find_group_start(reader, name, line, found)
+            call find_group_start(reader, name, line, found, opens)
             if (.not. found) exit
+            if (.not. opens) then
+                if (group_known(keys, trim(name))) call add_error(deck, line, &
+                    "'&"//trim(name)//"' stands within text, which is not read: begin a line "// &
+                    "with it, or put '!' in front of the text")
+                cycle
+            end if
             if (deck%n == max_groups) then
                 call add_error(deck, line, 'more than '//to_text(max_groups)//' groups')
                 exit

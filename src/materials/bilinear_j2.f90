@@ -56,6 +56,7 @@ contains
         model%keys(p_failure) = usual(real_key(name, 'failure_strain', '-', none, &
             'plastic strain at which it breaks; absent: never', 0.0_dp, open_lower=.true.), &
                 1e-4_dp, 5.0_dp)
+        model%keys(p_failure)%failure = .true.
         model%n_hist = 1
         model%history(h_strain) = 'plastic_strain'
         model%derive => derive

@@ -13,7 +13,7 @@ module brz_detonation_products
     use brz_material, only: class_fluid, material_t, point_t, material_ok, &
                             material_step_too_large, n_par
     use brz_mie_gruneisen, only: pressure_step
-    use brz_model, only: model_t, real_key
+    use brz_model, only: model_t, real_key, usual
     implicit none
     private
     public :: detonation_products, describe_detonation_products, update_detonation_products
@@ -33,8 +33,9 @@ contains
         model%class = class_fluid
         model%name = name
         allocate (model%keys(8))
-        model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
-                                         'density of the explosive', 0.0_dp, open_lower=.true.)
+        model%keys(p_density) = usual(real_key(name, 'density', 'kg/m3', required, &
+                                               'density of the explosive', 0.0_dp, &
+                                               open_lower=.true.), 10.0_dp, 25000.0_dp)
         model%keys(p_a) = real_key(name, 'a', 'Pa', required, 'first constant', 0.0_dp)
         model%keys(p_b) = real_key(name, 'b', 'Pa', required, 'second constant', 0.0_dp)
         model%keys(p_r1) = real_key(name, 'r1', '-', required, 'first exponent', 0.0_dp, &

@@ -44,11 +44,12 @@ contains
             'shear strength without pressure', 0.0_dp), 0.0_dp, 1e9_dp)
         model%keys(p_angle) = real_key(name, 'friction_angle', 'deg', required, &
             'angle of internal friction, of compression tests', 0.0_dp, 89.0_dp)
-        model%keys(p_strength) = real_key(name, 'max_strength', 'Pa', none, &
+        model%keys(p_strength) = usual(real_key(name, 'max_strength', 'Pa', none, &
             'equivalent stress that no pressure raises; absent: no limit', 0.0_dp, &
-            open_lower=.true.)
-        model%keys(p_tension) = real_key(name, 'tension_limit', 'Pa', '0', &
-            'mean tension that it bears; at most where its strength vanishes', 0.0_dp)
+            open_lower=.true.), 1e3_dp, 1e11_dp)
+        model%keys(p_tension) = usual(real_key(name, 'tension_limit', 'Pa', '0', &
+            'mean tension that it bears; at most where its strength vanishes', 0.0_dp), &
+            1.0_dp, 1e9_dp)
         model%n_hist = 1
         model%history(h_strain) = 'plastic_strain'
         model%derive => derive

@@ -51,9 +51,9 @@ contains
         keys(3) = real_key(name, 'a3', 'Pa', '0', 'factor of mu^3 in compression')
         keys(4) = real_key(name, 'b0', '-', '0', 'factor of the energy', 0.0_dp)
         keys(5) = real_key(name, 'b1', '-', '0', 'factor of mu times energy in compression', 0.0_dp)
-        keys(6) = real_key(name, 't1', 'Pa', none, &
-                           'factor of mu in tension; absent: bulk_modulus', 0.0_dp, &
-                           open_lower=.true.)
+        keys(6) = usual(real_key(name, 't1', 'Pa', none, &
+                                 'factor of mu in tension; absent: bulk_modulus', 0.0_dp, &
+                                 open_lower=.true.), 1e4_dp, 1e12_dp)
         keys(7) = real_key(name, 't2', 'Pa', '0', 'factor of mu^2 in tension', upper=0.0_dp)
     end function polynomial_keys
 

@@ -22,13 +22,13 @@ module brz_hjc
                                 p_k_tran, p_limit, p_mu_crush, p_mu_lock, p_mu_plock, p_n, &
                                 p_p_crush, p_p_lock, p_shear, p_smax, p_surface, p_t, p_young
     use brz_hjc_softening, only: by_malvar, h_damage, h_eroded, h_grown, h_mu_max, h_plastic, &
-                                 h_rate, h_tension, widest_crack
+                                 h_rate, h_tension, rate_factor, widest_crack
     use brz_hjc_strength, only: add_damage, by_malvar_surface, most, rate_effect, strength
     use brz_kinematics, only: volume_step
     use brz_material, only: class_crumbling, fails_by_degrees, material_t, point_t, material_ok, &
                             material_clamped, n_hist, n_par
     use brz_model, only: derived_t, model_t
-    use brz_text, only: to_text
+    use brz_text, only: string_t, to_text
     implicit none
     private
     public :: hjc, describe_hjc, update_hjc
@@ -58,6 +58,7 @@ contains
         model%history(h_grown) = 'grown'
         model%derive => derive
         model%report => report
+        model%remark => remark
     end subroutine describe_hjc
 
     !> Slopes of the pressure curve; refuses a curve that is not monotone or makes energy.
@@ -175,6 +176,22 @@ contains
             derived_t('gf', 'J/m2', material%par(p_gf)), &
             derived_t('widest crack', 'm', widest_crack(material%par))]
     end subroutine report
+
+    !> Cracks that know no rate.
+    subroutine remark(material, lines, warning)
+        type(material_t), intent(in) :: material
+        type(string_t), allocatable, intent(out) :: lines(:)
+        character(:), allocatable, intent(out) :: warning
+        character(40) :: factors
+
+        warning = ''
+        if (.not. material%par(p_ft) > 0 .or. int(material%par(p_crack_rate)) == by_malvar) return
+        write (factors, '(f0.1, 2(", ", f0.1))') rate_factor(material%par(p_fc), 1.0_rk), &
+            rate_factor(material%par(p_fc), 10.0_rk), rate_factor(material%par(p_fc), 100.0_rk)
+        lines = [string_t('cracks open at the static ft at any rate; under blast and impact '// &
+                          'tests have '//trim(factors)), &
+                 string_t("times that at 1, 10, 100 1/s: rate_tension = 'malvar' takes it")]
+    end subroutine remark
 
     !> One step of one material point; see `update_material` for the contract.
     !@cuf attributes(host,device) &

@@ -56,6 +56,7 @@ contains
             [0.0001_dp, 1.0_dp])
         keys(p_d2) = number(name, 'd2', '-', 'damage exponent', &
             [0.1_dp, 5.0_dp])
+        keys(p_d1)%failure = .true.
     end subroutine describe_strength
 
     subroutine describe_pressure(name, keys)

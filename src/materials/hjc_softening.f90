@@ -9,7 +9,7 @@ module brz_hjc_softening
     use brz_material, only: n_par
     implicit none
     private
-    public :: crack_damage, tensile_strength, widest_crack
+    public :: crack_damage, rate_factor, tensile_strength, widest_crack
 
     !> History: plastic strain, largest compression, eroded (0 or 1), damage of the cracks, damage
     !> of the rest, rate at which cracks open [1/s], volume that has grown over the unloaded one.

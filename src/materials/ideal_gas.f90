@@ -10,7 +10,7 @@ module brz_ideal_gas
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_fluid, material_t, point_t, n_par
-    use brz_model, only: model_t, real_key
+    use brz_model, only: model_t, real_key, usual
     implicit none
     private
     public :: ideal_gas, describe_ideal_gas, update_ideal_gas
@@ -29,8 +29,9 @@ contains
         model%class = class_fluid
         model%name = name
         allocate (model%keys(4))
-        model%keys(p_density) = real_key(name, 'density', 'kg/m3', required, &
-                                         'density at t = 0', 0.0_dp, open_lower=.true.)
+        model%keys(p_density) = usual(real_key(name, 'density', 'kg/m3', required, &
+                                               'density at t = 0', 0.0_dp, open_lower=.true.), &
+                                      0.01_dp, 25000.0_dp)
         model%keys(p_gamma) = real_key(name, 'gamma', '-', required, &
                                        'ratio of the specific heats', 1.0_dp, 5.0_dp, &
                                        open_lower=.true.)

@@ -14,10 +14,13 @@ module brz_johnson_cook
     use brz_isentrope, only: isentrope_step, isentrope_temperature
     use brz_isotropic, only: begin_step, end_step, fail_step, no_cutoff, on_surface, &
                              refine_root, step_t
+    use brz_johnson_cook_failure, only: failure_fault, failure_lines, failure_strain, &
+                                        failure_warning
     use brz_key, only: none, required
     use brz_kinds, only: dp, rk
     use brz_material, only: class_metal, fails_at_once, material_t, point_t, n_par
     use brz_model, only: model_t, real_key, text_key, usual
+    use brz_text, only: string_t
     implicit none
     private
     public :: johnson_cook, describe_johnson_cook, update_johnson_cook
@@ -53,6 +56,7 @@ contains
         model%history_unit(h_temperature) = 'K'
         model%derive => derive
         model%rest => rest
+        model%remark => remark
     end subroutine describe_johnson_cook
 
     subroutine describe_strength(model)
@@ -114,6 +118,7 @@ contains
         model%keys(p_d1 + 3) = real_key(name, 'd4', '-', '0', 'failure strain: rate')
         model%keys(p_d1 + 4) = real_key(name, 'd5', '-', '0', 'failure strain: temperature')
         model%keys(p_d1 + 1:p_d1 + 4)%needs = 'd1'
+        model%keys(p_d1:p_d1 + 4)%failure = .true.
         model%keys(p_least) = real_key(name, 'least_failure_strain', '-', '0.001', &
                                        'failure strain is at least this', 0.0_dp, open_lower=.true.)
     end subroutine describe_failure
@@ -132,6 +137,9 @@ contains
                 fault = 'd2, d3, d4 and d5 need d1'
                 return
             end if
+            if (given(p_d1) .and. .not. given(p_least)) &
+                call failure_fault(par(p_d1:p_d1 + 4), par(p_least), par(p_rate0), fault)
+            if (allocated(fault)) return
             call chosen_block(par, given, p_eos, block, fault)
             if (allocated(fault)) return
             if (.not. given(p_start)) par(p_start) = par(p_room)
@@ -146,6 +154,19 @@ contains
             if (int(par(p_heating)) /= by_energy) material%n_hist = h_isentrope - 1
         end associate
     end subroutine derive
+
+    !> Failure strains, and whether they are at their floor.
+    subroutine remark(material, lines, warning)
+        type(material_t), intent(in) :: material
+        type(string_t), allocatable, intent(out) :: lines(:)
+        character(:), allocatable, intent(out) :: warning
+
+        if (.not. material%par(p_fails) > 0) return
+        associate (par => material%par)
+            call failure_lines(par(p_d1:p_d1 + 4), par(p_least), par(p_rate0), lines)
+            warning = failure_warning(par(p_d1:p_d1 + 4), par(p_least), par(p_rate0))
+        end associate
+    end subroutine remark
 
     subroutine rest(material, point)
         type(material_t), intent(in) :: material
@@ -298,16 +319,15 @@ contains
         real(rk), intent(in) :: mises, p !! at the end of the step [Pa]
         real(rk), intent(in) :: hot !! T*
         real(rk), intent(inout) :: damage
-        real(rk) :: triaxiality, limit
+        real(rk) :: triaxiality, ratio
         real(rk), parameter :: lowest = -10, highest = 1.5_rk
 
         triaxiality = lowest
         if (p < -highest*mises) triaxiality = highest
         if (abs(p) < -lowest*mises) triaxiality = min(-p/mises, highest)
-        limit = par(p_d1) + par(p_d1 + 1)*exp(par(p_d1 + 2)*triaxiality)
-        if (strain > par(p_rate0)*dt .and. dt > 0) &
-            limit = limit*(1 + par(p_d1 + 3)*log(strain/(par(p_rate0)*dt)))
-        limit = max(limit*(1 + par(p_d1 + 4)*hot), par(p_least))
-        damage = min(1.0_rk, damage + strain/limit)
+        ratio = 0
+        if (dt > 0) ratio = strain/(par(p_rate0)*dt)
+        damage = min(1.0_rk, damage + strain/ &
+                     failure_strain(par(p_d1), par(p_least), triaxiality, ratio, hot))
     end subroutine add_damage
 end module brz_johnson_cook

@@ -32,14 +32,16 @@ contains
         model%keys(p_density) = usual(real_key(name, 'density', 'kg/m3', required, &
                                          'unloaded density', 0.0_dp, open_lower=.true.), &
                                              10.0_dp, 25000.0_dp)
-        model%keys(p_young) = real_key(name, 'youngs_modulus', 'Pa', none, &
-            "Young's modulus, together with poisson_ratio", 0.0_dp, open_lower=.true.)
+        model%keys(p_young) = usual(real_key(name, 'youngs_modulus', 'Pa', none, &
+            "Young's modulus, together with poisson_ratio", 0.0_dp, open_lower=.true.), &
+            1e6_dp, 1e12_dp)
         model%keys(p_poisson) = real_key(name, 'poisson_ratio', '-', none, &
             "Poisson's ratio, together with youngs_modulus", -1.0_dp, 0.4999_dp, open_lower=.true.)
-        model%keys(p_bulk) = real_key(name, 'bulk_modulus', 'Pa', none, &
-            'bulk modulus, together with shear_modulus', 0.0_dp, open_lower=.true.)
-        model%keys(p_shear) = real_key(name, 'shear_modulus', 'Pa', none, &
-            'shear modulus, together with bulk_modulus', 0.0_dp)
+        model%keys(p_bulk) = usual(real_key(name, 'bulk_modulus', 'Pa', none, &
+            'bulk modulus, together with shear_modulus', 0.0_dp, open_lower=.true.), &
+            1e6_dp, 1e12_dp)
+        model%keys(p_shear) = usual(real_key(name, 'shear_modulus', 'Pa', none, &
+            'shear modulus, together with bulk_modulus', 0.0_dp), 1e5_dp, 1e12_dp)
         model%derive => derive
     end subroutine describe_linear_elastic
 

@@ -12,10 +12,11 @@ module brz_materials
                             material_step_too_large
     use brz_model, only: derived_t, model_t, load_parameters, material_label
     use brz_model_list, only: apply_model, list_models
+    use brz_text, only: string_t
     implicit none
     private
-    public :: material_keys, make_material, start_point, update_material, update_model, &
-              history_names, derived_constants, unloaded_speed
+    public :: material_keys, material_remarks, make_material, start_point, update_material, &
+              update_model, history_names, derived_constants, unloaded_speed
 
     ! Numbers beyond these are no state of a solid; below them no update can overflow, in real32
     ! either. The strain of one step is the sum of |dv_i/dx_j| dt.
@@ -198,6 +199,23 @@ contains
         end do
         if (.not. allocated(list)) allocate (list(0))
     end subroutine derived_constants
+
+    !> Lines for `--check` and a warning, as the model of a material tells them.
+    subroutine material_remarks(material, lines, warning)
+        type(material_t), intent(in) :: material
+        type(string_t), allocatable, intent(out) :: lines(:)
+        character(:), allocatable, intent(out) :: warning !! empty where all is well
+        type(model_t), allocatable :: models(:)
+        integer :: i
+
+        call list_models(models)
+        do i = 1, size(models)
+            if (models(i)%code /= material%model) cycle
+            if (associated(models(i)%remark)) call models(i)%remark(material, lines, warning)
+        end do
+        if (.not. allocated(lines)) allocate (lines(0))
+        if (.not. allocated(warning)) warning = ''
+    end subroutine material_remarks
 
     !> Names and units of the history of a material; an empty name: not worth a dump.
     subroutine history_names(material, names, units)

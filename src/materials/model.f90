@@ -9,6 +9,7 @@ module brz_model
     use brz_errors, only: error_t, raise, exit_deck
     use brz_key, only: key_t, kind_text, kind_logical, required, none
     use brz_material, only: material_t, point_t, n_hist
+    use brz_text, only: string_t
     implicit none
     private
     public :: derived_t, model_t, load_parameters, material_label, real_key, text_key, &
@@ -31,6 +32,7 @@ module brz_model
         character(12) :: history_unit(n_hist) = '-'
         procedure(derive_i), pointer, nopass :: derive => null()
         procedure(report_i), pointer, nopass :: report => null() !! null: nothing to tell
+        procedure(remark_i), pointer, nopass :: remark => null() !! null: nothing to say
         procedure(start_i), pointer, nopass :: start => null() !! null: all zero
         procedure(rest_i), pointer, nopass :: rest => null() !! the same without a direction
     end type model_t
@@ -50,6 +52,14 @@ module brz_model
             type(material_t), intent(in) :: material
             type(derived_t), allocatable, intent(out) :: list(:)
         end subroutine report_i
+
+        !> What a user should know beside numbers, and what is to be warned of.
+        subroutine remark_i(material, lines, warning)
+            import :: material_t, string_t
+            type(material_t), intent(in) :: material
+            type(string_t), allocatable, intent(out) :: lines(:)
+            character(:), allocatable, intent(out) :: warning !! empty where all is well
+        end subroutine remark_i
 
         !> History of an unloaded point.
         subroutine start_i(material, angle, axis, point)

@@ -65,6 +65,9 @@ contains
         keys(p_energy + matrix_cracking) = toughness(name, 'gmt', 'matrix cracking')
         keys(p_energy + matrix_crushing) = toughness(name, 'gmc', 'matrix crushing')
         keys(p_energy + delamination) = toughness(name, 'gdl', 'delamination')
+        keys([p_xt, p_xc, p_yt, p_yc, p_zt, p_s12, p_s13, p_s23])%failure = .true.
+        keys(p_energy + [fibre_tension, fibre_compression, matrix_cracking, matrix_crushing, &
+                         delamination])%failure = .true.
     end subroutine describe_strength
 
     subroutine describe_options(name, keys)

@@ -22,13 +22,14 @@ module brz_body_setup
     use brz_kinds, only: dp, int16, rk
     use brz_layer_setup, only: settle_layer
     use brz_material, only: material_t, point_t
-    use brz_materials, only: make_material, start_point
+    use brz_materials, only: make_material, material_remarks, start_point
     use brz_plate, only: settle_plate
     use brz_region_setup, only: set_up_regions
     use brz_rigid_setup, only: set_up_rigid
     use brz_start_fields, only: start_from_file
     use brz_solid_arrays, only: allocate_solid
     use brz_solid_state, only: between_t, body_t, solid_t, worth_threads
+    use brz_text, only: string_t
     use brz_thin_bodies, only: judge_bars, judge_thin
     use brz_wide_lattice, only: settle_lattice
     implicit none
@@ -121,7 +122,7 @@ contains
         solid%present = case%solid%present .and. size(case%bodies) > 0
         if (.not. solid%present) return
         allocate (solid%materials(size(case%materials)))
-        call make_materials(case, solid%materials, err)
+        call make_materials(case, solid%materials, solid%notes, err)
         if (failed(err)) return
         allocate (solid%bodies(size(case%bodies)), points(size(case%bodies)))
         call lay_bodies(case, solid, points, err)
@@ -130,18 +131,26 @@ contains
     end subroutine outline_solid
 
     !> All materials; their faults are told together.
-    subroutine make_materials(case, materials, err)
+    subroutine make_materials(case, materials, notes, err)
         type(case_t), intent(in) :: case
         type(material_t), intent(out) :: materials(:)
+        character(:), allocatable, intent(inout) :: notes !! warnings, a line each
         type(error_t), intent(inout) :: err
         type(error_t) :: one
+        type(string_t), allocatable :: lines(:)
+        character(:), allocatable :: warning
         integer :: m
 
         if (failed(err)) return
         do m = 1, size(case%materials)
             one = error_t()
             call make_material(case%materials(m), materials(m), one)
-            if (.not. failed(one)) cycle
+            if (.not. failed(one)) then
+                call material_remarks(materials(m), lines, warning)
+                if (warning /= '') notes = notes//label('material', case%materials(m)%id, &
+                    case%materials(m)%place)//'warning: '//warning//new_line('a')
+                cycle
+            end if
             if (failed(err)) one%text = err%text//new_line('a')//one%text
             err = one
         end do

@@ -54,7 +54,8 @@ contains
         end select
         if (body%formulation == form_total .and. material%fails > 0) call refuse(input, &
             "formulation='total_lagrangian' is for what never breaks, and its material fails; "// &
-            "take 'bending' or 'corrected_hourglass'", err)
+            "give that failure = 'none' (metals and plies), or take 'bending' or "// &
+            "'corrected_hourglass'", err)
         if (body%limiter == limiter_slope .and. body%formulation /= form_corrected_hourglass) &
             call refuse(input, "limiter='slope' goes with formulation='corrected_hourglass' "// &
                         "alone; leave it out, or take 'balsara'", err)

@@ -16,11 +16,12 @@ module brz_material_driver
     use brz_material, only: material_t, point_t, material_ok, material_not_finite, &
                             material_step_too_large
     use brz_material_report, only: material_report
-    use brz_materials, only: make_material, start_point, update_material
+    use brz_materials, only: make_material, material_remarks, start_point, update_material
+    use brz_model, only: material_label
     use brz_point_table, only: slots_t, point_columns, point_row
     use brz_scanner, only: read_deck
     use brz_screen, only: say, show, warn
-    use brz_text, only: to_text
+    use brz_text, only: string_t, to_text
     use brz_stress_control, only: controlled_step, stress_control_t
     implicit none
     private
@@ -60,6 +61,7 @@ contains
         call start_point(drive%material, real(drive%case%rotation*acos(-1.0_dp)/180, rk), &
                          drive%case%ply_axis, drive%point)
         drive%check = options%check
+        call warn_of_material(drive)
         call print_material(drive)
         if (options%check) return
         call open_table(options, drive, file, err)
@@ -86,6 +88,17 @@ contains
         call build_point(deck, keys, case, err)
         call warn(case%warnings)
     end subroutine read_point
+
+    !> What is odd about the constants, on the error unit.
+    subroutine warn_of_material(drive)
+        type(drive_t), intent(in) :: drive
+        type(string_t), allocatable :: lines(:)
+        character(:), allocatable :: warning
+
+        call material_remarks(drive%material, lines, warning)
+        if (warning /= '') call warn([string_t(material_label(drive%case%material)// &
+                                               'warning: '//warning)])
+    end subroutine warn_of_material
 
     !> What the material is, and how long its path.
     subroutine print_material(drive)

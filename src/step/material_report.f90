@@ -3,15 +3,16 @@
 module brz_material_report
     use brz_case, only: material_case_t
     use brz_kinds, only: dp, rk
-    use brz_material, only: material_t, point_t
-    use brz_materials, only: derived_constants, start_point, update_material
+    use brz_material, only: fails_at_once, material_t, point_t
+    use brz_materials, only: derived_constants, material_remarks, start_point, update_material
     use brz_model, only: derived_t
-    use brz_text, only: to_text
+    use brz_text, only: string_t, to_text
     implicit none
     private
     public :: material_report, shock_state
 
     character(*), parameter :: lf = new_line('a')
+    character(*), parameter :: indent = repeat(' ', 13) !! beneath the name
     integer, parameter :: longest = 90 !! of a line
 
 contains
@@ -23,6 +24,8 @@ contains
         real(dp), intent(in) :: up !! particle velocity of the Hugoniot; 0: none is told [m/s]
         character(:), allocatable :: text, line
         type(derived_t), allocatable :: list(:)
+        type(string_t), allocatable :: lines(:)
+        character(:), allocatable :: warning
         real(dp) :: us, p, mu
         integer :: i
         logical :: ok
@@ -40,12 +43,19 @@ contains
         call shock_state(material, up, us, p, mu, ok)
         if (ok) then
             text = text//line//lf
-            line = repeat(' ', 13)//'one shock through z, up '//number(up)//' m/s'
+            line = indent//'one shock through z, up '//number(up)//' m/s'
             call append('us', real(us, rk), 'm/s')
             call append('stress', real(p, rk), 'Pa')
             call append('mu', real(mu, rk), '')
         end if
         text = text//line//lf
+        call material_remarks(material, lines, warning)
+        do i = 1, size(lines)
+            text = text//indent//lines(i)%s//lf
+        end do
+        if (material%fails == fails_at_once) text = text//indent//'it breaks by strain, not by '// &
+            'an energy: work and direction of a tear depend on'//lf//indent//'the spacing and '// &
+            'on the lattice, a factor of 2 (docs/fracture.md)'//lf
         text = text//unconfirmed_text(input)
 
     contains
@@ -58,7 +68,7 @@ contains
             part = trim(name//' '//number(real(value, dp))//' '//unit)
             if (len(line) + len(part) + 2 > longest) then
                 text = text//line//','//lf
-                line = repeat(' ', 13)//adjustl(part)
+                line = indent//adjustl(part)
             else
                 line = line//', '//trim(adjustl(part))
             end if
@@ -74,9 +84,11 @@ contains
         text = ''
         if (.not. allocated(input%unconfirmed)) return
         n = count([(input%unconfirmed(i:i) == ' ', i=1, len(input%unconfirmed))])
-        if (n == 1) text = repeat(' ', 13)//'1 constant of this preset is unconfirmed:'
-        if (n > 1) text = repeat(' ', 13)//to_text(n)//' constants of this preset are unconfirmed:'
+        if (n == 1) text = indent//'1 constant of this preset is unconfirmed:'
+        if (n > 1) text = indent//to_text(n)//' constants of this preset are unconfirmed:'
         if (n > 0) text = text//input%unconfirmed//lf
+        if (input%doubtful) text = text//indent//'where and when it breaks rests on '// &
+            "guesses: compare with failure = 'none' (docs/materials.md)"//lf
     end function unconfirmed_text
 
     !> Four digits: 3831, 0.1106, 1.541E+11.

@@ -233,6 +233,8 @@ BAD = [
     swap("too_few_values", "20,20,20", "20,20", 5, "3 integers", "found 2 values"),
     swap("too_many_values", "at=0.3,0.2,0.2", "at=0.3,0.2,0.2,0.2", 10, "found 4 values"),
     swap("six_or_one_word", "cells =", "bc='wall','wall', cells =", 5, "one word for all faces"),
+    whole("group_in_text", GOOD + "# &gauge id='g3', at=0.3,0.2,0.2 /\n", 13, "within text", "'!'"),
+    whole("output_twice", GOOD + "&output dump_every=1e-5 /\n", 13, "may stand once", "line 12"),
     swap("duplicate_key", "t_end=1e-4", "t_end=1e-4, t_end=2e-4", 2, "stands twice"),
     swap("duplicate_group", "&output", "&run t_end=1 /\n&output", 12, "line 2"),
     swap("duplicate_id", "&gauge id='g2'", "&gauge id='g1'", 11, "taken", "line 10"),

@@ -192,6 +192,119 @@ def test_a_key_of_a_preset_is_taken_back(tmp_path):
     assert "its step falls as far as it is pressed thinner" in text
 
 
+def test_a_preset_is_chosen_by_an_override(tmp_path):
+    """--set material(m).preset=: the other preset's keys, those of the deck on top of them."""
+    (tmp_path / "a.nml").write_text(deck("al6061", "a = 3e8"))
+    choose = ["--set", "material(m).preset=steel_4340"]
+    code, text = run(tmp_path, "run", "a.nml", "--out", "o", *choose)
+    assert code == 0, text
+    keys = keys_of((tmp_path / "o" / "a.echo.nml").read_text())
+    steel = keys_of((ROOT / "inputs" / "presets" / "steel_4340.nml").read_text())
+    assert float(keys["a"]) == 3e8
+    for key in ("b", "d1", "density"):
+        assert same(keys[key], steel[key]), key
+    wrong = "material(m).preset=steel_434"
+    code, text = run(tmp_path, "run", "a.nml", "--check", "--set", wrong)
+    assert code == 2
+    assert f"--set {wrong}: &material id='m': unknown preset" in text
+    assert "did you mean 'steel_4340'" in text
+
+
+METALS = ("al1100", "al2024", "al6061", "armco_iron", "ofhc_copper", "rebar", "steel_4340")
+
+
+@pytest.mark.parametrize("preset", METALS)
+def test_metals_without_failure(preset, tmp_path):
+    """failure = 'none': no constant of failure is left, and total_lagrangian takes the metal."""
+    (tmp_path / "a.nml").write_text(deck(preset, ", failure = 'none'"))
+    total = ["--set", "body(b).formulation=total_lagrangian"]
+    code, text = run(tmp_path, "run", "a.nml", "--out", "one", *total)
+    assert code == 0, text
+    keys = keys_of((tmp_path / "one" / "a.echo.nml").read_text())
+    assert keys["failure"] == "none"
+    assert not keys.keys() & {"d1", "failure_strain"}
+    (tmp_path / "b.nml").write_text(deck(preset))
+    code, text = run(tmp_path, "run", "b.nml", "--check", *total)
+    assert code == 2
+    assert "failure = 'none'" in text
+    code, text = run(tmp_path, "run", "b.nml", "--check", *total, "--set", "material.failure=none")
+    assert code == 0, text
+
+
+def test_concrete_cannot_be_without_damage(tmp_path):
+    """The strength of concrete falls with its damage: said, with what to take."""
+    (tmp_path / "a.nml").write_text(deck("hjc_48", "failure = 'none'"))
+    code, text = run(tmp_path, "run", "a.nml", "--check")
+    assert code == 2
+    assert "a.nml:2: &material id='m': failure = 'none' is for metals and plies" in text
+    assert "'linear_elastic'" in text
+
+
+def test_check_says_what_fracture_rests_on(tmp_path):
+    """Failure strains, that no energy stands behind them, guesses, cracks without a rate."""
+    (tmp_path / "a.nml").write_text(deck("al6061"))
+    code, text = run(tmp_path, "run", "a.nml", "--check")
+    assert code == 0
+    assert "failure strain at 1e5 1/s and triaxiality 0, 1/3, 1:  0.6800  0.4697  0.1363" in text
+    assert "it breaks by strain, not by an energy" in text
+    assert "rests on guesses" in text
+    code, text = run(tmp_path, "run", "a.nml", "--check", "--set", "material.failure=none")
+    assert code == 0
+    assert "breaks" not in text
+    (tmp_path / "c.nml").write_text(deck("concrete_48"))
+    code, text = run(tmp_path, "run", "c.nml", "--check")
+    assert code == 0
+    assert "tests have 1.4, 3.1, 6.6" in text
+    rate = ["--set", "material.rate_tension=malvar"]
+    code, text = run(tmp_path, "run", "c.nml", "--check", *rate)
+    assert "tests have" not in text
+
+
+def test_a_failure_strain_at_its_floor_is_told(tmp_path):
+    """By d4 < 0 at high rates a warning; nearly everywhere an error, unless the floor is given."""
+    low = "reference_rate = 1e-4, d4 = -0.05279"
+    (tmp_path / "a.nml").write_text(deck("steel_4340", low))
+    code, text = run(tmp_path, "run", "a.nml", "--check")
+    assert code == 0
+    assert "a.nml:2: &material id='m': warning: the failure strain is at its floor" in text
+    assert "3 of 9 states" in text
+    assert "at 16859.0" in text
+    (tmp_path / "b.nml").write_text(deck("steel_4340", "d1 = -3.5"))
+    code, text = run(tmp_path, "run", "b.nml", "--check")
+    assert code == 2
+    assert "b.nml:2: &material id='m': the failure strain is at its floor" in text
+    floor = ["--set", "material.least_failure_strain=0.02"]
+    code, text = run(tmp_path, "run", "b.nml", "--check", *floor)
+    assert code == 0
+    assert "9 of 9 states" in text
+
+
+def test_tougher_in_tension_is_told(tmp_path):
+    """The other sign of d3, as some print it; `brisance mat` says so too."""
+    path = "&point material='m' /\n&segment duration=1e-6, l=9*0 /\n"
+    (tmp_path / "a.nml").write_text("&material id='m', preset='steel_4340', d3=2 /\n" + path)
+    code, text = run(tmp_path, "mat", "a.nml", "--check")
+    assert code == 0
+    assert "a.nml:1: &material id='m': warning: tension makes it tougher" in text
+    assert "failure strain at 1 1/s" in text
+
+
+@pytest.mark.parametrize("key", ["youngs_modulus", "bulk_modulus", "shear_modulus", "density"])
+def test_elastic_constants_are_asked_for_their_unit(key, tmp_path):
+    """30e3 for 30e9, and a density in g/cm3."""
+    values = {"bulk_modulus": 2e10, "shear_modulus": 1e10, "density": 2400.0}
+    if key == "youngs_modulus":
+        values = {"youngs_modulus": 3e10, "poisson_ratio": 0.2, "density": 2400.0}
+    values[key] *= 1e-3 if key == "density" else 1e-6
+    keys = ", ".join(f"{name}={value}" for name, value in values.items())
+    scene = deck("x").replace("preset='x'", f"model='linear_elastic', {keys}")
+    (tmp_path / "a.nml").write_text(scene)
+    code, text = run(tmp_path, "run", "a.nml", "--check")
+    assert code == 0, text
+    assert f"a.nml:2: warning: &material id='m': {key} = " in text
+    assert "is it in SI units?" in text
+
+
 def test_only_what_the_preset_has_is_taken_back(tmp_path):
     """A number that must be there, and one that the deck gives beside d1 = none, are told."""
     for more in ("a = none", "t_cut = none", "d1 = none, d2 = 0.1"):
