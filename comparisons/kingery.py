@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""The blast of `&load mass` for finite elements: Kingery-Bulmash, Friedlander, ConWep's angles."""
+"""The blast of `&load mass` for finite elements: Kingery-Bulmash, Friedlander, angles."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from functools import cache
 
-from post.blast import free_air
+from post.blast import free_air, oblique_shares
 
 
 @cache
@@ -40,8 +40,7 @@ def load(
     def place(x: float, y: float) -> tuple[float, tuple, tuple]:
         distance = math.dist((x, y, 0.0), at)
         wave = free_air(mass, distance)
-        c = at[2] / distance
-        reflected, incident = c * c, 1 + c * c - 2 * c
+        reflected, incident = oblique_shares(at[2] / distance)
         parts = (
             (reflected * wave.reflected_overpressure, wave.duration,
              decay(wave.reflected_overpressure, wave.duration, wave.reflected_impulse)),

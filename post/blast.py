@@ -45,14 +45,25 @@ class FreeAirBlast:
     def on_surface(self, angle: float) -> tuple[float, float]:
         """Overpressure [Pa] and impulse [Pa s] on a surface, angle of incidence in [rad].
 
-        ConWep's rule: reflected cos^2 + incident (1 + cos^2 - 2 cos); no Mach stem.
+        By `oblique_shares`; no Mach stem.
         """
-        c = max(math.cos(angle), 0.0)
-        wi, wr = 1 + c * c - 2 * c, c * c
+        reflected, incident = oblique_shares(math.cos(angle))
         return (
-            wr * self.reflected_overpressure + wi * self.incident_overpressure,
-            wr * self.reflected_impulse + wi * self.incident_impulse,
+            reflected * self.reflected_overpressure + incident * self.incident_overpressure,
+            reflected * self.reflected_impulse + incident * self.incident_impulse,
         )
+
+
+def oblique_shares(cosine: float) -> tuple[float, float]:
+    """Shares of the reflected and the incident wave in what a rigid surface feels.
+
+    `cosine` c of the angle of incidence: p = p_r c^2 + p_i (1 + c - 2 c^2), and p_i alone where it
+    looks away (c < 0). Never below p_i where p_r >= p_i, and p_i (1 + c) for sound (p_r = 2 p_i).
+    Source: G. Randers-Pehrson, K. A. Bannister, ARL-TR-1310 (1997), whose printed share of the
+    incident wave, 1 + c^2 - 2 c, has c and its square exchanged (docs/blast.md).
+    """
+    c = max(cosine, 0.0)
+    return c * c, 1 + c - 2 * c * c
 
 
 @cache

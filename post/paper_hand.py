@@ -36,7 +36,8 @@ def load_on_slab(deck: Deck) -> tuple[float, float]:
     """Impulse of Kingery-Bulmash on a whole square plate under its charge [N s], and the kinetic
     energy of its elements if each keeps the impulse that it gets [J].
 
-    Reflected values with ConWep's rule for oblique incidence. PostError without charge or plate.
+    By the angle of incidence of each (`FreeAirBlast.on_surface`). PostError without charge or
+    plate.
     """
     plates = [body for body in deck.bodies() if body.shape == "box"]
     charges, mass = deck.groups("charge"), areal_mass(deck)

@@ -10,7 +10,7 @@ module brz_kingery_bulmash
     use brz_kinds, only: dp
     implicit none
     private
-    public :: blast_t, free_air_blast, friedlander_decay, surface_blast
+    public :: blast_t, free_air_blast, friedlander_decay, oblique_shares, surface_blast
     public :: nearest, nearest_ground, farthest
 
     real(dp), parameter :: lb = 0.45359237_dp, foot = 0.3048_dp, psi = 6894.757293_dp
@@ -131,6 +131,21 @@ contains
         x = log10(distance/root)
         blast = blast_of(hemispheres, [x, max(x, least_duration)], 1e3_dp, 1e-3_dp*root)
     end function surface_blast
+
+    !> Shares of the reflected and of the incident wave in what a rigid surface feels, by the cosine
+    !> of the angle of incidence: p = p_r c^2 + p_i (1 + c - 2 c^2), and p_i alone where it looks
+    !> away (c < 0). Never below p_i where p_r >= p_i, and p_i (1 + c) for sound, where p_r = 2 p_i.
+    !>
+    !> Source: G. Randers-Pehrson, K. A. Bannister, ARL-TR-1310 (1997), whose printed share of the
+    !> incident wave, 1 + c^2 - 2 c, has c and its square exchanged (docs/blast.md).
+    pure function oblique_shares(cosine) result(share)
+        real(dp), intent(in) :: cosine
+        real(dp) :: share(2) !! reflected, incident
+        real(dp) :: c
+
+        c = max(cosine, 0.0_dp)
+        share = [c*c, 1 + c - 2*c*c]
+    end function oblique_shares
 
     !> All quantities of a table at a place, and at another one for the duration.
     pure function blast_of(curves, x, pressure, time) result(blast)

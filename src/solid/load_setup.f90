@@ -7,7 +7,7 @@ module brz_load_setup
     use brz_face_load, only: facets_t, find_places, lay_out
     use brz_kinds, only: dp, int32, rk
     use brz_kingery_bulmash, only: blast_t, farthest, free_air_blast, friedlander_decay, nearest, &
-                                   nearest_ground, surface_blast
+                                   nearest_ground, oblique_shares, surface_blast
     use brz_patch, only: is_under
     use brz_solid_state, only: body_t, solid_t
     use brz_stl, only: mesh_t, read_stl
@@ -260,15 +260,15 @@ contains
         if (all(at >= low) .and. all(at <= high)) i = cell(at(1), at(2), at(3))
     end function number_at
 
-    !> Waves of a blast on the facets of the unloaded body: reflected and incident part by the
-    !> angle of incidence, p_r cos^2 + p_i (1 + cos^2 - 2 cos); none on faces that look away.
+    !> Waves of a blast on the facets of the unloaded body: reflected and incident part by the angle
+    !> of incidence.
     subroutine find_waves(load, solid, facets, err)
         type(load_case_t), intent(in) :: load
         type(solid_t), intent(in) :: solid
         type(facets_t), intent(inout) :: facets
         type(error_t), intent(inout) :: err
         type(blast_t) :: blast
-        real(dp) :: arm(3), outward(3), c, distance, near, far, least
+        real(dp) :: arm(3), outward(3), share(2), distance, near, far, least
         integer :: i, k
 
         near = huge(near)
@@ -293,9 +293,9 @@ contains
                 if (load%faces(8)) outward = unloaded_place(solid, load%body, i) - round%centre
                 if (load%faces(8)) outward(round%axis) = 0
             end associate
-            c = max(dot_product(arm, outward)/(distance*norm2(outward)), 0.0_dp)
+            share = oblique_shares(dot_product(arm, outward)/(distance*norm2(outward)))
             facets%wave(:, k) = [load%start + blast%arrival, blast%duration, &
-                c*c*blast%reflected, (1 + c*c - 2*c)*blast%peak, &
+                share(1)*blast%reflected, share(2)*blast%peak, &
                 friedlander_decay(blast%reflected, blast%duration, blast%reflected_impulse), &
                 friedlander_decay(blast%peak, blast%duration, blast%impulse)]
         end do

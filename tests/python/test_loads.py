@@ -13,7 +13,7 @@ from notes import note
 HOME = Path(__file__).parents[2]
 sys.path.insert(0, str(HOME))
 
-from post.blast import free_air, surface  # noqa: E402
+from post.blast import free_air, measure_pulse, surface  # noqa: E402
 
 BRISANCE = HOME / "bin" / "brisance"
 STEEL = """\
@@ -124,6 +124,35 @@ def test_blast_is_that_of_kingery_bulmash(tmp_path, burst, curves):
         wanted *= 0.005**2
         note(f"load_blast_{angle}" if burst == "air" else f"load_ground_{angle}", got / wanted)
         assert got == pytest.approx(wanted, rel=1e-6)
+
+
+HEIGHT = 1.5  # of 1 kg of TNT over a rigid floor [m]
+OVER_A_FLOOR = (
+    f"&run t_end=13e-3 /\n&air geometry='axial', floor=0 /\n"
+    f"&charge id='tnt', mass=1, eos='jwl', at=0,0,{HEIGHT}, plane_cells=80 /\n"
+    "&output history_every=0 /\n"
+)
+
+
+def test_oblique_reflection_from_a_floor(tmp_path):
+    """The impulse that the curves give a surface, beside that of air in the plane through the axis
+    on a rigid floor: within 12 % at 45, 60 and 70 degrees, and both above the incident one."""
+    angles = (45, 60, 70)
+    deck = OVER_A_FLOOR
+    for angle in angles:
+        at = HEIGHT * math.tan(math.radians(angle))
+        deck += f"&gauge id='{angle}', at={at},0,0, quantity='overpressure' /\n"
+    gauges = run(tmp_path, deck)["gauges"]
+    time = gauges["time[s]"]
+    for angle in angles:
+        pulse = measure_pulse(time, gauges[f"{angle}:overpressure[Pa]"], ambient=0.0)
+        assert pulse.complete
+        turn = math.radians(angle)
+        blast = free_air(1.0, HEIGHT / math.cos(turn))
+        _, impulse = blast.on_surface(turn)
+        note(f"load_oblique_{angle}", impulse / pulse.impulse)
+        assert impulse == pytest.approx(pulse.impulse, rel=0.12)
+        assert min(impulse, pulse.impulse) > blast.incident_impulse
 
 
 @pytest.mark.parametrize("form", ["auto", "total_lagrangian", "rigid"])

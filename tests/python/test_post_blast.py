@@ -15,7 +15,13 @@ sys.path[:0] = [str(HERE.parents[1]), str(HERE)]
 
 from synthetic_run import P0, friedlander  # noqa: E402
 
-from post.blast import free_air, measure_pulse  # noqa: E402
+from post.blast import (  # noqa: E402
+    free_air,
+    free_air_range,
+    measure_pulse,
+    oblique_shares,
+    surface,
+)
 
 # --- Kingery-Bulmash -------------------------------------------------------------------------
 
@@ -46,6 +52,24 @@ def test_oblique_surface_runs_from_reflected_to_incident():
     b = free_air(1.0, 2.0)
     assert b.on_surface(0.0) == (b.reflected_overpressure, b.reflected_impulse)
     assert b.on_surface(math.pi / 2)[0] == pytest.approx(b.incident_overpressure)
+    assert b.on_surface(math.pi) == (b.incident_overpressure, b.incident_impulse)
+
+
+def test_oblique_surface_in_the_limit_of_sound():
+    """Where p_r = 2 p_i a rigid surface feels p_i (1 + c): never less than the wave that passes."""
+    for c in np.linspace(0, 1, 11):
+        reflected, incident = oblique_shares(c)
+        assert 2 * reflected + incident == pytest.approx(1 + c, rel=1e-14)
+
+
+@pytest.mark.parametrize(("burst", "curves"), [("air", free_air), ("surface", surface)])
+def test_oblique_surface_feels_more_the_more_it_looks_at_the_charge(burst, curves):
+    low, high = free_air_range(burst)
+    for z in np.geomspace(1.01 * low, 0.99 * high, 30):
+        b = curves(1.0, z)
+        felt = np.array([b.on_surface(angle) for angle in np.linspace(math.pi / 2, 0, 91)])
+        assert (np.diff(felt, axis=0) > 0).all()
+        assert felt.min(axis=0) == pytest.approx([b.incident_overpressure, b.incident_impulse])
 
 
 @pytest.mark.parametrize(
